@@ -1,0 +1,60 @@
+//! What can go wrong, typed.
+
+use thiserror::Error;
+
+/// A parameter, or the step size, with which no stepper can be built.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ParameterError {
+    /// A parameter is infinite or not a number.
+    #[error("parameter `{name}` is not finite")]
+    NotFinite {
+        /// The field's name.
+        name: &'static str,
+    },
+    /// An inertia matrix is not symmetric.
+    #[error("inertia `{name}` is not symmetric: entries mirrored at the diagonal differ by {difference:e}")]
+    NotSymmetric {
+        /// The field's name.
+        name: &'static str,
+        /// The largest difference between mirrored entries.
+        difference: f64,
+    },
+    /// An inertia is not positive definite: some motion would have no or negative kinetic energy.
+    #[error("inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot:e}")]
+    NotPositiveDefinite {
+        /// The field's name.
+        name: &'static str,
+        /// Which pivot, from 0; for principal moments, which moment.
+        index: usize,
+        /// Its value.
+        pivot: f64,
+    },
+    /// The step is zero, infinite or not a number.
+    #[error("the step must be finite and not zero, got {step}")]
+    Step {
+        /// The step asked for.
+        step: f64,
+    },
+}
+
+/// A step that could not be taken. The state is as before the call.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The state handed in, or the state after the step, has an infinite component or one that is not a number.
+    #[error("the state is not finite")]
+    NotFinite,
+    /// Newton's iteration did not solve the step's equation; a smaller step helps.
+    #[error("no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step")]
+    NoConvergence {
+        /// Newton iterations tried.
+        iterations: u32,
+        /// The smallest residual reached, relative to the terms of the equation.
+        residual: f64,
+    },
+    /// The solution lies outside the retraction's domain (for the exponential on SO(3): a turn of 2π or more in one
+    /// step); take a smaller step or the Cayley map.
+    #[error("the step leaves the retraction's domain; try a smaller step or the Cayley map")]
+    OutsideDomain,
+}

@@ -1,0 +1,1 @@
+//! A stepper written the ordinary way.

@@ -1,0 +1,46 @@
+//! Checks of parameters, shared by all generated systems.
+
+use crate::error::ParameterError;
+use crate::scalar::Real;
+
+/// Every component finite, or an error naming the parameter.
+#[doc(hidden)]
+pub fn require_finite<T: Real>(name: &'static str, components: &[T]) -> Result<(), ParameterError> {
+    if components.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(ParameterError::NotFinite { name }) }
+}
+
+/// A square matrix (flat, order `dimension`) equal to its transpose up to roundoff, or an error naming the parameter.
+#[doc(hidden)]
+pub fn require_symmetric<T: Real>(
+    name: &'static str,
+    entries: &[T],
+    dimension: usize,
+) -> Result<(), ParameterError> {
+    let entry = |i: usize, j: usize| entries.get(i * dimension + j).map_or(f64::NAN, |x| x.to_f64());
+    let mut difference: f64 = 0.0;
+    let mut largest: f64 = 0.0;
+    for i in 0..dimension {
+        for j in 0..dimension {
+            largest = largest.max(entry(i, j).abs());
+            difference = difference.max((entry(i, j) - entry(j, i)).abs());
+        }
+    }
+    // a few units of roundoff of the largest entry: what computing an inertia by rotation leaves
+    if difference <= 8.0 * T::EPSILON.to_f64() * largest {
+        Ok(())
+    } else {
+        Err(ParameterError::NotSymmetric { name, difference })
+    }
+}
+
+/// All pivots positive, or an error naming the parameter.
+#[doc(hidden)]
+pub fn require_positive_definite<T: Real>(name: &'static str, pivots: &[T]) -> Result<(), ParameterError> {
+    for (index, pivot) in pivots.iter().enumerate() {
+        let pivot = pivot.to_f64();
+        if !(pivot > 0.0) {
+            return Err(ParameterError::NotPositiveDefinite { name, index, pivot });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,73 @@
+//! The interface between generated straight-line code and the runtime that drives it.
+//!
+//! One step of any scheme solves `left(x) = right(x)` for the unknown `x` (the family's `η = t ζ`, with `t` the step
+//! and `ζ` the velocity) and then updates the state. Every intermediate value is computed at the earliest of three
+//! stages: when the stepper is built, once a step, once a Newton iteration.
+
+use crate::scalar::Scalar;
+
+/// A flat array of scalars.
+pub trait Components<T>: Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> {}
+
+impl<T, const N: usize> Components<T> for [T; N]
+where
+    T: Copy + PartialEq + core::fmt::Debug,
+{
+}
+
+/// The step's equation `left(x) = right(x)`, evaluated at one `x`.
+#[derive(Clone, Copy, Debug)]
+pub struct Evaluation<U, I> {
+    /// `left(x) − right(x)`.
+    pub residual: U,
+    /// `right(x)`: the residual counts relative to its largest component.
+    pub right: U,
+    /// Values that the Newton correction and the update need again.
+    pub iterate: I,
+}
+
+/// One step's arithmetic for one system and one scheme; `self` holds what depends on parameters and step alone.
+pub trait Kernel<T: Scalar>: Copy {
+    /// The system's parameters.
+    type Parameters: Components<T>;
+    /// The state.
+    type State: Components<T>;
+    /// The unknown of the step's equation.
+    type Unknown: Components<T>;
+    /// What depends on the state, but not on the unknown.
+    type Step: Copy;
+    /// What depends on the unknown and is needed again.
+    type Iterate: Copy;
+
+    /// Stage *parameters*: once, when the stepper is built.
+    fn new(parameters: &Self::Parameters, step: T) -> Self;
+    /// Stage *step*: once a step.
+    fn begin(&self, state: &Self::State) -> Self::Step;
+    /// A first approximation of the unknown from the state alone.
+    fn start(&self, state: &Self::State) -> Self::Unknown;
+    /// Stage *iteration*: the equation at one value of the unknown.
+    fn evaluate(
+        &self,
+        state: &Self::State,
+        step: &Self::Step,
+        unknown: &Self::Unknown,
+    ) -> Evaluation<Self::Unknown, Self::Iterate>;
+    /// The Newton correction: the solution `d` of `(∂residual/∂x) d = residual`.
+    fn correction(
+        &self,
+        state: &Self::State,
+        step: &Self::Step,
+        unknown: &Self::Unknown,
+        evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
+    ) -> Self::Unknown;
+    /// Positive inside the retraction's domain, zero on its edge.
+    fn domain(&self, unknown: &Self::Unknown, evaluation: &Evaluation<Self::Unknown, Self::Iterate>) -> T;
+    /// The state after the step, from the solution of the equation.
+    fn finish(
+        &self,
+        state: &Self::State,
+        step: &Self::Step,
+        unknown: &Self::Unknown,
+        evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
+    ) -> Self::State;
+}

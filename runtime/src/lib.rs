@@ -1,0 +1,80 @@
+//! Structure-preserving steppers for mechanics on Lie groups.
+//!
+//! Describe *what* the system is — its group, inertia, potential, advected parameters — by annotating a
+//! struct with [`lie_poisson_system`]. The macro derives the mathematics and emits a stepper that has
+//! nothing in it but that system's arithmetic; this crate holds what all steppers share: states, Newton's
+//! iteration, errors, runs and observers.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! /// A rigid body that turns about a fixed point under gravity.
+//! #[lie_poisson_system(
+//!     group = SO3,
+//!     advected(gamma: R3),                      // the vertical, seen from the body
+//!     potential = weight * gamma.dot(&chi),
+//! )]
+//! #[derive(Clone, Debug, PartialEq)]
+//! pub struct HeavyTop {
+//!     /// Principal moments of inertia about the fixed point, kg m².
+//!     #[inertia]
+//!     pub inertia: Vector3<f64>,
+//!     /// Mass times gravity, N.
+//!     pub weight: f64,
+//!     /// From the fixed point to the centre of mass, body frame, m.
+//!     pub chi: Vector3<f64>,
+//! }
+//!
+//! let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: Vector3::z() };
+//! let mut state = HeavyTopState {
+//!     attitude: UnitQuaternion::identity(),
+//!     momentum: vector![1.0, 1.0, 1.0],
+//!     gamma: Vector3::z(),
+//! };
+//! let before = top.energy(&state);
+//! let mut stepper = top.stepper::<Cayley>(0.01)?;
+//! for _ in 0..1_000 {
+//!     stepper.step(&mut state)?;
+//! }
+//! assert!((top.energy(&state) - before).abs() < 1e-4);
+//! assert!((state.gamma.norm() - 1.0).abs() < 1e-14);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Conventions: attitudes turn body coordinates into space coordinates, `momentum` and `advected` quantities
+//! are in body coordinates, units are the user's (SI throughout our own systems).
+#![cfg_attr(not(feature = "std"), no_std)]
+
+// The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
+extern crate self as coadjoint;
+
+pub mod error;
+pub mod generic;
+pub mod inertia;
+pub mod kernel;
+pub mod newton;
+pub mod prelude;
+pub mod retraction;
+pub mod run;
+pub mod scalar;
+pub mod stepper;
+pub mod stumpff;
+pub mod system;
+
+pub use coadjoint_macros::lie_poisson_system;
+pub use error::{ParameterError, StepError};
+pub use nalgebra;
+pub use retraction::{Cayley, Exponential};
+pub use stepper::{StepReport, Stepper};
+pub use system::{Discretized, State, System};
+
+/// What generated code reaches for; not for people, and free to change with every version.
+#[doc(hidden)]
+pub mod __private {
+    pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
+    pub use crate::kernel::{Evaluation, Kernel};
+    pub use crate::scalar::Scalar;
+    pub use crate::system::{Discretized, Quantity, State, System};
+    pub use nalgebra;
+    pub use serde;
+}

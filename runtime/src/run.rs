@@ -1,0 +1,1 @@
+//! Runs and the observers that hang on them.

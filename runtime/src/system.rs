@@ -1,0 +1,91 @@
+//! The traits that generated code implements.
+
+use crate::error::ParameterError;
+use crate::kernel::{Components, Kernel};
+use crate::scalar::{Real, Scalar};
+use crate::stepper::Stepper;
+
+/// A named quantity of one or more components: a parameter or a part of the state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// The field's name.
+    pub name: &'static str,
+    /// The components' suffixes in storage order, `[""]` for a scalar: `["x", "y", "z"]`, `["w", "x", "y", "z"]`.
+    pub components: &'static [&'static str],
+    /// The first line of the field's documentation, empty if there is none.
+    pub doc: &'static str,
+}
+
+/// The state of a [`System`]: configuration, momentum, advected parameters.
+///
+/// A plain struct of nalgebra types; this trait also shows it as a flat array, in the order of its fields.
+/// Unit quaternions are stored as `w, x, y, z`.
+pub trait State: Clone + PartialEq + core::fmt::Debug {
+    /// `f64` or `f32`.
+    type Scalar: Real;
+    /// The flat array.
+    type Components: Components<Self::Scalar>;
+    /// The fields, in order.
+    const QUANTITIES: &'static [Quantity];
+    /// The state as a flat array.
+    fn to_components(&self) -> Self::Components;
+    /// The state from a flat array. What must be of unit length is taken as it is.
+    fn from_components(components: &Self::Components) -> Self;
+}
+
+/// A mechanical system described with [`lie_poisson_system`](crate::lie_poisson_system).
+pub trait System: Sized {
+    /// The scalar of its fields, `f64` or `f32`.
+    type Scalar: Real;
+    /// Its state.
+    type State: State<Scalar = Self::Scalar, Components = Self::StateComponents<Self::Scalar>>;
+    /// The state's flat array, over any scalar.
+    type StateComponents<T: Scalar>: Components<T>;
+    /// The parameters' flat array, over any scalar.
+    type Parameters<T: Scalar>: Components<T>;
+    /// The Casimirs' flat array.
+    type Casimirs: Components<Self::Scalar>;
+    /// Momentum: an element of the dual of the Lie algebra.
+    type Momentum: Clone + PartialEq + core::fmt::Debug;
+
+    /// The struct's name.
+    const NAME: &'static str;
+    /// The parameters, in the order of the struct's fields.
+    const PARAMETERS: &'static [Quantity];
+    /// The names of the Casimirs: functions of the state that every Hamiltonian with this bracket keeps.
+    const CASIMIRS: &'static [&'static str];
+
+    /// The parameters as a flat array.
+    fn to_parameters(&self) -> Self::Parameters<Self::Scalar>;
+    /// The system with the parameters of a flat array.
+    fn from_parameters(parameters: &Self::Parameters<Self::Scalar>) -> Self;
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// If one is not finite, or an inertia not symmetric positive definite.
+    fn validate(&self) -> Result<(), ParameterError>;
+
+    /// The Hamiltonian: kinetic plus potential energy.
+    fn energy(&self, state: &Self::State) -> Self::Scalar;
+    /// The Casimirs, in the order of [`CASIMIRS`](Self::CASIMIRS).
+    fn casimirs(&self, state: &Self::State) -> Self::Casimirs;
+    /// The momentum in space coordinates, `Ad*_{g⁻¹} μ`: constant if nothing acts on the system.
+    fn spatial_momentum(&self, state: &Self::State) -> Self::Momentum;
+
+    /// A stepper with the given step (negative steps go back in time).
+    ///
+    /// # Errors
+    /// If the parameters are not valid ([`validate`](Self::validate)) or the step is zero or not finite.
+    fn stepper<M>(&self, step: Self::Scalar) -> Result<Stepper<Self, M>, ParameterError>
+    where
+        Self: Discretized<M>,
+    {
+        Stepper::new(self, step)
+    }
+}
+
+/// A system for which a step with the scheme `M` (a [retraction](crate::retraction)) has been generated.
+pub trait Discretized<M>: System {
+    /// The generated straight-line code.
+    type Kernel<T: Scalar>: Kernel<T, Parameters = Self::Parameters<T>, State = Self::StateComponents<T>>;
+}
