@@ -5,7 +5,7 @@ use core::fmt;
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Kernel;
 use crate::newton;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::system::{Discretized, State, System};
 
 /// How a step went.
