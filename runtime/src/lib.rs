@@ -52,6 +52,7 @@ pub mod error;
 pub mod generic;
 pub mod inertia;
 pub mod kernel;
+mod literals;
 pub mod newton;
 pub mod observe;
 pub mod prelude;

@@ -9,5 +9,6 @@ pub use crate::retraction::{Cayley, Exponential};
 pub use crate::run::{Run, RunError, RunReport, Tick};
 pub use crate::stepper::{StepReport, Stepper};
 pub use crate::system::{Discretized, State, System};
-pub use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3, matrix, vector};
+pub use crate::{matrix, vector};
+pub use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 pub use serde::{Deserialize, Serialize};
