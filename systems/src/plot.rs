@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kuva::prelude::{Layout, LinePlot, Plot};
+use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot};
 
 pub use self::envelope::Envelope;
 use crate::error::Error;
@@ -24,6 +24,8 @@ pub struct Figure {
     pub title: String,
     /// What time is called, with its unit.
     pub time: String,
+    /// From when to when.
+    pub span: (f64, f64),
     /// From top to bottom.
     pub panels: Vec<Panel>,
 }
@@ -78,11 +80,17 @@ impl Figure {
 
     fn draw(&self) -> kuva::prelude::Figure {
         let last = self.panels.len().saturating_sub(1);
+        let (start, end) = if self.span.0 < self.span.1 { self.span } else { (0.0, 1.0) };
         let (plots, layouts): (Vec<_>, Vec<_>) = self
             .panels
             .iter()
             .enumerate()
-            .map(|(i, panel)| panel.draw(if i == last { &self.time } else { "" }))
+            .map(|(i, panel)| {
+                let (plots, layout) = panel.draw(i == 0);
+                let layout =
+                    layout.with_x_axis_min(start).with_x_axis_max(end).with_x_tick_step(step(end - start));
+                (plots, if i == last { layout.with_x_label(&self.time) } else { layout })
+            })
             .unzip();
         kuva::prelude::Figure::new(self.panels.len().max(1), 1)
             .with_title(&self.title)
@@ -91,13 +99,21 @@ impl Figure {
             .with_layouts(layouts)
             .with_cell_size(900.0, 250.0)
             .with_shared_x_all()
-            .with_shared_legend_bottom()
     }
 }
 
+/// A round distance of ticks, about six of them along an axis.
+fn step(length: f64) -> f64 {
+    let rough = length / 6.0;
+    let decade = 10.0_f64.powf(rough.log10().floor());
+    let digit = [1.0, 2.0, 3.0, 5.0].into_iter().find(|digit| digit * decade >= rough * 0.999);
+    digit.unwrap_or(10.0) * decade
+}
+
 impl Panel {
-    fn draw(&self, time: &str) -> (Vec<Plot>, Layout) {
-        let axis = Axis::new(self);
+    /// Only one panel needs a legend; it gets some room for it.
+    fn draw(&self, with_legend: bool) -> (Vec<Plot>, Layout) {
+        let axis = Axis::new(self, if with_legend { 0.5 } else { 0.0 });
         let plots: Vec<Plot> = self
             .series
             .iter()
@@ -105,20 +121,20 @@ impl Panel {
             .map(|(series, color)| {
                 let points: Vec<(f64, f64)> =
                     series.points.iter().map(|&(t, y)| (t, axis.place(y))).collect();
-                LinePlot::new()
-                    .with_data(points)
-                    .with_color(*color)
-                    .with_stroke_width(1.5)
-                    .with_legend(&series.label)
-                    .into()
+                let line = LinePlot::new().with_data(points).with_color(*color).with_stroke_width(1.5);
+                if with_legend { line.with_legend(&series.label).into() } else { line.into() }
             })
             .collect();
+        let widest = self.series.iter().map(|series| series.label.chars().count()).max().unwrap_or(0);
         let mut layout = Layout::auto_from_plots(&plots)
-            .with_x_label(time)
             .with_y_label(&self.label)
             .with_label_size(16)
             .with_tick_size(14)
-            .with_body_size(15);
+            .with_body_size(14)
+            .with_legend_position(LegendPosition::InsideTopRight)
+            .with_legend_width(widest as f64 * 8.5 + 45.0)
+            // the same for all panels, or their time axes would not lie below each other
+            .with_force_margins(90.0, 30.0);
         if self.scale == Scale::Logarithmic {
             layout = layout
                 .with_y_axis_min(axis.low)
@@ -139,7 +155,8 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(panel: &Panel) -> Self {
+    /// With `headroom` decades free above the largest value, if the axis is logarithmic.
+    fn new(panel: &Panel, headroom: f64) -> Self {
         let magnitudes = || panel.series.iter().flat_map(|series| &series.points).map(|point| point.1.abs());
         let positive = || magnitudes().filter(|y| *y > 0.0 && y.is_finite());
         let largest = positive().fold(f64::MIN_POSITIVE, f64::max);
@@ -148,7 +165,7 @@ impl Axis {
         let (low, high) = if positive().next().is_none() {
             (-17.0, -15.0)
         } else {
-            (smallest.log10().floor(), largest.log10().ceil())
+            (smallest.log10().floor(), (largest.log10() + headroom).ceil())
         };
         Self { scale: panel.scale, low, high: high.max(low + 1.0) }
     }
@@ -207,19 +224,23 @@ mod tests {
 
     #[test]
     fn errors_below_1e_10_keep_their_place_and_zero_lies_on_the_edge() {
-        let axis = Axis::new(&panel(&[0.0, 3e-15, -2e-3]));
+        let axis = Axis::new(&panel(&[0.0, 3e-15, -2e-3]), 0.0);
         assert_eq!((axis.low, axis.high), (-15.0, -2.0));
         assert!((axis.place(3e-15) - -14.522_878_745_280_337).abs() < 1e-12);
         assert_eq!(axis.place(0.0), -15.0);
-        let nothing = Axis::new(&panel(&[0.0, 0.0]));
+        let nothing = Axis::new(&panel(&[0.0, 0.0]), 0.0);
         assert_eq!((nothing.low, nothing.high), (-17.0, -15.0));
     }
 
     #[test]
     fn figures_without_any_variation_can_be_drawn() {
         for values in [&[][..], &[0.0], &[0.0, 0.0], &[1e-3, 1e-3]] {
-            let figure =
-                Figure { title: "t".to_owned(), time: "time, s".to_owned(), panels: vec![panel(values)] };
+            let figure = Figure {
+                title: "t".to_owned(),
+                time: "time, s".to_owned(),
+                span: (0.0, values.len() as f64),
+                panels: vec![panel(values)],
+            };
             let svg = kuva::backend::svg::SvgBackend::default().render_scene(&figure.draw().render());
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{values:?}");
         }

@@ -1,5 +1,4 @@
 //! PROVISIONAL: the two systems by hand (momentum kicks around a free Cayley step), until the macro makes them.
-#![allow(missing_docs)]
 
 use crate::catalogue::Catalogued;
 use coadjoint::__private::{Evaluation, Kernel, Quantity, Scalar};

@@ -16,8 +16,8 @@ const STEP: f64 = 0.01;
 const STEPS: u64 = 180_000;
 /// Trajectories of every step would fill 100 MB.
 const EVERY: u64 = 10;
-/// As many as the picture is wide.
-const PARTS: usize = 900;
+/// The picture shows the largest error in each of this many parts of the run.
+const PARTS: usize = 450;
 
 pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
     let entry = catalogue::find(SYSTEM)?;
@@ -96,7 +96,7 @@ impl Course {
 
 fn figure(entry: &Entry, courses: &[Course]) -> Figure {
     let panel = |name: &str, unit: &str, envelope: &dyn Fn(&Course) -> Series| Panel {
-        label: with_unit(&format!("|Δ {name}|"), unit),
+        label: with_unit(&format!("error of {name}"), unit),
         scale: Scale::Logarithmic,
         series: courses.iter().map(envelope).collect(),
     };
@@ -106,7 +106,8 @@ fn figure(entry: &Entry, courses: &[Course]) -> Figure {
     }
     Figure {
         title: format!("Heavy top, I = diag(1, 10, 100) kg m², h = {STEP} s: errors of energy and Casimirs"),
-        time: "time, s".to_owned(),
+        time: format!("time, s (each point is the largest error of {} s)", STEPS as f64 * STEP / PARTS as f64),
+        span: (0.0, STEPS as f64 * STEP),
         panels,
     }
 }
