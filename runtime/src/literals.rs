@@ -5,12 +5,13 @@
 ///
 /// ```
 /// use coadjoint::prelude::*;
-/// assert_eq!(vector![1.0, 2.0, 3.0], Vector3::new(1.0, 2.0, 3.0));
+/// const AXIS: Vector3<f64> = vector![0.0, 0.0, 1.0];
+/// assert_eq!(AXIS, Vector3::z());
 /// ```
 #[macro_export]
 macro_rules! vector {
     ($($component:expr),+ $(,)?) => {
-        $crate::nalgebra::SVector::from([$($component),+])
+        $crate::nalgebra::SVector::from_array_storage($crate::nalgebra::ArrayStorage([[$($component),+]]))
     };
 }
 
@@ -28,7 +29,8 @@ macro_rules! vector {
 #[macro_export]
 macro_rules! matrix {
     ($($($entry:expr),+);+ $(;)?) => {
-        // nalgebra takes columns
-        $crate::nalgebra::SMatrix::from([$([$($entry),+]),+]).transpose()
+        // nalgebra stores columns
+        $crate::nalgebra::SMatrix::from_array_storage($crate::nalgebra::ArrayStorage([$([$($entry),+]),+]))
+            .transpose()
     };
 }
