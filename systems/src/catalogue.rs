@@ -70,7 +70,7 @@ pub struct Entry {
     /// Makes a run.
     pub simulate: fn(&Setup, &Job, &mut Watch<'_>) -> Result<Outcome, Error>,
     /// Measures the time that a step takes, ns.
-    pub time_per_step: fn(&Setup, &Job) -> Result<f64, Error>,
+    pub time_per_step: fn(&Setup, &Job) -> Result<Option<f64>, Error>,
 }
 
 impl Entry {

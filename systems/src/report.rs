@@ -19,8 +19,8 @@ pub struct Finding {
     pub retraction: Retraction,
     /// What the run found.
     pub outcome: Outcome,
-    /// The time a step takes with nobody watching, ns.
-    pub time_per_step: f64,
+    /// The time a step takes with nobody watching, ns; none if there were no steps.
+    pub time_per_step: Option<f64>,
 }
 
 impl<'a> Table<'a> {
@@ -36,7 +36,9 @@ impl<'a> Table<'a> {
         let mut rows = vec![
             row("retraction", &|run| run.retraction.name().to_owned()),
             row("steps", &|run| grouped(run.outcome.run.steps)),
-            row("time per step, ns", &|run| format!("{:.0}", run.time_per_step)),
+            row("time per step, ns", &|run| {
+                run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
+            }),
             row("Newton iterations per step", &|run| format!("{:.2}", run.outcome.run.iterations_per_step())),
             row("largest energy error, J", &|run| magnitude(run.outcome.energy_error)),
         ];

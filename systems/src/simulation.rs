@@ -115,11 +115,11 @@ pub fn simulate<S: Catalogued>(setup: &Setup, job: &Job, watch: &mut Watch<'_>) 
     }
 }
 
-/// Measures the time that a step takes with nobody watching, ns: the best of three short runs.
+/// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
 ///
 /// # Errors
 /// If parameters or step are not valid, or a step cannot be taken.
-pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<f64, Error> {
+pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
     match job.retraction {
         Retraction::Exponential => clock::<S, Exponential>(setup, job),
         Retraction::Cayley => clock::<S, Cayley>(setup, job),
@@ -178,12 +178,12 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
     }
 }
 
-fn clock<S: Catalogued + Discretized<M>, M>(setup: &Setup, job: &Job) -> Result<f64, Error> {
+fn clock<S: Catalogued + Discretized<M>, M>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
     /// Enough to tell nanoseconds, and still short.
     const STEPS: u64 = 50_000;
     let steps = job.steps.min(STEPS);
     if steps == 0 {
-        return Ok(f64::NAN);
+        return Ok(None);
     }
     let mut best = f64::INFINITY;
     for _ in 0..3 {
@@ -193,7 +193,7 @@ fn clock<S: Catalogued + Discretized<M>, M>(setup: &Setup, job: &Job) -> Result<
         Run::new(&system, &mut stepper, &mut state).steps(steps)?;
         best = best.min(start.elapsed().as_secs_f64());
     }
-    Ok(best / steps as f64 * 1e9)
+    Ok(Some(best / steps as f64 * 1e9))
 }
 
 /// The system and state with these components.

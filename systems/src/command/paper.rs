@@ -106,7 +106,10 @@ fn figure(entry: &Entry, courses: &[Course]) -> Figure {
     }
     Figure {
         title: format!("Heavy top, I = diag(1, 10, 100) kg m², h = {STEP} s: errors of energy and Casimirs"),
-        time: format!("time, s (each point is the largest error of {} s)", STEPS as f64 * STEP / PARTS as f64),
+        time: format!(
+            "time, s (each point is the largest error of {} s)",
+            STEPS as f64 * STEP / PARTS as f64
+        ),
         span: (0.0, STEPS as f64 * STEP),
         panels,
     }
