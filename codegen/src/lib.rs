@@ -1,5 +1,7 @@
 //! Derives structure-preserving Lie–Poisson steppers symbolically and emits them as Rust.
 
+pub mod expr;
+
 use proc_macro2::TokenStream;
 
 /// The whole of the attribute macro.
