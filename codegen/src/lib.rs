@@ -1,6 +1,10 @@
 //! Derives structure-preserving Lie–Poisson steppers symbolically and emits them as Rust.
 
 pub mod expr;
+pub mod group;
+pub mod kernel;
+pub mod method;
+pub mod model;
 
 use proc_macro2::TokenStream;
 
