@@ -8,7 +8,9 @@ mod plan;
 mod schedule;
 mod text;
 
-use crate::expr::{Arena, Expr, Function, Number, Stage, Vector};
+use rustc_hash::FxHashMap;
+
+use crate::expr::{Arena, Expr, Function, Number, Stage, Symbol, Vector};
 use crate::method::Step;
 use factor::Factoring;
 use plan::{Plan, Signed};
@@ -60,6 +62,12 @@ pub struct Kernel {
     pub iterate: Vec<String>,
     /// The components of the unknown.
     pub unknown: Vec<String>,
+    /// The names that the residual's components have within the correction.
+    pub residual: Vec<String>,
+    /// The name of the step size, if it is used.
+    pub h: Option<String>,
+    /// The names of all symbols, which differ from what they are called where that is taken.
+    pub symbols: SymbolNames,
     /// Computes the constants.
     pub new: Section,
     /// Computes what depends on the state.
@@ -76,9 +84,20 @@ pub struct Kernel {
     pub finish: Section,
 }
 
-/// The names that the residual's components have within the correction.
-pub fn residual_name(unknown: &str) -> String {
-    format!("{unknown}_residual")
+/// What symbols are called in some code.
+#[derive(Clone, Debug, Default)]
+pub struct SymbolNames(FxHashMap<Symbol, String>);
+
+impl SymbolNames {
+    /// The name of a symbol; of one that is not used, what it is called.
+    pub fn get(&self, arena: &Arena, symbol: Symbol) -> String {
+        self.0.get(&symbol).cloned().unwrap_or_else(|| arena.symbol_info(symbol).name)
+    }
+
+    /// The names of the symbols that a vector's components are.
+    pub fn of(&self, vector: &Vector<'_>) -> Vec<String> {
+        vector.iter().filter_map(|x| Some(self.get(x.arena(), x.as_symbol()?))).collect()
+    }
 }
 
 impl Kernel {
@@ -103,17 +122,23 @@ impl Kernel {
         });
         names.carry_over(&step.names, arena, &mut factoring, &plan);
         let [start, left, right, correction, domain, next] = planned;
-        let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
+        let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
         plan.share_pairs();
 
-        let evaluation = [residual, right].concat();
-        Schedule::new(arena, &plan, names)
-            .kernel(unknown_names, schedule::Outputs { start, evaluation, correction, domain, next })
+        let evaluation = [difference, right].concat();
+        let outputs = schedule::Outputs { start, evaluation, correction, domain, next };
+        let mut kernel = Schedule::new(arena, &plan, names).kernel(outputs);
+        let (unknown, residual, h) = symbols;
+        kernel.unknown = kernel.symbols.of(&unknown);
+        kernel.residual = kernel.symbols.of(&residual);
+        kernel.h = h.as_symbol().map(|h| kernel.symbols.get(arena, h)).filter(|h| kernel.new.inputs.contains(h));
+        kernel
     }
 }
 
-/// Straight-line code for expressions of parameters and state that stand for themselves: energy, Casimirs, …
-pub fn function<'a>(arena: &'a Arena, outputs: &Vector<'a>) -> Section {
+/// Straight-line code for expressions of parameters and state that stand for themselves (energy, Casimirs, …), and what it calls
+/// its symbols.
+pub fn function<'a>(arena: &'a Arena, outputs: &Vector<'a>) -> (Section, SymbolNames) {
     let mut factoring = Factoring::new(arena, outputs.iter());
     let mut plan = Plan::new(arena);
     let outputs: Vec<Signed> = outputs.iter().map(|expr| plan.plan(factoring.of(expr))).collect();

@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::factor::Factoring;
 use super::plan::{Op, Operation, Plan, Signed};
-use super::{Kernel, Section, Statement, Term};
+use super::{Kernel, Section, Statement, SymbolNames, Term};
 use crate::expr::{Arena, Function, Stage, Symbol};
 use crate::method::Names;
 
@@ -138,7 +138,6 @@ enum Home {
 }
 
 pub struct Schedule<'p, 'a> {
-    arena: &'a Arena,
     plan: &'p Plan<'a>,
     namer: Namer,
     homes: FxHashMap<Op, Home>,
@@ -149,23 +148,26 @@ pub struct Schedule<'p, 'a> {
 
 impl<'p, 'a> Schedule<'p, 'a> {
     pub fn new(arena: &'a Arena, plan: &'p Plan<'a>, mut namer: Namer) -> Self {
-        // users' names come first, so that ours give way
-        let mut symbols = FxHashMap::default();
-        for op in plan.ops() {
-            if let Operation::Symbol(symbol) = plan.operation(op) {
-                let name = namer.claim(arena.symbol_info(*symbol).name);
-                symbols.insert(*symbol, name);
-            }
-        }
-        Self { arena, plan, namer, homes: FxHashMap::default(), symbols, kept: BTreeMap::new() }
+        // in the order of creation: users' names come first, so that ours give way
+        let mut all: Vec<Symbol> = plan
+            .ops()
+            .filter_map(|op| match plan.operation(op) {
+                Operation::Symbol(symbol) => Some(*symbol),
+                _ => None,
+            })
+            .collect();
+        all.sort();
+        let symbols =
+            all.into_iter().map(|symbol| (symbol, namer.claim(arena.symbol_info(symbol).name))).collect();
+        Self { plan, namer, homes: FxHashMap::default(), symbols, kept: BTreeMap::new() }
     }
 
     /// One section for everything.
-    pub fn function(mut self, outputs: &[Signed]) -> Section {
-        self.section(None, &[], outputs)
+    pub fn function(mut self, outputs: &[Signed]) -> (Section, SymbolNames) {
+        (self.section(None, &[], outputs), SymbolNames(self.symbols))
     }
 
-    pub fn kernel(mut self, unknown: Vec<String>, outputs: Outputs) -> Kernel {
+    pub fn kernel(mut self, outputs: Outputs) -> Kernel {
         let ops = |signed: &[Signed]| signed.iter().map(|s| s.op).collect::<Vec<Op>>();
         let stepping = [&outputs.evaluation, &outputs.correction, &outputs.domain, &outputs.next];
         let stepping: Vec<Op> = stepping.into_iter().flat_map(|signed| ops(signed)).collect();
@@ -204,7 +206,10 @@ impl<'p, 'a> Schedule<'p, 'a> {
             correction: self.section(Some(Home::Local), &[], &outputs.correction),
             domain: self.section(Some(Home::Local), &[], &outputs.domain),
             finish: self.section(Some(Home::Local), &[], &outputs.next),
-            unknown,
+            unknown: Vec::new(),
+            residual: Vec::new(),
+            h: None,
+            symbols: SymbolNames(self.symbols),
         }
     }
 

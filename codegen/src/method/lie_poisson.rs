@@ -96,6 +96,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, s
     next.extend(m_next.base.iter());
     next.extend(m_next.spaces.iter().flat_map(|space| space.iter().collect::<Vec<_>>()));
     Step {
+        h: t,
         domain: group.domain(retraction, &y),
         unknown: y,
         start,

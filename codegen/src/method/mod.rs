@@ -7,6 +7,8 @@ use rustc_hash::FxHashMap;
 
 /// One step: solve `left(x) = right(x)` for the unknown `x`, then update the state.
 pub struct Step<'a> {
+    /// The step size, a symbol.
+    pub h: Expr<'a>,
     /// The symbols `x`, of stage *iteration*.
     pub unknown: Vector<'a>,
     /// A first approximation of `x` from the state.
@@ -54,5 +56,5 @@ impl Names {
 
 /// The step size as a symbol.
 pub fn step_symbol(arena: &Arena) -> Expr<'_> {
-    arena.symbol("step", crate::expr::Stage::Parameters)
+    arena.symbol("h", crate::expr::Stage::Parameters)
 }
