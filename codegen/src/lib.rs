@@ -1,6 +1,10 @@
 //! Derives structure-preserving Lie–Poisson steppers symbolically and emits them as Rust.
 
+pub mod check;
+pub mod diagnostics;
 pub mod expr;
+pub mod language;
+pub mod parse;
 
 use proc_macro2::TokenStream;
 
