@@ -42,11 +42,13 @@ pub fn kernel(
     let name = format_ident!("{system}{retraction_name}");
     let (parameters, state, unknown) = (layout.parameters.len(), layout.state.len(), kernel.unknown.len());
 
-    let constants = fields(&name, "What depends on the parameters and the step `h` alone.", &kernel.constants);
+    let constants =
+        fields(&name, "What depends on the parameters and the step `h` alone.", &kernel.constants);
     let step_name = format_ident!("Step");
     let step = fields(&step_name, "What depends on the state too.", &kernel.step);
     let iterate_name = format_ident!("Iterate");
-    let iterate = fields(&iterate_name, "What depends on the unknown too and is needed again.", &kernel.iterate);
+    let iterate =
+        fields(&iterate_name, "What depends on the unknown too and is needed again.", &kernel.iterate);
 
     let inputs = Inputs { kernel, layout, name: &name };
     let body = |section: &Section, result: TokenStream| {
@@ -341,7 +343,8 @@ fn bound(value: &Term, around: Binding) -> TokenStream {
         }
         Term::Product(factors) => {
             let factors = factors.iter().map(|factor| bound(factor, Binding::Unary));
-            (quote! { #(#factors)** }, Binding::Product)
+            let product = factors.reduce(|product, factor| quote! { #product * #factor });
+            (product.unwrap_or_default(), Binding::Product)
         }
         Term::Quotient(x, y) => {
             let (x, y) = (bound(x, Binding::Product), bound(y, Binding::Unary));
@@ -362,7 +365,11 @@ fn bound(value: &Term, around: Binding) -> TokenStream {
             (quote! { T::atan2(#y, #x) }, Binding::Unary)
         }
     };
-    if binding < around { quote! { (#tokens) } } else { tokens }
+    if binding < around {
+        quote! { (#tokens) }
+    } else {
+        tokens
+    }
 }
 
 /// `T::of(0.5)`; fractions that are not doubles are left to the compiler to round.
@@ -370,7 +377,11 @@ fn constant(number: Number) -> TokenStream {
     let value = number.to_f64();
     let float = |x: f64| {
         let literal = proc_macro2::Literal::f64_unsuffixed(x.abs());
-        if x < 0.0 { quote! { -#literal } } else { quote! { #literal } }
+        if x < 0.0 {
+            quote! { -#literal }
+        } else {
+            quote! { #literal }
+        }
     };
     match number.fraction() {
         Some((numerator, denominator)) if denominator & (denominator - 1) != 0 => {

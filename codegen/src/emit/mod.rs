@@ -31,7 +31,12 @@ pub struct Names {
 }
 
 impl Names {
-    pub fn new(system: Ident, visibility: syn::Visibility, scalar: &str, coadjoint: Option<&syn::Path>) -> Self {
+    pub fn new(
+        system: Ident,
+        visibility: syn::Visibility,
+        scalar: &str,
+        coadjoint: Option<&syn::Path>,
+    ) -> Self {
         let coadjoint = coadjoint.map_or_else(|| quote! { ::coadjoint }, |path| quote! { #path });
         let scalar = format_ident!("{scalar}");
         Self {
@@ -93,7 +98,11 @@ pub fn expansion<'a>(
         .into_iter()
         .map(|(retraction, kernel)| {
             let layout = Layout {
-                parameters: system.parameter_symbols().iter().map(|&s| kernel.symbols.get(arena, s)).collect(),
+                parameters: system
+                    .parameter_symbols()
+                    .iter()
+                    .map(|&s| kernel.symbols.get(arena, s))
+                    .collect(),
                 state: system.state_symbols().iter().map(|&s| kernel.symbols.get(arena, s)).collect(),
             };
             let tokens =
@@ -152,7 +161,8 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
 }
 
 /// `Quantity { name: "gamma", components: &["x", "y", "z"], doc: "…" }`
-fn quantity(name: &str, suffixes: &[impl AsRef<str>], doc: &str) -> TokenStream {
+fn quantity(names: &Names, name: &str, suffixes: &[impl AsRef<str>], doc: &str) -> TokenStream {
+    let private = &names.private;
     let suffixes = suffixes.iter().map(AsRef::as_ref);
-    quote! { __Quantity { name: #name, components: &[#(#suffixes),*], doc: #doc } }
+    quote! { #private::Quantity { name: #name, components: &[#(#suffixes),*], doc: #doc } }
 }

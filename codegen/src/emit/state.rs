@@ -26,11 +26,12 @@ pub fn state(system: &System<'_>, names: &Names) -> TokenStream {
     ]);
     let serde_path = names.serde_path();
     let size = system.state_symbols().len();
-    let conversion = arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
+    let conversion =
+        arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
     let Conversion { take, elements, give } = conversion;
     let quantities = parts.iter().map(|part| {
         let suffixes: Vec<&str> = part.suffixes.clone();
-        quantity(&part.name.to_string(), &suffixes, &part.doc)
+        quantity(names, &part.name.to_string(), &suffixes, &part.doc)
     });
     quote! {
         #doc
@@ -42,6 +43,9 @@ pub fn state(system: &System<'_>, names: &Names) -> TokenStream {
         #visibility struct #state {
             #(#fields,)*
         }
+
+        const _: () = {
+        use #private::Stored as __Stored;
 
         #[automatically_derived]
         impl #private::State for #state {
@@ -61,6 +65,7 @@ pub fn state(system: &System<'_>, names: &Names) -> TokenStream {
                 Self { #(#give),* }
             }
         }
+        };
     }
 }
 
@@ -86,8 +91,11 @@ pub fn arrays(fields: &[(Ident, usize)]) -> Conversion {
     let mut conversion = Conversion { take: Vec::new(), elements: Vec::new(), give: Vec::new() };
     let mut count = 0..;
     for (name, size) in fields {
-        let elements: Vec<Ident> =
-            count.by_ref().take(*size).map(|n| Ident::new(&format!("x{n}"), proc_macro2::Span::mixed_site())).collect();
+        let elements: Vec<Ident> = count
+            .by_ref()
+            .take(*size)
+            .map(|n| Ident::new(&format!("x{n}"), proc_macro2::Span::mixed_site()))
+            .collect();
         conversion.take.push(quote! { let [#(#elements),*] = __Stored::to_array(&self.#name); });
         conversion.give.push(quote! { #name: __Stored::from_array([#(#elements),*]) });
         conversion.elements.extend(elements);

@@ -26,7 +26,7 @@ pub fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> Token
     let quantities = system
         .parameters
         .iter()
-        .map(|field| quantity(&field.name.to_string(), &field.suffixes(), &field.doc));
+        .map(|field| quantity(names, &field.name.to_string(), &field.suffixes(), &field.doc));
 
     let momentum = Named { name: "momentum", value: &system.momentum };
     let advected: Vec<Named<'_, 'a>> =
@@ -55,15 +55,19 @@ pub fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> Token
     let pivots = emitted("pivots", &pivots);
 
     let finite = system.parameters.iter().map(|field| {
-        let (field, text) = (&field.name, field.name.to_string());
-        quote! { #private::require_finite(#text, &__Stored::to_array(&self.#field))?; }
+        let (field, text, size) = (&field.name, field.name.to_string(), field.symbols.len());
+        quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#field))?; }
     });
     let inertia = &system.inertia_field;
     let (inertia_name, inertia_text) = (&inertia.name, inertia.name.to_string());
     let dimension = group.dimension();
     let symmetric = (inertia.shape == InertiaShape::Matrix).then(|| {
         quote! {
-            #private::require_symmetric(#inertia_text, &__Stored::to_array(&self.#inertia_name), #dimension)?;
+            #private::require_symmetric(
+                #inertia_text,
+                &__Stored::<_, { #dimension * #dimension }>::to_array(&self.#inertia_name),
+                #dimension,
+            )?;
         }
     });
 

@@ -45,6 +45,10 @@ pub trait Group: Sync {
     fn configuration_type(&self) -> &'static str;
     /// Suffixes of the stored coordinates.
     fn coordinates(&self) -> &'static [&'static str];
+    /// The type an element of the dual of the algebra is stored as, within nalgebra, generic over the scalar.
+    fn momentum_type(&self) -> &'static str;
+    /// The equations of motion in terms of `momentum`, `velocity` and the named advected parameters, for generated documentation.
+    fn equations(&self, advected: &[&str]) -> Vec<String>;
     /// Dimension of the algebra.
     fn dimension(&self) -> usize;
     /// Suffixes of the algebra's coordinates.

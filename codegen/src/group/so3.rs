@@ -46,6 +46,20 @@ impl Group for SO3 {
         &["w", "x", "y", "z"]
     }
 
+    fn momentum_type(&self) -> &'static str {
+        "Vector3"
+    }
+
+    fn equations(&self, advected: &[&str]) -> Vec<String> {
+        let torques: String = advected.iter().map(|a| format!(" + {a} × ∂V/∂{a}")).collect();
+        let mut equations = vec![
+            "attitude' = attitude hat(velocity)".to_owned(),
+            format!("momentum' = momentum × velocity{torques}"),
+        ];
+        equations.extend(advected.iter().map(|a| format!("{a}' = {a} × velocity")));
+        equations
+    }
+
     fn dimension(&self) -> usize {
         3
     }

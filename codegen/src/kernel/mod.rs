@@ -104,10 +104,10 @@ impl Kernel {
     /// Derives Newton's correction for the step's equation, and lays all of it out in sections.
     pub fn new<'a>(arena: &'a Arena, step: &Step<'a>) -> Self {
         let unknown = step.unknown.symbols();
-        let unknown_names: Vec<String> = unknown.iter().map(|&x| arena.symbol_info(x).name).collect();
-        let residual = Vector(
-            unknown_names.iter().map(|name| arena.symbol(residual_name(name), Stage::Iteration)).collect(),
-        );
+        let residual_symbol =
+            |&x: &Symbol| arena.symbol(format!("{}_residual", arena.symbol_info(x).name), Stage::Iteration);
+        let residual = Vector(unknown.iter().map(residual_symbol).collect());
+        let symbols = (step.unknown.clone(), residual.clone(), step.h);
         let jacobian = (&step.left - &step.right).jacobian(&unknown);
         let correction = jacobian.map(Expr::hold).solve_small(&residual);
 
@@ -131,7 +131,8 @@ impl Kernel {
         let (unknown, residual, h) = symbols;
         kernel.unknown = kernel.symbols.of(&unknown);
         kernel.residual = kernel.symbols.of(&residual);
-        kernel.h = h.as_symbol().map(|h| kernel.symbols.get(arena, h)).filter(|h| kernel.new.inputs.contains(h));
+        kernel.h =
+            h.as_symbol().map(|h| kernel.symbols.get(arena, h)).filter(|h| kernel.new.inputs.contains(h));
         kernel
     }
 }
