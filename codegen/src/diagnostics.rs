@@ -1,0 +1,149 @@
+//! Problems found in a description, gathered so that a user sees all of them at once, each at its own tokens.
+
+use std::fmt::Display;
+
+use proc_macro2::{Span, TokenStream};
+use quote::ToTokens;
+
+/// Gathers problems. Phases go on after a problem as long as they can say something useful, and the generator stops
+/// between phases if anything was found.
+#[derive(Debug, Default)]
+#[must_use = "problems that are never looked at are never reported"]
+pub struct Diagnostics {
+    errors: Vec<syn::Error>,
+}
+
+impl Diagnostics {
+    /// Nothing wrong so far.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A problem with the construct made of `tokens`.
+    pub fn push(&mut self, tokens: impl ToTokens, message: impl Display) {
+        self.errors.push(syn::Error::new_spanned(tokens, message));
+    }
+
+    /// A problem at a place that is not a construct of its own.
+    pub fn push_at(&mut self, span: Span, message: impl Display) {
+        self.errors.push(syn::Error::new(span, message));
+    }
+
+    /// A problem found by syn.
+    pub fn absorb(&mut self, error: syn::Error) {
+        self.errors.push(error);
+    }
+
+    /// Whether nothing was found.
+    pub fn is_empty(&self) -> bool {
+        self.errors.is_empty()
+    }
+
+    /// How many problems were found.
+    pub fn len(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// All problems as one error.
+    pub fn finish(self) -> Result<(), syn::Error> {
+        let combine = |mut all: syn::Error, next| {
+            all.combine(next);
+            all
+        };
+        self.errors.into_iter().reduce(combine).map_or(Ok(()), Err)
+    }
+
+    /// The problems as `compile_error!` invocations; nothing if there are none.
+    pub fn into_compile_errors(self) -> TokenStream {
+        self.finish().err().map(|error| error.to_compile_error()).unwrap_or_default()
+    }
+}
+
+/// Names in quotes, as a sentence lists them: `` `a`, `b` and `c` ``.
+pub fn list<N: AsRef<str>>(names: impl IntoIterator<Item = N>) -> String {
+    let quoted: Vec<String> = names.into_iter().map(|name| format!("`{}`", name.as_ref())).collect();
+    match quoted.as_slice() {
+        [] => "nothing".to_owned(),
+        [only] => only.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// `; did you mean …?` if one of the known names is close to what was written, otherwise `; known are …`, to be put after
+/// a sentence that says what is not known.
+pub fn suggestion(written: &str, known: &[&str]) -> String {
+    match nearest(written, known) {
+        Some(name) => format!("; did you mean `{name}`?"),
+        None if known.is_empty() => String::new(),
+        None => format!("; known: {}", list(known)),
+    }
+}
+
+/// The known name that `written` is most likely a slip of, if any is near enough. Of equally near ones the first.
+pub fn nearest<'n>(written: &str, known: &[&'n str]) -> Option<&'n str> {
+    let allowed = written.chars().count().div_ceil(3).min(3);
+    let folded = written.to_lowercase();
+    known
+        .iter()
+        .map(|&name| (edits(&folded, &name.to_lowercase()), name))
+        .filter(|&(distance, name)| distance <= allowed && distance < name.chars().count())
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, name)| name)
+}
+
+/// How many letters must be inserted, deleted, replaced or swapped with their neighbour to turn one word into the other.
+fn edits(from: &str, to: &str) -> usize {
+    let (from, to): (Vec<char>, Vec<char>) = (from.chars().collect(), to.chars().collect());
+    let mut before: Vec<usize> = Vec::new();
+    let mut last: Vec<usize> = (0..=to.len()).collect();
+    for i in 1..=from.len() {
+        let mut row = vec![i];
+        for j in 1..=to.len() {
+            let replaced = last[j - 1] + usize::from(from[i - 1] != to[j - 1]);
+            let mut cost = replaced.min(last[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && from[i - 1] == to[j - 2] && from[i - 2] == to[j - 1] {
+                cost = cost.min(before[j - 2] + 1);
+            }
+            row.push(cost);
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last[to.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_are_recognised() {
+        let known = ["gamma", "weight", "chi", "inertia"];
+        assert_eq!(nearest("gama", &known), Some("gamma"));
+        assert_eq!(nearest("wieght", &known), Some("weight"));
+        assert_eq!(nearest("Chi", &known), Some("chi"));
+        assert_eq!(nearest("x", &known), None);
+        assert_eq!(nearest("mass", &known), None);
+        assert_eq!(nearest("", &known), None);
+    }
+
+    #[test]
+    fn a_single_letter_is_not_a_slip_of_another() {
+        assert_eq!(nearest("a", &["b", "x"]), None);
+    }
+
+    #[test]
+    fn lists_read_as_sentences() {
+        assert_eq!(list(["a"]), "`a`");
+        assert_eq!(list(["a", "b", "c"]), "`a`, `b` and `c`");
+    }
+
+    #[test]
+    fn all_problems_are_kept() {
+        let mut diagnostics = Diagnostics::new();
+        diagnostics.push(quote::quote!(a), "one");
+        diagnostics.push(quote::quote!(b), "two");
+        let error = diagnostics.finish().expect_err("two problems were pushed");
+        let messages: Vec<String> = error.into_iter().map(|error| error.to_string()).collect();
+        assert_eq!(messages, ["one", "two"]);
+    }
+}

@@ -1,0 +1,505 @@
+//! The hash-consed arena of expressions.
+//!
+//! Nodes are immutable, identified by small integers, and canonical by construction: sums are flat with like terms
+//! collected, products are flat with like factors collected and carry no constant, constants are folded exactly.
+//! Equal expressions built in any order are therefore the same node, and a subexpression that occurs twice is stored
+//! once. Nothing is ever multiplied out.
+
+use std::cell::RefCell;
+use std::rc::Rc;
+
+use rustc_hash::FxHashMap;
+
+use super::number::Number;
+
+/// A node's place in its arena. Ids grow with creation, so their order depends on the input alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Id(pub(crate) u32);
+
+/// A symbol's place in its arena.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Symbol(pub(crate) u32);
+
+/// The earliest stage at which a value is known. Later stages may use earlier ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// When the stepper is built.
+    Parameters,
+    /// When the state is known.
+    Step,
+    /// When Newton's unknown is known.
+    Iteration,
+}
+
+/// An elementary function of one argument.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Function {
+    Sqrt,
+    Exp,
+    Ln,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    /// `c_k(z) = Σ_j (−z)^j / (k + 2j)!`
+    Stumpff(u32),
+}
+
+/// A sum's constant and its terms with their coefficients, sorted by id; at least one term.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Sum {
+    pub constant: Number,
+    pub terms: Rc<[(Id, Number)]>,
+}
+
+/// One node.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Node {
+    Number(Number),
+    Symbol(Symbol),
+    Sum(Sum),
+    /// Factors with their exponents, sorted by id.
+    Product(Rc<[(Id, i32)]>),
+    Function(Function, Id),
+    /// `base^exponent` for an exponent that is not an integer.
+    Power(Id, Id),
+    /// `atan2(y, x)`
+    Atan2(Id, Id),
+    /// A value kept whole: the same number, but not merged into the sums and products around it.
+    Held(Id),
+}
+
+impl Node {
+    /// What the node is made of.
+    pub fn operands(&self) -> Vec<Id> {
+        match self {
+            Self::Number(_) | Self::Symbol(_) => Vec::new(),
+            Self::Sum(sum) => sum.terms.iter().map(|&(id, _)| id).collect(),
+            Self::Product(factors) => factors.iter().map(|&(id, _)| id).collect(),
+            Self::Function(_, argument) | Self::Held(argument) => vec![*argument],
+            Self::Power(base, exponent) => vec![*base, *exponent],
+            Self::Atan2(y, x) => vec![*y, *x],
+        }
+    }
+}
+
+/// A symbol's name and stage.
+#[derive(Clone, Debug)]
+pub struct SymbolInfo {
+    pub name: String,
+    pub stage: Stage,
+}
+
+#[derive(Default)]
+struct Store {
+    nodes: Vec<Node>,
+    index: FxHashMap<Node, Id>,
+    symbols: Vec<SymbolInfo>,
+}
+
+/// Where expressions live.
+#[derive(Default)]
+pub struct Arena {
+    store: RefCell<Store>,
+}
+
+impl Arena {
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    pub fn node(&self, id: Id) -> Node {
+        self.store.borrow().nodes[id.0 as usize].clone()
+    }
+
+    pub fn symbol_info(&self, symbol: Symbol) -> SymbolInfo {
+        self.store.borrow().symbols[symbol.0 as usize].clone()
+    }
+
+    fn intern(&self, node: Node) -> Id {
+        let mut store = self.store.borrow_mut();
+        if let Some(&id) = store.index.get(&node) {
+            return id;
+        }
+        let id = Id(store.nodes.len() as u32);
+        store.nodes.push(node.clone());
+        store.index.insert(node, id);
+        id
+    }
+
+    /// A new symbol, different from all others whatever its name.
+    pub fn symbol(&self, name: impl Into<String>, stage: Stage) -> Expr<'_> {
+        let symbol = {
+            let mut store = self.store.borrow_mut();
+            store.symbols.push(SymbolInfo { name: name.into(), stage });
+            Symbol(store.symbols.len() as u32 - 1)
+        };
+        self.expr(self.intern(Node::Symbol(symbol)))
+    }
+
+    pub fn expr(&self, id: Id) -> Expr<'_> {
+        Expr { arena: self, id }
+    }
+
+    pub fn number(&self, number: impl Into<Number>) -> Expr<'_> {
+        self.expr(self.intern(Node::Number(number.into())))
+    }
+
+    pub fn zero(&self) -> Expr<'_> {
+        self.number(Number::ZERO)
+    }
+
+    pub fn one(&self) -> Expr<'_> {
+        self.number(Number::ONE)
+    }
+
+    /// `constant + Σ coefficient · term`, canonical.
+    pub(crate) fn sum(&self, mut constant: Number, addends: impl IntoIterator<Item = (Id, Number)>) -> Id {
+        let mut terms: Vec<(Id, Number)> = Vec::new();
+        for (id, coefficient) in addends {
+            match self.node(id) {
+                Node::Number(number) => constant = constant + coefficient * number,
+                // a scaled term, or a sum added or subtracted as it is; a sum scaled otherwise stays factored
+                Node::Sum(sum) if sum.is_scaled_term() || coefficient.abs().is_one() => {
+                    constant = constant + coefficient * sum.constant;
+                    terms.extend(sum.terms.iter().map(|&(id, c)| (id, coefficient * c)));
+                }
+                _ => terms.push((id, coefficient)),
+            }
+        }
+        terms.sort_by_key(|&(id, _)| id);
+        let mut collected: Vec<(Id, Number)> = Vec::with_capacity(terms.len());
+        for (id, coefficient) in terms {
+            match collected.last_mut() {
+                Some((last, total)) if *last == id => *total = *total + coefficient,
+                _ => collected.push((id, coefficient)),
+            }
+        }
+        collected.retain(|(_, coefficient)| !coefficient.is_zero());
+        match collected.as_slice() {
+            [] => self.intern(Node::Number(constant)),
+            [(id, coefficient)] if constant.is_zero() && coefficient.is_one() => *id,
+            _ => self.intern(Node::Sum(Sum { constant, terms: collected.into() })),
+        }
+    }
+
+    /// `coefficient · Π factor^exponent`, canonical.
+    pub(crate) fn product(
+        &self,
+        mut coefficient: Number,
+        factors: impl IntoIterator<Item = (Id, i32)>,
+    ) -> Id {
+        let mut collected: Vec<(Id, i32)> = Vec::new();
+        let mut pending: Vec<(Id, i32)> = factors.into_iter().collect();
+        while let Some((id, exponent)) = pending.pop() {
+            match self.node(id) {
+                _ if exponent == 0 => {}
+                Node::Number(number) => coefficient = coefficient * number.powi(exponent),
+                Node::Product(inner) => pending.extend(inner.iter().map(|&(id, e)| (id, e * exponent))),
+                Node::Sum(sum) => {
+                    // scale and sign go outside, so that 2x, (a − b) and (b − a) are known for what they are
+                    let content = sum.content();
+                    if content.is_one() {
+                        collected.push((id, exponent));
+                    } else {
+                        coefficient = coefficient * content.powi(exponent);
+                        let scale = content.powi(-1);
+                        let scaled = sum.terms.iter().map(|&(id, c)| (id, scale * c));
+                        pending.push((self.sum(scale * sum.constant, scaled), exponent));
+                    }
+                }
+                Node::Function(Function::Sqrt, radicand) if exponent % 2 == 0 => {
+                    pending.push((radicand, exponent / 2));
+                }
+                _ => collected.push((id, exponent)),
+            }
+        }
+        if coefficient.is_zero() {
+            return self.intern(Node::Number(Number::ZERO));
+        }
+        collected.sort_by_key(|&(id, _)| id);
+        let mut merged: Vec<(Id, i32)> = Vec::with_capacity(collected.len());
+        for (id, exponent) in collected {
+            match merged.last_mut() {
+                Some((last, total)) if *last == id => *total += exponent,
+                _ => merged.push((id, exponent)),
+            }
+        }
+        merged.retain(|&(_, exponent)| exponent != 0);
+        // merging can make a root's exponent even
+        if merged
+            .iter()
+            .any(|&(id, e)| e % 2 == 0 && matches!(self.node(id), Node::Function(Function::Sqrt, _)))
+        {
+            return self.product(coefficient, merged);
+        }
+        let base = match merged.as_slice() {
+            [] => return self.intern(Node::Number(coefficient)),
+            [(id, 1)] => *id,
+            _ => self.intern(Node::Product(merged.into())),
+        };
+        self.sum(Number::ZERO, [(base, coefficient)])
+    }
+
+    /// `function(argument)`, folded where the value is exactly known.
+    pub(crate) fn function(&self, function: Function, argument: Id) -> Id {
+        if let Node::Number(number) = self.node(argument)
+            && let Some(value) = function.exact(number)
+        {
+            return self.intern(Node::Number(value));
+        }
+        self.intern(Node::Function(function, argument))
+    }
+
+    pub(crate) fn power(&self, base: Id, exponent: Id) -> Id {
+        match self.node(exponent) {
+            Node::Number(Number::Rational(r)) if r.is_integer() && i32::try_from(*r.numer()).is_ok() => {
+                self.product(Number::ONE, [(base, *r.numer() as i32)])
+            }
+            Node::Number(Number::Rational(r)) if *r.denom() == 2 && i32::try_from(*r.numer()).is_ok() => {
+                let root = self.function(Function::Sqrt, base);
+                self.product(Number::ONE, [(root, *r.numer() as i32)])
+            }
+            _ => self.intern(Node::Power(base, exponent)),
+        }
+    }
+
+    /// The value kept whole; constants, symbols and what is whole already stay as they are.
+    pub(crate) fn held(&self, id: Id) -> Id {
+        match self.node(id) {
+            Node::Sum(_) | Node::Product(_) => self.intern(Node::Held(id)),
+            _ => id,
+        }
+    }
+
+    pub(crate) fn atan2(&self, y: Id, x: Id) -> Id {
+        self.intern(Node::Atan2(y, x))
+    }
+}
+
+impl Sum {
+    /// `c · x` and nothing else.
+    pub fn is_scaled_term(&self) -> bool {
+        self.terms.len() == 1 && self.constant.is_zero()
+    }
+
+    /// What to pull out of the sum where it is a factor: the common magnitude of its coefficients if they have one,
+    /// and the sign of the first term.
+    pub fn content(&self) -> Number {
+        let first = self.terms[0].1;
+        let magnitude = first.abs();
+        let common = self.terms.iter().all(|(_, c)| c.abs() == magnitude)
+            && (self.constant.is_zero() || self.constant.abs() == magnitude);
+        match (common, first.is_negative()) {
+            (true, _) => first,
+            (false, true) => Number::MINUS_ONE,
+            (false, false) => Number::ONE,
+        }
+    }
+}
+
+impl Function {
+    /// The value at `argument` where it is an exactly known rational.
+    fn exact(self, argument: Number) -> Option<Number> {
+        if let Function::Sqrt = self {
+            return argument.exact_sqrt();
+        }
+        if argument.is_zero() {
+            match self {
+                Self::Sin | Self::Tan | Self::Asin | Self::Atan | Self::Sinh | Self::Tanh => {
+                    Some(Number::ZERO)
+                }
+                Self::Exp | Self::Cos | Self::Cosh => Some(Number::ONE),
+                Self::Stumpff(k) => {
+                    Some(Number::ratio(1, (1..=i128::from(k)).try_fold(1i128, |f, i| f.checked_mul(i))?))
+                }
+                Self::Sqrt | Self::Ln | Self::Acos => None,
+            }
+        } else if argument.is_one() {
+            match self {
+                Self::Ln | Self::Acos => Some(Number::ZERO),
+                _ => None,
+            }
+        } else {
+            None
+        }
+    }
+
+    pub fn name(self) -> String {
+        match self {
+            Self::Sqrt => "sqrt",
+            Self::Exp => "exp",
+            Self::Ln => "ln",
+            Self::Sin => "sin",
+            Self::Cos => "cos",
+            Self::Tan => "tan",
+            Self::Asin => "asin",
+            Self::Acos => "acos",
+            Self::Atan => "atan",
+            Self::Sinh => "sinh",
+            Self::Cosh => "cosh",
+            Self::Tanh => "tanh",
+            Self::Stumpff(k) => return format!("c{k}"),
+        }
+        .to_owned()
+    }
+}
+
+/// An expression: a node together with its arena, so that formulas can be written with operators.
+#[derive(Clone, Copy)]
+pub struct Expr<'a> {
+    pub(crate) arena: &'a Arena,
+    pub(crate) id: Id,
+}
+
+impl<'a> Expr<'a> {
+    pub fn id(self) -> Id {
+        self.id
+    }
+
+    pub fn arena(self) -> &'a Arena {
+        self.arena
+    }
+
+    pub fn is_zero(self) -> bool {
+        matches!(self.arena.node(self.id), Node::Number(number) if number.is_zero())
+    }
+
+    /// The symbol, if the expression is one.
+    pub fn as_symbol(self) -> Option<Symbol> {
+        match self.arena.node(self.id) {
+            Node::Symbol(symbol) => Some(symbol),
+            _ => None,
+        }
+    }
+
+    /// The constant, if the expression is one.
+    pub fn as_number(self) -> Option<Number> {
+        match self.arena.node(self.id) {
+            Node::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    pub fn powi(self, exponent: i32) -> Self {
+        self.arena.expr(self.arena.product(Number::ONE, [(self.id, exponent)]))
+    }
+
+    pub fn pow(self, exponent: Self) -> Self {
+        self.arena.expr(self.arena.power(self.id, exponent.id))
+    }
+
+    pub fn recip(self) -> Self {
+        self.powi(-1)
+    }
+
+    pub fn sqrt(self) -> Self {
+        self.apply(Function::Sqrt)
+    }
+
+    pub fn apply(self, function: Function) -> Self {
+        self.arena.expr(self.arena.function(function, self.id))
+    }
+
+    /// `c_k(self)`
+    pub fn stumpff(self, k: u32) -> Self {
+        self.apply(Function::Stumpff(k))
+    }
+
+    /// The same value kept whole. Canonical sums and products merge with what surrounds them and move constants outward; where a
+    /// formula's own grouping is the better one (the value has a meaning, or is used in several places), this keeps it.
+    pub fn hold(self) -> Self {
+        self.arena.expr(self.arena.held(self.id))
+    }
+
+    pub fn atan2(self, x: Self) -> Self {
+        self.arena.expr(self.arena.atan2(self.id, x.id))
+    }
+
+    /// `self · numerator / denominator`
+    pub fn scale(self, number: impl Into<Number>) -> Self {
+        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, number.into())]))
+    }
+}
+
+impl PartialEq for Expr<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.arena, other.arena) && self.id == other.id
+    }
+}
+
+impl Eq for Expr<'_> {}
+
+impl<'a> std::ops::Add for Expr<'a> {
+    type Output = Expr<'a>;
+    fn add(self, other: Self) -> Self {
+        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::ONE)]))
+    }
+}
+
+impl<'a> std::ops::Sub for Expr<'a> {
+    type Output = Expr<'a>;
+    fn sub(self, other: Self) -> Self {
+        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::MINUS_ONE)]))
+    }
+}
+
+impl<'a> std::ops::Mul for Expr<'a> {
+    type Output = Expr<'a>;
+    fn mul(self, other: Self) -> Self {
+        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, 1)]))
+    }
+}
+
+impl<'a> std::ops::Div for Expr<'a> {
+    type Output = Expr<'a>;
+    fn div(self, other: Self) -> Self {
+        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, -1)]))
+    }
+}
+
+impl<'a> std::ops::Neg for Expr<'a> {
+    type Output = Expr<'a>;
+    fn neg(self) -> Self {
+        self.scale(Number::MINUS_ONE)
+    }
+}
+
+impl<'a> std::ops::Add<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn add(self, other: i64) -> Self {
+        self + self.arena.number(other)
+    }
+}
+
+impl<'a> std::ops::Sub<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn sub(self, other: i64) -> Self {
+        self - self.arena.number(other)
+    }
+}
+
+impl<'a> std::ops::Mul<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn mul(self, other: i64) -> Self {
+        self.scale(other)
+    }
+}
+
+impl<'a> std::ops::Div<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn div(self, other: i64) -> Self {
+        self / self.arena.number(other)
+    }
+}
+
+impl std::fmt::Debug for Expr<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self}")
+    }
+}

@@ -1,0 +1,109 @@
+//! Evaluation over any number type: the plain oracle that generated code is tested against.
+
+use rustc_hash::FxHashMap;
+
+use super::arena::{Expr, Function, Id, Node, Symbol};
+use super::number::Number;
+
+/// A number to evaluate with: `f64`, or one of many digits.
+pub trait Value: Clone {
+    /// A constant.
+    fn number(number: Number) -> Self;
+    /// `self + other`
+    fn add(&self, other: &Self) -> Self;
+    /// `self · other`
+    fn mul(&self, other: &Self) -> Self;
+    /// `self^exponent`
+    fn powi(&self, exponent: i32) -> Self;
+    /// `function(self)`
+    fn apply(&self, function: Function) -> Self;
+    /// `self^exponent`
+    fn power(&self, exponent: &Self) -> Self;
+    /// `atan2(self, x)`
+    fn atan2(&self, x: &Self) -> Self;
+}
+
+impl Expr<'_> {
+    /// The value, given those of the symbols.
+    pub fn evaluate<V: Value>(self, symbols: &dyn Fn(Symbol) -> V) -> V {
+        Evaluation { symbols, known: FxHashMap::default() }.visit(self)
+    }
+}
+
+struct Evaluation<'f, V> {
+    symbols: &'f dyn Fn(Symbol) -> V,
+    known: FxHashMap<Id, V>,
+}
+
+impl<V: Value> Evaluation<'_, V> {
+    fn visit(&mut self, expr: Expr<'_>) -> V {
+        if let Some(known) = self.known.get(&expr.id) {
+            return known.clone();
+        }
+        let arena = expr.arena;
+        let value = match arena.node(expr.id) {
+            Node::Number(number) => V::number(number),
+            Node::Symbol(symbol) => (self.symbols)(symbol),
+            Node::Sum(sum) => sum.terms.iter().fold(V::number(sum.constant), |total, &(id, c)| {
+                total.add(&V::number(c).mul(&self.visit(arena.expr(id))))
+            }),
+            Node::Product(factors) => factors.iter().fold(V::number(Number::ONE), |total, &(id, e)| {
+                total.mul(&self.visit(arena.expr(id)).powi(e))
+            }),
+            Node::Held(x) => self.visit(arena.expr(x)),
+            Node::Function(function, x) => self.visit(arena.expr(x)).apply(function),
+            Node::Power(b, e) => self.visit(arena.expr(b)).power(&self.visit(arena.expr(e))),
+            Node::Atan2(y, x) => self.visit(arena.expr(y)).atan2(&self.visit(arena.expr(x))),
+        };
+        self.known.insert(expr.id, value.clone());
+        value
+    }
+}
+
+impl Value for f64 {
+    fn number(number: Number) -> Self {
+        number.to_f64()
+    }
+    fn add(&self, other: &Self) -> Self {
+        self + other
+    }
+    fn mul(&self, other: &Self) -> Self {
+        self * other
+    }
+    fn powi(&self, exponent: i32) -> Self {
+        f64::powi(*self, exponent)
+    }
+    fn apply(&self, function: Function) -> Self {
+        match function {
+            Function::Sqrt => self.sqrt(),
+            Function::Exp => self.exp(),
+            Function::Ln => self.ln(),
+            Function::Sin => self.sin(),
+            Function::Cos => self.cos(),
+            Function::Tan => self.tan(),
+            Function::Asin => self.asin(),
+            Function::Acos => self.acos(),
+            Function::Atan => self.atan(),
+            Function::Sinh => self.sinh(),
+            Function::Cosh => self.cosh(),
+            Function::Tanh => self.tanh(),
+            Function::Stumpff(k) => {
+                // the definition; good for moderate arguments, which is all the oracle is asked for
+                let mut term = (1..=k).fold(1.0, |f, i| f / f64::from(i));
+                let mut total = term;
+                for j in 1..200u32 {
+                    let m = f64::from(k + 2 * j);
+                    term *= -self / (m * (m - 1.0));
+                    total += term;
+                }
+                total
+            }
+        }
+    }
+    fn power(&self, exponent: &Self) -> Self {
+        self.powf(*exponent)
+    }
+    fn atan2(&self, x: &Self) -> Self {
+        f64::atan2(*self, *x)
+    }
+}

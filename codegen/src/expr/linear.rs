@@ -1,0 +1,213 @@
+//! Small vectors and matrices of expressions, lowered to scalars as they are built.
+
+use super::arena::{Arena, Expr, Symbol};
+use super::diff::{Derivative, Substitution};
+
+/// A column of expressions.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Vector<'a>(pub Vec<Expr<'a>>);
+
+/// A matrix of expressions, by rows.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Matrix<'a> {
+    pub rows: usize,
+    pub columns: usize,
+    pub entries: Vec<Expr<'a>>,
+}
+
+impl<'a> Vector<'a> {
+    pub fn zeros(arena: &'a Arena, dimension: usize) -> Self {
+        Self(vec![arena.zero(); dimension])
+    }
+
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = Expr<'a>> + '_ {
+        self.0.iter().copied()
+    }
+
+    pub fn map(&self, f: impl FnMut(Expr<'a>) -> Expr<'a>) -> Self {
+        Self(self.iter().map(f).collect())
+    }
+
+    fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {
+        debug_assert_eq!(self.len(), other.len());
+        Self(self.iter().zip(other.iter()).map(|(a, b)| f(a, b)).collect())
+    }
+
+    pub fn scale(&self, factor: Expr<'a>) -> Self {
+        self.map(|x| factor * x)
+    }
+
+    /// Dot product, or the pairing of a vector with a covector. `arena` gives the zero of an empty one.
+    pub fn dot(&self, other: &Self) -> Expr<'a> {
+        let mut products = self.iter().zip(other.iter()).map(|(a, b)| a * b);
+        let first = products.next().expect("the vectors of the catalogue have at least one component");
+        products.fold(first, |sum, product| sum + product)
+    }
+
+    /// Cross product in R³.
+    pub fn cross(&self, other: &Self) -> Self {
+        let (a, b) = (&self.0, &other.0);
+        Self(vec![a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    }
+
+    /// Each component kept whole.
+    pub fn hold(&self) -> Self {
+        self.map(Expr::hold)
+    }
+
+    /// `Σ ∂self/∂symbol_j direction_j`
+    pub fn derivative_along(&self, symbols: &[Symbol], direction: &Self) -> Self {
+        let Some(first) = self.0.first() else { return self.clone() };
+        let direction: Vec<_> = symbols.iter().copied().zip(direction.iter()).collect();
+        let mut derivative = Derivative::along(first.arena, &direction);
+        self.map(|x| derivative.of(x))
+    }
+
+    /// The symbols the components are; the vector must have been made of symbols.
+    pub fn symbols(&self) -> Vec<Symbol> {
+        self.iter().filter_map(Expr::as_symbol).collect()
+    }
+
+    pub fn substitute(&self, replacements: &[(Symbol, Expr<'a>)]) -> Self {
+        let Some(first) = self.0.first() else { return self.clone() };
+        let mut substitution = Substitution::new(first.arena, replacements);
+        self.map(|x| substitution.of(x))
+    }
+
+    /// `∂self_i / ∂symbol_j`
+    pub fn jacobian(&self, symbols: &[Symbol]) -> Matrix<'a> {
+        let columns: Vec<Vec<Expr<'a>>> = symbols
+            .iter()
+            .map(|&symbol| match self.0.first() {
+                Some(first) => {
+                    let mut derivative = Derivative::new(first.arena, symbol);
+                    self.iter().map(|x| derivative.of(x)).collect()
+                }
+                None => Vec::new(),
+            })
+            .collect();
+        let entries = (0..self.len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
+        Matrix { rows: self.len(), columns: symbols.len(), entries }
+    }
+}
+
+impl<'a> std::ops::Add for &Vector<'a> {
+    type Output = Vector<'a>;
+    fn add(self, other: Self) -> Vector<'a> {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<'a> std::ops::Sub for &Vector<'a> {
+    type Output = Vector<'a>;
+    fn sub(self, other: Self) -> Vector<'a> {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<'a> std::ops::Neg for &Vector<'a> {
+    type Output = Vector<'a>;
+    fn neg(self) -> Vector<'a> {
+        self.map(|x| -x)
+    }
+}
+
+impl<'a> Matrix<'a> {
+    pub fn new(rows: usize, columns: usize, entries: Vec<Expr<'a>>) -> Self {
+        debug_assert_eq!(entries.len(), rows * columns);
+        Self { rows, columns, entries }
+    }
+
+    pub fn diagonal(entries: &Vector<'a>) -> Self {
+        let n = entries.len();
+        let entry = |i: usize, j: usize| if i == j { entries.0[i] } else { entries.0[i].arena.zero() };
+        Self::new(n, n, (0..n * n).map(|k| entry(k / n, k % n)).collect())
+    }
+
+    pub fn at(&self, i: usize, j: usize) -> Expr<'a> {
+        self.entries[i * self.columns + j]
+    }
+
+    pub fn map(&self, f: impl FnMut(Expr<'a>) -> Expr<'a>) -> Self {
+        Self::new(self.rows, self.columns, self.entries.iter().copied().map(f).collect())
+    }
+
+    pub fn scale(&self, factor: Expr<'a>) -> Self {
+        self.map(|x| factor * x)
+    }
+
+    pub fn transpose(&self) -> Self {
+        let entries = (0..self.columns).flat_map(|j| (0..self.rows).map(move |i| self.at(i, j))).collect();
+        Self::new(self.columns, self.rows, entries)
+    }
+
+    pub fn row(&self, i: usize) -> Vector<'a> {
+        Vector((0..self.columns).map(|j| self.at(i, j)).collect())
+    }
+
+    pub fn column(&self, j: usize) -> Vector<'a> {
+        Vector((0..self.rows).map(|i| self.at(i, j)).collect())
+    }
+
+    pub fn times(&self, vector: &Vector<'a>) -> Vector<'a> {
+        Vector((0..self.rows).map(|i| self.row(i).dot(vector)).collect())
+    }
+
+    pub fn times_matrix(&self, other: &Self) -> Self {
+        let entries = (0..self.rows)
+            .flat_map(|i| (0..other.columns).map(move |j| (i, j)))
+            .map(|(i, j)| self.row(i).dot(&other.column(j)))
+            .collect();
+        Self::new(self.rows, other.columns, entries)
+    }
+
+    pub fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {
+        let entries = self.entries.iter().zip(&other.entries).map(|(&a, &b)| f(a, b)).collect();
+        Self::new(self.rows, self.columns, entries)
+    }
+
+    /// The solution of `self · x = right` for at most three unknowns, by the adjugate: no pivots, one division.
+    pub fn solve_small(&self, right: &Vector<'a>) -> Vector<'a> {
+        let m = |i: usize, j: usize| self.at(i % self.rows, j % self.columns);
+        let adjugate: Vec<Expr<'a>> = match self.rows {
+            1 => vec![right.0[0].arena.one()],
+            2 => vec![m(1, 1), -m(0, 1), -m(1, 0), m(0, 0)],
+            // cyclic cofactors: adj_ij = m_{j+1,i+1} m_{j+2,i+2} − m_{j+1,i+2} m_{j+2,i+1}
+            _ => (0..9)
+                .map(|k| (k / 3, k % 3))
+                .map(|(i, j)| m(j + 1, i + 1) * m(j + 2, i + 2) - m(j + 1, i + 2) * m(j + 2, i + 1))
+                .collect(),
+        };
+        let adjugate = Self::new(self.rows, self.rows, adjugate);
+        let determinant = self.row(0).dot(&adjugate.column(0));
+        adjugate.times(right).scale(determinant.recip())
+    }
+
+    /// `L` (unit lower triangular) and the pivots `d` of `self = L diag(d) Lᵀ`, for a symmetric matrix, of which only the
+    /// lower triangle is read. Stable without pivoting where all `d` are positive, and the test that they are.
+    pub fn ldl(&self) -> (Self, Vector<'a>) {
+        let n = self.rows;
+        let arena = self.entries[0].arena;
+        let mut l = Self::diagonal(&Vector(vec![arena.one(); n]));
+        let mut d = Vec::with_capacity(n);
+        for j in 0..n {
+            let reduced = |l: &Self, d: &[Expr<'a>], i: usize| {
+                (0..j).fold(self.at(i, j), |x, k| x - l.at(i, k) * l.at(j, k) * d[k])
+            };
+            let pivot = reduced(&l, &d, j);
+            for i in j + 1..n {
+                l.entries[i * n + j] = reduced(&l, &d, i) / pivot;
+            }
+            d.push(pivot);
+        }
+        (l, Vector(d))
+    }
+}

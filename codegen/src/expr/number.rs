@@ -1,0 +1,205 @@
+//! Exact constants.
+
+use std::cmp::Ordering;
+use std::fmt;
+
+use num_rational::Ratio;
+use num_traits::{CheckedAdd, CheckedMul, Signed};
+
+/// A constant: exact as long as numerator and denominator fit, otherwise rounded to `f64`.
+#[derive(Clone, Copy, Debug)]
+pub enum Number {
+    /// An exact rational number.
+    Rational(Ratio<i128>),
+    /// A rounded one.
+    Float(f64),
+}
+
+/// What a numerator or denominator may grow to and still be worth keeping exact. Both then convert to `f64` without
+/// rounding, so that their quotient is the correctly rounded value.
+const EXACT: i128 = 1 << 53;
+
+impl Number {
+    pub const ZERO: Number = Number::Rational(Ratio::new_raw(0, 1));
+    pub const ONE: Number = Number::Rational(Ratio::new_raw(1, 1));
+    pub const MINUS_ONE: Number = Number::Rational(Ratio::new_raw(-1, 1));
+
+    /// `numerator / denominator`; the denominator must not be zero.
+    pub fn ratio(numerator: i128, denominator: i128) -> Self {
+        debug_assert_ne!(denominator, 0);
+        Self::from_ratio(Ratio::new(numerator, denominator))
+    }
+
+    fn from_ratio(ratio: Ratio<i128>) -> Self {
+        if ratio.numer().abs() <= EXACT && *ratio.denom() <= EXACT {
+            Self::Rational(ratio)
+        } else {
+            Self::Float(*ratio.numer() as f64 / *ratio.denom() as f64)
+        }
+    }
+
+    /// A decimal literal as Rust writes them (`0.1`, `1e-3`, `2.5e10`): exact if it fits.
+    pub fn parse(literal: &str) -> Option<Self> {
+        let literal = literal.replace('_', "");
+        let (mantissa, exponent) = match literal.split_once(['e', 'E']) {
+            Some((mantissa, exponent)) => (mantissa, exponent.parse::<i32>().ok()?),
+            None => (literal.as_str(), 0),
+        };
+        let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
+        let rounded = || literal.parse::<f64>().ok().map(Self::Float);
+        let Ok(digits) = format!("{whole}{fraction}").parse::<i128>() else { return rounded() };
+        let power = exponent - i32::try_from(fraction.len()).ok()?;
+        let Some(scale) = 10i128.checked_pow(power.unsigned_abs()) else { return rounded() };
+        let exact = if power >= 0 {
+            digits.checked_mul(scale).map(Ratio::from_integer)
+        } else {
+            Some(Ratio::new(digits, scale))
+        };
+        match exact.map(Self::from_ratio) {
+            Some(number @ Self::Rational(_)) => Some(number),
+            _ => rounded(),
+        }
+    }
+
+    pub fn to_f64(self) -> f64 {
+        match self {
+            Self::Rational(r) => *r.numer() as f64 / *r.denom() as f64,
+            Self::Float(x) => x,
+        }
+    }
+
+    /// Numerator and denominator, if it is exact.
+    pub fn fraction(self) -> Option<(i128, i128)> {
+        match self {
+            Self::Rational(r) => Some((*r.numer(), *r.denom())),
+            Self::Float(_) => None,
+        }
+    }
+
+    pub fn is_zero(self) -> bool {
+        self == Self::ZERO
+    }
+
+    pub fn is_one(self) -> bool {
+        self == Self::ONE
+    }
+
+    pub fn is_negative(self) -> bool {
+        match self {
+            Self::Rational(r) => r.is_negative(),
+            Self::Float(x) => x < 0.0,
+        }
+    }
+
+    pub fn abs(self) -> Self {
+        if self.is_negative() { -self } else { self }
+    }
+
+    /// `self^exponent`; zero to a negative power is infinite.
+    pub fn powi(self, exponent: i32) -> Self {
+        if let Self::Rational(r) = self
+            && !(self.is_zero() && exponent < 0)
+        {
+            let base = if exponent < 0 { r.recip() } else { r };
+            let mut power = Some(Ratio::from_integer(1));
+            for _ in 0..exponent.unsigned_abs() {
+                power = power.and_then(|p: Ratio<i128>| p.checked_mul(&base));
+            }
+            if let Some(power) = power {
+                return Self::from_ratio(power);
+            }
+        }
+        Self::Float(self.to_f64().powi(exponent))
+    }
+
+    /// The square root where it is rational.
+    pub fn exact_sqrt(self) -> Option<Self> {
+        let Self::Rational(r) = self else { return None };
+        let root = |n: i128| {
+            let s = (n as f64).sqrt().round() as i128;
+            (s * s == n).then_some(s)
+        };
+        if r.is_negative() { None } else { Some(Self::ratio(root(*r.numer())?, root(*r.denom())?)) }
+    }
+
+    fn combine(
+        self,
+        other: Self,
+        exact: impl Fn(&Ratio<i128>, &Ratio<i128>) -> Option<Ratio<i128>>,
+        rounded: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        if let (Self::Rational(a), Self::Rational(b)) = (&self, &other)
+            && let Some(result) = exact(a, b)
+        {
+            return Self::from_ratio(result);
+        }
+        Self::Float(rounded(self.to_f64(), other.to_f64()))
+    }
+}
+
+impl std::ops::Add for Number {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.combine(other, |a, b| a.checked_add(b), |a, b| a + b)
+    }
+}
+
+impl std::ops::Mul for Number {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        self.combine(other, |a, b| a.checked_mul(b), |a, b| a * b)
+    }
+}
+
+impl std::ops::Neg for Number {
+    type Output = Self;
+    fn neg(self) -> Self {
+        match self {
+            Self::Rational(r) => Self::Rational(-r),
+            Self::Float(x) => Self::Float(-x),
+        }
+    }
+}
+
+impl From<i64> for Number {
+    fn from(value: i64) -> Self {
+        Self::ratio(value.into(), 1)
+    }
+}
+
+// Structural, so that constants can be hashed: a float never equals a rational, and not-a-number equals itself.
+impl PartialEq for Number {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Rational(a), Self::Rational(b)) => a == b,
+            (Self::Float(a), Self::Float(b)) => a.to_bits() == b.to_bits(),
+            _ => false,
+        }
+    }
+}
+
+impl Eq for Number {}
+
+impl std::hash::Hash for Number {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        match self {
+            Self::Rational(r) => (r.numer(), r.denom()).hash(state),
+            Self::Float(x) => x.to_bits().hash(state),
+        }
+    }
+}
+
+impl PartialOrd for Number {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        self.to_f64().partial_cmp(&other.to_f64())
+    }
+}
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Rational(r) => write!(f, "{r}"),
+            Self::Float(x) => write!(f, "{x:?}"),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Components by name and by index.
+
+use syn::{ExprField, ExprIndex, Member};
+
+use super::lowering::Lowering;
+use super::value::{COMPONENTS, Value};
+use crate::diagnostics::list;
+
+impl<'a> Lowering<'a, '_> {
+    /// `v.x`, `m.m12`, `pair.0`
+    pub(super) fn field(&mut self, field: &ExprField) -> Option<Value<'a>> {
+        if is_self(&field.base) {
+            let message = "parameters are known by their names alone; leave out `self.`";
+            return self.fail(field, message);
+        }
+        let base = self.lower(&field.base)?;
+        match &field.member {
+            Member::Named(name) => {
+                let written = name.to_string();
+                let names = names(&base);
+                if let Some((_, place)) = names.iter().find(|(known, _)| *known == written) {
+                    return at(&base, *place);
+                }
+                let what = base.describe();
+                if names.is_empty() {
+                    return self.fail(name, format!("{what} has no components"));
+                }
+                let known: Vec<&str> = names.iter().map(|(known, _)| known.as_str()).collect();
+                let message = format!("{what} has no component `{written}`, but {}", list(known));
+                self.fail(name, message)
+            }
+            Member::Unnamed(index) => match &base {
+                Value::Tuple(values) => match values.get(index.index as usize) {
+                    Some(value) => Some(value.clone()),
+                    None => self.fail(index, format!("{} ends before this", base.describe())),
+                },
+                Value::Vector(_) => {
+                    self.fail(index, format!("write `[{}]` for a component by number", index.index))
+                }
+                _ => self.fail(index, format!("{} has no fields", base.describe())),
+            },
+        }
+    }
+
+    /// `v[i]`, `m[(i, j)]`
+    pub(super) fn index(&mut self, index: &ExprIndex) -> Option<Value<'a>> {
+        let base = self.lower(&index.expr);
+        let place = self.lower(&index.index);
+        let (base, place) = (base?, place?);
+        let Some(matrix) = base.as_matrix() else {
+            return self.fail(index, format!("{} cannot be indexed", base.describe()));
+        };
+        let (rows, columns) = (matrix.rows, matrix.columns);
+        let within = |i: i64, bound: usize| usize::try_from(i).ok().filter(|&i| i < bound);
+        match place {
+            // nalgebra counts the entries of a matrix by columns
+            Value::Integer(k) => match within(k, rows * columns) {
+                Some(k) => Some(Value::Scalar(matrix.at(k % rows, k / rows))),
+                None => self.out_of_range(&index.index, &base, format!("0 to {}", rows * columns - 1)),
+            },
+            Value::Tuple(pair) => match pair.as_slice() {
+                [Value::Integer(i), Value::Integer(j)] => match (within(*i, rows), within(*j, columns)) {
+                    (Some(i), Some(j)) => Some(Value::Scalar(matrix.at(i, j))),
+                    _ => {
+                        let range = format!("(0, 0) to ({}, {})", rows - 1, columns - 1);
+                        self.out_of_range(&index.index, &base, range)
+                    }
+                },
+                _ => self.fail(&index.index, INDICES),
+            },
+            _ => self.fail(&index.index, INDICES),
+        }
+    }
+
+    fn out_of_range<T>(&mut self, index: &syn::Expr, base: &Value<'a>, range: String) -> Option<T> {
+        self.fail(index, format!("this index is out of range: {} has {range}", base.describe()))
+    }
+}
+
+const INDICES: &str = "an index is an integer, `v[0]`, or a pair of integers, `m[(0, 1)]`";
+
+fn is_self(expr: &syn::Expr) -> bool {
+    matches!(expr, syn::Expr::Path(path) if path.path.is_ident("self"))
+}
+
+/// The names of a value's components, with their places.
+fn names(value: &Value<'_>) -> Vec<(String, (usize, usize))> {
+    let named = |n: usize, place: fn(usize) -> (usize, usize)| {
+        COMPONENTS.iter().take(n).enumerate().map(|(i, name)| ((*name).to_owned(), place(i))).collect()
+    };
+    match value {
+        Value::Vector(vector) => named(vector.len(), |i| (i, 0)),
+        Value::Matrix(matrix) if matrix.rows == 1 => named(matrix.columns, |j| (0, j)),
+        Value::Matrix(matrix) if matrix.rows.max(matrix.columns) <= COMPONENTS.len() => {
+            let places = (0..matrix.rows * matrix.columns).map(|k| (k / matrix.columns, k % matrix.columns));
+            places.map(|(i, j)| (format!("m{}{}", i + 1, j + 1), (i, j))).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn at<'a>(value: &Value<'a>, (i, j): (usize, usize)) -> Option<Value<'a>> {
+    value.as_matrix().map(|matrix| Value::Scalar(matrix.at(i, j)))
+}

@@ -1,0 +1,221 @@
+//! Calls of functions by path, and macros: constructors of vectors and matrices, and methods written as functions.
+
+use syn::parse::{Parse, ParseStream};
+use syn::punctuated::Punctuated;
+use syn::{Expr, ExprCall, Ident, Macro, Token};
+
+use super::lowering::Lowering;
+use super::value::Value;
+use crate::diagnostics::{list, suggestion};
+use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
+use crate::parse::{ScalarType, Shape, of_segment};
+
+/// The constructors of vectors and matrices.
+const CONSTRUCTORS: &[&str] = &[
+    "new",
+    "zeros",
+    "repeat",
+    "from_element",
+    "identity",
+    "from_diagonal",
+    "from_diagonal_element",
+    "x",
+    "y",
+    "z",
+    "w",
+];
+
+/// The rows of `matrix![…]`, or the one row of `vector![…]`.
+struct Rows(Vec<Punctuated<Expr, Token![,]>>);
+
+impl Parse for Rows {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let mut rows = Vec::new();
+        while !input.is_empty() {
+            let mut row = Punctuated::new();
+            while !input.is_empty() && !input.peek(Token![;]) {
+                row.push_value(input.parse()?);
+                if !input.is_empty() && !input.peek(Token![;]) {
+                    row.push_punct(input.parse()?);
+                }
+            }
+            rows.push(row);
+            input.parse::<Option<Token![;]>>()?;
+        }
+        Ok(Self(rows))
+    }
+}
+
+impl<'a> Lowering<'a, '_> {
+    /// `Vector3::new(…)`, `f64::sin(…)`, `Vector3::dot(…)`
+    pub(super) fn call(&mut self, call: &ExprCall) -> Option<Value<'a>> {
+        let arguments = self.all(&call.args);
+        let Expr::Path(function) = &*call.func else {
+            return self.unsupported(&call.func, "calling this");
+        };
+        let mut segments = function.path.segments.iter().rev();
+        let (Some(name), Some(owner)) = (segments.next(), segments.next()) else {
+            let message = "functions cannot be called here: only their code knows their derivatives; write the formula \
+                           out, or its parts with `let`";
+            return self.fail(&call.func, message);
+        };
+        let name = &name.ident;
+        let owner_name = owner.ident.to_string();
+        let scalar = ScalarType::named(&owner_name).is_some();
+        let shape = Shape::named(&owner_name).or_else(|| of_segment(owner).map(|(shape, _)| shape));
+        let (Some(shape), None) = (if scalar { Some(Shape::Scalar) } else { shape }, &function.qself) else {
+            let message = "this function has no symbolic meaning here; functions of `f64` and constructors such as \
+                           `Vector3::new` or `Matrix3::identity` have one";
+            return self.fail(&call.func, message);
+        };
+        let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
+        match name.to_string().as_str() {
+            "from" if scalar => self.converted(name, &arguments),
+            constructor if !scalar && CONSTRUCTORS.contains(&constructor) => {
+                self.constructor(name, &owner_name, shape, &arguments)
+            }
+            _ => self.function(name, &owner_name, shape, &arguments),
+        }
+    }
+
+    /// `f64::from(integer)`
+    fn converted(&mut self, name: &Ident, arguments: &[(Value<'a>, &Expr)]) -> Option<Value<'a>> {
+        match arguments {
+            [(Value::Integer(integer), _)] => Some(Value::Scalar(self.arena.number(Number::from(*integer)))),
+            [(_, expr)] => self.fail(expr, "only integers can be converted; this needs no conversion"),
+            _ => self.fail(name, "`from` takes one integer"),
+        }
+    }
+
+    /// A method written as a function, with the receiver in front.
+    fn function(
+        &mut self,
+        name: &Ident,
+        owner: &str,
+        shape: Shape,
+        arguments: &[(Value<'a>, &Expr)],
+    ) -> Option<Value<'a>> {
+        let Some(((receiver, expr), rest)) = arguments.split_first() else {
+            let message = match shape {
+                Shape::Scalar => format!("`{owner}::{name}` has no symbolic meaning here"),
+                _ => format!(
+                    "there is no `{owner}::{name}` here{}",
+                    suggestion(&name.to_string(), CONSTRUCTORS)
+                ),
+            };
+            return self.fail(name, message);
+        };
+        if receiver.shape() != Some(shape) {
+            let (expected, found) = (shape.describe(), receiver.describe());
+            return self.fail(expr, format!("`{owner}::{name}` takes {expected} first, but this is {found}"));
+        }
+        // an integer in place of a float is left to rustc
+        let receiver = match receiver.as_scalar(self.arena) {
+            Some(scalar) => Value::Scalar(scalar),
+            None => receiver.clone(),
+        };
+        self.method(name, &receiver, rest)
+    }
+
+    fn constructor(
+        &mut self,
+        name: &Ident,
+        owner: &str,
+        shape: Shape,
+        arguments: &[(Value<'a>, &Expr)],
+    ) -> Option<Value<'a>> {
+        let (rows, columns) = match shape {
+            Shape::Matrix(rows, columns) => (rows, columns),
+            _ => (shape.size(), 1),
+        };
+        let what = name.to_string();
+        let expected = match what.as_str() {
+            "new" => rows * columns,
+            "repeat" | "from_element" | "from_diagonal" | "from_diagonal_element" => 1,
+            _ => 0,
+        };
+        if arguments.len() != expected {
+            let message =
+                format!("`{owner}::{what}` takes {expected} arguments, but {} are given", arguments.len());
+            return self.fail(name, message);
+        }
+        let (zero, one) = (self.arena.zero(), self.arena.one());
+        let filled = |entry: &dyn Fn(usize, usize) -> Symbolic<'a>| {
+            let entries = (0..rows * columns).map(|k| entry(k / columns, k % columns)).collect();
+            Some(Value::of_matrix(Matrix::new(rows, columns, entries)))
+        };
+        let diagonal = |entry: Symbolic<'a>| filled(&|i, j| if i == j { entry } else { zero });
+        match (what.as_str(), arguments) {
+            ("new", _) => {
+                let entries = self.scalars(arguments)?;
+                Some(Value::of_matrix(Matrix::new(rows, columns, entries)))
+            }
+            ("zeros", _) => filled(&|_, _| zero),
+            ("identity", _) => diagonal(one),
+            ("from_diagonal", [(Value::Vector(vector), _)]) if rows == columns && vector.len() == rows => {
+                Some(Value::of_matrix(Matrix::diagonal(vector)))
+            }
+            ("from_diagonal", [(other, expr)]) => {
+                let message = format!(
+                    "`{owner}::from_diagonal` takes a vector of {}, but this is {}",
+                    rows.min(columns),
+                    other.describe()
+                );
+                self.fail(expr, message)
+            }
+            ("from_diagonal_element", _) => diagonal(*self.scalars(arguments)?.first()?),
+            ("repeat" | "from_element", _) => {
+                let entry = *self.scalars(arguments)?.first()?;
+                filled(&|_, _| entry)
+            }
+            // a unit vector along an axis
+            (axis, _) => match ["x", "y", "z", "w"].iter().position(|known| *known == axis) {
+                Some(k) if columns == 1 && k < rows => filled(&|i, _| if i == k { one } else { zero }),
+                _ => self
+                    .fail(name, format!("there is no `{owner}::{what}` here; known: {}", list(CONSTRUCTORS))),
+            },
+        }
+    }
+
+    /// `vector![…]`, `matrix![…]`
+    pub(super) fn macro_call(&mut self, call: &Macro) -> Option<Value<'a>> {
+        let name = call.path.segments.last().map(|segment| segment.ident.to_string()).unwrap_or_default();
+        if name != "vector" && name != "matrix" {
+            return self
+                .fail(&call.path, "the only macros with a symbolic meaning are `vector!` and `matrix!`");
+        }
+        let Rows(rows) = self.parsed(Rows::parse, &call.tokens)?;
+        let columns = rows.first().map_or(0, Punctuated::len);
+        if columns == 0 {
+            return self.fail(&call.path, format!("this `{name}!` is empty"));
+        }
+        if let Some(odd) = rows.iter().find(|row| row.len() != columns) {
+            let message = format!("this row has {} entries, but the first has {columns}", odd.len());
+            return if odd.is_empty() { self.fail(&call.path, message) } else { self.fail(odd, message) };
+        }
+        if name == "vector" && rows.len() > 1 {
+            return self.fail(&rows[1], "a vector has one row of components; for rows there is `matrix!`");
+        }
+        let cells: Vec<&Expr> = rows.iter().flatten().collect();
+        let values = self.all(cells.iter().copied())?;
+        let entries = self.scalars(&values.into_iter().zip(cells).collect::<Vec<_>>())?;
+        Some(match name.as_str() {
+            "vector" => Value::Vector(Vector(entries)),
+            _ => Value::of_matrix(Matrix::new(rows.len(), columns, entries)),
+        })
+    }
+
+    /// Values that must all be scalars.
+    fn scalars(&mut self, values: &[(Value<'a>, &Expr)]) -> Option<Vec<Symbolic<'a>>> {
+        let scalars: Vec<Option<Symbolic<'a>>> = values
+            .iter()
+            .map(|(value, expr)| match value.as_scalar(self.arena) {
+                Some(scalar) => Some(scalar),
+                None => {
+                    self.fail(expr, format!("this entry must be a scalar, but it is {}", value.describe()))
+                }
+            })
+            .collect();
+        scalars.into_iter().collect()
+    }
+}

@@ -1,0 +1,67 @@
+//! Literals, and integers turned into scalars.
+
+use syn::{ExprCast, Lit, LitFloat, LitInt, Type};
+
+use super::lowering::Lowering;
+use super::value::Value;
+use crate::expr::Number;
+use crate::parse::ScalarType;
+
+impl<'a> Lowering<'a, '_> {
+    pub(super) fn literal(&mut self, literal: &Lit) -> Option<Value<'a>> {
+        match literal {
+            Lit::Int(integer) if ScalarType::named(integer.suffix()).is_some() => {
+                self.decimal(integer.base10_digits(), literal)
+            }
+            Lit::Int(integer) => self.integer(integer),
+            Lit::Float(float) => self.float(float),
+            _ => self.fail(literal, "only numbers can be written here"),
+        }
+    }
+
+    fn integer(&mut self, literal: &LitInt) -> Option<Value<'a>> {
+        match literal.base10_parse() {
+            Ok(integer) => Some(Value::Integer(integer)),
+            Err(_) => self.fail(literal, "this integer is too large; write it as a float, such as `1e30`"),
+        }
+    }
+
+    fn float(&mut self, literal: &LitFloat) -> Option<Value<'a>> {
+        self.decimal(literal.base10_digits(), literal)
+    }
+
+    fn decimal(&mut self, digits: &str, literal: impl quote::ToTokens) -> Option<Value<'a>> {
+        let number = match digits.parse::<f64>() {
+            // so small or so large that the exact value is beyond representation
+            Ok(0.0) => Some(Number::ZERO),
+            Ok(value) if !value.is_finite() => None,
+            _ => Number::parse(digits),
+        };
+        match number {
+            Some(number) => Some(Value::Scalar(self.arena.number(number))),
+            None => self.fail(literal, "this number is too large"),
+        }
+    }
+
+    /// `integer as f64`
+    pub(super) fn cast(&mut self, cast: &ExprCast) -> Option<Value<'a>> {
+        let value = self.lower(&cast.expr)?;
+        match (value, float_type(&cast.ty)) {
+            (Value::Integer(integer), Some(_)) => {
+                Some(Value::Scalar(self.arena.number(Number::from(integer))))
+            }
+            (_, Some(_)) => {
+                // a cast between f32 and f64 rounds, which has no symbolic meaning
+                self.fail(cast.as_token, "only integers can be cast; this needs no cast")
+            }
+            (_, None) => self.fail(&cast.ty, "only casts to `f64` and `f32` are supported"),
+        }
+    }
+}
+
+fn float_type(ty: &Type) -> Option<ScalarType> {
+    match ty {
+        Type::Path(path) if path.qself.is_none() => ScalarType::named(&path.path.get_ident()?.to_string()),
+        _ => None,
+    }
+}

@@ -1,0 +1,168 @@
+//! The walk over an expression: one case for each construct of Rust.
+
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::{Expr, ExprPath, UnOp};
+
+use super::sanity;
+use super::scope::Scope;
+use super::value::Value;
+use crate::diagnostics::{Diagnostics, suggestion};
+use crate::expr::Arena;
+
+/// How deeply constructs may nest. A sum or product of many terms is one construct.
+const DEPTH: usize = 256;
+
+/// What is at hand while an expression is lowered.
+pub(super) struct Lowering<'a, 's> {
+    pub(super) arena: &'a Arena,
+    pub(super) diagnostics: &'s mut Diagnostics,
+    scope: &'s mut Scope<'a>,
+    /// The variables of the blocks around, innermost last; `None` for one whose value was in error.
+    pub(super) locals: Vec<(String, Option<Value<'a>>)>,
+    depth: usize,
+}
+
+impl<'a, 's> Lowering<'a, 's> {
+    pub(super) fn new(scope: &'s mut Scope<'a>, arena: &'a Arena, diagnostics: &'s mut Diagnostics) -> Self {
+        Self { arena, diagnostics, scope, locals: Vec::new(), depth: 0 }
+    }
+
+    /// The value of an expression. `None` if there is a problem in it, which was reported.
+    pub(super) fn lower(&mut self, expr: &Expr) -> Option<Value<'a>> {
+        if self.depth == DEPTH {
+            return self.fail(expr, "this is nested too deeply; split the expression with `let`");
+        }
+        self.depth += 1;
+        let value = self.construct(expr);
+        self.depth -= 1;
+        self.checked(value?, expr)
+    }
+
+    /// The value unless it is beyond reason.
+    pub(super) fn checked(&mut self, value: Value<'a>, tokens: impl ToTokens) -> Option<Value<'a>> {
+        match value.scalars().into_iter().find_map(sanity::problem) {
+            Some(problem) => self.fail(tokens, problem),
+            None => Some(value),
+        }
+    }
+
+    /// Reports a problem.
+    pub(super) fn fail<T>(&mut self, tokens: impl ToTokens, message: impl std::fmt::Display) -> Option<T> {
+        self.diagnostics.push(tokens, message);
+        None
+    }
+
+    fn construct(&mut self, expr: &Expr) -> Option<Value<'a>> {
+        match expr {
+            Expr::Lit(literal) => self.literal(&literal.lit),
+            Expr::Path(path) => self.path(path),
+            Expr::Paren(inner) => self.lower(&inner.expr),
+            Expr::Group(inner) => self.lower(&inner.expr),
+            // values and references to them are the same to mathematics
+            Expr::Reference(inner) => self.lower(&inner.expr),
+            Expr::Unary(unary) => match unary.op {
+                UnOp::Deref(_) => self.lower(&unary.expr),
+                UnOp::Neg(sign) => {
+                    let value = self.lower(&unary.expr)?;
+                    self.negated(value, sign)
+                }
+                _ => self.unsupported(unary.op, "this operator"),
+            },
+            Expr::Binary(binary) => self.binary(binary),
+            Expr::Cast(cast) => self.cast(cast),
+            Expr::Field(field) => self.field(field),
+            Expr::Index(index) => self.index(index),
+            Expr::MethodCall(call) => self.method_call(call),
+            Expr::Call(call) => self.call(call),
+            Expr::Macro(call) => self.macro_call(&call.mac),
+            Expr::Block(block) => self.block_expression(block),
+            Expr::Tuple(tuple) => self.all(&tuple.elems).map(Value::Tuple),
+            _ => self.other(expr),
+        }
+    }
+
+    /// The values of several expressions. All are looked at, even after a problem in one.
+    pub(super) fn all<'e>(&mut self, exprs: impl IntoIterator<Item = &'e Expr>) -> Option<Vec<Value<'a>>> {
+        let values: Vec<Option<Value<'a>>> = exprs.into_iter().map(|expr| self.lower(expr)).collect();
+        values.into_iter().collect()
+    }
+
+    fn path(&mut self, path: &ExprPath) -> Option<Value<'a>> {
+        let Some(ident) = path.path.get_ident().filter(|_| path.qself.is_none()) else {
+            return Some(Value::Scalar(self.scope.constant(path, self.arena)));
+        };
+        let name = ident.to_string();
+        let local = self.locals.iter().rev().find(|(local, _)| *local == name).map(|(_, value)| value);
+        if let Some(value) = local.or_else(|| self.scope.get(&name)) {
+            return value.clone();
+        }
+        if is_constant(&name) {
+            return Some(Value::Scalar(self.scope.constant(path, self.arena)));
+        }
+        if name == "self" {
+            return self.fail(ident, "parameters are known by their names alone; leave out `self.`");
+        }
+        let known: Vec<&str> =
+            self.scope.names().chain(self.locals.iter().map(|(name, _)| name.as_str())).collect();
+        let message = format!("there is no `{name}` here{}", suggestion(&name, &known));
+        self.fail(ident, message)
+    }
+
+    /// Constructs without a symbolic meaning.
+    fn other(&mut self, expr: &Expr) -> Option<Value<'a>> {
+        match expr {
+            Expr::If(choice) => self.not_smooth(choice.if_token, "a choice by `if`"),
+            Expr::Match(choice) => self.not_smooth(choice.match_token, "a choice by `match`"),
+            Expr::Assign(assignment) => self.fail(
+                assignment.eq_token,
+                "assignments are not supported; give each value a name with `let`",
+            ),
+            Expr::ForLoop(looped) => self.unsupported(looped.for_token, "a loop"),
+            Expr::While(looped) => self.unsupported(looped.while_token, "a loop"),
+            Expr::Loop(looped) => self.unsupported(looped.loop_token, "a loop"),
+            Expr::Closure(_) => self.unsupported(expr, "a closure"),
+            Expr::Array(_) | Expr::Repeat(_) => {
+                self.fail(expr, "arrays are not supported; write `vector![…]` or `matrix![…]`")
+            }
+            Expr::Struct(_) => self.unsupported(expr, "a struct"),
+            Expr::Range(_) => self.unsupported(expr, "a range"),
+            Expr::Try(propagated) => self.unsupported(propagated.question_token, "`?`"),
+            Expr::Return(returned) => {
+                self.fail(returned.return_token, "leave out `return`: the last expression is the value")
+            }
+            _ => self.unsupported(expr, "this"),
+        }
+    }
+
+    /// Reports a construct that has no symbolic meaning.
+    pub(super) fn unsupported<T>(&mut self, tokens: impl ToTokens, what: &str) -> Option<T> {
+        let message = format!(
+            "{what} is not supported here; an expression is made of numbers, names, `+ - * /`, components, methods, \
+             constructors such as `Vector3::new` or `vector![…]`, and blocks with `let`"
+        );
+        self.fail(tokens, message)
+    }
+
+    /// Reports a construct that would make the energy lose its derivatives.
+    pub(super) fn not_smooth<T>(&mut self, tokens: impl ToTokens, what: &str) -> Option<T> {
+        let message =
+            format!("{what} is not smooth, and the equations of motion need derivatives everywhere");
+        self.fail(tokens, message)
+    }
+
+    /// Parses tokens inside a macro call.
+    pub(super) fn parsed<T>(
+        &mut self,
+        parser: impl syn::parse::Parser<Output = T>,
+        tokens: &TokenStream,
+    ) -> Option<T> {
+        parser.parse2(tokens.clone()).map_err(|error| self.diagnostics.absorb(error)).ok()
+    }
+}
+
+/// Whether a name is written as Rust writes constants.
+fn is_constant(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_uppercase())
+        && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_')
+}

@@ -1,0 +1,122 @@
+//! Methods of scalars, as `f64` has them.
+
+use super::super::sanity;
+use super::super::value::Value;
+use super::{Call, Method};
+use crate::expr::{Expr, Function, Number};
+
+const fn method(
+    name: &'static str,
+    arguments: usize,
+    apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
+) -> Method {
+    Method { name, arguments, apply }
+}
+
+pub(super) static METHODS: &[Method] = &[
+    method("sqrt", 0, |call| elementary(call, Function::Sqrt)),
+    method("powi", 1, powi),
+    method("powf", 1, powf),
+    method("recip", 0, recip),
+    method("exp", 0, |call| elementary(call, Function::Exp)),
+    method("ln", 0, |call| elementary(call, Function::Ln)),
+    method("sin", 0, |call| elementary(call, Function::Sin)),
+    method("cos", 0, |call| elementary(call, Function::Cos)),
+    method("sin_cos", 0, sin_cos),
+    method("tan", 0, |call| elementary(call, Function::Tan)),
+    method("asin", 0, |call| elementary(call, Function::Asin)),
+    method("acos", 0, |call| elementary(call, Function::Acos)),
+    method("atan", 0, |call| elementary(call, Function::Atan)),
+    method("atan2", 1, |call| Some(Value::Scalar(receiver(call)?.atan2(call.scalar(0)?)))),
+    method("sinh", 0, |call| elementary(call, Function::Sinh)),
+    method("cosh", 0, |call| elementary(call, Function::Cosh)),
+    method("tanh", 0, |call| elementary(call, Function::Tanh)),
+    method("hypot", 1, hypot),
+    method("mul_add", 2, mul_add),
+];
+
+fn receiver<'a>(call: &Call<'_, 'a>) -> Option<Expr<'a>> {
+    call.receiver.as_scalar(call.arena)
+}
+
+fn elementary<'a>(call: &mut Call<'_, 'a>, function: Function) -> Option<Value<'a>> {
+    let argument = receiver(call)?;
+    if let Some(number) = argument.as_number()
+        && !defined(function, number)
+    {
+        return call.fail(call.method, format!("`{}` is not a real number at {number}", call.method));
+    }
+    Some(Value::Scalar(argument.apply(function)))
+}
+
+/// Whether a function has a finite real value at a constant.
+fn defined(function: Function, at: Number) -> bool {
+    let at = at.to_f64();
+    match function {
+        Function::Sqrt => at >= 0.0,
+        Function::Ln => at > 0.0,
+        Function::Asin | Function::Acos => at.abs() <= 1.0,
+        _ => true,
+    }
+}
+
+fn powi<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let exponent = call.integer(0, "; for other exponents there is `powf`")?;
+    integer_power(call, exponent)
+}
+
+fn powf<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let (base, exponent) = (receiver(call)?, call.scalar(0)?);
+    let Some(number) = exponent.as_number() else { return Some(Value::Scalar(base.pow(exponent))) };
+    let value = number.to_f64();
+    if value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX) {
+        return integer_power(call, value as i64);
+    }
+    if value.abs() > f64::from(sanity::EXPONENT) {
+        return too_high(call);
+    }
+    if base.as_number().is_some_and(|base| base.is_negative() || base.is_zero()) {
+        return call.fail(call.method, "a power that is not whole needs a positive base".to_owned());
+    }
+    Some(Value::Scalar(base.pow(exponent)))
+}
+
+fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>> {
+    let base = receiver(call)?;
+    match i32::try_from(exponent) {
+        Ok(exponent) if exponent.abs() <= sanity::EXPONENT => {
+            if base.is_zero() && exponent < 0 {
+                return call.fail(call.method, "this divides by zero".to_owned());
+            }
+            Some(Value::Scalar(base.powi(exponent)))
+        }
+        _ => too_high(call),
+    }
+}
+
+fn too_high<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let message = format!("this exponent is too large; the largest is {}", sanity::EXPONENT);
+    call.fail(call.arguments[0].1, message)
+}
+
+fn recip<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    integer_power(call, -1)
+}
+
+fn sin_cos<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let angle = receiver(call)?;
+    Some(Value::Tuple(vec![
+        Value::Scalar(angle.apply(Function::Sin)),
+        Value::Scalar(angle.apply(Function::Cos)),
+    ]))
+}
+
+fn hypot<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let (a, b) = (receiver(call)?, call.scalar(0)?);
+    Some(Value::Scalar((a * a + b * b).sqrt()))
+}
+
+fn mul_add<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let (factor, summand) = (call.scalar(0), call.scalar(1));
+    Some(Value::Scalar(receiver(call)? * factor? + summand?))
+}

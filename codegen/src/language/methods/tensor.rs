@@ -1,0 +1,225 @@
+//! Methods of vectors and matrices, as nalgebra has them.
+
+use super::super::operators::scaled;
+use super::super::value::Value;
+use super::{Call, Method};
+use crate::expr::{Expr, Matrix, Vector};
+
+const fn method(
+    name: &'static str,
+    arguments: usize,
+    apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
+) -> Method {
+    Method { name, arguments, apply }
+}
+
+pub(super) static VECTOR_METHODS: &[Method] = &[
+    method("dot", 1, dot),
+    method("cross", 1, cross),
+    method("norm", 0, norm),
+    method("norm_squared", 0, norm_squared),
+    method("magnitude", 0, norm),
+    method("magnitude_squared", 0, norm_squared),
+    method("normalize", 0, normalize),
+    method("component_mul", 1, component_mul),
+    method("component_div", 1, component_div),
+    method("sum", 0, sum),
+    method("scale", 1, scale),
+    method("unscale", 1, unscale),
+    method("transpose", 0, transpose),
+    method("tr_mul", 1, tr_mul),
+    method("cross_matrix", 0, cross_matrix),
+];
+
+pub(super) static MATRIX_METHODS: &[Method] = &[
+    method("transpose", 0, transpose),
+    method("tr_mul", 1, tr_mul),
+    method("trace", 0, trace),
+    method("determinant", 0, determinant),
+    method("diagonal", 0, diagonal),
+    method("row", 1, row),
+    method("column", 1, column),
+    method("dot", 1, dot),
+    method("norm", 0, norm),
+    method("norm_squared", 0, norm_squared),
+    method("component_mul", 1, component_mul),
+    method("component_div", 1, component_div),
+    method("sum", 0, sum),
+    method("scale", 1, scale),
+    method("unscale", 1, unscale),
+];
+
+fn entries<'a>(call: &Call<'_, 'a>) -> Option<Vector<'a>> {
+    call.receiver.as_matrix().map(|matrix| Vector(matrix.entries))
+}
+
+fn dot<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let other = Vector(call.like_receiver(0)?.entries);
+    Some(Value::Scalar(entries(call)?.dot(&other)))
+}
+
+fn cross<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let vector = three(call)?;
+    let other = Vector(call.like_receiver(0)?.entries);
+    Some(Value::Vector(vector.cross(&other)))
+}
+
+fn cross_matrix<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let zero = call.arena.zero();
+    let [x, y, z] = three(call)?.0[..] else { return None };
+    Some(Value::Matrix(Matrix::new(3, 3, vec![zero, -z, y, z, zero, -x, -y, x, zero])))
+}
+
+/// The receiver, which must be a vector of three.
+fn three<'a>(call: &mut Call<'_, 'a>) -> Option<Vector<'a>> {
+    match call.receiver {
+        Value::Vector(vector) if vector.len() == 3 => Some(vector.clone()),
+        other => call.fail(
+            call.method,
+            format!("`{}` is for vectors of 3; this is {}", call.method, other.describe()),
+        ),
+    }
+}
+
+fn norm_squared<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let entries = entries(call)?;
+    Some(Value::Scalar(entries.dot(&entries)))
+}
+
+fn norm<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let entries = entries(call)?;
+    Some(Value::Scalar(entries.dot(&entries).sqrt()))
+}
+
+fn normalize<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let entries = entries(call)?;
+    divided(call, entries.dot(&entries).sqrt())
+}
+
+fn unscale<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let divisor = call.scalar(0)?;
+    divided(call, divisor)
+}
+
+fn divided<'a>(call: &mut Call<'_, 'a>, divisor: Expr<'a>) -> Option<Value<'a>> {
+    if divisor.is_zero() {
+        return call.fail(call.method, "this divides by zero".to_owned());
+    }
+    scaled(call.receiver, divisor.recip())
+}
+
+fn scale<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let factor = call.scalar(0)?;
+    scaled(call.receiver, factor)
+}
+
+fn component_mul<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let other = call.like_receiver(0)?;
+    Some(Value::of_matrix(call.receiver.as_matrix()?.zip(&other, |a, b| a * b)))
+}
+
+fn component_div<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let other = call.like_receiver(0)?;
+    if other.entries.iter().any(|entry| entry.is_zero()) {
+        return call.fail(call.arguments[0].1, "a component of this is zero".to_owned());
+    }
+    Some(Value::of_matrix(call.receiver.as_matrix()?.zip(&other, |a, b| a / b)))
+}
+
+fn sum<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let zero = call.arena.zero();
+    Some(Value::Scalar(entries(call)?.iter().fold(zero, |sum, entry| sum + entry)))
+}
+
+fn transpose<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    Some(Value::of_matrix(call.receiver.as_matrix()?.transpose()))
+}
+
+/// `selfᵀ · other`
+fn tr_mul<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let left = call.receiver.as_matrix()?.transpose();
+    let (value, expr) = &call.arguments[0];
+    match value.as_matrix() {
+        Some(right) if right.rows == left.columns => Some(Value::of_matrix(left.times_matrix(&right))),
+        _ => {
+            let message = format!(
+                "`tr_mul` takes a vector or matrix of {} rows here, but this is {}",
+                left.columns,
+                value.describe()
+            );
+            call.fail(expr, message)
+        }
+    }
+}
+
+/// The receiver, which must be a square matrix.
+fn square<'a>(call: &mut Call<'_, 'a>) -> Option<Matrix<'a>> {
+    match call.receiver.as_matrix() {
+        Some(matrix) if matrix.rows == matrix.columns => Some(matrix),
+        _ => {
+            let found = call.receiver.describe();
+            call.fail(call.method, format!("`{}` is for square matrices; this is {found}", call.method))
+        }
+    }
+}
+
+fn trace<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let matrix = square(call)?;
+    let zero = call.arena.zero();
+    Some(Value::Scalar((0..matrix.rows).fold(zero, |sum, i| sum + matrix.at(i, i))))
+}
+
+fn diagonal<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let matrix = call.receiver.as_matrix()?;
+    let length = matrix.rows.min(matrix.columns);
+    Some(Value::Vector(Vector((0..length).map(|i| matrix.at(i, i)).collect())))
+}
+
+/// The largest matrix whose determinant is written out: it has `n!` terms.
+const LARGEST_DETERMINANT: usize = 4;
+
+fn determinant<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let matrix = square(call)?;
+    if matrix.rows > LARGEST_DETERMINANT {
+        let message = format!("determinants are supported up to {LARGEST_DETERMINANT} rows");
+        return call.fail(call.method, message);
+    }
+    Some(Value::Scalar(expand(&matrix, 0, &(0..matrix.columns).collect::<Vec<_>>())))
+}
+
+/// The determinant of the rows from `row` on and of the columns listed, expanded along the first of these rows.
+fn expand<'a>(matrix: &Matrix<'a>, row: usize, columns: &[usize]) -> Expr<'a> {
+    let arena = matrix.entries[0].arena();
+    if columns.is_empty() {
+        return arena.one();
+    }
+    columns.iter().enumerate().fold(arena.zero(), |sum, (k, &column)| {
+        let rest: Vec<usize> = columns.iter().copied().filter(|&other| other != column).collect();
+        let minor = matrix.at(row, column) * expand(matrix, row + 1, &rest);
+        if k % 2 == 0 { sum + minor } else { sum - minor }
+    })
+}
+
+fn row<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let matrix = call.receiver.as_matrix()?;
+    let i = place(call, matrix.rows)?;
+    Some(Value::of_matrix(Matrix::new(1, matrix.columns, matrix.row(i).0)))
+}
+
+fn column<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let matrix = call.receiver.as_matrix()?;
+    let j = place(call, matrix.columns)?;
+    Some(Value::Vector(matrix.column(j)))
+}
+
+/// The argument, which must be an index below a bound.
+fn place(call: &mut Call<'_, '_>, bound: usize) -> Option<usize> {
+    let index = call.integer(0, "")?;
+    match usize::try_from(index) {
+        Ok(index) if index < bound => Some(index),
+        _ => call.fail(
+            call.arguments[0].1,
+            format!("this index is out of range: it goes from 0 to {}", bound - 1),
+        ),
+    }
+}

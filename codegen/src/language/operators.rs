@@ -1,0 +1,225 @@
+//! `+ - * /` and the sign, typed as Rust and nalgebra type them.
+
+use quote::ToTokens;
+use syn::{BinOp, Expr, ExprBinary};
+
+use super::lowering::Lowering;
+use super::value::Value;
+use crate::expr::{Expr as Symbolic, Vector};
+
+/// An operation that has a symbolic meaning.
+#[derive(Clone, Copy, PartialEq)]
+enum Operation {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+}
+
+impl Operation {
+    fn of(operator: &BinOp) -> Option<Self> {
+        match operator {
+            BinOp::Add(_) => Some(Self::Add),
+            BinOp::Sub(_) => Some(Self::Subtract),
+            BinOp::Mul(_) => Some(Self::Multiply),
+            BinOp::Div(_) => Some(Self::Divide),
+            _ => None,
+        }
+    }
+
+    fn scalars<'a>(self, left: Symbolic<'a>, right: Symbolic<'a>) -> Symbolic<'a> {
+        match self {
+            Self::Add => left + right,
+            Self::Subtract => left - right,
+            Self::Multiply => left * right,
+            Self::Divide => left / right,
+        }
+    }
+
+    /// Says that the operands do not go together.
+    fn mismatch(self, left: &Value<'_>, right: &Value<'_>) -> String {
+        let (left, right) = (left.describe(), right.describe());
+        match self {
+            Self::Add => format!("{right} cannot be added to {left}"),
+            Self::Subtract => format!("{right} cannot be subtracted from {left}"),
+            Self::Multiply => format!("{left} cannot be multiplied by {right}"),
+            Self::Divide => format!("{left} cannot be divided by {right}"),
+        }
+    }
+}
+
+impl<'a> Lowering<'a, '_> {
+    /// A chain of operators. Chains lean to the left and may be long, so that side is walked without recursion.
+    pub(super) fn binary(&mut self, outermost: &ExprBinary) -> Option<Value<'a>> {
+        let mut innermost = outermost;
+        let mut chain = vec![outermost];
+        while let Expr::Binary(inner) = &*innermost.left {
+            innermost = inner;
+            chain.push(inner);
+        }
+        let mut value = self.lower(&innermost.left);
+        for link in chain.into_iter().rev() {
+            let right = self.lower(&link.right);
+            let Some(operation) = Operation::of(&link.op) else {
+                value = self.no_arithmetic(&link.op);
+                continue;
+            };
+            value = match (value, right) {
+                (Some(left), Some(right)) => self.operate(operation, left, right, &link.op),
+                _ => None,
+            };
+            value = value.and_then(|value| self.checked(value, link));
+        }
+        value
+    }
+
+    fn no_arithmetic(&mut self, operator: &BinOp) -> Option<Value<'a>> {
+        match operator {
+            BinOp::Eq(_) | BinOp::Ne(_) | BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) => {
+                self.not_smooth(operator, "a comparison")
+            }
+            BinOp::Rem(_) => self.not_smooth(operator, "a remainder"),
+            BinOp::BitXor(_) => {
+                self.fail(operator, "`^` is not a power in Rust; write `x.powi(2)` or `x.powf(y)`")
+            }
+            BinOp::AddAssign(_) | BinOp::SubAssign(_) | BinOp::MulAssign(_) | BinOp::DivAssign(_) => {
+                self.fail(operator, "assignments are not supported; give each value a name with `let`")
+            }
+            _ => self.unsupported(operator, "this operator"),
+        }
+    }
+
+    fn operate(
+        &mut self,
+        operation: Operation,
+        left: Value<'a>,
+        right: Value<'a>,
+        operator: &BinOp,
+    ) -> Option<Value<'a>> {
+        if let (Value::Integer(left), Value::Integer(right)) = (&left, &right) {
+            return self.integers(operation, *left, *right, operator);
+        }
+        if let (Some(left), Some(right)) = (left.as_scalar(self.arena), right.as_scalar(self.arena)) {
+            self.not_zero(operation, right, operator)?;
+            return Some(Value::Scalar(operation.scalars(left, right)));
+        }
+        let result = match operation {
+            Operation::Add | Operation::Subtract => entrywise(operation, &left, &right),
+            Operation::Multiply => self.product(&left, &right),
+            Operation::Divide => match right.as_scalar(self.arena) {
+                Some(divisor) => {
+                    self.not_zero(operation, divisor, operator)?;
+                    scaled(&left, divisor.recip())
+                }
+                None => None,
+            },
+        };
+        if result.is_none() {
+            let message = operation.mismatch(&left, &right) + hint(operation, &left, &right);
+            return self.fail(operator, message);
+        }
+        result
+    }
+
+    /// Integers are computed with as rustc does, so that exponents and indices mean what they say.
+    fn integers(
+        &mut self,
+        operation: Operation,
+        left: i64,
+        right: i64,
+        operator: &BinOp,
+    ) -> Option<Value<'a>> {
+        let result = match operation {
+            Operation::Add => left.checked_add(right),
+            Operation::Subtract => left.checked_sub(right),
+            Operation::Multiply => left.checked_mul(right),
+            Operation::Divide => {
+                let message = format!(
+                    "a division of integers drops the remainder; write `{left}.0 / {right}.0`, or the whole number"
+                );
+                return self.fail(operator, message);
+            }
+        };
+        match result {
+            Some(result) => Some(Value::Integer(result)),
+            None => self.fail(operator, "this integer is too large"),
+        }
+    }
+
+    fn not_zero(&mut self, operation: Operation, divisor: Symbolic<'a>, operator: &BinOp) -> Option<()> {
+        if operation == Operation::Divide && divisor.is_zero() {
+            return self.fail(operator, "this divides by zero");
+        }
+        Some(())
+    }
+
+    fn product(&self, left: &Value<'a>, right: &Value<'a>) -> Option<Value<'a>> {
+        if let Some(factor) = left.as_scalar(self.arena) {
+            return scaled(right, factor);
+        }
+        if let Some(factor) = right.as_scalar(self.arena) {
+            return scaled(left, factor);
+        }
+        let (left, right) = (left.as_matrix()?, right.as_matrix()?);
+        (left.columns == right.rows).then(|| Value::of_matrix(left.times_matrix(&right)))
+    }
+
+    pub(super) fn negated(&mut self, value: Value<'a>, sign: impl ToTokens) -> Option<Value<'a>> {
+        match value {
+            Value::Integer(integer) => match integer.checked_neg() {
+                Some(integer) => Some(Value::Integer(integer)),
+                None => self.fail(sign, "this integer is too large"),
+            },
+            Value::Scalar(scalar) => Some(Value::Scalar(-scalar)),
+            Value::Vector(vector) => Some(Value::Vector(-&vector)),
+            Value::Matrix(matrix) => Some(Value::Matrix(matrix.map(|entry| -entry))),
+            Value::Tuple(_) => self.fail(sign, format!("{} has no negative", value.describe())),
+        }
+    }
+}
+
+/// A vector or matrix times a scalar.
+pub(super) fn scaled<'a>(value: &Value<'a>, factor: Symbolic<'a>) -> Option<Value<'a>> {
+    match value {
+        Value::Vector(vector) => Some(Value::Vector(vector.scale(factor))),
+        Value::Matrix(matrix) => Some(Value::Matrix(matrix.scale(factor))),
+        _ => None,
+    }
+}
+
+/// A sum or difference of vectors or matrices of the same shape.
+fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> Option<Value<'a>> {
+    match (left, right) {
+        (Value::Vector(left), Value::Vector(right)) if left.len() == right.len() => {
+            let entries = left.iter().zip(right.iter()).map(|(a, b)| operation.scalars(a, b));
+            Some(Value::Vector(Vector(entries.collect())))
+        }
+        (Value::Matrix(left), Value::Matrix(right))
+            if (left.rows, left.columns) == (right.rows, right.columns) =>
+        {
+            Some(Value::Matrix(left.zip(right, |a, b| operation.scalars(a, b))))
+        }
+        _ => None,
+    }
+}
+
+/// What may have been meant instead.
+fn hint(operation: Operation, left: &Value<'_>, right: &Value<'_>) -> &'static str {
+    match (operation, left, right) {
+        (Operation::Multiply, Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => match a.len() {
+            3 => "; write `a.dot(&b)`, `a.cross(&b)` or `a.component_mul(&b)`",
+            _ => "; write `a.dot(&b)` or `a.component_mul(&b)`",
+        },
+        (Operation::Multiply, Value::Vector(_), Value::Matrix(_)) => {
+            "; a vector is a column and stands to the right of a matrix: `m * v`, or `m.tr_mul(&v)`"
+        }
+        (Operation::Divide, Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => {
+            "; write `a.component_div(&b)`"
+        }
+        (Operation::Add | Operation::Subtract, Value::Scalar(_) | Value::Integer(_), Value::Vector(_))
+        | (Operation::Add | Operation::Subtract, Value::Vector(_), Value::Scalar(_) | Value::Integer(_)) => {
+            "; to do so in every component, write `v + Vector3::repeat(s)`"
+        }
+        _ => "",
+    }
+}

@@ -1,0 +1,111 @@
+//! What an expression can stand for.
+
+use crate::expr::{Arena, Expr, Matrix, Number, Stage, Vector};
+use crate::parse::Shape;
+
+/// The symbolic value of an expression.
+///
+/// As in nalgebra, a vector is a matrix of one column. [`Value::of_matrix`] keeps the representation unique.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value<'a> {
+    /// An integer, as indices and exponents are. Where it stands for a scalar, rustc has the last word.
+    Integer(i64),
+    /// A number.
+    Scalar(Expr<'a>),
+    /// A column.
+    Vector(Vector<'a>),
+    /// A matrix of more than one column.
+    Matrix(Matrix<'a>),
+    /// Several values, as `sin_cos` returns them.
+    Tuple(Vec<Value<'a>>),
+}
+
+impl<'a> Value<'a> {
+    /// A value made of new symbols, named after their place: `chi`, `chi_x`, `inertia_xy`.
+    pub fn symbols(arena: &'a Arena, name: &str, shape: Shape, stage: Stage) -> Self {
+        let symbol = |suffix: String| arena.symbol(format!("{name}_{suffix}"), stage);
+        match shape {
+            Shape::Scalar => Self::Scalar(arena.symbol(name, stage)),
+            Shape::Vector(n) => Self::Vector(Vector((0..n).map(|i| symbol(component(i, n))).collect())),
+            Shape::Matrix(rows, columns) => {
+                let largest = rows.max(columns);
+                let places = (0..rows * columns).map(|k| (k / columns, k % columns));
+                let entries = places.map(|(i, j)| symbol(entry(i, j, largest))).collect();
+                Self::of_matrix(Matrix::new(rows, columns, entries))
+            }
+        }
+    }
+
+    /// A matrix, or the vector that it is if it has one column.
+    pub fn of_matrix(matrix: Matrix<'a>) -> Self {
+        if matrix.columns == 1 { Self::Vector(Vector(matrix.entries)) } else { Self::Matrix(matrix) }
+    }
+
+    /// The scalar, if it is one or an integer that stands for one.
+    pub fn as_scalar(&self, arena: &'a Arena) -> Option<Expr<'a>> {
+        match self {
+            Self::Scalar(scalar) => Some(*scalar),
+            Self::Integer(integer) => Some(arena.number(Number::from(*integer))),
+            _ => None,
+        }
+    }
+
+    /// The matrix, if it is one or a vector, which is a matrix of one column.
+    pub fn as_matrix(&self) -> Option<Matrix<'a>> {
+        match self {
+            Self::Vector(vector) => Some(Matrix::new(vector.len(), 1, vector.0.clone())),
+            Self::Matrix(matrix) => Some(matrix.clone()),
+            _ => None,
+        }
+    }
+
+    /// Its shape, if it has one.
+    pub fn shape(&self) -> Option<Shape> {
+        match self {
+            Self::Integer(_) | Self::Scalar(_) => Some(Shape::Scalar),
+            Self::Vector(vector) => Some(Shape::Vector(vector.len())),
+            Self::Matrix(matrix) => Some(Shape::Matrix(matrix.rows, matrix.columns)),
+            Self::Tuple(_) => None,
+        }
+    }
+
+    /// What it is, in words, with the article.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Integer(_) => "an integer".to_owned(),
+            Self::Tuple(values) => format!("a tuple of {}", values.len()),
+            _ => self.shape().map(Shape::describe).unwrap_or_default(),
+        }
+    }
+
+    /// All scalars it is made of.
+    pub fn scalars(&self) -> Vec<Expr<'a>> {
+        match self {
+            Self::Integer(_) => Vec::new(),
+            Self::Scalar(scalar) => vec![*scalar],
+            Self::Vector(vector) => vector.0.clone(),
+            Self::Matrix(matrix) => matrix.entries.clone(),
+            Self::Tuple(values) => values.iter().flat_map(Self::scalars).collect(),
+        }
+    }
+}
+
+/// nalgebra's names of a vector's components.
+pub(super) const COMPONENTS: [&str; 6] = ["x", "y", "z", "w", "a", "b"];
+
+/// How the name of a vector's component ends.
+fn component(i: usize, n: usize) -> String {
+    match COMPONENTS.get(i) {
+        Some(name) if n <= COMPONENTS.len() => (*name).to_owned(),
+        _ => i.to_string(),
+    }
+}
+
+/// How the name of a matrix' entry ends.
+fn entry(i: usize, j: usize, largest: usize) -> String {
+    if largest <= COMPONENTS.len() {
+        format!("{}{}", component(i, largest), component(j, largest))
+    } else {
+        format!("{i}_{j}")
+    }
+}

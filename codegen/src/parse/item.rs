@@ -1,0 +1,212 @@
+//! The annotated struct.
+
+use proc_macro2::{Span, TokenStream};
+use syn::{Fields, Ident, ItemStruct, Meta, Type, Visibility};
+
+use super::nesting;
+use super::shape::{self, ScalarType, Shape};
+use crate::diagnostics::Diagnostics;
+
+/// Marks the field that holds the inertia.
+const INERTIA: &str = "inertia";
+
+/// The struct that holds a system's parameters.
+#[derive(Debug)]
+pub struct Item {
+    /// The struct as it is to be emitted: without our helper attributes.
+    pub declaration: ItemStruct,
+    /// Its name.
+    pub name: Ident,
+    /// Who may see it.
+    pub visibility: Visibility,
+    /// Its doc comment, line by line.
+    pub docs: Vec<String>,
+    /// The fields that could be read, in the order written.
+    pub fields: Vec<Field>,
+    /// The fields that could not, which is reported: expressions may name them all the same.
+    pub unreadable: Vec<Unreadable>,
+}
+
+/// A parameter.
+#[derive(Debug)]
+pub struct Field {
+    /// Its name.
+    pub name: Ident,
+    /// Whether it is a scalar, a vector or a matrix.
+    pub shape: Shape,
+    /// Of what numbers.
+    pub scalar: ScalarType,
+    /// Where it is marked `#[inertia]`, if it is.
+    pub inertia: Option<Span>,
+    /// The first line of its doc comment, empty if it has none.
+    pub doc: String,
+    /// Its type as written.
+    pub ty: Type,
+}
+
+/// A field of a type that no description can hold.
+#[derive(Debug)]
+pub struct Unreadable {
+    /// Its name.
+    pub name: Ident,
+    /// Where it is marked `#[inertia]`, if it is.
+    pub inertia: Option<Span>,
+}
+
+impl Item {
+    /// Reads the annotated item. `None` if there is nothing in it to go on with.
+    pub fn parse(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let mut declaration = declaration(tokens, diagnostics)?;
+        generics(&declaration, diagnostics);
+        conditions(&declaration, diagnostics);
+        let named = match &mut declaration.fields {
+            Fields::Named(fields) => &mut fields.named,
+            Fields::Unnamed(fields) => {
+                let message = "the parameters of a system need names; write `struct Name { name: Type, … }`";
+                diagnostics.push(&*fields, message);
+                return None;
+            }
+            Fields::Unit => {
+                let message =
+                    "a system needs parameters, at least its inertia; write `struct Name { #[inertia] … }`";
+                diagnostics.push(&declaration.ident, message);
+                return None;
+            }
+        };
+        let (mut fields, mut unreadable) = (Vec::new(), Vec::new());
+        for field in named {
+            let inertia = take_inertia(field, diagnostics);
+            let Some(name) = field.ident.clone() else { continue };
+            match shape::of_type(&field.ty) {
+                Some((shape, scalar)) => {
+                    let doc =
+                        docs(&field.attrs).into_iter().find(|line| !line.is_empty()).unwrap_or_default();
+                    fields.push(Field { name, shape, scalar, inertia, doc, ty: field.ty.clone() });
+                }
+                None => {
+                    diagnostics.push(&field.ty, format!("`{name}` cannot be of this type; {SUPPORTED}"));
+                    unreadable.push(Unreadable { name, inertia });
+                }
+            }
+        }
+        one_scalar_type(&fields, diagnostics);
+        // a generic struct cannot be worked with, but its fields were worth looking at
+        declaration.generics.params.is_empty().then(|| Self {
+            name: declaration.ident.clone(),
+            visibility: declaration.vis.clone(),
+            docs: docs(&declaration.attrs),
+            declaration,
+            fields,
+            unreadable,
+        })
+    }
+}
+
+/// What a field may be.
+const SUPPORTED: &str = "a parameter is `f64`, `f32`, or a vector or matrix of them: `Vector1<f64>` to `Vector6<f64>`, \
+                         `SVector<f64, N>`, `Matrix1<f64>` to `Matrix6<f64>` or `SMatrix<f64, R, C>`";
+
+/// The item without our helper attributes, for emission where no [`Item`] could be made of it, so that a mistake brings
+/// no complaints about unknown attributes with it.
+pub fn without_helpers(tokens: TokenStream) -> TokenStream {
+    if nesting::excess(&tokens).is_some() {
+        return tokens;
+    }
+    match syn::parse2::<ItemStruct>(tokens.clone()) {
+        Ok(mut item) => {
+            item.fields.iter_mut().for_each(|field| field.attrs.retain(|attribute| !is_inertia(attribute)));
+            quote::quote!(#item)
+        }
+        Err(_) => tokens,
+    }
+}
+
+fn declaration(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Option<ItemStruct> {
+    if let Some((span, message)) = nesting::excess(&tokens) {
+        diagnostics.push_at(span, message);
+        return None;
+    }
+    match syn::parse2::<ItemStruct>(tokens.clone()) {
+        Ok(item) => Some(item),
+        Err(error) => {
+            match syn::parse2::<syn::Item>(tokens) {
+                // not a struct, but an item
+                Ok(syn::Item::Struct(_)) | Err(_) => diagnostics.absorb(error),
+                Ok(other) => diagnostics.push(
+                    other,
+                    "`#[lie_poisson_system]` describes a struct that holds the parameters of the system",
+                ),
+            }
+            None
+        }
+    }
+}
+
+fn generics(declaration: &ItemStruct, diagnostics: &mut Diagnostics) {
+    let generics = &declaration.generics;
+    if !generics.params.is_empty() {
+        let message = "a system cannot be generic; write the types of its parameters, such as `f64`";
+        diagnostics.push(generics, message);
+    }
+}
+
+/// Conditional fields would have to be conditional in all that is generated.
+fn conditions(declaration: &ItemStruct, diagnostics: &mut Diagnostics) {
+    for field in &declaration.fields {
+        for attribute in &field.attrs {
+            if attribute.path().is_ident("cfg") {
+                diagnostics.push(attribute, "the parameters of a system cannot depend on `cfg`");
+            }
+        }
+    }
+}
+
+fn is_inertia(attribute: &syn::Attribute) -> bool {
+    attribute.path().is_ident(INERTIA)
+}
+
+/// Removes `#[inertia]` from a field and says where it was.
+fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option<Span> {
+    let mut marks = Vec::new();
+    field.attrs.retain(|attribute| {
+        let ours = is_inertia(attribute);
+        if ours {
+            marks.push(attribute.clone());
+        }
+        !ours
+    });
+    for mark in &marks {
+        if !matches!(mark.meta, Meta::Path(_)) {
+            diagnostics.push(mark, "`#[inertia]` takes no arguments");
+        }
+    }
+    if let [_, again, ..] = marks.as_slice() {
+        diagnostics.push(again, "`#[inertia]` is given twice; once is enough");
+    }
+    Some(marks.first()?.path().get_ident()?.span())
+}
+
+fn one_scalar_type(fields: &[Field], diagnostics: &mut Diagnostics) {
+    let Some((first, rest)) = fields.split_first() else { return };
+    for field in rest.iter().filter(|field| field.scalar != first.scalar) {
+        let (here, there) = (field.scalar.name(), first.scalar.name());
+        let message = format!(
+            "this is made of `{here}`, but `{}` of `{there}`; use one of them for all parameters",
+            first.name
+        );
+        diagnostics.push(&field.ty, message);
+    }
+}
+
+/// The lines of a doc comment, without the space after `///`.
+fn docs(attributes: &[syn::Attribute]) -> Vec<String> {
+    let text = attributes.iter().filter_map(|attribute| match &attribute.meta {
+        Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {
+            syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => Some(text.value()),
+            _ => None,
+        },
+        _ => None,
+    });
+    let clean = |line: &str| line.strip_prefix(' ').unwrap_or(line).trim_end().to_owned();
+    text.flat_map(|text| text.lines().map(clean).collect::<Vec<_>>()).collect()
+}

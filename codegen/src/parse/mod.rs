@@ -1,0 +1,10 @@
+//! From tokens to a description: what the user wrote, with spans, and nothing concluded from it.
+
+mod attribute;
+mod item;
+mod nesting;
+mod shape;
+
+pub use attribute::{ADVECTED, Advected, Attribute, CRATE, GROUP, Key, POTENTIAL};
+pub use item::{Field, Item, Unreadable, without_helpers};
+pub use shape::{ScalarType, Shape, of_segment};

@@ -1,0 +1,176 @@
+//! The types a description knows: scalars, and nalgebra's vectors and matrices of a fixed size.
+
+use syn::{Expr, GenericArgument, Lit, PathArguments, PathSegment, Type};
+
+/// The largest number of rows or columns. nalgebra's own names end at 6; beyond this bound is a typing error.
+const LARGEST: usize = 32;
+
+/// The shape of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// One number.
+    Scalar,
+    /// A column of so many numbers.
+    Vector(usize),
+    /// So many rows and columns.
+    Matrix(usize, usize),
+}
+
+/// What numbers a system is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarType {
+    /// `f64`
+    F64,
+    /// `f32`
+    F32,
+}
+
+impl ScalarType {
+    /// As Rust writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::F64 => "f64",
+            Self::F32 => "f32",
+        }
+    }
+
+    /// The scalar type of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "f64" => Some(Self::F64),
+            "f32" => Some(Self::F32),
+            _ => None,
+        }
+    }
+}
+
+impl Shape {
+    /// The shape that nalgebra gives a name: `Vector3`, `Matrix2`, `Matrix2x3`, `RowVector3`.
+    pub fn named(name: &str) -> Option<Self> {
+        let size = |digits: &str| match digits.as_bytes() {
+            [digit @ b'1'..=b'6'] => Some(usize::from(digit - b'0')),
+            _ => None,
+        };
+        if let Some(digits) = name.strip_prefix("Vector") {
+            return size(digits).map(Self::Vector);
+        }
+        if let Some(digits) = name.strip_prefix("RowVector") {
+            return size(digits).map(|columns| Self::Matrix(1, columns));
+        }
+        let digits = name.strip_prefix("Matrix")?;
+        match digits.split_once('x') {
+            Some((rows, columns)) => Some(Self::Matrix(size(rows)?, size(columns)?)),
+            None => size(digits).map(|n| Self::Matrix(n, n)),
+        }
+    }
+
+    /// How many numbers it takes.
+    pub fn size(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vector(n) => n,
+            Self::Matrix(rows, columns) => rows * columns,
+        }
+    }
+
+    /// In words, with the article.
+    pub fn describe(self) -> String {
+        match self {
+            Self::Scalar => "a scalar".to_owned(),
+            Self::Vector(n) => format!("a vector of {n}"),
+            Self::Matrix(rows, columns) => format!("a {rows}×{columns} matrix"),
+        }
+    }
+}
+
+/// The shape and scalar type of a field's type, told by its last path segment, whatever module it comes from.
+pub(super) fn of_type(ty: &Type) -> Option<(Shape, ScalarType)> {
+    let path = match ty {
+        Type::Path(path) if path.qself.is_none() => &path.path,
+        Type::Paren(inner) => return of_type(&inner.elem),
+        Type::Group(inner) => return of_type(&inner.elem),
+        _ => return None,
+    };
+    of_segment(path.segments.last()?)
+}
+
+/// The shape and scalar type that a path's segment names, as `Vector3<f64>` or `SVector::<f64, 4>` do.
+pub fn of_segment(segment: &PathSegment) -> Option<(Shape, ScalarType)> {
+    let name = segment.ident.to_string();
+    if let Some(scalar) = ScalarType::named(&name) {
+        return segment.arguments.is_none().then_some((Shape::Scalar, scalar));
+    }
+    let arguments = arguments(segment);
+    let scalar = arguments.first().copied().and_then(scalar_argument)?;
+    let shape = match (name.as_str(), &arguments[1..]) {
+        ("SVector", &[n]) => Shape::Vector(size_argument(n)?),
+        ("SMatrix", &[rows, columns]) => Shape::Matrix(size_argument(rows)?, size_argument(columns)?),
+        (_, []) => Shape::named(&name)?,
+        _ => return None,
+    };
+    Some((shape, scalar))
+}
+
+fn arguments(segment: &PathSegment) -> Vec<&GenericArgument> {
+    match &segment.arguments {
+        PathArguments::AngleBracketed(arguments) => arguments.args.iter().collect(),
+        _ => Vec::new(),
+    }
+}
+
+fn scalar_argument(argument: &GenericArgument) -> Option<ScalarType> {
+    match argument {
+        GenericArgument::Type(ty) => match of_type(ty)? {
+            (Shape::Scalar, scalar) => Some(scalar),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn size_argument(argument: &GenericArgument) -> Option<usize> {
+    let GenericArgument::Const(Expr::Lit(literal)) = argument else { return None };
+    let Lit::Int(literal) = &literal.lit else { return None };
+    let size = literal.base10_parse::<usize>().ok()?;
+    (1..=LARGEST).contains(&size).then_some(size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use syn::parse_quote;
+
+    #[test]
+    fn types_are_told_by_their_last_segment() {
+        let shape = |ty: Type| of_type(&ty).map(|(shape, _)| shape);
+        assert_eq!(shape(parse_quote!(f64)), Some(Shape::Scalar));
+        assert_eq!(shape(parse_quote!(Vector3<f64>)), Some(Shape::Vector(3)));
+        assert_eq!(shape(parse_quote!(nalgebra::Matrix3<f64>)), Some(Shape::Matrix(3, 3)));
+        assert_eq!(shape(parse_quote!(::coadjoint::nalgebra::SVector<f64, 4>)), Some(Shape::Vector(4)));
+        assert_eq!(shape(parse_quote!(SMatrix<f64, 2, 3>)), Some(Shape::Matrix(2, 3)));
+        assert_eq!(shape(parse_quote!(Matrix2x3<f64>)), Some(Shape::Matrix(2, 3)));
+        assert_eq!(of_type(&parse_quote!(Vector3<f32>)), Some((Shape::Vector(3), ScalarType::F32)));
+    }
+
+    #[test]
+    fn other_types_are_not_known() {
+        for ty in [
+            "String",
+            "Vector3",
+            "Vector7<f64>",
+            "Vector3<u8>",
+            "Vec<f64>",
+            "SVector<f64, 0>",
+            "SVector<f64, N>",
+            "SMatrix<f64, 3>",
+            "Vector3<f64, 3>",
+            "f64<f64>",
+            "&'static f64",
+            "[f64; 3]",
+            "<T as Trait>::f64",
+        ] {
+            let parsed: Type = syn::parse_str(ty).expect("a type");
+            assert_eq!(of_type(&parsed), None, "{ty}");
+        }
+    }
+}
