@@ -2,14 +2,37 @@
 //!
 //! A stepper takes steps and knows nothing else. Whatever is to happen along the way hangs on a [`Run`]:
 //!
-//! ```text
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! /// A rigid body that turns about a fixed point under gravity.
+//! #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.z)]
+//! pub struct Top {
+//!     #[inertia]
+//!     pub inertia: Vector3<f64>,
+//!     pub weight: f64,
+//! }
+//!
+//! let top = Top { inertia: vector![2.0, 2.0, 1.0], weight: 0.3 };
+//! let mut state = TopState {
+//!     attitude: UnitQuaternion::identity(),
+//!     momentum: vector![0.1, 0.0, 1.0],
+//!     gamma: Vector3::z(),
+//! };
+//! let mut stepper = top.stepper::<Cayley>(0.01)?;
+//!
 //! let mut record = Record::every(100);
 //! let mut invariants = Invariants::new();
 //! let report = Run::new(&top, &mut stepper, &mut state)
 //!     .observe(&mut record)
 //!     .observe(&mut invariants)
-//!     .until(|tick| tick.state.gamma.z < 0.0)
-//!     .steps(180_000)?;
+//!     .until(|tick| tick.state.gamma.z < 0.0) // it has fallen over
+//!     .steps(2_000)?;
+//!
+//! assert!(report.stopped);
+//! assert_eq!(record.states().len() as u64, report.steps / 100 + 1);
+//! assert!(invariants.energy_error() < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use core::fmt;

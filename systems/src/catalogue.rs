@@ -18,8 +18,8 @@ macro_rules! catalogue {
 }
 
 catalogue! {
-    free_rigid_body: crate::stand_in::FreeRigidBody,
-    heavy_top: crate::stand_in::HeavyTop,
+    free_rigid_body: crate::free_rigid_body::FreeRigidBody,
+    heavy_top: crate::heavy_top::HeavyTop,
 }
 
 /// A system with what the program needs to show it.

@@ -15,5 +15,5 @@ pub mod setting;
 pub mod simulation;
 mod suggest;
 
-#[allow(missing_docs)]
-pub mod stand_in;
+pub mod free_rigid_body;
+pub mod heavy_top;

@@ -17,6 +17,9 @@ use crate::output::WholeFile;
 /// Colours that people with any colour vision can tell apart, also by their lightness (Okabe and Ito).
 const COLORS: [&str; 6] = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00"];
 
+/// The part of a panel's height that a legend with two lines takes.
+const LEGEND: f64 = 0.32;
+
 /// Panels above each other over one time axis.
 #[derive(Clone, Debug)]
 pub struct Figure {
@@ -113,7 +116,7 @@ fn step(length: f64) -> f64 {
 impl Panel {
     /// Only one panel needs a legend; it gets some room for it.
     fn draw(&self, with_legend: bool) -> (Vec<Plot>, Layout) {
-        let axis = Axis::new(self, if with_legend { 0.5 } else { 0.0 });
+        let axis = Axis::new(self, if with_legend { LEGEND } else { 0.0 });
         let plots: Vec<Plot> = self
             .series
             .iter()
@@ -155,18 +158,17 @@ struct Axis {
 }
 
 impl Axis {
-    /// With `headroom` decades free above the largest value, if the axis is logarithmic.
+    /// With at least this part of the axis free above the largest value, if it is logarithmic.
     fn new(panel: &Panel, headroom: f64) -> Self {
         let magnitudes = || panel.series.iter().flat_map(|series| &series.points).map(|point| point.1.abs());
         let positive = || magnitudes().filter(|y| *y > 0.0 && y.is_finite());
         let largest = positive().fold(f64::MIN_POSITIVE, f64::max);
         let smallest = positive().fold(largest, f64::min);
         // nothing but zeros: the place where roundoff would be
-        let (low, high) = if positive().next().is_none() {
-            (-17.0, -15.0)
-        } else {
-            (smallest.log10().floor(), (largest.log10() + headroom).ceil())
-        };
+        let (low, top) =
+            if positive().next().is_none() { (-17.0, -16.0) } else { (smallest.log10(), largest.log10()) };
+        let low = low.floor();
+        let high = ((top - headroom * low) / (1.0 - headroom)).ceil();
         Self { scale: panel.scale, low, high: high.max(low + 1.0) }
     }
 
@@ -229,7 +231,14 @@ mod tests {
         assert!((axis.place(3e-15) - -14.522_878_745_280_337).abs() < 1e-12);
         assert_eq!(axis.place(0.0), -15.0);
         let nothing = Axis::new(&panel(&[0.0, 0.0]), 0.0);
-        assert_eq!((nothing.low, nothing.high), (-17.0, -15.0));
+        assert_eq!((nothing.low, nothing.high), (-17.0, -16.0));
+    }
+
+    #[test]
+    fn a_legend_gets_its_room() {
+        let axis = Axis::new(&panel(&[1e-6, 0.9e-3]), 0.3);
+        assert_eq!((axis.low, axis.high), (-6.0, -1.0));
+        assert!((axis.high - axis.place(0.9e-3)) / (axis.high - axis.low) >= 0.3);
     }
 
     #[test]

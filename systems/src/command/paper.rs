@@ -28,6 +28,9 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
         "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
         grouped(STEPS)
     )?;
+    if let Some(note) = (entry.check)(&setup)? {
+        writeln!(console, "note: {note}")?;
+    }
     console.flush()?;
 
     let mut findings = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use coadjoint_codegen::group;
 use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{Item, ItemStruct, Meta};
@@ -26,14 +27,21 @@ fn generated(entry: &Entry, retraction: Option<Retraction>) -> syn::Result<Strin
     Ok(prettyplease::unparse(&syn::parse2(tokens)?))
 }
 
-/// The only call into the generator.
+/// What the macro puts in the place of the struct, with the steps that are wanted.
 fn expand(
     attribute: TokenStream,
     item: TokenStream,
     retraction: Option<Retraction>,
 ) -> syn::Result<TokenStream> {
-    let _ = retraction;
-    Ok(coadjoint_codegen::lie_poisson_system(attribute, item))
+    let mut expansion = coadjoint_codegen::expand(attribute, item)?;
+    if let Some(retraction) = retraction {
+        let wanted = match retraction {
+            Retraction::Exponential => group::Retraction::Exponential,
+            Retraction::Cayley => group::Retraction::Cayley,
+        };
+        expansion.steps.retain(|step| step.retraction == wanted);
+    }
+    Ok(expansion.into_tokens())
 }
 
 /// The arguments of the attribute in a system's file, and the struct it stands on.
