@@ -7,14 +7,14 @@ use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::parse::{Attribute, GROUP, Item, Shape};
 
 /// What the rules need to know about a group of the catalogue.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct GroupFacts {
     /// As the user writes it.
     pub name: &'static str,
     /// The dimension of its Lie algebra.
     pub dimension: usize,
     /// The spaces it acts on, with their dimensions.
-    pub spaces: &'static [(&'static str, usize)],
+    pub spaces: Vec<(&'static str, usize)>,
 }
 
 /// A description, together with what it is measured by.

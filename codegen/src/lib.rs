@@ -1,14 +1,97 @@
 //! Derives structure-preserving Lie–Poisson steppers symbolically and emits them as Rust.
+//!
+//! ```text
+//! attribute + struct ──parse──▶ description ──check──▶ System          spans kept; every problem reported at once
+//! System × group × retraction × method ──derive──▶ expression graph     gradient, residual, Jacobian, update
+//! graph ──factor, share, stage──▶ Kernel                                straight-line code in stages
+//! Kernel ──emit──▶ tokens
+//! ```
+//!
+//! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a global,
+//! and no order of a hash map reaches the output.
 
 pub mod check;
 pub mod diagnostics;
+pub mod emit;
 pub mod expr;
+pub mod group;
+pub mod kernel;
 pub mod language;
+pub mod method;
+pub mod model;
 pub mod parse;
 
 use proc_macro2::TokenStream;
+use quote::quote;
 
-/// The whole of the attribute macro.
-pub fn lie_poisson_system(_attribute: TokenStream, item: TokenStream) -> TokenStream {
-    item
+use check::GroupFacts;
+use diagnostics::Diagnostics;
+use emit::{Expansion, Names};
+use expr::{Arena, Number};
+use group::{Group, Retraction};
+use kernel::Kernel;
+use method::lie_poisson;
+use model::System;
+use parse::{Attribute, Item};
+
+/// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the user's
+/// tokens, beside as much of the expansion as can be made, so that one mistake does not bring others with it.
+pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    let mut diagnostics = Diagnostics::new();
+    let fallback = item.clone();
+    let expansion = derive(attribute, item, &mut diagnostics)
+        .map_or_else(|| parse::without_helpers(fallback), Expansion::into_tokens);
+    let errors = diagnostics.into_compile_errors();
+    quote! { #expansion #errors }
+}
+
+/// The expansion of a description without problems, part by part.
+///
+/// # Errors
+/// All problems of the description, each at its tokens.
+pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansion> {
+    let mut diagnostics = Diagnostics::new();
+    let expansion = derive(attribute, item, &mut diagnostics);
+    diagnostics.finish()?;
+    expansion.ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand"))
+}
+
+/// From tokens to the expansion, by the stages named above.
+fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Expansion> {
+    let attribute = Attribute::parse(attribute, diagnostics);
+    let item = Item::parse(item, diagnostics)?;
+    check::check(&attribute, &item, &facts(), diagnostics);
+    let group = named_group(&attribute)?;
+
+    let arena = Arena::new();
+    let system = System::build(&arena, &attribute, &item, group, diagnostics)?;
+    let kernels = Retraction::ALL
+        .into_iter()
+        .map(|retraction| {
+            let step = lie_poisson::step(&arena, &system, retraction, Number::ZERO);
+            (retraction, Kernel::new(&arena, &step))
+        })
+        .collect();
+
+    let scalar = item.fields.first()?.scalar.name();
+    let names = Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref());
+    Some(emit::expansion(&arena, &system, &item.declaration, &names, kernels))
+}
+
+fn named_group(attribute: &Attribute) -> Option<&'static dyn Group> {
+    let name = attribute.group.as_ref()?;
+    group::catalogue().iter().copied().find(|group| name == group.name())
+}
+
+/// What the checks know of the catalogue.
+fn facts() -> Vec<GroupFacts> {
+    let spaces = |group: &dyn Group| {
+        group.representations().iter().map(|space| (space.name(), space.coordinates().len())).collect()
+    };
+    let facts = |group: &&dyn Group| GroupFacts {
+        name: group.name(),
+        dimension: group.dimension(),
+        spaces: spaces(*group),
+    };
+    group::catalogue().iter().map(|group| facts(group)).collect()
 }

@@ -21,7 +21,9 @@ pub enum ParameterError {
         difference: f64,
     },
     /// An inertia is not positive definite: some motion would have no or negative kinetic energy.
-    #[error("inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot:e}")]
+    #[error(
+        "inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot:e}"
+    )]
     NotPositiveDefinite {
         /// The field's name.
         name: &'static str,
@@ -46,7 +48,9 @@ pub enum StepError {
     #[error("the state is not finite")]
     NotFinite,
     /// Newton's iteration did not solve the step's equation; a smaller step helps.
-    #[error("no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step")]
+    #[error(
+        "no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step"
+    )]
     NoConvergence {
         /// Newton iterations tried.
         iterations: u32,

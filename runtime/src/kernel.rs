@@ -9,11 +9,7 @@ use crate::scalar::Scalar;
 /// A flat array of scalars.
 pub trait Components<T>: Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> {}
 
-impl<T, const N: usize> Components<T> for [T; N]
-where
-    T: Copy + PartialEq + core::fmt::Debug,
-{
-}
+impl<T, const N: usize> Components<T> for [T; N] where T: Copy + PartialEq + core::fmt::Debug {}
 
 /// The step's equation `left(x) = right(x)`, evaluated at one `x`.
 #[derive(Clone, Copy, Debug)]

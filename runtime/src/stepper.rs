@@ -27,7 +27,8 @@ pub struct Stepper<S: Discretized<M>, M> {
     memory: Option<Memory<S, M>>,
 }
 
-type Unknown<S, M> = <<S as Discretized<M>>::Kernel<<S as System>::Scalar> as Kernel<<S as System>::Scalar>>::Unknown;
+type Unknown<S, M> =
+    <<S as Discretized<M>>::Kernel<<S as System>::Scalar> as Kernel<<S as System>::Scalar>>::Unknown;
 
 /// The last solution and the state it led to.
 struct Memory<S: Discretized<M>, M> {

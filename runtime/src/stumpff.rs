@@ -8,7 +8,9 @@ pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     // provisional: plain series
     core::array::from_fn(|k| {
         let mut term = T::one();
-        for i in 1..=k { term /= nalgebra::convert::<f64, T>(i as f64); }
+        for i in 1..=k {
+            term /= nalgebra::convert::<f64, T>(i as f64);
+        }
         let mut sum = term;
         for j in 1..40 {
             let m = (k + 2 * j) as f64;

@@ -1,5 +1,7 @@
 //! The traits that generated code implements.
 
+use nalgebra::{Quaternion, SMatrix, UnitQuaternion};
+
 use crate::error::ParameterError;
 use crate::kernel::{Components, Kernel};
 use crate::scalar::{Real, Scalar};
@@ -88,4 +90,49 @@ pub trait System: Sized {
 pub trait Discretized<M>: System {
     /// The generated straight-line code.
     type Kernel<T: Scalar>: Kernel<T, Parameters = Self::Parameters<T>, State = Self::StateComponents<T>>;
+}
+
+/// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`).
+pub trait Stored<T, const N: usize>: Sized {
+    /// Its scalars.
+    fn to_array(&self) -> [T; N];
+    /// The value of these scalars. What must be of unit length is taken as it is.
+    fn from_array(array: [T; N]) -> Self;
+}
+
+impl<T: Real> Stored<T, 1> for T {
+    #[inline(always)]
+    fn to_array(&self) -> [T; 1] {
+        [*self]
+    }
+    #[inline(always)]
+    fn from_array([x]: [T; 1]) -> Self {
+        x
+    }
+}
+
+impl<T: nalgebra::Scalar + Copy, const R: usize, const C: usize, const N: usize> Stored<T, N>
+    for SMatrix<T, R, C>
+{
+    #[inline(always)]
+    fn to_array(&self) -> [T; N] {
+        const { assert!(N == R * C, "an array of as many scalars as the matrix has") };
+        core::array::from_fn(|k| self[(k / C, k % C)])
+    }
+    #[inline(always)]
+    fn from_array(array: [T; N]) -> Self {
+        const { assert!(N == R * C, "an array of as many scalars as the matrix has") };
+        SMatrix::from_fn(|i, j| array[i * C + j])
+    }
+}
+
+impl<T: nalgebra::RealField + Copy> Stored<T, 4> for UnitQuaternion<T> {
+    #[inline(always)]
+    fn to_array(&self) -> [T; 4] {
+        [self.w, self.i, self.j, self.k]
+    }
+    #[inline(always)]
+    fn from_array([w, x, y, z]: [T; 4]) -> Self {
+        UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
+    }
 }

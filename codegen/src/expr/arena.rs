@@ -70,6 +70,22 @@ pub enum Node {
     Power(Id, Id),
     /// `atan2(y, x)`
     Atan2(Id, Id),
+    /// A value kept whole: the same number, but not merged into the sums and products around it.
+    Held(Id),
+}
+
+impl Node {
+    /// What the node is made of.
+    pub fn operands(&self) -> Vec<Id> {
+        match self {
+            Self::Number(_) | Self::Symbol(_) => Vec::new(),
+            Self::Sum(sum) => sum.terms.iter().map(|&(id, _)| id).collect(),
+            Self::Product(factors) => factors.iter().map(|&(id, _)| id).collect(),
+            Self::Function(_, argument) | Self::Held(argument) => vec![*argument],
+            Self::Power(base, exponent) => vec![*base, *exponent],
+            Self::Atan2(y, x) => vec![*y, *x],
+        }
+    }
 }
 
 /// A symbol's name and stage.
@@ -253,6 +269,14 @@ impl Arena {
         }
     }
 
+    /// The value kept whole; constants, symbols and what is whole already stay as they are.
+    pub(crate) fn held(&self, id: Id) -> Id {
+        match self.node(id) {
+            Node::Sum(_) | Node::Product(_) => self.intern(Node::Held(id)),
+            _ => id,
+        }
+    }
+
     pub(crate) fn atan2(&self, y: Id, x: Id) -> Id {
         self.intern(Node::Atan2(y, x))
     }
@@ -385,6 +409,12 @@ impl<'a> Expr<'a> {
     /// `c_k(self)`
     pub fn stumpff(self, k: u32) -> Self {
         self.apply(Function::Stumpff(k))
+    }
+
+    /// The same value kept whole. Canonical sums and products merge with what surrounds them and move constants outward; where a
+    /// formula's own grouping is the better one (the value has a meaning, or is used in several places), this keeps it.
+    pub fn hold(self) -> Self {
+        self.arena.expr(self.arena.held(self.id))
     }
 
     pub fn atan2(self, x: Self) -> Self {

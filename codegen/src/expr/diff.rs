@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::arena::{Arena, Expr, Function, Id, Node, Symbol};
+use super::linear::Vector;
 use super::number::Number;
 
 impl<'a> Expr<'a> {
@@ -17,16 +18,23 @@ impl<'a> Expr<'a> {
     }
 }
 
-/// Differentiates many expressions with respect to one symbol, sharing the work.
+/// Differentiates many expressions in one direction, sharing the work.
 pub struct Derivative<'a> {
     arena: &'a Arena,
-    symbol: Symbol,
+    direction: FxHashMap<Symbol, Id>,
     known: FxHashMap<Id, Id>,
 }
 
 impl<'a> Derivative<'a> {
+    /// By one symbol.
     pub fn new(arena: &'a Arena, symbol: Symbol) -> Self {
-        Self { arena, symbol, known: FxHashMap::default() }
+        Self::along(arena, &[(symbol, arena.one())])
+    }
+
+    /// Along a direction: `Σ ∂/∂symbol · component`.
+    pub fn along(arena: &'a Arena, direction: &[(Symbol, Expr<'a>)]) -> Self {
+        let direction = direction.iter().map(|&(symbol, component)| (symbol, component.id)).collect();
+        Self { arena, direction, known: FxHashMap::default() }
     }
 
     pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
@@ -42,12 +50,10 @@ impl<'a> Derivative<'a> {
         let zero = arena.zero().id;
         let derivative = match arena.node(id) {
             Node::Number(_) => zero,
-            Node::Symbol(symbol) => {
-                if symbol == self.symbol {
-                    arena.one().id
-                } else {
-                    zero
-                }
+            Node::Symbol(symbol) => self.direction.get(&symbol).copied().unwrap_or(zero),
+            Node::Held(inner) => {
+                let derivative = self.visit(inner);
+                arena.held(derivative)
             }
             Node::Sum(sum) => {
                 let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (self.visit(term), c)).collect();
@@ -119,6 +125,78 @@ impl Function {
     }
 }
 
+/// `∂expr / ∂symbol_j` for many symbols at once.
+///
+/// The reverse mode: one sweep from the expression down to its symbols. It keeps the structure of transposed formulas — the
+/// gradient of `a · x × (x × u)` by `u` comes out as two cross products, not as a matrix — where differentiating by one symbol
+/// after the other would multiply it out.
+pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
+    let arena = expr.arena;
+    let mut adjoints: FxHashMap<Id, Vec<Id>> = FxHashMap::default();
+    let mut found: FxHashMap<Symbol, Id> = FxHashMap::default();
+    adjoints.insert(expr.id, vec![arena.one().id]);
+    // operands are older than what is made of them: going from young to old, every adjoint is complete when it is used
+    for id in reachable(expr) {
+        let Some(parts) = adjoints.remove(&id) else { continue };
+        let adjoint = arena.sum(Number::ZERO, parts.into_iter().map(|part| (part, Number::ONE)));
+        let of = |rest: Expr<'a>| (rest * arena.expr(adjoint)).id;
+        let mut give = |operand: Id, part: Id| adjoints.entry(operand).or_default().push(part);
+        match arena.node(id) {
+            Node::Number(_) => {}
+            Node::Symbol(symbol) => {
+                found.insert(symbol, adjoint);
+            }
+            Node::Sum(sum) => {
+                for &(term, coefficient) in sum.terms.iter() {
+                    give(term, arena.expr(adjoint).scale(coefficient).id);
+                }
+            }
+            Node::Product(factors) => {
+                for (i, &(factor, exponent)) in factors.iter().enumerate() {
+                    let mut rest = factors.to_vec();
+                    rest[i].1 -= 1;
+                    let rest = arena.product(Number::from(i64::from(exponent)), rest);
+                    give(factor, of(arena.expr(rest)));
+                }
+            }
+            Node::Held(inner) => give(inner, adjoint),
+            Node::Function(function, argument) => {
+                give(argument, of(function.derivative(arena.expr(argument))));
+            }
+            Node::Power(base, exponent) => {
+                let (b, e) = (arena.expr(base), arena.expr(exponent));
+                give(base, of(e * b.pow(e - 1)));
+                if e.as_number().is_none() {
+                    give(exponent, of(b.apply(Function::Ln) * arena.expr(id)));
+                }
+            }
+            Node::Atan2(y, x) => {
+                let (u, v) = (arena.expr(y), arena.expr(x));
+                let squared = u * u + v * v;
+                give(y, of(v / squared));
+                give(x, of(-u / squared));
+            }
+        }
+    }
+    let of = |symbol| found.get(symbol).map_or_else(|| arena.zero(), |&id| arena.expr(id));
+    Vector(symbols.iter().map(of).collect())
+}
+
+/// The nodes an expression is made of, youngest first.
+fn reachable(expr: Expr<'_>) -> Vec<Id> {
+    let mut seen = rustc_hash::FxHashSet::default();
+    let mut pending = vec![expr.id];
+    let mut nodes = Vec::new();
+    while let Some(id) = pending.pop() {
+        if seen.insert(id) {
+            nodes.push(id);
+            pending.extend(expr.arena.node(id).operands());
+        }
+    }
+    nodes.sort_by_key(|&id| std::cmp::Reverse(id));
+    nodes
+}
+
 /// Replaces symbols in many expressions, sharing the work.
 pub struct Substitution<'a> {
     arena: &'a Arena,
@@ -156,6 +234,7 @@ impl<'a> Substitution<'a> {
             Node::Function(function, argument) => arena.function(function, self.visit(argument)),
             Node::Power(base, exponent) => arena.power(self.visit(base), self.visit(exponent)),
             Node::Atan2(y, x) => arena.atan2(self.visit(y), self.visit(x)),
+            Node::Held(inner) => arena.held(self.visit(inner)),
         };
         self.known.insert(id, result);
         result

@@ -73,6 +73,11 @@ fn write(expr: Expr<'_>, f: &mut fmt::Formatter<'_>, around: Binding) -> fmt::Re
             }
             Ok(())
         }),
+        Node::Held(inner) => {
+            f.write_str("[")?;
+            write(arena.expr(inner), f, Binding::Sum)?;
+            f.write_str("]")
+        }
         Node::Function(function, argument) => {
             write!(f, "{}(", function.name())?;
             write(arena.expr(argument), f, Binding::Sum)?;

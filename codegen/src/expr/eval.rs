@@ -50,6 +50,7 @@ impl<V: Value> Evaluation<'_, V> {
             Node::Product(factors) => factors.iter().fold(V::number(Number::ONE), |total, &(id, e)| {
                 total.mul(&self.visit(arena.expr(id)).powi(e))
             }),
+            Node::Held(x) => self.visit(arena.expr(x)),
             Node::Function(function, x) => self.visit(arena.expr(x)).apply(function),
             Node::Power(b, e) => self.visit(arena.expr(b)).power(&self.visit(arena.expr(e))),
             Node::Atan2(y, x) => self.visit(arena.expr(y)).atan2(&self.visit(arena.expr(x))),

@@ -58,6 +58,19 @@ impl<'a> Vector<'a> {
         Self(vec![a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
     }
 
+    /// Each component kept whole.
+    pub fn hold(&self) -> Self {
+        self.map(Expr::hold)
+    }
+
+    /// `Σ ∂self/∂symbol_j direction_j`
+    pub fn derivative_along(&self, symbols: &[Symbol], direction: &Self) -> Self {
+        let Some(first) = self.0.first() else { return self.clone() };
+        let direction: Vec<_> = symbols.iter().copied().zip(direction.iter()).collect();
+        let mut derivative = Derivative::along(first.arena, &direction);
+        self.map(|x| derivative.of(x))
+    }
+
     /// The symbols the components are; the vector must have been made of symbols.
     pub fn symbols(&self) -> Vec<Symbol> {
         self.iter().filter_map(Expr::as_symbol).collect()
@@ -84,11 +97,6 @@ impl<'a> Vector<'a> {
         let entries = (0..self.len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
         Matrix { rows: self.len(), columns: symbols.len(), entries }
     }
-}
-
-/// `∂expr / ∂symbol_j`
-pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
-    Vector(symbols.iter().map(|&symbol| expr.derivative(symbol)).collect())
 }
 
 impl<'a> std::ops::Add for &Vector<'a> {

@@ -8,7 +8,7 @@ mod linear;
 mod number;
 
 pub use arena::{Arena, Expr, Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
-pub use diff::{Derivative, Substitution};
+pub use diff::{Derivative, Substitution, gradient};
 pub use eval::Value;
-pub use linear::{Matrix, Vector, gradient};
+pub use linear::{Matrix, Vector};
 pub use number::Number;

@@ -68,6 +68,14 @@ impl Number {
         }
     }
 
+    /// Numerator and denominator, if it is exact.
+    pub fn fraction(self) -> Option<(i128, i128)> {
+        match self {
+            Self::Rational(r) => Some((*r.numer(), *r.denom())),
+            Self::Float(_) => None,
+        }
+    }
+
     pub fn is_zero(self) -> bool {
         self == Self::ZERO
     }

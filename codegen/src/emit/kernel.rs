@@ -1,0 +1,397 @@
+//! Straight-line code as Rust.
+
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use super::docs;
+use crate::expr::{Function, Number};
+use crate::group::Retraction;
+use crate::kernel::{Kernel, Section, Statement, Term};
+
+/// Where the values of a kernel's arrays have their names from.
+pub struct Layout {
+    pub parameters: Vec<String>,
+    pub state: Vec<String>,
+}
+
+/// A name of the kernel's own making.
+fn local(name: &str) -> Ident {
+    Ident::new(name, Span::mixed_site())
+}
+
+/// The kernel of one system and retraction:
+///
+/// ```text
+/// const _: () = {
+///     pub struct HeavyTopCayley<T> { …constants }
+///     pub struct Step<T> { … }
+///     pub struct Iterate<T> { … }
+///     impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
+///     impl Discretized<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+/// };
+/// ```
+pub fn kernel(
+    system: &Ident,
+    private: &TokenStream,
+    coadjoint: &TokenStream,
+    retraction: Retraction,
+    kernel: &Kernel,
+    layout: &Layout,
+) -> TokenStream {
+    let retraction_name = format_ident!("{}", retraction.name());
+    let name = format_ident!("{system}{retraction_name}");
+    let (parameters, state, unknown) = (layout.parameters.len(), layout.state.len(), kernel.unknown.len());
+
+    let constants =
+        fields(&name, "What depends on the parameters and the step `h` alone.", &kernel.constants);
+    let step_name = format_ident!("Step");
+    let step = fields(&step_name, "What depends on the state too.", &kernel.step);
+    let iterate_name = format_ident!("Iterate");
+    let iterate =
+        fields(&iterate_name, "What depends on the unknown too and is needed again.", &kernel.iterate);
+
+    let inputs = Inputs { kernel, layout, name: &name };
+    let body = |section: &Section, result: TokenStream| {
+        let unpack = inputs.unpack(section);
+        let statements = section.statements.iter().map(statement);
+        quote! { #unpack #(#statements)* #result }
+    };
+    let keep = |name: &Ident, values: &[String]| {
+        let values = values.iter().map(|value| local(value));
+        quote! { #name { #(#values),* } }
+    };
+    let array = |results: &[Term]| {
+        let results = results.iter().map(term);
+        quote! { [#(#results),*] }
+    };
+
+    let new = body(&kernel.new, keep(&name, &kernel.constants));
+    let begin = body(&kernel.begin, keep(&step_name, &kernel.step));
+    let start = body(&kernel.start, array(&kernel.start.results));
+    let (residual, right) = kernel.evaluate.results.split_at(unknown);
+    let (residual, right) = (array(residual), array(right));
+    let kept = keep(&iterate_name, &kernel.iterate);
+    let evaluate =
+        body(&kernel.evaluate, quote! { Evaluation { residual: #residual, right: #right, iterate: #kept } });
+    let correction = body(&kernel.correction, array(&kernel.correction.results));
+    let margin = kernel.domain.results.first().map_or_else(|| quote! { T::of(1.0) }, term);
+    let domain = body(&kernel.domain, margin);
+    let finish = body(&kernel.finish, array(&kernel.finish.results));
+
+    let [new_doc, begin_doc, start_doc, evaluate_doc, correction_doc, finish_doc] = [
+        ("Once, when the stepper is built", &kernel.new),
+        ("Once a step", &kernel.begin),
+        ("A first approximation of the unknown", &kernel.start),
+        ("Once an iteration: the residual and the right side of the equation", &kernel.evaluate),
+        ("Once an iteration: the Newton correction", &kernel.correction),
+        ("Once a step: the next state", &kernel.finish),
+    ]
+    .map(|(what, section)| docs::line(&format!("{what}: {}.", section.operations())));
+    let edge = if kernel.domain.results.is_empty() {
+        "The retraction is defined everywhere.".to_owned()
+    } else {
+        "Positive within the retraction's domain.".to_owned()
+    };
+    let domain_doc = docs::line(&edge);
+
+    quote! {
+        #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
+        const _: () = {
+            use #private::{Discretized, Evaluation, Kernel, Scalar};
+
+            #constants
+            #step
+            #iterate
+
+            #[automatically_derived]
+            impl<T: Scalar> Kernel<T> for #name<T> {
+                type Parameters = [T; #parameters];
+                type State = [T; #state];
+                type Unknown = [T; #unknown];
+                type Step = Step<T>;
+                type Iterate = Iterate<T>;
+
+                #new_doc
+                #[inline]
+                fn new(parameters: &[T; #parameters], step: T) -> Self {
+                    #new
+                }
+
+                #begin_doc
+                #[inline(always)]
+                fn begin(&self, state: &[T; #state]) -> Step<T> {
+                    #begin
+                }
+
+                #start_doc
+                #[inline]
+                fn start(&self, state: &[T; #state]) -> [T; #unknown] {
+                    #start
+                }
+
+                #evaluate_doc
+                #[inline(always)]
+                fn evaluate(
+                    &self,
+                    state: &[T; #state],
+                    step: &Step<T>,
+                    unknown: &[T; #unknown],
+                ) -> Evaluation<[T; #unknown], Iterate<T>> {
+                    #evaluate
+                }
+
+                #correction_doc
+                #[inline(always)]
+                fn correction(
+                    &self,
+                    state: &[T; #state],
+                    step: &Step<T>,
+                    unknown: &[T; #unknown],
+                    evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
+                ) -> [T; #unknown] {
+                    #correction
+                }
+
+                #domain_doc
+                #[inline(always)]
+                fn domain(&self, unknown: &[T; #unknown], evaluation: &Evaluation<[T; #unknown], Iterate<T>>) -> T {
+                    #domain
+                }
+
+                #finish_doc
+                #[inline(always)]
+                fn finish(
+                    &self,
+                    state: &[T; #state],
+                    step: &Step<T>,
+                    unknown: &[T; #unknown],
+                    evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
+                ) -> [T; #state] {
+                    #finish
+                }
+            }
+
+            #[automatically_derived]
+            impl Discretized<#coadjoint::#retraction_name> for #system {
+                type Kernel<T: Scalar> = #name<T>;
+            }
+        };
+    }
+}
+
+/// A free function of parameters and state: `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
+pub fn function(name: &str, section: &Section, layout: &Layout) -> TokenStream {
+    let name = format_ident!("{name}");
+    let (parameters, state) = (layout.parameters.len(), layout.state.len());
+    let count = section.results.len();
+    let unpack = [
+        unpack_array("parameters", &layout.parameters, section),
+        unpack_array("state", &layout.state, section),
+    ];
+    let statements = section.statements.iter().map(statement);
+    let results = section.results.iter().map(term);
+    quote! {
+        #[inline]
+        fn #name<T: Scalar>(parameters: &[T; #parameters], state: &[T; #state]) -> [T; #count] {
+            #(#unpack)*
+            #(#statements)*
+            [#(#results),*]
+        }
+    }
+}
+
+/// A struct of named scalars.
+fn fields(name: &Ident, doc: &str, fields: &[String]) -> TokenStream {
+    let doc = docs::line(doc);
+    if fields.is_empty() {
+        return quote! {
+            #doc
+            #[derive(Clone, Copy, Debug)]
+            pub struct #name<T>(::core::marker::PhantomData<T>);
+        };
+    }
+    let fields = fields.iter().map(|field| local(field));
+    quote! {
+        #doc
+        #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
+        pub struct #name<T> { #(#fields: T),* }
+    }
+}
+
+/// What the functions of one kernel can take their inputs from.
+struct Inputs<'k> {
+    kernel: &'k Kernel,
+    layout: &'k Layout,
+    name: &'k Ident,
+}
+
+impl Inputs<'_> {
+    /// `let` patterns that give a section the values it uses.
+    fn unpack(&self, section: &Section) -> TokenStream {
+        let Self { kernel, layout, name } = self;
+        let fields = |pattern: TokenStream, names: &[String], from: TokenStream| {
+            let used: Vec<Ident> =
+                names.iter().filter(|name| section.inputs.contains(name)).map(|name| local(name)).collect();
+            match used.len() {
+                0 => quote! {},
+                all if all == names.len() => quote! { let #pattern { #(#used),* } = #from; },
+                _ => quote! { let #pattern { #(#used),*, .. } = #from; },
+            }
+        };
+        let is = |other: &Section| std::ptr::eq(section, other);
+        if is(&kernel.new) {
+            let step = self.kernel.h.as_ref().map(|h| {
+                let h = local(h);
+                quote! { let #h = step; }
+            });
+            let parameters = unpack_array("parameters", &layout.parameters, section);
+            return quote! { #parameters #step };
+        }
+        let constants = fields(quote! { #name }, &kernel.constants, quote! { *self });
+        let state = unpack_array("state", &layout.state, section);
+        if is(&kernel.begin) || is(&kernel.start) {
+            return quote! { #constants #state };
+        }
+        let step = fields(quote! { Step }, &kernel.step, quote! { *step });
+        let unknown = unpack_array("unknown", &kernel.unknown, section);
+        if is(&kernel.evaluate) {
+            return quote! { #constants #state #step #unknown };
+        }
+        let residual = unpack_array_from(quote! { evaluation.residual }, &kernel.residual, section);
+        let iterate = fields(quote! { Iterate }, &kernel.iterate, quote! { evaluation.iterate });
+        quote! { #constants #state #step #unknown #residual #iterate }
+    }
+}
+
+fn unpack_array(array: &str, names: &[String], section: &Section) -> TokenStream {
+    let array = format_ident!("{array}");
+    unpack_array_from(quote! { *#array }, names, section)
+}
+
+/// `let [_, momentum_x, ..] = *state;` with the names that are used.
+fn unpack_array_from(array: TokenStream, names: &[String], section: &Section) -> TokenStream {
+    let used = |name: &&String| section.inputs.contains(*name);
+    let Some(last) = names.iter().rposition(|name| used(&name)) else { return quote! {} };
+    let patterns = names[..=last].iter().map(|name| {
+        if used(&name) {
+            let name = local(name);
+            quote! { #name }
+        } else {
+            quote! { _ }
+        }
+    });
+    let rest = (last + 1 < names.len()).then(|| quote! { , .. });
+    quote! { let [#(#patterns),* #rest] = #array; }
+}
+
+fn statement(statement: &Statement) -> TokenStream {
+    match statement {
+        Statement::Let { name, value } => {
+            let (name, value) = (local(name), term(value));
+            quote! { let #name = #value; }
+        }
+        Statement::Stumpff { names, argument } => {
+            let names = names.iter().map(|name| match name {
+                Some(name) => {
+                    let name = local(name);
+                    quote! { #name }
+                }
+                None => quote! { _ },
+            });
+            let argument = term(argument);
+            quote! { let [#(#names),*] = T::stumpff(#argument); }
+        }
+    }
+}
+
+/// How tightly an operator binds.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Binding {
+    Sum,
+    Product,
+    Unary,
+}
+
+fn term(value: &Term) -> TokenStream {
+    bound(value, Binding::Sum)
+}
+
+/// The term, in parentheses if what is around binds more tightly.
+fn bound(value: &Term, around: Binding) -> TokenStream {
+    let (tokens, binding) = match value {
+        Term::Number(number) => (constant(*number), Binding::Unary),
+        Term::Name(name) => {
+            let name = local(name);
+            (quote! { #name }, Binding::Unary)
+        }
+        Term::Negative(x) => {
+            let x = bound(x, Binding::Unary);
+            (quote! { -#x }, Binding::Product)
+        }
+        Term::Sum(addends) => {
+            let mut sum = TokenStream::new();
+            for (i, (negative, addend)) in addends.iter().enumerate() {
+                // the grouping of a sum within a sum is meant
+                let addend = bound(addend, Binding::Product);
+                sum.extend(match (i, negative) {
+                    (0, _) => quote! { #addend },
+                    (_, false) => quote! { + #addend },
+                    (_, true) => quote! { - #addend },
+                });
+            }
+            (sum, Binding::Sum)
+        }
+        Term::Product(factors) => {
+            let factors = factors.iter().map(|factor| bound(factor, Binding::Unary));
+            let product = factors.reduce(|product, factor| quote! { #product * #factor });
+            (product.unwrap_or_default(), Binding::Product)
+        }
+        Term::Quotient(x, y) => {
+            let (x, y) = (bound(x, Binding::Product), bound(y, Binding::Unary));
+            (quote! { #x / #y }, Binding::Product)
+        }
+        Term::Function(function, x) => {
+            let name = format_ident!("{}", function.name());
+            let x = bound(x, Binding::Sum);
+            debug_assert!(!matches!(function, Function::Stumpff(_)));
+            (quote! { T::#name(#x) }, Binding::Unary)
+        }
+        Term::Power(x, y) => {
+            let (x, y) = (term(x), term(y));
+            (quote! { T::powf(#x, #y) }, Binding::Unary)
+        }
+        Term::Atan2(y, x) => {
+            let (y, x) = (term(y), term(x));
+            (quote! { T::atan2(#y, #x) }, Binding::Unary)
+        }
+    };
+    if binding < around {
+        quote! { (#tokens) }
+    } else {
+        tokens
+    }
+}
+
+/// `T::of(0.5)`; fractions that are not doubles are left to the compiler to round.
+fn constant(number: Number) -> TokenStream {
+    let value = number.to_f64();
+    let float = |x: f64| {
+        let literal = proc_macro2::Literal::f64_unsuffixed(x.abs());
+        if x < 0.0 {
+            quote! { -#literal }
+        } else {
+            quote! { #literal }
+        }
+    };
+    match number.fraction() {
+        Some((numerator, denominator)) if denominator & (denominator - 1) != 0 => {
+            let (numerator, denominator) = (float(numerator as f64), float(denominator as f64));
+            quote! { T::of(#numerator / #denominator) }
+        }
+        _ if value.is_finite() => {
+            let value = float(value);
+            quote! { T::of(#value) }
+        }
+        _ => quote! { T::of(::core::primitive::f64::NAN) },
+    }
+}

@@ -1,0 +1,168 @@
+//! Emission: tokens from models and kernels. No mathematics is done here.
+
+mod docs;
+mod kernel;
+mod state;
+mod system;
+
+pub use kernel::Layout;
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{format_ident, quote};
+
+use crate::expr::Arena;
+use crate::group::Retraction;
+use crate::kernel::Kernel;
+use crate::model::System;
+
+/// The names and paths that all parts of an expansion share.
+pub struct Names {
+    /// The user's struct.
+    pub system: Ident,
+    /// Its state.
+    pub state: Ident,
+    pub visibility: syn::Visibility,
+    /// `f64` or `f32`
+    pub scalar: TokenStream,
+    /// The path of the runtime crate.
+    pub coadjoint: TokenStream,
+    /// The path of what generated code needs of it.
+    pub private: TokenStream,
+}
+
+impl Names {
+    pub fn new(
+        system: Ident,
+        visibility: syn::Visibility,
+        scalar: &str,
+        coadjoint: Option<&syn::Path>,
+    ) -> Self {
+        let coadjoint = coadjoint.map_or_else(|| quote! { ::coadjoint }, |path| quote! { #path });
+        let scalar = format_ident!("{scalar}");
+        Self {
+            state: format_ident!("{system}State"),
+            system,
+            visibility,
+            scalar: quote! { ::core::primitive::#scalar },
+            private: quote! { #coadjoint::__private },
+            coadjoint,
+        }
+    }
+
+    /// The path to serde, as its derive macros want it.
+    fn serde_path(&self) -> String {
+        let path = &self.private;
+        quote! { #path::serde }.to_string().replace(' ', "")
+    }
+}
+
+/// What the macro puts in the place of the annotated struct, part by part.
+pub struct Expansion {
+    /// The user's struct, with documentation of what was derived.
+    pub declaration: TokenStream,
+    /// The state.
+    pub state: TokenStream,
+    /// The potential as a method.
+    pub potential: TokenStream,
+    /// The `System` implementation.
+    pub system: TokenStream,
+    /// The step with each retraction: its intermediate representation and its code.
+    pub steps: Vec<StepExpansion>,
+}
+
+/// One step's part of an expansion.
+pub struct StepExpansion {
+    pub retraction: Retraction,
+    pub kernel: Kernel,
+    pub tokens: TokenStream,
+}
+
+impl Expansion {
+    /// All of it.
+    pub fn into_tokens(self) -> TokenStream {
+        let Self { declaration, state, potential, system, steps } = self;
+        let steps = steps.into_iter().map(|step| step.tokens);
+        quote! { #declaration #state #potential #system #(#steps)* }
+    }
+}
+
+/// Emits everything that was derived for a system.
+pub fn expansion<'a>(
+    arena: &'a Arena,
+    system: &System<'a>,
+    declaration: &syn::ItemStruct,
+    names: &Names,
+    kernels: Vec<(Retraction, Kernel)>,
+) -> Expansion {
+    let steps: Vec<StepExpansion> = kernels
+        .into_iter()
+        .map(|(retraction, kernel)| {
+            let layout = Layout {
+                parameters: system
+                    .parameter_symbols()
+                    .iter()
+                    .map(|&s| kernel.symbols.get(arena, s))
+                    .collect(),
+                state: system.state_symbols().iter().map(|&s| kernel.symbols.get(arena, s)).collect(),
+            };
+            let tokens =
+                kernel::kernel(&names.system, &names.private, &names.coadjoint, retraction, &kernel, &layout);
+            StepExpansion { retraction, kernel, tokens }
+        })
+        .collect();
+    let derived = description(system, names, &steps);
+    Expansion {
+        declaration: quote! { #declaration },
+        state: state::state(system, names),
+        potential: system::potential(system, names),
+        system: system::system(arena, system, names),
+        steps,
+    }
+    .documented(declaration, &derived)
+}
+
+impl Expansion {
+    fn documented(mut self, declaration: &syn::ItemStruct, derived: &TokenStream) -> Self {
+        let mut declaration = declaration.clone();
+        let outer = std::mem::take(&mut declaration.attrs);
+        let (docs, others): (Vec<_>, Vec<_>) =
+            outer.into_iter().partition(|attribute| attribute.path().is_ident("doc"));
+        self.declaration = quote! { #(#docs)* #derived #(#others)* #declaration };
+        self
+    }
+}
+
+/// Documentation for the user's struct: equations of motion, invariants, what a step costs.
+fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> TokenStream {
+    let mut lines = vec![
+        String::new(),
+        "# Derived".to_owned(),
+        String::new(),
+        format!("State: [`{}`]. Equations of motion, in body coordinates:", names.state),
+        String::new(),
+        "```text".to_owned(),
+    ];
+    lines.extend(system.equations());
+    lines.push("```".to_owned());
+    lines.push(String::new());
+    lines.push("What a step computes, once and for each Newton iteration:".to_owned());
+    lines.push(String::new());
+    for step in steps {
+        let kernel = &step.kernel;
+        lines.push(format!(
+            "* [`{0}`]({1}::{0}): {2}; each iteration {3}.",
+            step.retraction.name(),
+            names.coadjoint.to_string().replace(' ', ""),
+            kernel.begin.operations() + kernel.finish.operations(),
+            kernel.evaluate.operations() + kernel.correction.operations(),
+        ));
+    }
+    docs::lines(lines)
+}
+
+/// `Quantity { name: "gamma", components: &["x", "y", "z"], doc: "…" }`
+fn quantity(names: &Names, name: &str, suffixes: &[impl AsRef<str>], doc: &str) -> TokenStream {
+    let private = &names.private;
+    let suffixes = suffixes.iter().map(AsRef::as_ref);
+    quote! { #private::Quantity { name: #name, components: &[#(#suffixes),*], doc: #doc } }
+}

@@ -1,0 +1,124 @@
+//! The catalogue of groups: one file each, with its conventions.
+//!
+//! A group states its closed forms as symbolic expressions; everything else is derived from them. Each typed-in form is
+//! tested against its definition (power series, matrix products, differences).
+
+mod semidirect;
+mod so3;
+
+pub use semidirect::{Element, Semidirect};
+pub use so3::SO3;
+
+use crate::expr::{Arena, Expr, Vector};
+
+/// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`, `τ(−ξ) = τ(ξ)⁻¹`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Retraction {
+    Exponential,
+    Cayley,
+}
+
+impl Retraction {
+    pub const ALL: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
+
+    /// The name of the runtime's marker type.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exponential => "Exponential",
+            Self::Cayley => "Cayley",
+        }
+    }
+}
+
+/// A Lie group, left-trivialized: `g' = g ξ`.
+///
+/// Elements `x`, `y` of the algebra and `m` of its dual are vectors of [`dimension`](Self::dimension) coordinates, paired by
+/// the dot product; elements `g`, `h` of the group are vectors of the stored coordinates.
+pub trait Group: Sync {
+    /// The name users write.
+    fn name(&self) -> &'static str;
+    /// One line on coordinates and conventions, for generated documentation.
+    fn conventions(&self) -> &'static str;
+    /// The field of the state that holds the configuration of a system with this one group.
+    fn configuration_name(&self) -> &'static str;
+    /// The type the configuration is stored as, within nalgebra, generic over the scalar.
+    fn configuration_type(&self) -> &'static str;
+    /// Suffixes of the stored coordinates.
+    fn coordinates(&self) -> &'static [&'static str];
+    /// The type an element of the dual of the algebra is stored as, within nalgebra, generic over the scalar.
+    fn momentum_type(&self) -> &'static str;
+    /// The equations of motion in terms of `momentum`, `velocity` and the named advected parameters, for generated documentation.
+    fn equations(&self, advected: &[&str]) -> Vec<String>;
+    /// Dimension of the algebra.
+    fn dimension(&self) -> usize;
+    /// Suffixes of the algebra's coordinates.
+    fn axes(&self) -> &'static [&'static str];
+    /// The bracket `[x, y]`.
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a>;
+    /// `τ(x)`
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a>;
+    /// `(dR τ_x)* m`, the dual of the right logarithmic derivative `dR τ_x y = Dτ(x)y · τ(x)⁻¹`.
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// Positive where the retraction is a local diffeomorphism, zero on the edge; `None` if that is everywhere.
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>>;
+    /// `g h`
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a>;
+    /// `g`, which roundoff has taken an ulp or two off the group, back on it.
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
+    /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// The linear spaces the group acts on.
+    fn representations(&self) -> &'static [&'static dyn Representation];
+    /// The Casimirs of the Lie–Poisson bracket on `(g ⋉ V₁ ⊕ … )*`, with names; `momentum` and the advected parameters come with
+    /// their names.
+    fn casimirs<'a>(&self, momentum: &Named<'_, 'a>, advected: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)>;
+}
+
+/// A vector and what users call it.
+pub struct Named<'n, 'a> {
+    pub name: &'n str,
+    pub value: &'n Vector<'a>,
+}
+
+/// A linear space `V` on which a group's algebra acts by `ρ`. Advected parameters live in its dual.
+pub trait Representation: Sync {
+    /// The name users write.
+    fn name(&self) -> &'static str;
+    /// The type an element is stored as, within nalgebra, generic over the scalar.
+    fn type_name(&self) -> &'static str;
+    /// Suffixes of the coordinates.
+    fn coordinates(&self) -> &'static [&'static str];
+    /// Dimension of the algebra that acts.
+    fn algebra_dimension(&self) -> usize;
+    /// `ρ_x v`
+    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
+    /// The `V` part `P(x) w` of `τ(x, w)` on the semidirect product.
+    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a>;
+    /// `τ(x)` acting on `v`.
+    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
+}
+
+/// How a retraction moves along `V` while it turns: `P(x) w = fixed + τ(x) carried`.
+///
+/// For the exponential `P(x) w = φ₁(ρ_x) w`; for Cayley `P(x) w = (1 − ρ_x/2)⁻¹ w = ½ (w + τ(x) w)`: half the way before the turn,
+/// half of it after.
+pub struct Translation<'a> {
+    /// What does not turn with the group.
+    pub fixed: Vector<'a>,
+    /// What does; a function of `w` alone.
+    pub carried: Vector<'a>,
+    /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint action
+    /// and `τ(x, w)` is the derivative of `τ` at `x` along `w`.
+    pub tangent: bool,
+}
+
+/// The groups a description may name.
+pub fn catalogue() -> &'static [&'static dyn Group] {
+    &[&SO3]
+}
+
+/// Symbols to differentiate by, when a formula's argument is not itself a symbol.
+pub(crate) fn placeholders<'a>(arena: &'a Arena, name: &str, dimension: usize) -> Vector<'a> {
+    use crate::expr::Stage;
+    Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Iteration)).collect())
+}

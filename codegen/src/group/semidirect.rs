@@ -1,0 +1,135 @@
+//! Semidirect products `G ⋉ (V₁ ⊕ … ⊕ V_k)`: what advected parameters turn a group into.
+//!
+//! Nothing here is a closed form of any one group: logarithmic derivative and coadjoint action are derived from the
+//! group's and the representations' by differentiation.
+//!
+//! With `τ(x, w) = (τ(x), P(x) w)` the right logarithmic derivative is
+//! `dR τ_(x,w)(y, u) = (r, D_x[P(x) w] y + P(x) u − ρ_r P(x) w)`, `r = dR τ_x y`: the derivative of the translation, less what
+//! carrying it back by `τ(x, w)⁻¹` takes. With `P(x) w = f(x) + τ(x) e` the derivative of `τ(x) e` is `ρ_r τ(x) e` by the very
+//! definition of `r`, which cancels, and `D_x f(x) y − ρ_r f(x)` remains.
+
+use super::{Group, Representation, Retraction, Translation, placeholders};
+use crate::expr::{Expr, Vector, gradient};
+
+/// A group together with the spaces its advected parameters live in.
+#[derive(Clone)]
+pub struct Semidirect {
+    pub group: &'static dyn Group,
+    pub spaces: Vec<&'static dyn Representation>,
+}
+
+/// An element of the semidirect algebra `(x, w₁, …)` or of its dual `(m, a₁, …)`.
+#[derive(Clone)]
+pub struct Element<'a> {
+    pub base: Vector<'a>,
+    pub spaces: Vec<Vector<'a>>,
+}
+
+impl<'a> Element<'a> {
+    pub fn scale(&self, factor: Expr<'a>) -> Self {
+        Self {
+            base: self.base.scale(factor),
+            spaces: self.spaces.iter().map(|space| space.scale(factor)).collect(),
+        }
+    }
+
+    /// Each component kept whole.
+    pub fn hold(&self) -> Self {
+        Self { base: self.base.hold(), spaces: self.spaces.iter().map(Vector::hold).collect() }
+    }
+
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            base: &self.base + &other.base,
+            spaces: self.spaces.iter().zip(&other.spaces).map(|(a, b)| a + b).collect(),
+        }
+    }
+}
+
+impl Semidirect {
+    /// `P(x)ᵀ a` for each space: the `V*` part of `(dR τ_(x,w))* (m, a)`, which depends on `x` and `a` alone.
+    pub fn d_right_dual_spaces<'a>(
+        &self,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        a: &[Vector<'a>],
+    ) -> Vec<Vector<'a>> {
+        let transposed = |(space, a): (&&'static dyn Representation, &Vector<'a>)| {
+            let u = placeholders(a.0[0].arena(), "u", a.len());
+            let Translation { fixed, carried, .. } = space.translation(retraction, x, &u);
+            let translation = &fixed + &space.transport(retraction, x, &carried);
+            gradient(a.dot(&translation), &u.symbols())
+        };
+        self.spaces.iter().zip(a).map(transposed).collect()
+    }
+
+    /// The `g*` part of `(dR τ_(x,w))* (m, a)`.
+    ///
+    /// It is `(dR τ_x)* (m − Σ J(f(x), a)) + Σ ∇_x (a · f(x))`, with the momentum map `J(p, a) · y = a · ρ_y p`. On a tangent group,
+    /// whose algebra is `g` over the dual numbers `x + ε w`, each `a` gives the derivative of `(dR τ_x)* a` along `w` instead.
+    pub fn d_right_dual_base<'a>(
+        &self,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        w: &[Vector<'a>],
+        mu: &Element<'a>,
+    ) -> Vector<'a> {
+        let arena = mu.base.0[0].arena();
+        let at = placeholders(arena, "x", x.len());
+        let symbols = at.symbols();
+        let here: Vec<_> = symbols.iter().copied().zip(x.iter()).collect();
+
+        let mut carried = mu.base.clone();
+        let mut turned = Vector::zeros(arena, x.len());
+        for ((space, w), a) in self.spaces.iter().zip(w).zip(&mu.spaces) {
+            let translation = space.translation(retraction, &at, w);
+            let change = if translation.tangent {
+                self.group.d_right_dual(retraction, &at, a).derivative_along(&symbols, w)
+            } else {
+                let fixed = translation.fixed.substitute(&here);
+                carried = &carried - &momentum_map(*space, &fixed, a);
+                gradient(a.dot(&translation.fixed), &symbols)
+            };
+            turned = &turned + &change.substitute(&here);
+        }
+        &self.group.d_right_dual(retraction, x, &carried.hold()) + &turned
+    }
+
+    /// `(dR τ_(x,w))* (m, a)`
+    pub fn d_right_dual<'a>(
+        &self,
+        retraction: Retraction,
+        xi: &Element<'a>,
+        mu: &Element<'a>,
+    ) -> Element<'a> {
+        Element {
+            base: self.d_right_dual_base(retraction, &xi.base, &xi.spaces, mu),
+            spaces: self.d_right_dual_spaces(retraction, &xi.base, &mu.spaces),
+        }
+    }
+
+    /// `ad*_(x,w) (m, a)`: the dual of the bracket `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
+    pub fn coadjoint<'a>(&self, xi: &Element<'a>, mu: &Element<'a>) -> Element<'a> {
+        let y = placeholders(mu.base.0[0].arena(), "y", xi.base.len());
+        let mut base = gradient(mu.base.dot(&self.group.bracket(&xi.base, &y)), &y.symbols());
+        for ((space, w), a) in self.spaces.iter().zip(&xi.spaces).zip(&mu.spaces) {
+            base = &base - &momentum_map(*space, w, a);
+        }
+        Element { base, spaces: self.coadjoint_spaces(&xi.base, &mu.spaces) }
+    }
+
+    /// The `V*` part of `ad*_(x,w) (m, a)`, which depends on `x` and `a` alone.
+    pub fn coadjoint_spaces<'a>(&self, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
+        let dual = |(space, a): (&&'static dyn Representation, &Vector<'a>)| {
+            let u = placeholders(a.0[0].arena(), "u", a.len());
+            gradient(a.dot(&space.act(x, &u)), &u.symbols())
+        };
+        self.spaces.iter().zip(a).map(dual).collect()
+    }
+}
+
+/// `J(p, a)` with `J(p, a) · y = a · ρ_y p`
+fn momentum_map<'a>(space: &dyn Representation, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+    let y = placeholders(a.0[0].arena(), "y", space.algebra_dimension());
+    gradient(a.dot(&space.act(&y, p)), &y.symbols())
+}

@@ -1,0 +1,209 @@
+//! SO(3), rotations of space.
+//!
+//! * Algebra: `so(3) ≅ R³` by `hat(x) y = x × y`; bracket `[x, y] = x × y`; `ad*_x m = m × x`.
+//! * Storage: the unit quaternion `w, x, y, z` of the rotation from body to space; `g' = g (0, ξ)/2`.
+//! * With `z = |x|²` and the Stumpff functions `c_k = c_k(z)`:
+//!   `exp x = (c₀(z/4), c₁(z/4) x/2)`, `cay x = (1, x/2)/√(1 + z/4)`;
+//!   `dR exp_x = 1 + c₂ x̂ + c₃ x̂²`, `dR cay_x = (1 + x̂/2)/(1 + z/4)`.
+//! * Both logarithmic derivatives satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
+
+use super::{Group, Named, Representation, Retraction, Translation};
+use crate::expr::{Expr, Number, Vector};
+
+/// Rotations of space.
+pub struct SO3;
+
+/// `Σ aᵢ²`
+fn squared_norm<'a>(a: &Vector<'a>) -> Expr<'a> {
+    a.dot(a)
+}
+
+/// `v + a x × v + b x × (x × v)`, that is, `(1 + a x̂ + b x̂²) v`
+fn rotation_like<'a>(x: &Vector<'a>, v: &Vector<'a>, a: Expr<'a>, b: Expr<'a>) -> Vector<'a> {
+    let once = x.cross(v);
+    let twice = x.cross(&once);
+    &(v + &once.scale(a)) + &twice.scale(b)
+}
+
+impl Group for SO3 {
+    fn name(&self) -> &'static str {
+        "SO3"
+    }
+
+    fn conventions(&self) -> &'static str {
+        "attitude: unit quaternion from body to space coordinates; momentum and velocity: body coordinates"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "attitude"
+    }
+
+    fn configuration_type(&self) -> &'static str {
+        "UnitQuaternion"
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &["w", "x", "y", "z"]
+    }
+
+    fn momentum_type(&self) -> &'static str {
+        "Vector3"
+    }
+
+    fn equations(&self, advected: &[&str]) -> Vec<String> {
+        let torques: String = advected.iter().map(|a| format!(" + {a} × ∂V/∂{a}")).collect();
+        let mut equations = vec![
+            "attitude' = attitude hat(velocity)".to_owned(),
+            format!("momentum' = momentum × velocity{torques}"),
+        ];
+        equations.extend(advected.iter().map(|a| format!("{a}' = {a} × velocity")));
+        equations
+    }
+
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn axes(&self) -> &'static [&'static str] {
+        &["x", "y", "z"]
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        x.cross(y)
+    }
+
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        let quarter = squared_norm(x).scale(Number::ratio(1, 4));
+        let (w, half) = match retraction {
+            Retraction::Exponential => (quarter.stumpff(0), quarter.stumpff(1) / 2),
+            Retraction::Cayley => {
+                let w = (quarter + 1).sqrt().recip();
+                (w, w / 2)
+            }
+        };
+        let mut quaternion = vec![w];
+        quaternion.extend(x.scale(half).iter());
+        Vector(quaternion)
+    }
+
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        let z = squared_norm(x);
+        match retraction {
+            Retraction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
+            Retraction::Cayley => {
+                let half = z.arena().number(Number::ratio(1, 2));
+                let shared = (z.scale(Number::ratio(1, 4)) + 1).recip();
+                (m - &x.cross(m).scale(half)).scale(shared)
+            }
+        }
+    }
+
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+        match retraction {
+            // dR exp is singular where |x| = 2π
+            Retraction::Exponential => {
+                let edge = x.0[0].arena().number(Number::Float(std::f64::consts::TAU.powi(2)));
+                Some(edge - squared_norm(x))
+            }
+            Retraction::Cayley => None,
+        }
+    }
+
+    /// The quaternion product.
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        let (w, v) = (g.0[0], Vector(g.0[1..].to_vec()));
+        let (s, u) = (h.0[0], Vector(h.0[1..].to_vec()));
+        let mut product = vec![w * s - v.dot(&u)];
+        product.extend((&(&u.scale(w) + &v.scale(s)) + &v.cross(&u)).iter());
+        Vector(product)
+    }
+
+    /// One Newton step of `|q|² = 1`: exact to rounding when `|q|` is off by rounding.
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        let correction = (squared_norm(g) - 1) / 2;
+        g - &g.scale(correction)
+    }
+
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        // R m = m + 2w v × m + 2 v × (v × m)
+        let (w, v) = (g.0[0], Vector(g.0[1..].to_vec()));
+        let twice = v.cross(m).scale(w.arena().number(2));
+        &(m + &twice.scale(w)) + &v.cross(&twice)
+    }
+
+    fn representations(&self) -> &'static [&'static dyn Representation] {
+        &[&Space]
+    }
+
+    /// For `k` vectors: all `Γᵢ·Γⱼ`, and for one vector also `Π·Γ`; without vectors `|Π|²`.
+    fn casimirs<'a>(&self, momentum: &Named<'_, 'a>, advected: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)> {
+        let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
+        let product =
+            |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
+        match advected {
+            [] => vec![norm(momentum)],
+            [one] => vec![norm(one), product(momentum, one)],
+            many => {
+                let mut casimirs: Vec<_> = many.iter().map(norm).collect();
+                for (i, a) in many.iter().enumerate() {
+                    casimirs.extend(many[i + 1..].iter().map(|b| product(a, b)));
+                }
+                casimirs
+            }
+        }
+    }
+}
+
+/// R³ with the rotations acting on it: `ρ_x v = x × v`.
+struct Space;
+
+impl Representation for Space {
+    fn name(&self) -> &'static str {
+        "R3"
+    }
+
+    fn type_name(&self) -> &'static str {
+        "Vector3"
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &["x", "y", "z"]
+    }
+
+    fn algebra_dimension(&self) -> usize {
+        3
+    }
+
+    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        x.cross(v)
+    }
+
+    /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the tangent group
+    /// of SO(3).
+    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        let z = squared_norm(x);
+        match retraction {
+            Retraction::Exponential => Translation {
+                fixed: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
+                carried: Vector::zeros(z.arena(), 3),
+                tangent: true,
+            },
+            Retraction::Cayley => {
+                let half = w.map(|component| component / 2);
+                Translation { fixed: half.clone(), carried: half, tangent: false }
+            }
+        }
+    }
+
+    /// `exp x = 1 + c₁ x̂ + c₂ x̂²`, `cay x = 1 + (x̂ + x̂²/2)/(1 + z/4)`
+    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let z = squared_norm(x);
+        match retraction {
+            Retraction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
+            Retraction::Cayley => {
+                let shared = (z.scale(Number::ratio(1, 4)) + 1).recip();
+                rotation_like(x, v, shared, shared / 2)
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! Pulls common factors out of sums: `x a + x b` becomes `x (a + b)`.
+//!
+//! Derivatives come out as sums of products in which whole groups of factors repeat. Factoring them shortens the sums, and the
+//! sums left in parentheses are often the same in several places, where hash-consing then shares them.
+
+use rustc_hash::FxHashMap;
+
+use crate::expr::{Arena, Expr, Id, Node, Number, Sum};
+
+/// Rewrites expressions together, so that what they share stays shared.
+pub struct Factoring<'a> {
+    arena: &'a Arena,
+    /// How often each node is an operand or an output: a product used elsewhere is not worth taking apart.
+    uses: FxHashMap<Id, u32>,
+    known: FxHashMap<Id, Id>,
+}
+
+impl<'a> Factoring<'a> {
+    pub fn new(arena: &'a Arena, outputs: impl IntoIterator<Item = Expr<'a>>) -> Self {
+        let mut uses: FxHashMap<Id, u32> = FxHashMap::default();
+        let mut pending: Vec<Id> = outputs.into_iter().map(Expr::id).collect();
+        while let Some(id) = pending.pop() {
+            let count = uses.entry(id).or_default();
+            *count += 1;
+            if *count == 1 {
+                pending.extend(arena.node(id).operands());
+            }
+        }
+        Self { arena, uses, known: FxHashMap::default() }
+    }
+
+    pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
+        let id = self.visit(expr.id());
+        self.arena.expr(id)
+    }
+
+    fn visit(&mut self, id: Id) -> Id {
+        if let Some(&known) = self.known.get(&id) {
+            return known;
+        }
+        let arena = self.arena;
+        let result = match arena.node(id) {
+            Node::Number(_) | Node::Symbol(_) => id,
+            Node::Sum(sum) => self.sum(&sum),
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors.iter().map(|&(factor, e)| (self.visit(factor), e)).collect();
+                arena.product(Number::ONE, factors)
+            }
+            Node::Function(function, argument) => arena.function(function, self.visit(argument)),
+            Node::Power(base, exponent) => arena.power(self.visit(base), self.visit(exponent)),
+            Node::Atan2(y, x) => arena.atan2(self.visit(y), self.visit(x)),
+            Node::Held(inner) => arena.held(self.visit(inner)),
+        };
+        self.known.insert(id, result);
+        result
+    }
+
+    fn sum(&mut self, sum: &Sum) -> Id {
+        let mut loose = Vec::new();
+        let mut fixed = Vec::new();
+        for &(id, coefficient) in sum.terms.iter() {
+            let visited = self.visit(id);
+            match self.arena.node(visited) {
+                Node::Product(factors) if self.uses.get(&id).is_none_or(|&uses| uses <= 1) => {
+                    loose.push(Term { coefficient, factors: factors.to_vec() });
+                }
+                Node::Sum(inner) if inner.is_scaled_term() => {
+                    let (base, scale) = inner.terms[0];
+                    fixed.push((base, coefficient * scale));
+                }
+                _ => fixed.push((visited, coefficient)),
+            }
+        }
+        fixed.extend(collect_factors(self.arena, loose).into_iter().map(|id| (id, Number::ONE)));
+        self.arena.sum(sum.constant, fixed)
+    }
+}
+
+/// `coefficient · Π factor^exponent`
+#[derive(Clone)]
+struct Term {
+    coefficient: Number,
+    factors: Vec<(Id, i32)>,
+}
+
+/// The sum of the terms, as addends with the most frequent factors pulled out.
+fn collect_factors(arena: &Arena, terms: Vec<Term>) -> Vec<Id> {
+    let Some(common) = most_frequent(&terms) else {
+        return terms.into_iter().map(|term| arena.product(term.coefficient, term.factors)).collect();
+    };
+    let (with, without): (Vec<Term>, Vec<Term>) =
+        terms.into_iter().partition(|term| term.factors.iter().any(|&factor| pulls(factor, common)));
+    let inner: Vec<Term> = with
+        .into_iter()
+        .map(|mut term| {
+            for (id, exponent) in &mut term.factors {
+                if *id == common.0 {
+                    *exponent -= common.1;
+                }
+            }
+            term.factors.retain(|&(_, exponent)| exponent != 0);
+            term
+        })
+        .collect();
+    let inner =
+        arena.sum(Number::ZERO, collect_factors(arena, inner).into_iter().map(|id| (id, Number::ONE)));
+    let mut addends = vec![arena.product(Number::ONE, [(inner, 1), common])];
+    addends.extend(collect_factors(arena, without));
+    addends
+}
+
+/// `factor` contains `common`, which is `x` or `1/x`.
+fn pulls(factor: (Id, i32), common: (Id, i32)) -> bool {
+    factor.0 == common.0 && factor.1.signum() == common.1
+}
+
+/// The factor, `x` or `1/x`, that occurs in most terms, if it occurs in two; of equals the oldest.
+fn most_frequent(terms: &[Term]) -> Option<(Id, i32)> {
+    let mut counts: FxHashMap<(Id, i32), u32> = FxHashMap::default();
+    for term in terms {
+        for &(id, exponent) in &term.factors {
+            *counts.entry((id, exponent.signum())).or_default() += 1;
+        }
+    }
+    // a maximum over unique keys does not depend on the order of the map
+    let best = counts.into_iter().filter(|&(_, count)| count >= 2);
+    best.max_by_key(|&(factor, count)| (count, std::cmp::Reverse(factor))).map(|(factor, _)| factor)
+}

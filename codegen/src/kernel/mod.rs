@@ -1,0 +1,236 @@
+//! The staged straight-line code of one step, as plain data: what emitters print.
+//!
+//! A [`Kernel`] has one [`Section`] for each function of the runtime's `Kernel` trait. Every value is computed in the
+//! earliest section that can; values that later sections need again are kept in named fields.
+
+mod factor;
+mod plan;
+mod schedule;
+mod text;
+
+use rustc_hash::FxHashMap;
+
+use crate::expr::{Arena, Expr, Function, Number, Stage, Symbol, Vector};
+use crate::method::Step;
+use factor::Factoring;
+use plan::{Plan, Signed};
+use schedule::{Namer, Schedule};
+
+/// One function's worth of straight-line code.
+#[derive(Clone, Debug, Default)]
+pub struct Section {
+    /// What is computed, in order.
+    pub statements: Vec<Statement>,
+    /// The results, in the order the function returns them.
+    pub results: Vec<Term>,
+    /// Leaf symbols and fields of earlier sections that are used.
+    pub inputs: Vec<String>,
+}
+
+/// One line of code.
+#[derive(Clone, Debug)]
+pub enum Statement {
+    /// `let name = value;`
+    Let { name: String, value: Term },
+    /// `let [names…] = argument.stumpff();`, `None` for members not used.
+    Stumpff { names: Vec<Option<String>>, argument: Term },
+}
+
+/// A value, as a tree of operations on named values.
+#[derive(Clone, Debug)]
+pub enum Term {
+    Number(Number),
+    Name(String),
+    Negative(Box<Term>),
+    /// Addends, `true` for those subtracted; the first is not.
+    Sum(Vec<(bool, Term)>),
+    Product(Vec<Term>),
+    Quotient(Box<Term>, Box<Term>),
+    Function(Function, Box<Term>),
+    Power(Box<Term>, Box<Term>),
+    Atan2(Box<Term>, Box<Term>),
+}
+
+/// The arithmetic of one step.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    /// Names of the values that depend on the parameters and the step alone, and are used later.
+    pub constants: Vec<String>,
+    /// Names of the values that depend on the state too, and are used later.
+    pub step: Vec<String>,
+    /// Names of the values that depend on the unknown too, and are used in the correction or the update.
+    pub iterate: Vec<String>,
+    /// The components of the unknown.
+    pub unknown: Vec<String>,
+    /// The names that the residual's components have within the correction.
+    pub residual: Vec<String>,
+    /// The name of the step size, if it is used.
+    pub h: Option<String>,
+    /// The names of all symbols, which differ from what they are called where that is taken.
+    pub symbols: SymbolNames,
+    /// Computes the constants.
+    pub new: Section,
+    /// Computes what depends on the state.
+    pub begin: Section,
+    /// Approximates the unknown from the state.
+    pub start: Section,
+    /// Evaluates residual and right side (results in this order), and the iterate.
+    pub evaluate: Section,
+    /// Computes the Newton correction from the residual.
+    pub correction: Section,
+    /// Computes the distance to the edge of the domain; without results if there is no edge.
+    pub domain: Section,
+    /// Computes the next state.
+    pub finish: Section,
+}
+
+/// What symbols are called in some code.
+#[derive(Clone, Debug, Default)]
+pub struct SymbolNames(FxHashMap<Symbol, String>);
+
+impl SymbolNames {
+    /// The name of a symbol; of one that is not used, what it is called.
+    pub fn get(&self, arena: &Arena, symbol: Symbol) -> String {
+        self.0.get(&symbol).cloned().unwrap_or_else(|| arena.symbol_info(symbol).name)
+    }
+
+    /// The names of the symbols that a vector's components are.
+    pub fn of(&self, vector: &Vector<'_>) -> Vec<String> {
+        vector.iter().filter_map(|x| Some(self.get(x.arena(), x.as_symbol()?))).collect()
+    }
+}
+
+impl Kernel {
+    /// Derives Newton's correction for the step's equation, and lays all of it out in sections.
+    pub fn new<'a>(arena: &'a Arena, step: &Step<'a>) -> Self {
+        let unknown = step.unknown.symbols();
+        let residual_symbol =
+            |&x: &Symbol| arena.symbol(format!("{}_residual", arena.symbol_info(x).name), Stage::Iteration);
+        let residual = Vector(unknown.iter().map(residual_symbol).collect());
+        let symbols = (step.unknown.clone(), residual.clone(), step.h);
+        let jacobian = (&step.left - &step.right).jacobian(&unknown);
+        let correction = jacobian.map(Expr::hold).solve_small(&residual);
+
+        let domain = Vector(step.domain.into_iter().collect());
+        let groups = [&step.start, &step.left, &step.right, &correction, &domain, &step.next];
+        let mut factoring = Factoring::new(arena, groups.into_iter().flat_map(Vector::iter));
+        let mut plan = Plan::new(arena);
+        let mut names = Namer::new();
+        let planned = groups.map(|group| {
+            let signed: Vec<Signed> = group.iter().map(|expr| plan.plan(factoring.of(expr))).collect();
+            signed
+        });
+        names.carry_over(&step.names, arena, &mut factoring, &plan);
+        let [start, left, right, correction, domain, next] = planned;
+        let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
+        plan.share_pairs();
+
+        let evaluation = [difference, right].concat();
+        let outputs = schedule::Outputs { start, evaluation, correction, domain, next };
+        let mut kernel = Schedule::new(arena, &plan, names).kernel(outputs);
+        let (unknown, residual, h) = symbols;
+        kernel.unknown = kernel.symbols.of(&unknown);
+        kernel.residual = kernel.symbols.of(&residual);
+        kernel.h =
+            h.as_symbol().map(|h| kernel.symbols.get(arena, h)).filter(|h| kernel.new.inputs.contains(h));
+        kernel
+    }
+}
+
+/// Straight-line code for expressions of parameters and state that stand for themselves (energy, Casimirs, …), and what it calls
+/// its symbols.
+pub fn function<'a>(arena: &'a Arena, outputs: &Vector<'a>) -> (Section, SymbolNames) {
+    let mut factoring = Factoring::new(arena, outputs.iter());
+    let mut plan = Plan::new(arena);
+    let outputs: Vec<Signed> = outputs.iter().map(|expr| plan.plan(factoring.of(expr))).collect();
+    plan.share_pairs();
+    Schedule::new(arena, &plan, Namer::new()).function(&outputs)
+}
+
+/// How many operations of each kind some code takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Operations {
+    pub additions: usize,
+    pub multiplications: usize,
+    pub divisions: usize,
+    pub functions: usize,
+}
+
+impl Section {
+    pub fn operations(&self) -> Operations {
+        let mut count = Operations::default();
+        for statement in &self.statements {
+            match statement {
+                Statement::Let { value, .. } => count.add(value),
+                Statement::Stumpff { argument, .. } => {
+                    count.functions += 1;
+                    count.add(argument);
+                }
+            }
+        }
+        self.results.iter().for_each(|result| count.add(result));
+        count
+    }
+}
+
+impl Operations {
+    fn add(&mut self, term: &Term) {
+        match term {
+            Term::Number(_) | Term::Name(_) => {}
+            Term::Negative(x) => self.add(x),
+            Term::Sum(addends) => {
+                self.additions += addends.len() - 1;
+                addends.iter().for_each(|(_, addend)| self.add(addend));
+            }
+            Term::Product(factors) => {
+                self.multiplications += factors.len() - 1;
+                factors.iter().for_each(|factor| self.add(factor));
+            }
+            Term::Quotient(x, y) => {
+                self.divisions += 1;
+                self.add(x);
+                self.add(y);
+            }
+            Term::Function(_, x) => {
+                self.functions += 1;
+                self.add(x);
+            }
+            Term::Power(x, y) | Term::Atan2(x, y) => {
+                self.functions += 1;
+                self.add(x);
+                self.add(y);
+            }
+        }
+    }
+}
+
+impl std::ops::Add for Operations {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            additions: self.additions + other.additions,
+            multiplications: self.multiplications + other.multiplications,
+            divisions: self.divisions + other.divisions,
+            functions: self.functions + other.functions,
+        }
+    }
+}
+
+impl std::fmt::Display for Operations {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kinds = [
+            (self.additions, "additions"),
+            (self.multiplications, "multiplications"),
+            (self.divisions, "divisions"),
+            (self.functions, "function calls"),
+        ];
+        let present: Vec<String> = kinds
+            .into_iter()
+            .filter(|&(count, _)| count > 0)
+            .map(|(count, kind)| {
+                format!("{count} {}", if count == 1 { kind.trim_end_matches('s') } else { kind })
+            })
+            .collect();
+        f.write_str(&if present.is_empty() { "no operation".to_owned() } else { present.join(", ") })
+    }
+}

@@ -1,0 +1,337 @@
+//! From canonical expressions to operations: which partial sums and products exist, and at which stage.
+//!
+//! Canonical sums and products are flat, whatever the stages of their operands. Here each is split so that what can be computed
+//! earlier is one operand of its own, and pairs of operands that occur in several places become shared nodes.
+
+use std::collections::BTreeMap;
+
+use rustc_hash::FxHashMap;
+
+use crate::expr::{Arena, Expr, Function, Id, Node, Number, Stage, Symbol};
+
+/// A node of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Op(u32);
+
+/// What a node computes.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Operation {
+    /// A positive constant.
+    Number(Number),
+    Symbol(Symbol),
+    /// Addends, `true` for those subtracted.
+    Sum(Vec<(bool, Op)>),
+    Product(Vec<Op>),
+    /// `1 / x`
+    Reciprocal(Op),
+    Function(Function, Op),
+    Power(Op, Op),
+    Atan2(Op, Op),
+}
+
+impl Operation {
+    pub fn operands(&self) -> Vec<Op> {
+        match self {
+            Self::Number(_) | Self::Symbol(_) => Vec::new(),
+            Self::Sum(addends) => addends.iter().map(|&(_, op)| op).collect(),
+            Self::Product(factors) => factors.clone(),
+            Self::Reciprocal(x) | Self::Function(_, x) => vec![*x],
+            Self::Power(x, y) | Self::Atan2(x, y) => vec![*x, *y],
+        }
+    }
+
+    pub fn is_leaf(&self) -> bool {
+        matches!(self, Self::Number(_) | Self::Symbol(_))
+    }
+}
+
+/// A value: a node or its negative.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Signed {
+    pub negative: bool,
+    pub op: Op,
+}
+
+impl Signed {
+    fn flip(self, flip: bool) -> Self {
+        Self { negative: self.negative ^ flip, op: self.op }
+    }
+}
+
+/// All operations of a kernel.
+pub struct Plan<'a> {
+    arena: &'a Arena,
+    operations: Vec<Operation>,
+    stages: Vec<Stage>,
+    index: FxHashMap<Operation, Op>,
+    known: FxHashMap<Id, Signed>,
+}
+
+impl<'a> Plan<'a> {
+    pub fn new(arena: &'a Arena) -> Self {
+        Self {
+            arena,
+            operations: Vec::new(),
+            stages: Vec::new(),
+            index: FxHashMap::default(),
+            known: FxHashMap::default(),
+        }
+    }
+
+    pub fn operation(&self, op: Op) -> &Operation {
+        &self.operations[op.0 as usize]
+    }
+
+    pub fn stage(&self, op: Op) -> Stage {
+        self.stages[op.0 as usize]
+    }
+
+    pub fn ops(&self) -> impl Iterator<Item = Op> {
+        (0..self.operations.len() as u32).map(Op)
+    }
+
+    /// The node planned for an expression, if it has been planned.
+    pub fn planned(&self, id: Id) -> Option<Signed> {
+        self.known.get(&id).copied()
+    }
+
+    fn intern(&mut self, operation: Operation) -> Op {
+        if let Some(&op) = self.index.get(&operation) {
+            return op;
+        }
+        let stage = match &operation {
+            Operation::Number(_) => Stage::Parameters,
+            Operation::Symbol(symbol) => self.arena.symbol_info(*symbol).stage,
+            other => other.operands().into_iter().map(|op| self.stage(op)).max().unwrap_or(Stage::Parameters),
+        };
+        let op = Op(self.operations.len() as u32);
+        self.operations.push(operation.clone());
+        self.stages.push(stage);
+        self.index.insert(operation, op);
+        op
+    }
+
+    /// Plans an expression.
+    pub fn plan(&mut self, expr: Expr<'a>) -> Signed {
+        self.visit(expr.id())
+    }
+
+    /// `a − b`, kept as that difference.
+    pub fn difference(&mut self, a: Signed, b: Signed) -> Signed {
+        self.sum(vec![a, b.flip(true)])
+    }
+
+    fn visit(&mut self, id: Id) -> Signed {
+        if let Some(&known) = self.known.get(&id) {
+            return known;
+        }
+        let signed = match self.arena.node(id) {
+            Node::Number(number) => self.number(number),
+            Node::Symbol(symbol) => positive(self.intern(Operation::Symbol(symbol))),
+            Node::Sum(sum) => {
+                let mut addends: Vec<Signed> = sum
+                    .terms
+                    .iter()
+                    .map(|&(term, coefficient)| match self.arena.node(term) {
+                        _ if coefficient.abs().is_one() => self.visit(term).flip(coefficient.is_negative()),
+                        Node::Product(factors) => self.product(coefficient, &factors),
+                        _ => self.product(coefficient, &[(term, 1)]),
+                    })
+                    .collect();
+                if !sum.constant.is_zero() {
+                    addends.push(self.number(sum.constant));
+                }
+                self.staged_sum(addends)
+            }
+            Node::Product(factors) => self.product(Number::ONE, &factors),
+            Node::Held(inner) => self.visit(inner),
+            Node::Function(function, argument) => {
+                let argument = self.value(argument);
+                positive(self.intern(Operation::Function(function, argument)))
+            }
+            Node::Power(base, exponent) => {
+                let (base, exponent) = (self.value(base), self.value(exponent));
+                positive(self.intern(Operation::Power(base, exponent)))
+            }
+            Node::Atan2(y, x) => {
+                let (y, x) = (self.value(y), self.value(x));
+                positive(self.intern(Operation::Atan2(y, x)))
+            }
+        };
+        self.known.insert(id, signed);
+        signed
+    }
+
+    /// A node with the value itself, not its negative.
+    fn value(&mut self, id: Id) -> Op {
+        let signed = self.visit(id);
+        if signed.negative { self.intern(Operation::Sum(vec![(true, signed.op)])) } else { signed.op }
+    }
+
+    fn number(&mut self, number: Number) -> Signed {
+        Signed { negative: number.is_negative(), op: self.intern(Operation::Number(number.abs())) }
+    }
+
+    /// A sum of the partial sums of each stage: earlier parts are computed earlier, and small late changes are summed before they
+    /// are added to what they change.
+    fn staged_sum(&mut self, addends: Vec<Signed>) -> Signed {
+        let mut by_stage: BTreeMap<Stage, Vec<Signed>> = BTreeMap::new();
+        for addend in addends {
+            by_stage.entry(self.stage(addend.op)).or_default().push(addend);
+        }
+        let mut parts: Vec<Signed> = by_stage.into_values().map(|part| self.sum(part)).collect();
+        let first = parts.remove(0);
+        parts.into_iter().fold(first, |earlier, part| self.sum(vec![earlier, part]))
+    }
+
+    /// The sum in this order; the sign of the first addend goes outside, so that `a − b` and `b − a` are one node.
+    fn sum(&mut self, mut addends: Vec<Signed>) -> Signed {
+        if let [one] = addends.as_slice() {
+            return *one;
+        }
+        addends.sort_by_key(|addend| addend.op);
+        let flip = addends[0].negative;
+        let addends = addends.into_iter().map(|addend| (addend.negative ^ flip, addend.op)).collect();
+        Signed { negative: flip, op: self.intern(Operation::Sum(addends)) }
+    }
+
+    /// `coefficient · Π factor^exponent` as a product of the partial products of each stage.
+    fn product(&mut self, coefficient: Number, factors: &[(Id, i32)]) -> Signed {
+        let mut negative = coefficient.is_negative();
+        let mut by_stage: BTreeMap<Stage, Vec<Op>> = BTreeMap::new();
+        for &(id, exponent) in factors {
+            let base = self.visit(id);
+            negative ^= base.negative && exponent % 2 != 0;
+            let factor = if exponent < 0 { self.intern(Operation::Reciprocal(base.op)) } else { base.op };
+            let part = by_stage.entry(self.stage(factor)).or_default();
+            part.extend(std::iter::repeat_n(factor, exponent.unsigned_abs() as usize));
+        }
+        let magnitude = coefficient.abs();
+        if !magnitude.is_one() {
+            // the constant belongs where it costs least: to the earliest part
+            let number = self.intern(Operation::Number(magnitude));
+            match by_stage.values_mut().next() {
+                Some(earliest) => earliest.push(number),
+                None => return Signed { negative, op: number },
+            }
+        }
+        let mut parts: Vec<Op> = by_stage.into_values().map(|part| self.multiply(part)).collect();
+        let first = parts.remove(0);
+        Signed {
+            negative,
+            op: parts.into_iter().fold(first, |earlier, part| self.multiply(vec![earlier, part])),
+        }
+    }
+
+    fn multiply(&mut self, mut factors: Vec<Op>) -> Op {
+        if let [one] = factors.as_slice() {
+            return *one;
+        }
+        factors.sort(); // a product is the same in any order
+        self.intern(Operation::Product(factors))
+    }
+
+    /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
+    pub fn share_pairs(&mut self) {
+        while let Some(pair) = self.most_frequent_pair() {
+            let shared = match pair {
+                Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),
+                Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
+            };
+            for op in 0..self.operations.len() {
+                if op != shared.0 as usize {
+                    let mut operation = self.operations[op].clone();
+                    while pair.replace(&mut operation, shared) {}
+                    self.operations[op] = operation;
+                }
+            }
+        }
+    }
+
+    fn most_frequent_pair(&self) -> Option<Pair> {
+        let mut counts: BTreeMap<Pair, u32> = BTreeMap::new();
+        for operation in &self.operations {
+            // a node of two operands is the pair itself: it counts as an occurrence of it
+            match operation {
+                Operation::Product(factors) => {
+                    let mut pairs: Vec<Pair> = Vec::new();
+                    for (i, &a) in factors.iter().enumerate() {
+                        pairs.extend(factors[i + 1..].iter().map(|&b| Pair::Factors(a.min(b), a.max(b))));
+                    }
+                    pairs.sort();
+                    pairs.dedup();
+                    pairs.into_iter().for_each(|pair| *counts.entry(pair).or_default() += 1);
+                }
+                Operation::Sum(addends) => {
+                    for (i, &(m, a)) in addends.iter().enumerate() {
+                        for &(n, b) in &addends[i + 1..] {
+                            *counts.entry(Pair::Addends(a.min(b), a.max(b), m != n)).or_default() += 1;
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+        let repeated = counts.into_iter().filter(|(pair, count)| *count >= 2 && self.is_new(pair));
+        repeated.max_by_key(|&(pair, count)| (count, std::cmp::Reverse(pair))).map(|(pair, _)| pair)
+    }
+
+    /// A pair that would shorten some node with more than two operands.
+    fn is_new(&self, pair: &Pair) -> bool {
+        self.operations.iter().any(|operation| operation.operands().len() > 2 && pair.occurs(operation))
+    }
+}
+
+fn positive(op: Op) -> Signed {
+    Signed { negative: false, op }
+}
+
+/// Two operands that occur together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Pair {
+    Factors(Op, Op),
+    /// `true` if the signs differ.
+    Addends(Op, Op, bool),
+}
+
+impl Pair {
+    fn occurs(&self, operation: &Operation) -> bool {
+        match (self, operation) {
+            (Self::Factors(a, b), Operation::Product(factors)) => {
+                let count = |op: &Op| factors.iter().filter(|factor| *factor == op).count();
+                if a == b { count(a) >= 2 } else { count(a) >= 1 && count(b) >= 1 }
+            }
+            (Self::Addends(a, b, opposed), Operation::Sum(addends)) => {
+                let sign = |op: &Op| addends.iter().find(|(_, addend)| addend == op).map(|(sign, _)| *sign);
+                matches!((sign(a), sign(b)), (Some(m), Some(n)) if (m != n) == *opposed)
+            }
+            _ => false,
+        }
+    }
+
+    /// Puts `shared` in the place of one occurrence, if there is one.
+    fn replace(&self, operation: &mut Operation, shared: Op) -> bool {
+        if operation.operands().len() <= 2 || !self.occurs(operation) {
+            return false;
+        }
+        match (self, operation) {
+            (Self::Factors(a, b), Operation::Product(factors)) => {
+                for op in [a, b] {
+                    if let Some(at) = factors.iter().position(|factor| factor == op) {
+                        factors.remove(at);
+                    }
+                }
+                factors.push(shared);
+                factors.sort();
+            }
+            (Self::Addends(a, b, _), Operation::Sum(addends)) => {
+                let sign = addends.iter().find(|(_, op)| op == a).is_some_and(|(sign, _)| *sign);
+                addends.retain(|(_, op)| op != a && op != b);
+                addends.push((sign, shared));
+                addends.sort_by_key(|&(_, op)| op);
+            }
+            _ => return false,
+        }
+        true
+    }
+}
