@@ -233,10 +233,12 @@ fn helpers_are_removed_from_what_cannot_be_read() {
     assert_eq!(without_helpers(tokens("enum A {}")).to_string(), "enum A { }");
 }
 
-const CATALOGUE: [GroupFacts; 2] = [
-    GroupFacts { name: "SO3", dimension: 3, spaces: &[("R3", 3)] },
-    GroupFacts { name: "SE2", dimension: 3, spaces: &[("R2", 2), ("R3", 3)] },
-];
+fn catalogue() -> Vec<GroupFacts> {
+    vec![
+        GroupFacts { name: "SO3", dimension: 3, spaces: vec![("R3", 3)] },
+        GroupFacts { name: "SE2", dimension: 3, spaces: vec![("R2", 2), ("R3", 3)] },
+    ]
+}
 
 /// Asserts the rules that a description breaks.
 #[track_caller]
@@ -247,7 +249,7 @@ fn breaks(attribute: &str, item: &str, expected: &[(&str, &str)]) {
     let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
     assert!(diagnostics.is_empty() || text.contains("Broken"), "{text}");
     let mut found = Diagnostics::new();
-    check(&attribute, &item, &CATALOGUE, &mut found);
+    check(&attribute, &item, &catalogue(), &mut found);
     compare(text, &told(found), expected);
 }
 
@@ -313,13 +315,36 @@ fn rules() {
 }
 
 #[test]
+fn the_potential_is_looked_at_whatever_else_is_wrong() {
+    let body = "struct Body { #[inertia] j: f64, weight: f64, r#type: f64 }";
+    breaks(
+        "group = SO4, advected(gamma: R3), potential = wieght * gamma.z + r#type",
+        body,
+        &[("SO4", "there is no group"), ("wieght", "there is no `wieght` here; did you mean `weight`?")],
+    );
+    breaks(
+        "group = SO3, advected(gamma: R3), potential = weight * gamma",
+        "struct Body { weight: f64 }",
+        &[
+            ("Body", "which parameter is the inertia?"),
+            ("weight * gamma", "the potential must be a scalar, but this is a vector of 3"),
+        ],
+    );
+    breaks(
+        "group = SO3, advected(gamma: R9), potential = weight * gamma.z",
+        body,
+        &[("R9", "SO3 does not act")],
+    );
+}
+
+#[test]
 fn what_could_not_be_read_is_not_missing() {
     breaks("group = SO3", "struct A { #[inertia] j: Broken }", &[]);
     let mut ignored = Diagnostics::new();
     let attribute = Attribute::parse(tokens("group = 3"), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
     let mut found = Diagnostics::new();
-    check(&attribute, &item, &CATALOGUE, &mut found);
+    check(&attribute, &item, &catalogue(), &mut found);
     assert!(found.is_empty());
 }
 
@@ -329,7 +354,7 @@ fn a_missing_group_is_reported_once() {
     let attribute = Attribute::parse(TokenStream::new(), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
     let mut found = Diagnostics::new();
-    check(&attribute, &item, &CATALOGUE, &mut found);
+    check(&attribute, &item, &catalogue(), &mut found);
     let [(_, message)] = &told(found)[..] else { panic!("one problem") };
     assert!(
         message.starts_with(

@@ -193,7 +193,12 @@ impl Random {
     }
 }
 
-const CATALOGUE: [GroupFacts; 1] = [GroupFacts { name: "SO3", dimension: 3, spaces: &[("R3", 3)] }];
+fn catalogue() -> Vec<GroupFacts> {
+    vec![
+        GroupFacts { name: "SO3", dimension: 3, spaces: vec![("R3", 3)] },
+        GroupFacts { name: "SE2", dimension: 3, spaces: vec![("R2", 2), ("R3", 3)] },
+    ]
+}
 
 /// Runs the whole front end.
 fn read(attribute: TokenStream, item: TokenStream) {
@@ -201,7 +206,7 @@ fn read(attribute: TokenStream, item: TokenStream) {
     let attribute = Attribute::parse(attribute, &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
-        check(&attribute, &item, &CATALOGUE, &mut diagnostics);
+        check(&attribute, &item, &catalogue(), &mut diagnostics);
     }
     if let Some(potential) = &attribute.potential {
         let (arena, mut scope) = (Arena::new(), Scope::new());
