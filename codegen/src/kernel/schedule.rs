@@ -409,8 +409,17 @@ const LARGEST_TERM: usize = 12;
 
 impl Layout<'_, '_, '_> {
     fn signed(&mut self, signed: Signed) -> Term {
-        let term = self.term(signed.op);
-        if signed.negative { Term::Negative(Box::new(term)) } else { term }
+        match self.term(signed.op) {
+            term if !signed.negative => term,
+            // −(a − b) reads b − a
+            Term::Sum(mut addends) if addends.len() == 2 && addends[1].0 => {
+                addends.reverse();
+                addends[0].0 = false;
+                addends[1].0 = true;
+                Term::Sum(addends)
+            }
+            term => Term::Negative(Box::new(term)),
+        }
     }
 
     /// The value as a term: by name if it has or deserves one, written out otherwise.
