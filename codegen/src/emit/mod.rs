@@ -21,6 +21,7 @@ pub struct Names {
     pub system: Ident,
     /// Its state.
     pub state: Ident,
+    /// Who may see the struct.
     pub visibility: syn::Visibility,
     /// `f64` or `f32`
     pub scalar: TokenStream,
@@ -31,6 +32,7 @@ pub struct Names {
 }
 
 impl Names {
+    /// The names for a struct; `coadjoint` is the path of the runtime crate if it is not `::coadjoint`.
     pub fn new(
         system: Ident,
         visibility: syn::Visibility,
@@ -72,8 +74,11 @@ pub struct Expansion {
 
 /// One step's part of an expansion.
 pub struct StepExpansion {
+    /// The retraction.
     pub retraction: Retraction,
+    /// Its intermediate representation.
     pub kernel: Kernel,
+    /// Its code.
     pub tokens: TokenStream,
 }
 
