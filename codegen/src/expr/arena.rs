@@ -296,6 +296,25 @@ impl Arena {
         }
     }
 
+    /// The node made anew of the images of its operands.
+    pub(crate) fn rebuild(&self, id: Id, mut image: impl FnMut(Id) -> Id) -> Id {
+        match self.node(id) {
+            Node::Number(_) | Node::Symbol(_) => id,
+            Node::Sum(sum) => {
+                let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (image(term), c)).collect();
+                self.sum(sum.constant, terms)
+            }
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors.iter().map(|&(factor, e)| (image(factor), e)).collect();
+                self.product(Number::ONE, factors)
+            }
+            Node::Function(function, argument) => self.function(function, image(argument)),
+            Node::Power(base, exponent) => self.power(image(base), image(exponent)),
+            Node::Atan2(y, x) => self.atan2(image(y), image(x)),
+            Node::Held(inner) => self.held(image(inner)),
+        }
+    }
+
     /// The value kept whole; constants, symbols and what is whole already stay as they are.
     pub(crate) fn held(&self, id: Id) -> Id {
         match self.node(id) {
