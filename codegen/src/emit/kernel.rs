@@ -34,7 +34,7 @@ fn local(name: &str) -> Ident {
 ///     pub struct Step<T> { … }
 ///     pub struct Iterate<T> { … }
 ///     impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
-///     impl Discretized<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+///     impl Generated<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
 /// };
 /// ```
 pub(super) fn kernel(
@@ -105,7 +105,7 @@ pub(super) fn kernel(
     quote! {
         #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
         const _: () = {
-            use #private::{Discretized, Evaluation, Kernel, Scalar};
+            use #private::{Generated, Evaluation, Kernel, Scalar};
 
             #constants
             #step
@@ -180,7 +180,7 @@ pub(super) fn kernel(
             }
 
             #[automatically_derived]
-            impl Discretized<#coadjoint::#retraction_name> for #system {
+            impl Generated<#coadjoint::#retraction_name> for #system {
                 type Kernel<T: Scalar> = #name<T>;
             }
         };
