@@ -5,7 +5,9 @@ use core::fmt;
 use crate::error::{ParameterError, StepError};
 use crate::method::Method;
 use crate::scalar::{Real, Scalar};
-use crate::system::{Discretized, State, System};
+#[cfg(doc)]
+use crate::system::System;
+use crate::system::{Discretized, State};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
