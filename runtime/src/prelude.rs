@@ -6,5 +6,6 @@ pub use crate::retraction::{Cayley, Exponential};
 // (run)
 pub use crate::stepper::{StepReport, Stepper};
 pub use crate::system::{Discretized, State, System};
-pub use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3, matrix, vector};
+pub use crate::{matrix, vector};
+pub use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
 pub use serde::{Deserialize, Serialize};
