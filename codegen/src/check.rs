@@ -2,8 +2,11 @@
 
 use proc_macro2::Span;
 use syn::Ident;
+use syn::ext::IdentExt;
 
 use crate::diagnostics::{Diagnostics, list, suggestion};
+use crate::expr::{Arena, Stage};
+use crate::language::{Scope, Value, lower_scalar};
 use crate::parse::{Attribute, GROUP, Item, Shape};
 
 /// What the rules need to know about a group of the catalogue.
@@ -45,13 +48,14 @@ impl Subject<'_> {
 }
 
 /// The rules, in the order in which their complaints are listed.
-const RULES: [fn(&Subject<'_>, &mut Diagnostics); 6] = [
+const RULES: [fn(&Subject<'_>, &mut Diagnostics); 7] = [
     group_is_known,
     inertia_is_there_once,
     inertia_fits_the_group,
     spaces_are_known,
     names_are_free,
     advected_are_not_fields,
+    potential_has_a_meaning,
 ];
 
 /// Reports every rule that a description breaks.
@@ -165,4 +169,31 @@ fn advected_are_not_fields(subject: &Subject<'_>, diagnostics: &mut Diagnostics)
             diagnostics.push(&parameter.name, message);
         }
     }
+}
+
+/// The potential is a scalar in parameters and advected parameters.
+///
+/// Its meaning is worked out here for the sake of problems alone, so that they are reported together with all others, a
+/// missing group or inertia included.
+fn potential_has_a_meaning(subject: &Subject<'_>, diagnostics: &mut Diagnostics) {
+    let Some(potential) = &subject.attribute.potential else { return };
+    let (arena, mut scope) = (Arena::new(), Scope::new());
+    for field in &subject.item.fields {
+        let name = field.name.unraw().to_string();
+        scope.define(name.clone(), Value::symbols(&arena, &name, field.shape, Stage::Parameters));
+    }
+    for field in &subject.item.unreadable {
+        scope.define_unknown(field.name.unraw().to_string());
+    }
+    for parameter in &subject.attribute.advected {
+        let name = parameter.name.unraw().to_string();
+        let mut spaces = subject.group().into_iter().flat_map(|group| &group.spaces);
+        match spaces.find(|(space, _)| parameter.space == space) {
+            Some(&(_, n)) => {
+                scope.define(name.clone(), Value::symbols(&arena, &name, Shape::Vector(n), Stage::Step));
+            }
+            None => scope.define_unknown(name),
+        }
+    }
+    lower_scalar("the potential", potential, &mut scope, &arena, diagnostics);
 }

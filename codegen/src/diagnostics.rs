@@ -69,6 +69,12 @@ pub fn list<N: AsRef<str>>(names: impl IntoIterator<Item = N>) -> String {
     }
 }
 
+/// `1 argument`, `2 arguments`
+pub fn count(number: usize, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{number} {noun}{plural}")
+}
+
 /// `; did you mean …?` if one of the known names is close to what was written, otherwise `; known are …`, to be put after
 /// a sentence that says what is not known.
 pub fn suggestion(written: &str, known: &[&str]) -> String {

@@ -64,7 +64,8 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let group = named_group(&attribute)?;
 
     let arena = Arena::new();
-    let system = System::build(&arena, &attribute, &item, group, diagnostics)?;
+    // problems of the potential are among those that the checks have reported
+    let system = System::build(&arena, &attribute, &item, group, &mut Diagnostics::new())?;
     let kernels = Retraction::ALL
         .into_iter()
         .map(|retraction| {

@@ -39,8 +39,11 @@ pub struct System<'a> {
 
 /// A field of the struct.
 pub struct Parameter {
+    /// Its name.
     pub name: Ident,
+    /// The first line of its documentation.
     pub doc: String,
+    /// Its components' symbols.
     pub symbols: Vec<Symbol>,
     /// The components' full names.
     names: Vec<String>,
@@ -56,7 +59,9 @@ impl Parameter {
 
 /// The field marked `#[inertia]`.
 pub struct InertiaField {
+    /// Its name.
     pub name: Ident,
+    /// How it is given.
     pub shape: InertiaShape,
 }
 
@@ -73,12 +78,17 @@ pub enum InertiaShape {
 
 /// A part of the state: one field of the state struct.
 pub struct Part<'a> {
+    /// Its name.
     pub name: Ident,
     /// Within nalgebra, generic over the scalar.
     pub type_name: &'static str,
+    /// What the components' names add to its own.
     pub suffixes: Vec<&'static str>,
+    /// Its components' symbols.
     pub symbols: Vec<Symbol>,
+    /// Its components.
     pub value: Vector<'a>,
+    /// The first line of its documentation.
     pub doc: String,
 }
 

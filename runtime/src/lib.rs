@@ -53,7 +53,9 @@ pub mod error;
 pub mod generic;
 pub mod inertia;
 pub mod kernel;
+mod literals;
 pub mod newton;
+pub mod observe;
 pub mod prelude;
 pub mod retraction;
 pub mod run;
@@ -61,11 +63,15 @@ pub mod scalar;
 pub mod stepper;
 pub mod stumpff;
 pub mod system;
+#[cfg(all(test, feature = "std"))]
+mod test_system;
 
 pub use coadjoint_macros::lie_poisson_system;
 pub use error::{ParameterError, StepError};
 pub use nalgebra;
+pub use observe::Observer;
 pub use retraction::{Cayley, Exponential};
+pub use run::{Run, RunError, RunReport, Tick};
 pub use stepper::{StepReport, Stepper};
 pub use system::{Discretized, State, System};
 

@@ -2,8 +2,11 @@
 
 pub use crate::error::{ParameterError, StepError};
 pub use crate::lie_poisson_system;
+#[cfg(feature = "std")]
+pub use crate::observe::Record;
+pub use crate::observe::{Every, Invariants, Observer};
 pub use crate::retraction::{Cayley, Exponential};
-// (run)
+pub use crate::run::{Run, RunError, RunReport, Tick};
 pub use crate::stepper::{StepReport, Stepper};
 pub use crate::system::{Discretized, State, System};
 pub use crate::{matrix, vector};

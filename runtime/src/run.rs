@@ -1,1 +1,330 @@
-//! Runs and the observers that hang on them.
+//! Runs: many steps, watched by [observers](crate::observe).
+//!
+//! A stepper takes steps and knows nothing else. Whatever is to happen along the way hangs on a [`Run`]:
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! /// A rigid body that turns about a fixed point under gravity.
+//! #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.z)]
+//! pub struct Top {
+//!     #[inertia]
+//!     pub inertia: Vector3<f64>,
+//!     pub weight: f64,
+//! }
+//!
+//! let top = Top { inertia: vector![2.0, 2.0, 1.0], weight: 0.3 };
+//! let mut state = TopState {
+//!     attitude: UnitQuaternion::identity(),
+//!     momentum: vector![0.1, 0.0, 1.0],
+//!     gamma: Vector3::z(),
+//! };
+//! let mut stepper = top.stepper::<Cayley>(0.01)?;
+//!
+//! let mut record = Record::every(100);
+//! let mut invariants = Invariants::new();
+//! let report = Run::new(&top, &mut stepper, &mut state)
+//!     .observe(&mut record)
+//!     .observe(&mut invariants)
+//!     .until(|tick| tick.state.gamma.z < 0.0) // it has fallen over
+//!     .steps(2_000)?;
+//!
+//! assert!(report.stopped);
+//! assert_eq!(record.states().len() as u64, report.steps / 100 + 1);
+//! assert!(invariants.energy_error() < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use core::fmt;
+use core::ops::ControlFlow;
+
+use thiserror::Error;
+
+use crate::error::StepError;
+use crate::observe::{Each, Every, Observer, Until};
+use crate::scalar::Real;
+use crate::stepper::{StepReport, Stepper};
+use crate::system::{Discretized, System};
+
+/// One moment of a run: the initial state, or the state after a step.
+#[derive(Debug)]
+pub struct Tick<'a, S: System> {
+    /// Steps taken so far; 0 for the initial state.
+    pub index: u64,
+    /// The run's start plus `index` steps, in f64 whatever the scalar: not accumulated, so that it does not drift.
+    pub time: f64,
+    /// The system that moves.
+    pub system: &'a S,
+    /// Its state at this time.
+    pub state: &'a S::State,
+    /// How the step that led here went; none for the initial state.
+    pub report: Option<StepReport>,
+}
+
+impl<S: System> Clone for Tick<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: System> Copy for Tick<'_, S> {}
+
+/// How a run went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RunReport {
+    /// Steps taken.
+    pub steps: u64,
+    /// Whether an observer ended the run before the steps asked for were taken.
+    pub stopped: bool,
+    /// Newton iterations of all steps together.
+    pub iterations: u64,
+    /// The most Newton iterations that one step took.
+    pub max_iterations: u32,
+    /// The largest residual left in a step's equation, relative to its terms.
+    pub max_residual: f64,
+}
+
+impl RunReport {
+    /// Newton iterations per step, on average; 0 if no step was taken.
+    pub fn iterations_per_step(&self) -> f64 {
+        if self.steps == 0 { 0.0 } else { self.iterations as f64 / self.steps as f64 }
+    }
+
+    fn count(&mut self, step: &StepReport) {
+        self.steps += 1;
+        self.iterations += u64::from(step.iterations);
+        self.max_iterations = self.max_iterations.max(step.iterations);
+        self.max_residual = self.max_residual.max(step.residual);
+    }
+}
+
+/// A run that ended at a step which could not be taken. The state is the last one that was reached.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("step {step}, from time {time}, could not be taken")]
+pub struct RunError {
+    /// The step that failed, counted from 1.
+    pub step: u64,
+    /// The time it started from: that of the state as it is now.
+    pub time: f64,
+    /// How the run went until then.
+    pub report: RunReport,
+    /// What went wrong.
+    pub source: StepError,
+}
+
+/// A run to be made: a system, a stepper, a state to start from, and who watches.
+///
+/// The observers see the initial state and the state after every step, in the order in which they were added.
+#[must_use = "a run starts with `steps`"]
+pub struct Run<'a, S: Discretized<M>, M, O = ()> {
+    system: &'a S,
+    stepper: &'a mut Stepper<S, M>,
+    state: &'a mut S::State,
+    start: f64,
+    observer: O,
+}
+
+impl<'a, S: Discretized<M>, M> Run<'a, S, M> {
+    /// A run from `state` at time 0 that nobody watches yet.
+    pub fn new(system: &'a S, stepper: &'a mut Stepper<S, M>, state: &'a mut S::State) -> Self {
+        Self { system, stepper, state, start: 0.0, observer: () }
+    }
+}
+
+impl<'a, S: Discretized<M>, M, O: Observer<S>> Run<'a, S, M, O> {
+    /// Starts at this time instead of 0.
+    pub fn starting_at(mut self, time: f64) -> Self {
+        self.start = time;
+        self
+    }
+
+    /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
+    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, S, M, (O, P)> {
+        Run {
+            system: self.system,
+            stepper: self.stepper,
+            state: self.state,
+            start: self.start,
+            observer: (self.observer, observer),
+        }
+    }
+
+    /// Calls `action` at every tick.
+    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, S, M, (O, Each<F>)> {
+        self.observe(Each(action))
+    }
+
+    /// Calls `action` at the initial state and after every `interval` steps; an interval of 0 counts as 1.
+    pub fn every<F: FnMut(&Tick<'_, S>)>(
+        self,
+        interval: u64,
+        action: F,
+    ) -> Run<'a, S, M, (O, Every<Each<F>>)> {
+        self.observe(Every::new(interval, Each(action)))
+    }
+
+    /// Ends the run at the first tick for which `condition` holds.
+    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, S, M, (O, Until<F>)> {
+        self.observe(Until(condition))
+    }
+
+    /// Takes `count` steps, fewer if an observer ends the run.
+    ///
+    /// # Errors
+    /// If a step cannot be taken; the state is then the last one that was reached.
+    pub fn steps(mut self, count: u64) -> Result<RunReport, RunError> {
+        let mut report = RunReport::default();
+        let mut last = None;
+        loop {
+            if self.show(report.steps, last).is_break() {
+                report.stopped = report.steps < count;
+                return Ok(report);
+            }
+            if report.steps >= count {
+                return Ok(report);
+            }
+            match self.stepper.step(self.state) {
+                Ok(step) => {
+                    report.count(&step);
+                    last = Some(step);
+                }
+                Err(source) => {
+                    let time = self.time(report.steps);
+                    return Err(RunError { step: report.steps + 1, time, report, source });
+                }
+            }
+        }
+    }
+
+    fn time(&self, index: u64) -> f64 {
+        self.start + index as f64 * self.stepper.step_size().to_f64()
+    }
+
+    #[inline]
+    fn show(&mut self, index: u64, report: Option<StepReport>) -> ControlFlow<()> {
+        let time = self.time(index);
+        self.observer.observe(&Tick { index, time, system: self.system, state: self.state, report })
+    }
+}
+
+impl<S: Discretized<M>, M, O> fmt::Debug for Run<'_, S, M, O> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Run")
+            .field("stepper", &self.stepper)
+            .field("state", &self.state)
+            .field("start", &self.start)
+            .finish_non_exhaustive()
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::retraction::Cayley;
+    use crate::test_system::{Body, BodyState};
+    use nalgebra::{UnitQuaternion, Vector3};
+    use std::vec::Vec;
+
+    fn body() -> Body {
+        Body { inertia: Vector3::new(1.0, 2.0, 3.0) }
+    }
+
+    fn start() -> BodyState {
+        BodyState { attitude: UnitQuaternion::identity(), momentum: Vector3::new(0.3, -0.5, 0.8) }
+    }
+
+    #[test]
+    fn a_run_does_what_a_loop_of_steps_does() {
+        let mut by_run = start();
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        let report = Run::new(&body(), &mut stepper, &mut by_run).steps(50).expect("solvable");
+
+        let mut by_loop = start();
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        let mut expected = RunReport::default();
+        for _ in 0..50 {
+            expected.count(&stepper.step(&mut by_loop).expect("solvable"));
+        }
+        assert_eq!(by_run, by_loop);
+        assert_eq!(report, expected);
+        assert_eq!(report.steps, 50);
+        assert!(!report.stopped);
+        assert!(report.iterations >= 50 && report.iterations <= 50 * u64::from(report.max_iterations));
+        assert!(report.max_residual < 1e-13);
+        assert_eq!(report.iterations_per_step(), report.iterations as f64 / 50.0);
+    }
+
+    #[test]
+    fn ticks_count_from_the_initial_state_and_time_does_not_drift() {
+        let mut seen: Vec<(u64, f64, bool)> = Vec::new();
+        let mut first = None;
+        let mut state = start();
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        Run::new(&body(), &mut stepper, &mut state)
+            .starting_at(5.0)
+            .each(|tick| {
+                seen.push((tick.index, tick.time, tick.report.is_some()));
+                first.get_or_insert_with(|| tick.state.clone());
+            })
+            .steps(1000)
+            .expect("solvable");
+        assert_eq!(first, Some(start()));
+        assert_eq!(seen.len(), 1001);
+        assert_eq!(seen[0], (0, 5.0, false));
+        assert_eq!(seen[1], (1, 5.1, true));
+        assert_eq!(seen[1000], (1000, 105.0, true));
+    }
+
+    #[test]
+    fn no_steps_still_show_the_initial_state() {
+        let mut ticks = 0;
+        let mut state = start();
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        let report = Run::new(&body(), &mut stepper, &mut state)
+            .each(|_| ticks += 1)
+            .steps(0)
+            .expect("nothing to solve");
+        assert_eq!((ticks, report), (1, RunReport::default()));
+        assert_eq!(report.iterations_per_step(), 0.0);
+    }
+
+    #[test]
+    fn an_observer_ends_the_run() {
+        let mut state = start();
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        let report = Run::new(&body(), &mut stepper, &mut state)
+            .until(|tick| tick.time > 0.95)
+            .steps(50)
+            .expect("solvable");
+        assert_eq!((report.steps, report.stopped), (10, true));
+
+        // ending it where it ends anyway is no early end
+        let report = Run::new(&body(), &mut stepper, &mut state)
+            .until(|tick| tick.index == 7)
+            .steps(7)
+            .expect("solvable");
+        assert_eq!((report.steps, report.stopped), (7, false));
+    }
+
+    #[test]
+    fn a_failing_step_is_named_and_leaves_the_state() {
+        let mut state = BodyState { momentum: Vector3::new(f64::INFINITY, 0.0, 0.0), ..start() };
+        let before = state.clone();
+        let mut stepper = body().stepper::<Cayley>(0.25).expect("valid");
+        let mut ticks = 0;
+        let error = Run::new(&body(), &mut stepper, &mut state)
+            .starting_at(2.0)
+            .each(|_| ticks += 1)
+            .steps(10)
+            .expect_err("no step from an infinite momentum");
+        assert_eq!(
+            error,
+            RunError { step: 1, time: 2.0, report: RunReport::default(), source: StepError::NotFinite }
+        );
+        assert_eq!(ticks, 1);
+        assert_eq!(state, before);
+        assert_eq!(std::format!("{error}"), "step 1, from time 2, could not be taken");
+        let source = core::error::Error::source(&error).expect("a cause");
+        assert_eq!(std::format!("{source}"), "the state is not finite");
+    }
+}

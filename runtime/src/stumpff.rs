@@ -1,22 +1,172 @@
-//! Stumpff functions `c_k(z) = Σ_j (−z)^j / (k + 2j)!`.
+//! Stumpff functions, the only special functions that exponential retractions need:
+//! `c_k(z) = Σ_j (−z)^j / (k + 2j)!`.
+//!
+//! With `θ = √z` they are `c_0 = cos θ`, `c_1 = sin θ / θ`, `c_2 = (1 − cos θ) / θ²`,
+//! `c_3 = (θ − sin θ) / θ³`, …; for `z < 0` the hyperbolic counterparts. Unlike these quotients they are
+//! entire: nothing is special at zero. They satisfy
+//!
+//! - `c_k(z) = 1/k! − z c_{k+2}(z)`,
+//! - `c_k′(z) = (k c_{k+2}(z) − c_{k+1}(z)) / 2`, so that they are closed under differentiation.
+//!
+//! ```
+//! use coadjoint::stumpff::family;
+//!
+//! let angle: f64 = 0.3;
+//! let z = angle * angle;
+//! let [c0, c1] = family(z);
+//! assert!((c1 - angle.sin() / angle).abs() < 1e-15);
+//! assert!((c0 * c0 + z * c1 * c1 - 1.0).abs() < 1e-15);
+//! assert_eq!(family(0.0), [1.0, 1.0, 0.5, 1.0 / 6.0]);
+//! ```
+//!
+//! # Evaluation and accuracy
+//!
+//! | | method | relative error |
+//! |---|---|---|
+//! | `-1/8 < z < 1/8` | two highest members: polynomials of degree 7; others: the first formula | 1.7 ε |
+//! | `-3 < z < 3` | the same with degree 11 | 1.9 ε |
+//! | `z ≥ 3` | `c_0`, `c_1`, `c_2`: sine and cosine; others: the first formula, without cancellation | 2.4 ε |
+//! | `z ≤ -3` | the same with an exponential | 4.2 ε |
+//!
+//! No larger errors were found for `f64` and `f32`, in families of up to 12 members, at `-4·10⁵ < z < 10⁶`; `ε`
+//! is the distance from 1 to the next number. Only near the zeros of `c_0` is an error no longer relative: from
+//! `z = 1` on these bounds are absolute for it. Beyond `z ≈ 10¹⁶` (`f32`: 10⁸) the sine's argument is
+//! rounded. Where `c_0` overflows, the other members are infinite too.
+//!
+//! A step's arguments are squares of small angles, so the first row is the one that counts: it has neither
+//! division nor call, even members need nothing of odd ones, and what the caller drops is not computed.
 
-use nalgebra::RealField;
+use nalgebra::{RealField, convert};
 
-/// `c_0(z), …, c_{N−1}(z)`.
+/// The most members that a family can have. Two more, and [`INVERSE_FACTORIAL`] would outgrow `u128`.
+const MAX: usize = 12;
+
+/// Below, two [`quartet`]s give a series to within rounding, its first two derivatives included.
+const SHORT: f64 = 0.125;
+
+/// Below, three of them do.
+const LONG: f64 = 3.0;
+
+/// The terms of a series that matter wherever [`distant`] uses it, its first derivative included.
+const TERMS: usize = 26;
+
+/// `1/m!`, correctly rounded as long as an `f64` holds `m!` exactly: to `m = 22`. The later ones only scale
+/// the tails of polynomials.
+const INVERSE_FACTORIAL: [f64; MAX + 22] = {
+    let mut table = [1.0; MAX + 22];
+    let mut factorial: u128 = 1;
+    let mut m = 1;
+    while m < table.len() {
+        factorial *= m as u128;
+        table[m] = 1.0 / factorial as f64;
+        m += 1;
+    }
+    table
+};
+
+/// `c_0(z), …, c_{N−1}(z)`, `N` being at most 12.
+///
+/// Scalars beyond `f64` and `f32` get the constants to the precision of `f64`. Differentiation through this
+/// function (dual numbers) is accurate too.
 #[inline(always)]
 pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
-    // provisional: plain series
-    core::array::from_fn(|k| {
-        let mut term = T::one();
-        for i in 1..=k {
-            term /= nalgebra::convert::<f64, T>(i as f64);
-        }
-        let mut sum = term;
-        for j in 1..40 {
-            let m = (k + 2 * j) as f64;
-            term = -term * z / nalgebra::convert::<f64, T>(m * (m - 1.0));
-            sum += term;
-        }
-        sum
-    })
+    const { assert!(N <= MAX, "a family has at most 12 members") };
+    if within(z, SHORT) {
+        let z2 = z * z;
+        let z4 = z2 * z2;
+        downward(z, |k| quartet(k, z, z2) + z4 * quartet(k + 8, z, z2))
+    } else if within(z, LONG) {
+        let z2 = z * z;
+        let z4 = z2 * z2;
+        downward(z, |k| quartet(k, z, z2) + z4 * (quartet(k + 8, z, z2) + z4 * quartet(k + 16, z, z2)))
+    } else {
+        distant(z)
+    }
+}
+
+/// `|z| < limit`.
+#[inline(always)]
+fn within<T: RealField + Copy>(z: T, limit: f64) -> bool {
+    z < convert(limit) && z > convert(-limit)
+}
+
+/// `1/m!`.
+#[inline(always)]
+fn inverse_factorial<T: RealField>(m: usize) -> T {
+    convert(INVERSE_FACTORIAL[m])
+}
+
+/// Four consecutive terms of a series, the first being `1/k!`. Grouped by Estrin's scheme: the step cannot go
+/// on without the result, and Horner's would keep it waiting longer.
+#[inline(always)]
+fn quartet<T: RealField + Copy>(k: usize, z: T, z2: T) -> T {
+    let low = inverse_factorial::<T>(k) - z * inverse_factorial(k + 2);
+    let high = inverse_factorial::<T>(k + 4) - z * inverse_factorial(k + 6);
+    low + z2 * high
+}
+
+/// A family from its two highest members.
+#[inline(always)]
+fn downward<T: RealField + Copy, const N: usize>(z: T, highest: impl Fn(usize) -> T) -> [T; N] {
+    let mut c = [T::zero(); N];
+    for k in (0..N).rev() {
+        c[k] = if k + 2 < N { inverse_factorial::<T>(k) - z * c[k + 2] } else { highest(k) };
+    }
+    c
+}
+
+/// A family away from zero.
+#[cold]
+#[inline(never)]
+fn distant<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
+    // With half the angle nothing cancels in c_2.
+    let quarter = z.abs() * convert(0.25);
+    let half = quarter.sqrt();
+    // What rounding took from the root: large angles would magnify it.
+    let (high, low) = split(half);
+    let lost = ((quarter - high * high) - (high + high) * low - low * low) / (half + half);
+    let (c0, sine, cosine) = if z > T::zero() {
+        // Linear, the correction is good only while small; where it is not, z itself places the angle no better.
+        let lost = if lost.abs() < T::default_epsilon().sqrt() { lost } else { T::zero() };
+        let (sin, cos) = half.sin_cos();
+        let (sin, cos) = (sin + lost * cos, cos - lost * sin);
+        ((cos - sin) * (cos + sin), sin, cos)
+    } else {
+        let exp = half.exp() * (T::one() + lost);
+        let inverse = exp.recip();
+        let (sinh, cosh) = ((exp - inverse) * convert(0.5), (exp + inverse) * convert(0.5));
+        (cosh * cosh + sinh * sinh, sinh, cosh)
+    };
+    let c1 = sine * cosine / half;
+    let c2 = sine * sine / (quarter + quarter);
+
+    let mut c: [T; N] = downward(z, |k| series(k, z));
+    for (member, value) in c.iter_mut().zip([c0, c1, c2]) {
+        *member = value;
+    }
+    // Upward, `rest` cancels near zero; downward, the difference does far from it. Change over where neither
+    // does: where `below` has fallen to half of its value at zero or, for negative z, has outgrown that value.
+    for k in 3..N {
+        let below = c[k - 2];
+        let rest = inverse_factorial::<T>(k - 2) - below;
+        c[k] = if rest.abs() < below * convert(0.9375) { c[k] } else { rest / z };
+    }
+    c
+}
+
+/// `x` as a sum of two numbers with half as many digits, so that their products are exact (Veltkamp).
+fn split<T: RealField + Copy>(x: T) -> (T, T) {
+    let scaled = x * convert(2.0) / T::default_epsilon().sqrt();
+    let high = scaled - (scaled - x);
+    (high, x - high)
+}
+
+/// `c_k(z)` from its series, with the quotients of consecutive terms off the critical path.
+fn series<T: RealField + Copy>(k: usize, z: T) -> T {
+    let mut sum = T::one();
+    for j in (0..TERMS).rev() {
+        let m = (k + 2 * j) as f64;
+        sum = T::one() - sum * (z / convert((m + 1.0) * (m + 2.0)));
+    }
+    sum * inverse_factorial(k)
 }

@@ -1,2 +1,7 @@
-//! The program.
-fn main() {}
+//! The program `coadjoint`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    coadjoint_systems::cli::main()
+}

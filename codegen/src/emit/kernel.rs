@@ -10,7 +10,9 @@ use crate::kernel::{Kernel, Section, Statement, Term};
 
 /// Where the values of a kernel's arrays have their names from.
 pub struct Layout {
+    /// The parameters, in order.
     pub parameters: Vec<String>,
+    /// The state's components, in order.
     pub state: Vec<String>,
 }
 
@@ -30,7 +32,7 @@ fn local(name: &str) -> Ident {
 ///     impl Discretized<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
 /// };
 /// ```
-pub fn kernel(
+pub(super) fn kernel(
     system: &Ident,
     private: &TokenStream,
     coadjoint: &TokenStream,
@@ -180,7 +182,7 @@ pub fn kernel(
 }
 
 /// A free function of parameters and state: `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
-pub fn function(name: &str, section: &Section, layout: &Layout) -> TokenStream {
+pub(super) fn function(name: &str, section: &Section, layout: &Layout) -> TokenStream {
     let name = format_ident!("{name}");
     let (parameters, state) = (layout.parameters.len(), layout.state.len());
     let count = section.results.len();

@@ -21,6 +21,7 @@ pub struct Names {
     pub system: Ident,
     /// Its state.
     pub state: Ident,
+    /// Who may see the struct.
     pub visibility: syn::Visibility,
     /// `f64` or `f32`
     pub scalar: TokenStream,
@@ -31,6 +32,7 @@ pub struct Names {
 }
 
 impl Names {
+    /// The names for a struct; `coadjoint` is the path of the runtime crate if it is not `::coadjoint`.
     pub fn new(
         system: Ident,
         visibility: syn::Visibility,
@@ -72,8 +74,11 @@ pub struct Expansion {
 
 /// One step's part of an expansion.
 pub struct StepExpansion {
+    /// The retraction.
     pub retraction: Retraction,
+    /// Its intermediate representation.
     pub kernel: Kernel,
+    /// Its code.
     pub tokens: TokenStream,
 }
 
@@ -90,7 +95,7 @@ impl Expansion {
 pub fn expansion<'a>(
     arena: &'a Arena,
     system: &System<'a>,
-    declaration: &syn::ItemStruct,
+    item: &syn::ItemStruct,
     names: &Names,
     kernels: Vec<(Retraction, Kernel)>,
 ) -> Expansion {
@@ -112,24 +117,45 @@ pub fn expansion<'a>(
         .collect();
     let derived = description(system, names, &steps);
     Expansion {
-        declaration: quote! { #declaration },
+        declaration: declaration(item, &derived, names),
         state: state::state(system, names),
         potential: system::potential(system, names),
         system: system::system(arena, system, names),
         steps,
     }
-    .documented(declaration, &derived)
 }
 
-impl Expansion {
-    fn documented(mut self, declaration: &syn::ItemStruct, derived: &TokenStream) -> Self {
-        let mut declaration = declaration.clone();
-        let outer = std::mem::take(&mut declaration.attrs);
-        let (docs, others): (Vec<_>, Vec<_>) =
-            outer.into_iter().partition(|attribute| attribute.path().is_ident("doc"));
-        self.declaration = quote! { #(#docs)* #derived #(#others)* #declaration };
-        self
+/// The user's struct with documentation of what was derived.
+fn declaration(item: &syn::ItemStruct, derived: &TokenStream, names: &Names) -> TokenStream {
+    let mut item = item.clone();
+    let (docs, others): (Vec<_>, Vec<_>) =
+        std::mem::take(&mut item.attrs).into_iter().partition(|attribute| attribute.path().is_ident("doc"));
+    let serde = serde_crate(&others, names);
+    quote! { #(#docs)* #derived #(#others)* #serde #item }
+}
+
+/// `#[serde(crate = "…")]` for a struct that derives serde's traits, so that their derive macros find serde through us and users
+/// need not depend on it. Nothing if the user has said where serde is.
+fn serde_crate(attributes: &[syn::Attribute], names: &Names) -> TokenStream {
+    let derives =
+        attributes.iter().filter(|attribute| attribute.path().is_ident("derive")).any(|attribute| {
+            let mut serde = false;
+            // what cannot be read here is for rustc to complain about
+            let _ = attribute.parse_nested_meta(|meta| {
+                serde |= meta
+                    .path
+                    .segments
+                    .last()
+                    .is_some_and(|last| last.ident == "Serialize" || last.ident == "Deserialize");
+                Ok(())
+            });
+            serde
+        });
+    if !derives || attributes.iter().any(|attribute| attribute.path().is_ident("serde")) {
+        return quote! {};
     }
+    let path = names.serde_path();
+    quote! { #[serde(crate = #path)] }
 }
 
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.

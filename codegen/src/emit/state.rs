@@ -12,7 +12,7 @@ use crate::model::{Part, System};
 /// pub struct HeavyTopState { pub attitude: UnitQuaternion<f64>, pub momentum: Vector3<f64>, pub gamma: Vector3<f64> }
 /// impl State for HeavyTopState { … }
 /// ```
-pub fn state(system: &System<'_>, names: &Names) -> TokenStream {
+pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
     let Names { private, state, visibility, scalar, .. } = names;
     let parts = system.parts();
     let fields = parts.iter().map(|part| {
@@ -77,7 +77,7 @@ fn part_type(part: &Part<'_>, names: &Names) -> TokenStream {
 }
 
 /// How fields become one flat array and back.
-pub struct Conversion {
+pub(super) struct Conversion {
     /// `let [gamma_0, …] = Stored::to_array(&self.gamma);` for each field
     pub take: Vec<TokenStream>,
     /// The flat array's elements.
@@ -87,7 +87,7 @@ pub struct Conversion {
 }
 
 /// The conversion for fields of these names and numbers of scalars. Paths are given by the caller's `use` of `Stored`.
-pub fn arrays(fields: &[(Ident, usize)]) -> Conversion {
+pub(super) fn arrays(fields: &[(Ident, usize)]) -> Conversion {
     let mut conversion = Conversion { take: Vec::new(), elements: Vec::new(), give: Vec::new() };
     let mut count = 0..;
     for (name, size) in fields {

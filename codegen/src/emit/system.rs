@@ -12,7 +12,7 @@ use crate::kernel;
 use crate::model::{InertiaShape, System};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
-pub fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> TokenStream {
+pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> TokenStream {
     let Names { private, system: name, state, scalar, .. } = names;
     let group = system.algebra.group;
 
@@ -132,7 +132,7 @@ pub fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> Token
 }
 
 /// The potential as the user wrote it, as a method: rustc checks its types, and tools find their way in it.
-pub fn potential(system: &System<'_>, names: &Names) -> TokenStream {
+pub(super) fn potential(system: &System<'_>, names: &Names) -> TokenStream {
     let Some(potential) = &system.potential_source else { return quote! {} };
     let Names { private, system: name, scalar, visibility, .. } = names;
     let arguments = system.advected_parts();

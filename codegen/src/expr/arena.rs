@@ -34,17 +34,29 @@ pub enum Stage {
 /// An elementary function of one argument.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Function {
+    /// `√x`
     Sqrt,
+    /// `eˣ`
     Exp,
+    /// The natural logarithm.
     Ln,
+    /// The sine.
     Sin,
+    /// The cosine.
     Cos,
+    /// The tangent.
     Tan,
+    /// The arc sine.
     Asin,
+    /// The arc cosine.
     Acos,
+    /// The arc tangent.
     Atan,
+    /// The hyperbolic sine.
     Sinh,
+    /// The hyperbolic cosine.
     Cosh,
+    /// The hyperbolic tangent.
     Tanh,
     /// `c_k(z) = Σ_j (−z)^j / (k + 2j)!`
     Stumpff(u32),
@@ -53,18 +65,24 @@ pub enum Function {
 /// A sum's constant and its terms with their coefficients, sorted by id; at least one term.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Sum {
+    /// What is added to the terms.
     pub constant: Number,
+    /// Terms with their coefficients, none of them zero.
     pub terms: Rc<[(Id, Number)]>,
 }
 
 /// One node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
+    /// A constant.
     Number(Number),
+    /// A symbol.
     Symbol(Symbol),
+    /// A sum.
     Sum(Sum),
     /// Factors with their exponents, sorted by id.
     Product(Rc<[(Id, i32)]>),
+    /// A function of one argument.
     Function(Function, Id),
     /// `base^exponent` for an exponent that is not an integer.
     Power(Id, Id),
@@ -91,7 +109,9 @@ impl Node {
 /// A symbol's name and stage.
 #[derive(Clone, Debug)]
 pub struct SymbolInfo {
+    /// What it is called in text and, if that is free, in code.
     pub name: String,
+    /// When its value is known.
     pub stage: Stage,
 }
 
@@ -109,14 +129,17 @@ pub struct Arena {
 }
 
 impl Arena {
+    /// An empty arena.
     pub fn new() -> Self {
         Self::default()
     }
 
+    /// A node.
     pub fn node(&self, id: Id) -> Node {
         self.store.borrow().nodes[id.0 as usize].clone()
     }
 
+    /// A symbol's name and stage.
     pub fn symbol_info(&self, symbol: Symbol) -> SymbolInfo {
         self.store.borrow().symbols[symbol.0 as usize].clone()
     }
@@ -142,18 +165,22 @@ impl Arena {
         self.expr(self.intern(Node::Symbol(symbol)))
     }
 
+    /// A node as an expression.
     pub fn expr(&self, id: Id) -> Expr<'_> {
         Expr { arena: self, id }
     }
 
+    /// A constant.
     pub fn number(&self, number: impl Into<Number>) -> Expr<'_> {
         self.expr(self.intern(Node::Number(number.into())))
     }
 
+    /// The constant 0.
     pub fn zero(&self) -> Expr<'_> {
         self.number(Number::ZERO)
     }
 
+    /// The constant 1.
     pub fn one(&self) -> Expr<'_> {
         self.number(Number::ONE)
     }
@@ -330,6 +357,7 @@ impl Function {
         }
     }
 
+    /// Its name in text and, but for Stumpff functions, in code.
     pub fn name(self) -> String {
         match self {
             Self::Sqrt => "sqrt",
@@ -358,14 +386,17 @@ pub struct Expr<'a> {
 }
 
 impl<'a> Expr<'a> {
+    /// The node.
     pub fn id(self) -> Id {
         self.id
     }
 
+    /// The arena.
     pub fn arena(self) -> &'a Arena {
         self.arena
     }
 
+    /// Whether it is the constant 0. Canonical form makes many zeros evident, not all.
     pub fn is_zero(self) -> bool {
         matches!(self.arena.node(self.id), Node::Number(number) if number.is_zero())
     }
@@ -386,22 +417,27 @@ impl<'a> Expr<'a> {
         }
     }
 
+    /// `self^exponent`
     pub fn powi(self, exponent: i32) -> Self {
         self.arena.expr(self.arena.product(Number::ONE, [(self.id, exponent)]))
     }
 
+    /// `self^exponent`; integers and halves become products and roots.
     pub fn pow(self, exponent: Self) -> Self {
         self.arena.expr(self.arena.power(self.id, exponent.id))
     }
 
+    /// `1 / self`
     pub fn recip(self) -> Self {
         self.powi(-1)
     }
 
+    /// `√self`
     pub fn sqrt(self) -> Self {
         self.apply(Function::Sqrt)
     }
 
+    /// `function(self)`
     pub fn apply(self, function: Function) -> Self {
         self.arena.expr(self.arena.function(function, self.id))
     }
@@ -417,6 +453,7 @@ impl<'a> Expr<'a> {
         self.arena.expr(self.arena.held(self.id))
     }
 
+    /// The angle of the point `(x, self)`.
     pub fn atan2(self, x: Self) -> Self {
         self.arena.expr(self.arena.atan2(self.id, x.id))
     }

@@ -37,6 +37,7 @@ impl<'a> Derivative<'a> {
         Self { arena, direction, known: FxHashMap::default() }
     }
 
+    /// Of one expression.
     pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let id = self.visit(expr.id);
         self.arena.expr(id)
@@ -205,11 +206,13 @@ pub struct Substitution<'a> {
 }
 
 impl<'a> Substitution<'a> {
+    /// Replaces each symbol by the expression beside it.
     pub fn new(arena: &'a Arena, replacements: &[(Symbol, Expr<'a>)]) -> Self {
         let replacements = replacements.iter().map(|&(symbol, expr)| (symbol, expr.id)).collect();
         Self { arena, replacements, known: FxHashMap::default() }
     }
 
+    /// Of one expression.
     pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let id = self.visit(expr.id);
         self.arena.expr(id)

@@ -10,28 +10,36 @@ pub struct Vector<'a>(pub Vec<Expr<'a>>);
 /// A matrix of expressions, by rows.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Matrix<'a> {
+    /// How many rows.
     pub rows: usize,
+    /// How many columns.
     pub columns: usize,
+    /// The entries, row by row.
     pub entries: Vec<Expr<'a>>,
 }
 
 impl<'a> Vector<'a> {
+    /// The zero vector.
     pub fn zeros(arena: &'a Arena, dimension: usize) -> Self {
         Self(vec![arena.zero(); dimension])
     }
 
+    /// The number of components.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
+    /// Whether there is no component.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
+    /// The components.
     pub fn iter(&self) -> impl Iterator<Item = Expr<'a>> + '_ {
         self.0.iter().copied()
     }
 
+    /// The image of each entry.
     pub fn map(&self, f: impl FnMut(Expr<'a>) -> Expr<'a>) -> Self {
         Self(self.iter().map(f).collect())
     }
@@ -41,6 +49,7 @@ impl<'a> Vector<'a> {
         Self(self.iter().zip(other.iter()).map(|(a, b)| f(a, b)).collect())
     }
 
+    /// `factor · self`
     pub fn scale(&self, factor: Expr<'a>) -> Self {
         self.map(|x| factor * x)
     }
@@ -76,6 +85,7 @@ impl<'a> Vector<'a> {
         self.iter().filter_map(Expr::as_symbol).collect()
     }
 
+    /// Each component with symbols replaced.
     pub fn substitute(&self, replacements: &[(Symbol, Expr<'a>)]) -> Self {
         let Some(first) = self.0.first() else { return self.clone() };
         let mut substitution = Substitution::new(first.arena, replacements);
@@ -121,46 +131,56 @@ impl<'a> std::ops::Neg for &Vector<'a> {
 }
 
 impl<'a> Matrix<'a> {
+    /// A matrix of entries given row by row.
     pub fn new(rows: usize, columns: usize, entries: Vec<Expr<'a>>) -> Self {
         debug_assert_eq!(entries.len(), rows * columns);
         Self { rows, columns, entries }
     }
 
+    /// A diagonal matrix.
     pub fn diagonal(entries: &Vector<'a>) -> Self {
         let n = entries.len();
         let entry = |i: usize, j: usize| if i == j { entries.0[i] } else { entries.0[i].arena.zero() };
         Self::new(n, n, (0..n * n).map(|k| entry(k / n, k % n)).collect())
     }
 
+    /// The entry in row `i` and column `j`.
     pub fn at(&self, i: usize, j: usize) -> Expr<'a> {
         self.entries[i * self.columns + j]
     }
 
+    /// The image of each entry.
     pub fn map(&self, f: impl FnMut(Expr<'a>) -> Expr<'a>) -> Self {
         Self::new(self.rows, self.columns, self.entries.iter().copied().map(f).collect())
     }
 
+    /// `factor · self`
     pub fn scale(&self, factor: Expr<'a>) -> Self {
         self.map(|x| factor * x)
     }
 
+    /// The transposed matrix.
     pub fn transpose(&self) -> Self {
         let entries = (0..self.columns).flat_map(|j| (0..self.rows).map(move |i| self.at(i, j))).collect();
         Self::new(self.columns, self.rows, entries)
     }
 
+    /// A row.
     pub fn row(&self, i: usize) -> Vector<'a> {
         Vector((0..self.columns).map(|j| self.at(i, j)).collect())
     }
 
+    /// A column.
     pub fn column(&self, j: usize) -> Vector<'a> {
         Vector((0..self.rows).map(|i| self.at(i, j)).collect())
     }
 
+    /// `self · vector`
     pub fn times(&self, vector: &Vector<'a>) -> Vector<'a> {
         Vector((0..self.rows).map(|i| self.row(i).dot(vector)).collect())
     }
 
+    /// `self · other`
     pub fn times_matrix(&self, other: &Self) -> Self {
         let entries = (0..self.rows)
             .flat_map(|i| (0..other.columns).map(move |j| (i, j)))
@@ -169,6 +189,7 @@ impl<'a> Matrix<'a> {
         Self::new(self.rows, other.columns, entries)
     }
 
+    /// Combines entries in the same places.
     pub fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {
         let entries = self.entries.iter().zip(&other.entries).map(|(&a, &b)| f(a, b)).collect();
         Self::new(self.rows, self.columns, entries)

@@ -20,8 +20,11 @@ pub enum Number {
 const EXACT: i128 = 1 << 53;
 
 impl Number {
+    /// 0
     pub const ZERO: Number = Number::Rational(Ratio::new_raw(0, 1));
+    /// 1
     pub const ONE: Number = Number::Rational(Ratio::new_raw(1, 1));
+    /// −1
     pub const MINUS_ONE: Number = Number::Rational(Ratio::new_raw(-1, 1));
 
     /// `numerator / denominator`; the denominator must not be zero.
@@ -61,6 +64,7 @@ impl Number {
         }
     }
 
+    /// The nearest double.
     pub fn to_f64(self) -> f64 {
         match self {
             Self::Rational(r) => *r.numer() as f64 / *r.denom() as f64,
@@ -76,14 +80,17 @@ impl Number {
         }
     }
 
+    /// Whether it is exactly 0.
     pub fn is_zero(self) -> bool {
         self == Self::ZERO
     }
 
+    /// Whether it is exactly 1.
     pub fn is_one(self) -> bool {
         self == Self::ONE
     }
 
+    /// Whether it is below 0.
     pub fn is_negative(self) -> bool {
         match self {
             Self::Rational(r) => r.is_negative(),
@@ -91,6 +98,7 @@ impl Number {
         }
     }
 
+    /// Its magnitude.
     pub fn abs(self) -> Self {
         if self.is_negative() { -self } else { self }
     }

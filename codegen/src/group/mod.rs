@@ -14,11 +14,14 @@ use crate::expr::{Arena, Expr, Vector};
 /// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`, `τ(−ξ) = τ(ξ)⁻¹`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Retraction {
+    /// The group's exponential map.
     Exponential,
+    /// The Cayley map `(1 − ξ/2)⁻¹(1 + ξ/2)`.
     Cayley,
 }
 
 impl Retraction {
+    /// All of them.
     pub const ALL: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
 
     /// The name of the runtime's marker type.
@@ -76,7 +79,9 @@ pub trait Group: Sync {
 
 /// A vector and what users call it.
 pub struct Named<'n, 'a> {
+    /// What users call it.
     pub name: &'n str,
+    /// The vector.
     pub value: &'n Vector<'a>,
 }
 

@@ -14,18 +14,23 @@ use crate::expr::{Expr, Vector, gradient};
 /// A group together with the spaces its advected parameters live in.
 #[derive(Clone)]
 pub struct Semidirect {
+    /// `G`
     pub group: &'static dyn Group,
+    /// `V₁, …, V_k`
     pub spaces: Vec<&'static dyn Representation>,
 }
 
 /// An element of the semidirect algebra `(x, w₁, …)` or of its dual `(m, a₁, …)`.
 #[derive(Clone)]
 pub struct Element<'a> {
+    /// `x` or `m`
     pub base: Vector<'a>,
+    /// `w₁, …` or `a₁, …`
     pub spaces: Vec<Vector<'a>>,
 }
 
 impl<'a> Element<'a> {
+    /// `factor · self`
     pub fn scale(&self, factor: Expr<'a>) -> Self {
         Self {
             base: self.base.scale(factor),
@@ -38,6 +43,7 @@ impl<'a> Element<'a> {
         Self { base: self.base.hold(), spaces: self.spaces.iter().map(Vector::hold).collect() }
     }
 
+    /// `self + other`
     pub fn plus(&self, other: &Self) -> Self {
         Self {
             base: &self.base + &other.base,

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use crate::expr::{Arena, Expr, Id, Node, Number, Sum};
 
 /// Rewrites expressions together, so that what they share stays shared.
-pub struct Factoring<'a> {
+pub(super) struct Factoring<'a> {
     arena: &'a Arena,
     /// How often each node is an operand or an output: a product used elsewhere is not worth taking apart.
     uses: FxHashMap<Id, u32>,
@@ -16,7 +16,7 @@ pub struct Factoring<'a> {
 }
 
 impl<'a> Factoring<'a> {
-    pub fn new(arena: &'a Arena, outputs: impl IntoIterator<Item = Expr<'a>>) -> Self {
+    pub(super) fn new(arena: &'a Arena, outputs: impl IntoIterator<Item = Expr<'a>>) -> Self {
         let mut uses: FxHashMap<Id, u32> = FxHashMap::default();
         let mut pending: Vec<Id> = outputs.into_iter().map(Expr::id).collect();
         while let Some(id) = pending.pop() {
@@ -29,7 +29,7 @@ impl<'a> Factoring<'a> {
         Self { arena, uses, known: FxHashMap::default() }
     }
 
-    pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
+    pub(super) fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let id = self.visit(expr.id());
         self.arena.expr(id)
     }

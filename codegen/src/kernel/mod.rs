@@ -31,23 +31,41 @@ pub struct Section {
 #[derive(Clone, Debug)]
 pub enum Statement {
     /// `let name = value;`
-    Let { name: String, value: Term },
+    Let {
+        /// What the value is called.
+        name: String,
+        /// The value.
+        value: Term,
+    },
     /// `let [names…] = argument.stumpff();`, `None` for members not used.
-    Stumpff { names: Vec<Option<String>>, argument: Term },
+    Stumpff {
+        /// What `c_k` is called, if it is used.
+        names: Vec<Option<String>>,
+        /// `z`
+        argument: Term,
+    },
 }
 
 /// A value, as a tree of operations on named values.
 #[derive(Clone, Debug)]
 pub enum Term {
+    /// A constant.
     Number(Number),
+    /// A named value.
     Name(String),
+    /// `−x`
     Negative(Box<Term>),
     /// Addends, `true` for those subtracted; the first is not.
     Sum(Vec<(bool, Term)>),
+    /// Factors.
     Product(Vec<Term>),
+    /// `x / y`
     Quotient(Box<Term>, Box<Term>),
+    /// `function(x)`
     Function(Function, Box<Term>),
+    /// `x^y`
     Power(Box<Term>, Box<Term>),
+    /// The angle of the point `(second, first)`.
     Atan2(Box<Term>, Box<Term>),
 }
 
@@ -150,13 +168,18 @@ pub fn function<'a>(arena: &'a Arena, outputs: &Vector<'a>) -> (Section, SymbolN
 /// How many operations of each kind some code takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
+    /// Additions and subtractions.
     pub additions: usize,
+    /// Multiplications.
     pub multiplications: usize,
+    /// Divisions.
     pub divisions: usize,
+    /// Calls of functions; all Stumpff functions of one argument are one.
     pub functions: usize,
 }
 
 impl Section {
+    /// How many operations it takes.
     pub fn operations(&self) -> Operations {
         let mut count = Operations::default();
         for statement in &self.statements {

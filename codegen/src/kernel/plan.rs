@@ -11,11 +11,11 @@ use crate::expr::{Arena, Expr, Function, Id, Node, Number, Stage, Symbol};
 
 /// A node of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Op(u32);
+pub(super) struct Op(u32);
 
 /// What a node computes.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Operation {
+pub(super) enum Operation {
     /// A positive constant.
     Number(Number),
     Symbol(Symbol),
@@ -30,7 +30,7 @@ pub enum Operation {
 }
 
 impl Operation {
-    pub fn operands(&self) -> Vec<Op> {
+    pub(super) fn operands(&self) -> Vec<Op> {
         match self {
             Self::Number(_) | Self::Symbol(_) => Vec::new(),
             Self::Sum(addends) => addends.iter().map(|&(_, op)| op).collect(),
@@ -40,14 +40,14 @@ impl Operation {
         }
     }
 
-    pub fn is_leaf(&self) -> bool {
+    pub(super) fn is_leaf(&self) -> bool {
         matches!(self, Self::Number(_) | Self::Symbol(_))
     }
 }
 
 /// A value: a node or its negative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Signed {
+pub(super) struct Signed {
     pub negative: bool,
     pub op: Op,
 }
@@ -59,7 +59,7 @@ impl Signed {
 }
 
 /// All operations of a kernel.
-pub struct Plan<'a> {
+pub(super) struct Plan<'a> {
     arena: &'a Arena,
     operations: Vec<Operation>,
     stages: Vec<Stage>,
@@ -68,7 +68,7 @@ pub struct Plan<'a> {
 }
 
 impl<'a> Plan<'a> {
-    pub fn new(arena: &'a Arena) -> Self {
+    pub(super) fn new(arena: &'a Arena) -> Self {
         Self {
             arena,
             operations: Vec::new(),
@@ -78,20 +78,20 @@ impl<'a> Plan<'a> {
         }
     }
 
-    pub fn operation(&self, op: Op) -> &Operation {
+    pub(super) fn operation(&self, op: Op) -> &Operation {
         &self.operations[op.0 as usize]
     }
 
-    pub fn stage(&self, op: Op) -> Stage {
+    pub(super) fn stage(&self, op: Op) -> Stage {
         self.stages[op.0 as usize]
     }
 
-    pub fn ops(&self) -> impl Iterator<Item = Op> {
+    pub(super) fn ops(&self) -> impl Iterator<Item = Op> {
         (0..self.operations.len() as u32).map(Op)
     }
 
     /// The node planned for an expression, if it has been planned.
-    pub fn planned(&self, id: Id) -> Option<Signed> {
+    pub(super) fn planned(&self, id: Id) -> Option<Signed> {
         self.known.get(&id).copied()
     }
 
@@ -112,12 +112,12 @@ impl<'a> Plan<'a> {
     }
 
     /// Plans an expression.
-    pub fn plan(&mut self, expr: Expr<'a>) -> Signed {
+    pub(super) fn plan(&mut self, expr: Expr<'a>) -> Signed {
         self.visit(expr.id())
     }
 
     /// `a − b`, kept as that difference.
-    pub fn difference(&mut self, a: Signed, b: Signed) -> Signed {
+    pub(super) fn difference(&mut self, a: Signed, b: Signed) -> Signed {
         self.sum(vec![a, b.flip(true)])
     }
 
@@ -232,7 +232,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
-    pub fn share_pairs(&mut self) {
+    pub(super) fn share_pairs(&mut self) {
         while let Some(pair) = self.most_frequent_pair() {
             let shared = match pair {
                 Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),

@@ -11,7 +11,7 @@ use crate::expr::{Arena, Function, Stage, Symbol};
 use crate::method::Names;
 
 /// Gives every value that needs one a unique name.
-pub struct Namer {
+pub(super) struct Namer {
     /// Role names that the method gave.
     roles: FxHashMap<Op, String>,
     used: FxHashSet<String>,
@@ -78,12 +78,12 @@ const RESERVED: &[&str] = &[
 ];
 
 impl Namer {
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { roles: FxHashMap::default(), used: RESERVED.iter().map(|&word| word.to_owned()).collect() }
     }
 
     /// Takes over the method's role names for the nodes its expressions became.
-    pub fn carry_over<'a>(
+    pub(super) fn carry_over<'a>(
         &mut self,
         names: &Names,
         arena: &'a Arena,
@@ -119,7 +119,7 @@ impl Namer {
 }
 
 /// What the sections of a step must produce.
-pub struct Outputs {
+pub(super) struct Outputs {
     pub start: Vec<Signed>,
     pub evaluation: Vec<Signed>,
     pub correction: Vec<Signed>,
@@ -137,7 +137,7 @@ enum Home {
     Local,
 }
 
-pub struct Schedule<'p, 'a> {
+pub(super) struct Schedule<'p, 'a> {
     plan: &'p Plan<'a>,
     namer: Namer,
     homes: FxHashMap<Op, Home>,
@@ -147,7 +147,7 @@ pub struct Schedule<'p, 'a> {
 }
 
 impl<'p, 'a> Schedule<'p, 'a> {
-    pub fn new(arena: &'a Arena, plan: &'p Plan<'a>, mut namer: Namer) -> Self {
+    pub(super) fn new(arena: &'a Arena, plan: &'p Plan<'a>, mut namer: Namer) -> Self {
         // in the order of creation: users' names come first, so that ours give way
         let mut all: Vec<Symbol> = plan
             .ops()
@@ -163,11 +163,11 @@ impl<'p, 'a> Schedule<'p, 'a> {
     }
 
     /// One section for everything.
-    pub fn function(mut self, outputs: &[Signed]) -> (Section, SymbolNames) {
+    pub(super) fn function(mut self, outputs: &[Signed]) -> (Section, SymbolNames) {
         (self.section(None, &[], outputs), SymbolNames(self.symbols))
     }
 
-    pub fn kernel(mut self, outputs: Outputs) -> Kernel {
+    pub(super) fn kernel(mut self, outputs: Outputs) -> Kernel {
         let ops = |signed: &[Signed]| signed.iter().map(|s| s.op).collect::<Vec<Op>>();
         let stepping = [&outputs.evaluation, &outputs.correction, &outputs.domain, &outputs.next];
         let stepping: Vec<Op> = stepping.into_iter().flat_map(|signed| ops(signed)).collect();

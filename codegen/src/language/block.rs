@@ -1,5 +1,6 @@
 //! Blocks with `let`.
 
+use syn::ext::IdentExt;
 use syn::{Block, ExprBlock, Local, Pat, Stmt};
 
 use super::lowering::Lowering;
@@ -80,7 +81,9 @@ impl<'a> Lowering<'a, '_> {
 
     fn bind(&mut self, pattern: &Pat, value: Option<Value<'a>>) {
         match pattern {
-            Pat::Ident(name) if name.subpat.is_none() => self.locals.push((name.ident.to_string(), value)),
+            Pat::Ident(name) if name.subpat.is_none() => {
+                self.locals.push((name.ident.unraw().to_string(), value))
+            }
             Pat::Type(typed) => self.bind(&typed.pat, value),
             Pat::Paren(inner) => self.bind(&inner.pat, value),
             Pat::Wild(_) => {}

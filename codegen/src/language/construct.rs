@@ -6,7 +6,7 @@ use syn::{Expr, ExprCall, Ident, Macro, Token};
 
 use super::lowering::Lowering;
 use super::value::Value;
-use crate::diagnostics::{list, suggestion};
+use crate::diagnostics::{count, list, suggestion};
 use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
 use crate::parse::{ScalarType, Shape, of_segment};
 
@@ -135,8 +135,8 @@ impl<'a> Lowering<'a, '_> {
             _ => 0,
         };
         if arguments.len() != expected {
-            let message =
-                format!("`{owner}::{what}` takes {expected} arguments, but {} are given", arguments.len());
+            let takes = count(expected, "argument");
+            let message = format!("`{owner}::{what}` takes {takes}, not {}", arguments.len());
             return self.fail(name, message);
         }
         let (zero, one) = (self.arena.zero(), self.arena.one());
@@ -190,7 +190,8 @@ impl<'a> Lowering<'a, '_> {
             return self.fail(&call.path, format!("this `{name}!` is empty"));
         }
         if let Some(odd) = rows.iter().find(|row| row.len() != columns) {
-            let message = format!("this row has {} entries, but the first has {columns}", odd.len());
+            let message =
+                format!("this row has {}, but the first has {columns}", count(odd.len(), "component"));
             return if odd.is_empty() { self.fail(&call.path, message) } else { self.fail(odd, message) };
         }
         if name == "vector" && rows.len() > 1 {

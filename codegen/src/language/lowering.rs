@@ -2,6 +2,7 @@
 
 use proc_macro2::TokenStream;
 use quote::ToTokens;
+use syn::ext::IdentExt;
 use syn::{Expr, ExprPath, UnOp};
 
 use super::sanity;
@@ -92,7 +93,7 @@ impl<'a, 's> Lowering<'a, 's> {
         let Some(ident) = path.path.get_ident().filter(|_| path.qself.is_none()) else {
             return Some(Value::Scalar(self.scope.constant(path, self.arena)));
         };
-        let name = ident.to_string();
+        let name = ident.unraw().to_string();
         let local = self.locals.iter().rev().find(|(local, _)| *local == name).map(|(_, value)| value);
         if let Some(value) = local.or_else(|| self.scope.get(&name)) {
             return value.clone();

@@ -24,7 +24,8 @@ use lowering::Lowering;
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr};
 
-/// The symbolic meaning of an expression. All problems in it are reported; `None` if there were any.
+/// The symbolic meaning of an expression. All problems in it are reported; `None` if there were any, or if it uses a name
+/// that is in error itself.
 ///
 /// Constants of the user's own are recorded in the scope as they are met.
 pub fn lower<'a>(
@@ -33,7 +34,10 @@ pub fn lower<'a>(
     arena: &'a Arena,
     diagnostics: &mut Diagnostics,
 ) -> Option<Value<'a>> {
-    Lowering::new(scope, arena, diagnostics).lower(expr)
+    let before = diagnostics.len();
+    let value = Lowering::new(scope, arena, diagnostics).lower(expr);
+    // a problem in a part that the value does not depend on is a problem all the same
+    value.filter(|_| diagnostics.len() == before)
 }
 
 /// The symbolic meaning of an expression that must be a scalar. `what` says in messages what it is for: `the potential`.

@@ -3,7 +3,7 @@
 use crate::expr::{Expr, Node, Number};
 
 /// The largest exponent that anything may be raised to.
-pub(super) const EXPONENT: i32 = 1024;
+pub(super) const EXPONENT: u32 = 1024;
 
 /// What is wrong with a value, if anything is.
 ///
@@ -31,6 +31,5 @@ fn not_finite(number: Number) -> Option<String> {
 
 fn too_high<Factor>(factors: &[(Factor, i32)]) -> Option<String> {
     let highest = factors.iter().map(|(_, exponent)| exponent.unsigned_abs()).max()?;
-    (highest > EXPONENT.unsigned_abs())
-        .then(|| format!("this holds a power of {highest}; the highest is {EXPONENT}"))
+    (highest > EXPONENT).then(|| format!("this holds a power of {highest}; the highest is {EXPONENT}"))
 }

@@ -13,7 +13,9 @@ pub struct Step<'a> {
     pub unknown: Vector<'a>,
     /// A first approximation of `x` from the state.
     pub start: Vector<'a>,
+    /// `left(x)`
     pub left: Vector<'a>,
+    /// `right(x)`
     pub right: Vector<'a>,
     /// Positive while `x` is inside the retraction's domain.
     pub domain: Option<Expr<'a>>,

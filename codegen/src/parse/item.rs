@@ -208,5 +208,5 @@ fn docs(attributes: &[syn::Attribute]) -> Vec<String> {
         _ => None,
     });
     let clean = |line: &str| line.strip_prefix(' ').unwrap_or(line).trim_end().to_owned();
-    text.flat_map(|text| text.lines().map(clean).collect::<Vec<_>>()).collect()
+    text.flat_map(|text| text.split('\n').map(clean).collect::<Vec<_>>()).collect()
 }

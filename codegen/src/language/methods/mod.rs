@@ -7,7 +7,7 @@ use syn::{Expr, ExprMethodCall, Ident};
 
 use super::lowering::Lowering;
 use super::value::Value;
-use crate::diagnostics::{Diagnostics, list, nearest};
+use crate::diagnostics::{Diagnostics, count, list, nearest};
 use crate::expr::{Arena, Expr as Symbolic, Matrix};
 
 /// A method that has a symbolic meaning.
@@ -66,12 +66,8 @@ impl<'a> Lowering<'a, '_> {
             return self.unknown(method, receiver, methods);
         };
         if arguments.len() != known.arguments {
-            let plural = if known.arguments == 1 { "" } else { "s" };
-            let message = format!(
-                "`{name}` takes {} argument{plural}, but {} are given",
-                known.arguments,
-                arguments.len()
-            );
+            let takes = count(known.arguments, "argument");
+            let message = format!("`{name}` takes {takes}, not {}", arguments.len());
             return self.fail(method, message);
         }
         let (arena, diagnostics) = (self.arena, &mut *self.diagnostics);
@@ -84,13 +80,12 @@ impl<'a> Lowering<'a, '_> {
             return self.not_smooth(method, &format!("`{name}`"));
         }
         let names: Vec<&str> = methods.iter().map(|known| known.name).collect();
-        let guess =
-            nearest(&name, &names).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-        let message = format!(
-            "{} has no method `{name}` with a symbolic meaning{guess} Known are {}",
-            receiver.describe(),
-            list(names)
-        );
+        let guess = match nearest(&name, &names) {
+            Some(near) => format!("; did you mean `{near}`?"),
+            None => ".".to_owned(),
+        };
+        let (what, known) = (receiver.describe(), list(names));
+        let message = format!("{what} has no method `{name}` here{guess} Its methods are {known}");
         self.fail(method, message)
     }
 }

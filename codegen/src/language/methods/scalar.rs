@@ -84,7 +84,7 @@ fn powf<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>> {
     let base = receiver(call)?;
     match i32::try_from(exponent) {
-        Ok(exponent) if exponent.abs() <= sanity::EXPONENT => {
+        Ok(exponent) if exponent.unsigned_abs() <= sanity::EXPONENT => {
             if base.is_zero() && exponent < 0 {
                 return call.fail(call.method, "this divides by zero".to_owned());
             }

@@ -1,0 +1,378 @@
+//! Every construct of the language against Rust and nalgebra themselves: the same tokens are compiled by rustc and
+//! lowered by us, and both values must agree.
+#![allow(clippy::all, reason = "expressions are written in all the ways users write them")]
+
+use coadjoint_codegen::diagnostics::Diagnostics;
+use coadjoint_codegen::expr::{Arena, Node, Stage};
+use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
+use coadjoint_codegen::parse::Shape;
+use nalgebra::{
+    Matrix2, Matrix2x3, Matrix3, Matrix4, RowVector3, SMatrix, SVector, Vector1, Vector2, Vector3, Vector4,
+    matrix, vector,
+};
+use std::f64::consts::TAU;
+
+/// What the expressions are about.
+struct Values {
+    a: f64,
+    b: f64,
+    p: Vector2<f64>,
+    v: Vector3<f64>,
+    w: Vector3<f64>,
+    q: Vector4<f64>,
+    m: Matrix3<f64>,
+    n: Matrix3<f64>,
+    k: Matrix4<f64>,
+    r: Matrix2x3<f64>,
+}
+
+/// Some values, all positive and below one, different for different seeds.
+fn values(seed: u64) -> Values {
+    let mut state = seed;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        0.1 + 0.8 * (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    Values {
+        a: next(),
+        b: next(),
+        p: Vector2::from_fn(|_, _| next()),
+        v: Vector3::from_fn(|_, _| next()),
+        w: Vector3::from_fn(|_, _| next()),
+        q: Vector4::from_fn(|_, _| next()),
+        m: Matrix3::from_fn(|_, _| next()),
+        n: Matrix3::from_fn(|_, _| next()),
+        k: Matrix4::from_fn(|_, _| next()),
+        r: Matrix2x3::from_fn(|_, _| next()),
+    }
+}
+
+/// The numbers a value is made of, matrices by rows.
+trait Flat {
+    fn flat(&self) -> Vec<f64>;
+}
+
+impl Flat for f64 {
+    fn flat(&self) -> Vec<f64> {
+        vec![*self]
+    }
+}
+
+impl<const R: usize, const C: usize> Flat for SMatrix<f64, R, C> {
+    fn flat(&self) -> Vec<f64> {
+        self.transpose().iter().copied().collect()
+    }
+}
+
+impl<A: Flat, B: Flat> Flat for (A, B) {
+    fn flat(&self) -> Vec<f64> {
+        [self.0.flat(), self.1.flat()].concat()
+    }
+}
+
+/// The numbers that the symbolic meaning of some text evaluates to.
+fn symbolic(text: &str, values: &Values) -> Vec<f64> {
+    let arena = Arena::new();
+    let mut scope = Scope::new();
+    let mut known: Vec<(String, f64)> =
+        vec![("PI".into(), std::f64::consts::PI), ("TAU".into(), TAU), ("GRAVITY".into(), GRAVITY)];
+    let inputs: [(&str, Shape, Vec<f64>); 10] = [
+        ("a", Shape::Scalar, values.a.flat()),
+        ("b", Shape::Scalar, values.b.flat()),
+        ("p", Shape::Vector(2), values.p.flat()),
+        ("v", Shape::Vector(3), values.v.flat()),
+        ("w", Shape::Vector(3), values.w.flat()),
+        ("q", Shape::Vector(4), values.q.flat()),
+        ("m", Shape::Matrix(3, 3), values.m.flat()),
+        ("n", Shape::Matrix(3, 3), values.n.flat()),
+        ("k", Shape::Matrix(4, 4), values.k.flat()),
+        ("r", Shape::Matrix(2, 3), values.r.flat()),
+    ];
+    for (name, shape, numbers) in inputs {
+        let value = Value::symbols(&arena, name, shape, Stage::Parameters);
+        let names = value.scalars().into_iter().map(|symbol| symbol.to_string());
+        known.extend(names.zip(numbers));
+        scope.define(name, value);
+    }
+    let expr = syn::parse_str(text).expect("rustc took it");
+    let mut diagnostics = Diagnostics::new();
+    let value = lower(&expr, &mut scope, &arena, &mut diagnostics);
+    if let Err(error) = diagnostics.finish() {
+        panic!("{text}: {}", error.into_iter().map(|error| error.to_string()).collect::<Vec<_>>().join("\n"));
+    }
+    let scalars = match value {
+        Some(Value::Integer(integer)) => vec![arena.number(integer)],
+        Some(value) => value.scalars(),
+        None => panic!("{text}: neither a value nor a problem"),
+    };
+    let of_symbol = |symbol| {
+        let name = arena.symbol_info(symbol).name;
+        known
+            .iter()
+            .find(|(known, _)| *known == name)
+            .unwrap_or_else(|| panic!("{text}: no value for {name}"))
+            .1
+    };
+    scalars.into_iter().map(|scalar| scalar.evaluate(&of_symbol)).collect()
+}
+
+const GRAVITY: f64 = 9.80665;
+
+/// Asserts that rustc and we agree on an expression in the variables of [`Values`].
+macro_rules! agrees {
+    ($values:ident; $($expression:tt)*) => {{
+        let plain = { $($expression)* }.flat();
+        let text = concat!("{", stringify!($($expression)*), "}");
+        let ours = symbolic(text, &$values);
+        assert_eq!(plain.len(), ours.len(), "{text}");
+        for (plain, ours) in plain.iter().zip(&ours) {
+            assert!((plain - ours).abs() <= 1e-13 * (1.0 + plain.abs()), "{text}: {plain} is not {ours}");
+        }
+    }};
+}
+
+/// Runs a test over several sets of values, whose fields it names as it needs them.
+macro_rules! for_values {
+    ($all:ident, { $($name:ident),* }, $body:block) => {
+        for seed in 1..5 {
+            let $all = values(seed);
+            let Values { $($name,)* .. } = $all;
+            $body
+        }
+    };
+}
+
+#[test]
+fn numbers() {
+    for_values!(all, {}, {
+        agrees!(all; 1.5);
+        agrees!(all; 0.1 + 0.2);
+        agrees!(all; 1e-3 * 2.5E2 - 1_000.0);
+        agrees!(all; 2f64);
+        agrees!(all; 2_f64 + 2.0f64);
+        agrees!(all; 3 as f64 / 2.0);
+        agrees!(all; f64::from(3) * 0.5);
+        agrees!(all; f64::from(2 + 3 * 2 - 1));
+        agrees!(all; (-(2 + 1)) as f64);
+        agrees!(all; 1e-400);
+        agrees!(all; 0.1234567890123456789012345678901234567890);
+    });
+}
+
+#[test]
+fn scalar_arithmetic() {
+    for_values!(all, { a, b }, {
+        agrees!(all; a + b - a * b / (a + 2.0));
+        agrees!(all; -a + b);
+        agrees!(all; -(-a));
+        agrees!(all; a - b - a);
+        agrees!(all; a / b / a);
+        agrees!(all; a - (b - a));
+        agrees!(all; 2.0 * a * -b);
+        agrees!(all; *&a * &b);
+        agrees!(all; ((a + b)) * ((a)));
+        agrees!(all; 1.0 / 3.0 * a);
+    });
+}
+
+#[test]
+fn functions_of_scalars() {
+    for_values!(all, { a, b }, {
+        agrees!(all; a.sqrt() + a.exp() * a.ln());
+        agrees!(all; a.sin() + a.cos() * a.tan());
+        agrees!(all; a.asin() + a.acos() * a.atan());
+        agrees!(all; a.sinh() + a.cosh() * a.tanh());
+        agrees!(all; a.recip() + a.powi(3) + a.powi(-2) + a.powi(0));
+        agrees!(all; a.powi(2 * 2 - 1) + a.powi(-(1 + 1)));
+        agrees!(all; a.powf(b) + a.powf(2.0) + a.powf(0.5) + a.powf(-1.5) + a.powf(0.3));
+        agrees!(all; a.atan2(b) + b.atan2(-a));
+        agrees!(all; a.hypot(b) + a.mul_add(b, 3.0));
+        agrees!(all; a.clone());
+        agrees!(all; a.sin_cos());
+        agrees!(all; a.sin_cos().1);
+        agrees!(all; (2.0 * a).sin().powi(2));
+        agrees!(all; f64::sin(a) + f64::powi(b, 2) + f64::atan2(a, b) + f64::mul_add(a, b, a));
+        agrees!(all; 2.0_f64.sqrt());
+    });
+}
+
+#[test]
+fn vector_arithmetic() {
+    for_values!(all, { a, p, v, w, q }, {
+        agrees!(all; v + w - 2.0 * v);
+        agrees!(all; v * a);
+        agrees!(all; a * v / 3.0);
+        agrees!(all; -v);
+        agrees!(all; &v + &w);
+        agrees!(all; -&v - w);
+        agrees!(all; p * a - p / a);
+        agrees!(all; v * w.transpose());
+        agrees!(all; v.transpose() * w);
+        agrees!(all; (v.transpose() * w)[0]);
+        agrees!(all; (v.transpose() * w).x);
+        agrees!(all; q + Vector4::repeat(a));
+    });
+}
+
+#[test]
+fn methods_of_vectors() {
+    for_values!(all, { a, p, v, w, q }, {
+        agrees!(all; v.dot(&w) + q.dot(&q));
+        agrees!(all; v.cross(&w));
+        agrees!(all; v.cross(&w).dot(&v.cross(&(v + w))));
+        agrees!(all; v.norm() + v.magnitude() + p.norm());
+        agrees!(all; v.norm_squared() - q.magnitude_squared());
+        agrees!(all; v.normalize());
+        agrees!(all; v.component_mul(&w));
+        agrees!(all; v.component_div(&w));
+        agrees!(all; v.sum());
+        agrees!(all; v.scale(a));
+        agrees!(all; v.unscale(a));
+        agrees!(all; v.transpose());
+        agrees!(all; v.transpose().transpose());
+        agrees!(all; v.tr_mul(&w));
+        agrees!(all; v.cross_matrix() * w);
+        agrees!(all; Vector3::dot(&v, &w) * f64::sqrt(a));
+        agrees!(all; v.clone());
+    });
+}
+
+#[test]
+fn matrices() {
+    for_values!(all, { a, b, p, v, w, m, n, k, r }, {
+        agrees!(all; m * v);
+        agrees!(all; m * n);
+        agrees!(all; m + n - m * 2.0);
+        agrees!(all; a * m / b);
+        agrees!(all; -m);
+        agrees!(all; r * v);
+        agrees!(all; r * m);
+        agrees!(all; r.transpose() * p);
+        agrees!(all; v.transpose() * m);
+        agrees!(all; (v.transpose() * m * w).x);
+        agrees!(all; v.dot(&(m * w)));
+        agrees!(all; m.transpose());
+        agrees!(all; r.transpose());
+        agrees!(all; m.trace() + k.trace());
+        agrees!(all; m.determinant() + k.determinant());
+        agrees!(all; Matrix2::new(a, b, b, 2.0).determinant());
+        agrees!(all; m.diagonal());
+        agrees!(all; m.row(1) * v);
+        agrees!(all; m.column(2).dot(&v));
+        agrees!(all; r.tr_mul(&p));
+        agrees!(all; m.tr_mul(&n));
+        agrees!(all; m.dot(&n) + r.dot(&r));
+        agrees!(all; m.norm() + r.norm_squared() + m.sum());
+        agrees!(all; m.component_mul(&n) + m.component_div(&n));
+        agrees!(all; m.scale(a) - m.unscale(b));
+        agrees!(all; m * n * v + n * (m * w));
+    });
+}
+
+#[test]
+fn components() {
+    for_values!(all, { p, v, m, k, r, q }, {
+        agrees!(all; v.x + v.y * v.z);
+        agrees!(all; p.x - p.y + q.w);
+        agrees!(all; v[0] * v[1] - v[2]);
+        agrees!(all; m[(0, 1)] - m[(1, 0)] * m[(2, 2)]);
+        agrees!(all; m[1] - m[3]);
+        agrees!(all; r[1] - r[2] + r[(1, 2)]);
+        agrees!(all; m.m12 - m.m31 + k.m44 + r.m23);
+        agrees!(all; v[(2, 0)]);
+        agrees!(all; v.transpose()[1]);
+        agrees!(all; v.transpose().y);
+        agrees!(all; (m * v).z);
+        agrees!(all; v[1 + 1]);
+    });
+}
+
+#[test]
+fn constructors() {
+    for_values!(all, { a, b, v }, {
+        agrees!(all; Vector3::new(a, b, 1.0));
+        agrees!(all; nalgebra::Vector2::new(a, b));
+        agrees!(all; Vector3::x() + Vector3::y() * b - Vector3::z() * a);
+        agrees!(all; v + Vector3::zeros());
+        agrees!(all; Vector4::w() * a);
+        agrees!(all; Vector3::<f64>::repeat(2.0));
+        agrees!(all; Vector3::from_element(a));
+        agrees!(all; SVector::<f64, 3>::zeros() + v);
+        agrees!(all; SMatrix::<f64, 2, 3>::repeat(a));
+        agrees!(all; vector![a, b, a + b]);
+        agrees!(all; nalgebra::vector![a, b,]);
+        agrees!(all; matrix![a, b; 1.0, 2.0]);
+        agrees!(all; matrix![a, b, 1.0; 2.0, a, b;] * v);
+        agrees!(all; Matrix3::identity() * v);
+        agrees!(all; Matrix3::<f64>::identity());
+        agrees!(all; Matrix3::from_diagonal(&v));
+        agrees!(all; Matrix3::from_diagonal(&Vector3::new(1.0, a, b)) * v);
+        agrees!(all; Matrix3::from_diagonal_element(a));
+        agrees!(all; Matrix2::new(a, b, 3.0, 4.0));
+        agrees!(all; Matrix2x3::new(a, b, 3.0, 4.0, 5.0, 6.0));
+        agrees!(all; RowVector3::new(a, b, 3.0));
+        agrees!(all; Vector1::new(a) * 2.0);
+    });
+}
+
+#[test]
+fn blocks() {
+    for_values!(all, { a, b, v, w }, {
+        agrees!(all; let c = a + b; c * c);
+        agrees!(all; let a = a + 1.0; let a = a * a; a - b);
+        agrees!(all; let c: f64 = 2.0; let u: Vector3<f64> = v * c; u.dot(&w));
+        agrees!(all; let (s, c) = a.sin_cos(); s * c);
+        agrees!(all; let (s, (c, _)) = (a, (b, v)); s - c);
+        agrees!(all; let c = { let b = 2.0 * a; b + 1.0 }; b * c);
+        agrees!(all; let i = 2; let n = -3; v[i] * a.powi(n + 1));
+        agrees!(all; let u = &v; let ref t = w; u.dot(t));
+        agrees!(all; let c = { a * b }; let d = { let a = 3.0; a * c }; d + a);
+        agrees!(all; let u = vector![a, b]; vector![u.y, u.x]);
+    });
+}
+
+#[test]
+fn constants_of_the_users_own() {
+    use std::f64::consts;
+    for_values!(all, { a }, {
+        agrees!(all; GRAVITY * a);
+        agrees!(all; std::f64::consts::PI * a + core::f64::consts::PI * 0.0);
+        agrees!(all; consts::PI / TAU);
+        agrees!(all; let x = GRAVITY; x - GRAVITY + a);
+    });
+}
+
+#[test]
+fn a_constant_is_one_parameter_however_often_it_is_named() {
+    let arena = Arena::new();
+    let mut scope = Scope::new();
+    scope.define("G", Value::Scalar(arena.symbol("G", Stage::Parameters)));
+    let expr = syn::parse_quote!(G + M * self::M + M + self::G + a::b::M + (M - PI));
+    let mut diagnostics = Diagnostics::new();
+    let value = lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
+    assert!(value.is_some() && diagnostics.is_empty());
+    let names: Vec<&str> = scope.constants.iter().map(|constant| constant.name.as_str()).collect();
+    assert_eq!(names, ["M", "self_M", "self_G", "b_M", "PI"]);
+    for constant in &scope.constants {
+        let Node::Symbol(symbol) = arena.node(constant.symbol.id()) else { panic!("a constant is a symbol") };
+        assert_eq!(arena.symbol_info(symbol).stage, Stage::Parameters);
+        assert!(matches!(constant.tokens, syn::Expr::Path(_)));
+    }
+}
+
+#[test]
+fn long_sums_are_no_deep_nesting() {
+    let text = vec!["a"; 2000].join(" + ");
+    assert_eq!(symbolic(&text, &values(1)), [2000.0 * values(1).a]);
+}
+
+#[test]
+fn symbols_are_named_after_their_place() {
+    let arena = Arena::new();
+    let named = |shape| format!("{:?}", Value::symbols(&arena, "s", shape, Stage::Step).scalars());
+    assert_eq!(named(Shape::Scalar), "[s]");
+    assert_eq!(named(Shape::Vector(3)), "[s_x, s_y, s_z]");
+    assert_eq!(named(Shape::Vector(7)), "[s_0, s_1, s_2, s_3, s_4, s_5, s_6]");
+    assert_eq!(named(Shape::Matrix(2, 2)), "[s_xx, s_xy, s_yx, s_yy]");
+    assert_eq!(named(Shape::Matrix(1, 2)), "[s_xx, s_xy]");
+}

@@ -1,0 +1,332 @@
+//! What is said about expressions without a meaning: each problem at its own tokens, and all of them at once.
+
+use coadjoint_codegen::diagnostics::Diagnostics;
+use coadjoint_codegen::expr::{Arena, Stage};
+use coadjoint_codegen::language::{Scope, Value, lower_scalar};
+use coadjoint_codegen::parse::Shape;
+
+/// The problems of a potential, each as the text it underlines and the message.
+fn problems(text: &str) -> Vec<(String, String)> {
+    let expr = syn::parse_str::<syn::Expr>(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let arena = Arena::new();
+    let mut scope = Scope::new();
+    let shapes = [
+        ("weight", Shape::Scalar),
+        ("a", Shape::Scalar),
+        ("chi", Shape::Vector(3)),
+        ("gamma", Shape::Vector(3)),
+        ("p", Shape::Vector(2)),
+        ("m", Shape::Matrix(3, 3)),
+        ("r", Shape::Matrix(2, 3)),
+        ("big", Shape::Matrix(5, 5)),
+    ];
+    for (name, shape) in shapes {
+        scope.define(name, Value::symbols(&arena, name, shape, Stage::Step));
+    }
+    scope.define_unknown("broken");
+    let mut diagnostics = Diagnostics::new();
+    let value = lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
+    let broken = !diagnostics.is_empty() || text.contains("broken");
+    assert_eq!(value.is_none(), broken, "{text}");
+    let errors = diagnostics.finish().err().into_iter().flatten();
+    errors.map(|error| (error.span().source_text().unwrap_or_default(), error.to_string())).collect()
+}
+
+/// Asserts the problems of an expression: what is underlined, and how the message begins.
+#[track_caller]
+fn complains(text: &str, expected: &[(&str, &str)]) {
+    let problems = problems(text);
+    assert_eq!(problems.len(), expected.len(), "{text}: {problems:#?}");
+    for ((place, message), (expected_place, beginning)) in problems.iter().zip(expected) {
+        assert_eq!(place, expected_place, "{text}: {message}");
+        assert!(message.starts_with(beginning), "{text}: {message}");
+    }
+}
+
+#[test]
+fn names() {
+    complains("wieght * a", &[("wieght", "there is no `wieght` here; did you mean `weight`?")]);
+    complains(
+        "zeta",
+        &[(
+            "zeta",
+            "there is no `zeta` here; known: `weight`, `a`, `chi`, `gamma`, `p`, `m`, `r`, `big` and `broken`",
+        )],
+    );
+    complains(
+        "self.weight",
+        &[("self.weight", "parameters are known by their names alone; leave out `self.`")],
+    );
+    complains("self", &[("self", "parameters are known by their names alone; leave out `self.`")]);
+    complains(
+        "{ let longish = a; longisch }",
+        &[("longisch", "there is no `longisch` here; did you mean `longish`?")],
+    );
+    complains("{ let b = a; b } + b", &[("b", "there is no `b` here")]);
+}
+
+#[test]
+fn names_in_error_elsewhere_bring_no_further_problems() {
+    complains("broken.norm() * weight + broken", &[]);
+    complains("{ let b = broken; b + b.sin() }", &[]);
+    complains("{ let b = nothing; b + b.sin() }", &[("nothing", "there is no `nothing` here")]);
+    complains("{ let (b, c) = nothing; b + c }", &[("nothing", "there is no `nothing` here")]);
+}
+
+#[test]
+fn operators() {
+    complains(
+        "chi * gamma",
+        &[("*", "a vector of 3 cannot be multiplied by a vector of 3; write `a.dot(&b)`, `a.cross(&b)`")],
+    );
+    complains(
+        "p * p",
+        &[(
+            "*",
+            "a vector of 2 cannot be multiplied by a vector of 2; write `a.dot(&b)` or `a.component_mul(&b)`",
+        )],
+    );
+    complains(
+        "chi.norm() + (a + chi).norm()",
+        &[("+", "a vector of 3 cannot be added to a scalar; to do so in every component, write")],
+    );
+    complains("(chi - p).norm()", &[("-", "a vector of 2 cannot be subtracted from a vector of 3")]);
+    complains(
+        "(chi * m).norm()",
+        &[("*", "a vector of 3 cannot be multiplied by a 3×3 matrix; a vector is a column")],
+    );
+    complains("(m * p).norm()", &[("*", "a 3×3 matrix cannot be multiplied by a vector of 2")]);
+    complains("(m + r).norm()", &[("+", "a 2×3 matrix cannot be added to a 3×3 matrix")]);
+    complains("a / chi", &[("/", "a scalar cannot be divided by a vector of 3")]);
+    complains(
+        "(chi / gamma).norm()",
+        &[("/", "a vector of 3 cannot be divided by a vector of 3; write `a.component_div(&b)`")],
+    );
+    complains("a.sin_cos() + 1.0", &[("+", "a scalar cannot be added to a tuple of 2")]);
+    complains("-a.sin_cos()", &[("-", "a tuple of 2 has no negative")]);
+    complains("a < 1.0", &[("<", "a comparison is not smooth")]);
+    complains("a % 1.0", &[("%", "a remainder is not smooth")]);
+    complains("a ^ 2", &[("^", "`^` is not a power in Rust; write `x.powi(2)`")]);
+    complains("a && a", &[("&&", "this operator is not supported here")]);
+    complains("!a", &[("!", "this operator is not supported here")]);
+}
+
+#[test]
+fn divisions_that_mean_something_else() {
+    complains("1 / 2 * a", &[("/", "a division of integers drops the remainder; write `1.0 / 2.0`")]);
+    complains("f64::from(1 / 2) * a", &[("/", "a division of integers drops the remainder")]);
+    complains("a.powi(1 / 2)", &[("/", "a division of integers drops the remainder")]);
+    complains("a / 0.0", &[("/", "this divides by zero")]);
+    complains("a / (a - a)", &[("/", "this divides by zero")]);
+    complains("(chi / 0.0).norm()", &[("/", "this divides by zero")]);
+    complains("0.0.recip()", &[("recip", "this divides by zero")]);
+    complains("a * 0.0.powi(-1)", &[("powi", "this divides by zero")]);
+    complains("(chi - chi).normalize().x", &[("normalize", "this divides by zero")]);
+    complains("chi.component_div(&Vector3::x()).x", &[("&Vector3::x()", "a component of this is zero")]);
+}
+
+#[test]
+fn casts() {
+    complains("0.1f32 as f64", &[("as", "only integers can be cast; this needs no cast")]);
+    complains("a as f32 as f64", &[("as", "only integers can be cast")]);
+    complains("2 as u8 as f64", &[("u8", "only casts to `f64` and `f32` are supported")]);
+    complains("f64::from(0.1f32)", &[("0.1f32", "only integers can be converted")]);
+    complains("f64::from(1, 2)", &[("from", "`from` takes one integer")]);
+}
+
+#[test]
+fn numbers() {
+    complains("99999999999999999999999 * a", &[("99999999999999999999999", "this integer is too large")]);
+    complains("a * (9223372036854775807 + 1) as f64", &[("+", "this integer is too large")]);
+    complains("1e999", &[("1e999", "")]);
+    complains("1e300 * 1e300", &[("1e300 * 1e300", "this constant is too large or not a number")]);
+    complains("1e300 * a * 1e300", &[("1e300 * a * 1e300", "this constant is too large")]);
+    complains("\"a\"", &[("\"a\"", "only numbers can be written here")]);
+    complains("true", &[("true", "only numbers can be written here")]);
+    complains("(-1.0).sqrt()", &[("sqrt", "`sqrt` is not a real number at -1")]);
+    complains(
+        "0.0.ln() + 2.0.acos()",
+        &[("ln", "`ln` is not a real number at 0"), ("acos", "`acos` is not a real number at 2")],
+    );
+    complains("(-2.0).powf(0.3)", &[("powf", "a power that is not whole needs a positive base")]);
+}
+
+#[test]
+fn powers() {
+    complains("a.powi(b)", &[("b", "there is no `b` here")]);
+    complains("a.powi(a)", &[("a", "`powi` takes an integer literal; for other exponents there is `powf`")]);
+    complains("a.powi(2000000000)", &[("2000000000", "this exponent is too large; the largest is 1024")]);
+    complains("a.powi(-2147483648)", &[("-2147483648", "this exponent is too large")]);
+    complains("2.0.powf(2e9)", &[("2e9", "this exponent is too large")]);
+    complains("a.powf(1e300)", &[("1e300", "this exponent is too large")]);
+    complains("a.powi(1000).powi(1000)", &[("a.powi(1000).powi(1000)", "this holds a power of 1000000")]);
+    complains(
+        "{ let b = a.powi(1000); vector![b, 1.0].dot(&vector![b, a]) }",
+        &[("vector![b, 1.0].dot(&vector![b, a])", "this holds a power of 2000")],
+    );
+}
+
+#[test]
+fn components() {
+    complains("chi.w", &[("w", "a vector of 3 has no component `w`, but `x`, `y` and `z`")]);
+    complains("a.x", &[("x", "a scalar has no components")]);
+    complains("m.m44", &[("m44", "a 3×3 matrix has no component `m44`")]);
+    complains("chi.0", &[("0", "write `[0]` for a component by number")]);
+    complains("a.sin_cos().2", &[("2", "a tuple of 2 ends before this")]);
+    complains("chi[3]", &[("3", "this index is out of range: a vector of 3 has 0 to 2")]);
+    complains("chi[-1]", &[("-1", "this index is out of range")]);
+    complains("m[(3, 0)]", &[("(3, 0)", "this index is out of range: a 3×3 matrix has (0, 0) to (2, 2)")]);
+    complains("r[6]", &[("6", "this index is out of range: a 2×3 matrix has 0 to 5")]);
+    complains("chi[a]", &[("a", "an index is an integer, `v[0]`, or a pair")]);
+    complains("m[(0, a)]", &[("(0, a)", "an index is an integer, `v[0]`, or a pair")]);
+    complains("a[0]", &[("a[0]", "a scalar cannot be indexed")]);
+}
+
+#[test]
+fn methods() {
+    complains("chi.dott(&gamma)", &[("dott", "a vector of 3 has no method `dott`")]);
+    assert!(problems("chi.dott(&gamma)")[0].1.contains("did you mean `dot`?"));
+    assert!(problems("a.frobnicate()")[0].1.contains("`sqrt`, `powi`"));
+    complains("a.abs()", &[("abs", "`abs` is not smooth, and the equations of motion need derivatives")]);
+    complains("chi.amax() + a.min(1.0)", &[("amax", "`amax` is not smooth"), ("min", "`min` is not smooth")]);
+    complains(
+        "chi.dot(&p)",
+        &[("&p", "`dot` takes a vector of 3 here, as its receiver is, but this is a vector of 2")],
+    );
+    complains("chi.dot()", &[("dot", "`dot` takes 1 argument, not 0")]);
+    complains("a.mul_add(a)", &[("mul_add", "`mul_add` takes 2 arguments, not 1")]);
+    complains("a.atan2(chi)", &[("chi", "`atan2` takes a scalar here, but this is a vector of 3")]);
+    complains(
+        "a.mul_add(chi, p)",
+        &[
+            ("chi", "`mul_add` takes a scalar here, but this is a vector of 3"),
+            ("p", "`mul_add` takes a scalar here, but this is a vector of 2"),
+        ],
+    );
+    complains("p.cross(&p).norm()", &[("cross", "`cross` is for vectors of 3; this is a vector of 2")]);
+    complains("r.trace()", &[("trace", "`trace` is for square matrices; this is a 2×3 matrix")]);
+    complains("big.determinant()", &[("determinant", "determinants are supported up to 4 rows")]);
+    complains("m.row(3).norm()", &[("3", "this index is out of range: it goes from 0 to 2")]);
+    complains("r.tr_mul(&chi).norm()", &[("&chi", "`tr_mul` takes a vector or matrix of 2 rows here, but")]);
+    complains("2.sqrt()", &[("sqrt", "methods of integers are not supported; write the number as a float")]);
+    complains("a.sin_cos().sin()", &[("sin", "a tuple of 2 has no methods")]);
+    complains("m.trace::<f64>()", &[("::<f64>", "leave out the types")]);
+}
+
+#[test]
+fn functions() {
+    complains("height(a)", &[("height", "functions cannot be called here")]);
+    complains("physics::height(a)", &[("physics::height", "this function has no symbolic meaning here")]);
+    complains(
+        "<f64 as Float>::sin(a)",
+        &[("<f64 as Float>::sin", "this function has no symbolic meaning here")],
+    );
+    complains("f64::abs(a)", &[("abs", "`abs` is not smooth")]);
+    complains("f64::sin(chi)", &[("chi", "`f64::sin` takes a scalar first, but this is a vector of 3")]);
+    complains("f64::epsilon()", &[("epsilon", "`f64::epsilon` has no symbolic meaning here")]);
+    complains("Vector3::new(a, a).x", &[("new", "`Vector3::new` takes 3 arguments, not 2")]);
+    complains(
+        "Vector3::new(a, chi, p).x",
+        &[
+            ("chi", "this entry must be a scalar, but it is a vector of 3"),
+            ("p", "this entry must be a scalar, but it is a vector of 2"),
+        ],
+    );
+    complains("Vector2::z().x", &[("z", "there is no `Vector2::z` here")]);
+    complains("Vector3::zero().x", &[("zero", "there is no `Vector3::zero` here; did you mean `zeros`?")]);
+    complains("Vector2::dot(&chi, &p)", &[("&chi", "`Vector2::dot` takes a vector of 2 first")]);
+    complains(
+        "Matrix3::from_diagonal(&p).trace()",
+        &[("&p", "`Matrix3::from_diagonal` takes a vector of 3")],
+    );
+    complains("(|x| x)(a)", &[("(|x| x)", "calling this is not supported here")]);
+    complains(
+        "format!(\"a\")",
+        &[("format", "the only macros with a symbolic meaning are `vector!` and `matrix!`")],
+    );
+    complains("vector![].x", &[("vector", "this `vector!` is empty")]);
+    complains("vector![a; a].x", &[("a", "a vector has one row of components")]);
+    complains("matrix![a, a; a].trace()", &[("a", "this row has 1 component, but the first has 2")]);
+    complains("vector![a a].x", &[("a", "expected `,`")]);
+}
+
+#[test]
+fn constructs() {
+    complains("if a { a } else { a }", &[("if", "a choice by `if` is not smooth")]);
+    complains("match a { _ => a }", &[("match", "a choice by `match` is not smooth")]);
+    complains("for x in y { }", &[("for", "a loop is not supported here")]);
+    complains("|x| x", &[("|x| x", "a closure is not supported here")]);
+    complains("[a, a][0]", &[("[a, a]", "arrays are not supported; write `vector![…]`")]);
+    complains("a?", &[("?", "`?` is not supported here")]);
+    complains("return a", &[("return", "leave out `return`")]);
+    complains("a = 2.0", &[("=", "assignments are not supported")]);
+    complains("unsafe { a }", &[("unsafe { a }", "this is not supported here")]);
+}
+
+#[test]
+fn blocks() {
+    complains("{ }", &[("{ }", "this block is empty")]);
+    complains("{ let b = a; }", &[("let b = a;", "the block must end with a value after this")]);
+    complains("{ a; }", &[(";", "the block must end with a value; leave out this semicolon")]);
+    complains("{ a; a }", &[("a", "this value is not used; give it a name with `let`")]);
+    complains("{ let b; a }", &[("let b;", "this variable needs a value")]);
+    complains("{ let mut b = a; b += a; b }", &[("+=", "assignments are not supported")]);
+    complains("{ let (b, c) = a; b }", &[("(b, c)", "a scalar cannot be taken apart like this")]);
+    complains(
+        "{ let Some(b) = a else { return }; a }",
+        &[
+            ("else", "`let … else` is not supported here"),
+            ("Some(b)", "a pattern is a name, or names in parentheses"),
+        ],
+    );
+    complains("{ #[cfg(test)] let b = a; b }", &[("#[cfg(test)]", "attributes are not supported")]);
+    complains(
+        "{ const B: f64 = 1.0; a }",
+        &[("const B: f64 = 1.0;", "items are not supported in expressions")],
+    );
+    complains("{ println!(); a }", &[("println!();", "this has no value; leave it out")]);
+    complains("'a: { a }", &[("'a:", "a label is not supported here")]);
+}
+
+#[test]
+fn the_result_must_be_a_scalar() {
+    complains(
+        "weight * chi",
+        &[("weight * chi", "the potential must be a scalar, but this is a vector of 3")],
+    );
+    complains("{ let b = chi; b }", &[("b", "the potential must be a scalar, but this is a vector of 3")]);
+    complains("a.sin_cos()", &[("a.sin_cos()", "the potential must be a scalar, but this is a tuple of 2")]);
+}
+
+#[test]
+fn all_problems_are_reported() {
+    complains(
+        "{ let b = wieght * chi.dott(&gamma); let c = a.abs(); (if b { c } else { b }) + chi * p - nothing }",
+        &[
+            ("wieght", "there is no `wieght` here"),
+            ("dott", "a vector of 3 has no method `dott`"),
+            ("abs", "`abs` is not smooth"),
+            ("if", "a choice by `if` is not smooth"),
+            ("*", "a vector of 3 cannot be multiplied by a vector of 2"),
+            ("nothing", "there is no `nothing` here"),
+        ],
+    );
+}
+
+#[test]
+fn problems_know_their_line_and_column() {
+    let expr = syn::parse_str::<syn::Expr>("{\n    let b = 1.0;\n    b + nothing\n}").expect("an expression");
+    let (arena, mut scope, mut diagnostics) = (Arena::new(), Scope::new(), Diagnostics::new());
+    lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
+    let error = diagnostics.finish().expect_err("there is no `nothing`");
+    let (start, end) = (error.span().start(), error.span().end());
+    assert_eq!((start.line, start.column, end.line, end.column), (3, 8, 3, 15));
+}
+
+#[test]
+fn deep_nesting_is_an_error() {
+    let chain = format!("a{}", ".sin()".repeat(300));
+    let found = problems(&chain);
+    assert_eq!(found.len(), 1);
+    assert!(found[0].1.starts_with("this is nested too deeply; split the expression with `let`"));
+}

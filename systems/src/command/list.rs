@@ -1,0 +1,34 @@
+//! `coadjoint list`
+
+use std::io::Write;
+
+use coadjoint::system::Quantity;
+
+use crate::catalogue::CATALOGUE;
+use crate::error::Error;
+use crate::setting::laid_out;
+
+pub(crate) fn list(console: &mut dyn Write) -> Result<(), Error> {
+    for (i, entry) in CATALOGUE.iter().enumerate() {
+        if i > 0 {
+            writeln!(console)?;
+        }
+        writeln!(console, "{}: {}", entry.name, entry.about)?;
+        let setup = (entry.example)();
+        quantities(console, "parameters", entry.parameters, &setup.parameters)?;
+        quantities(console, "initial state", entry.state, &setup.state)?;
+        writeln!(console, "  conserved      energy, {}", entry.casimirs.join(", "))?;
+    }
+    Ok(())
+}
+
+/// One line for each quantity with its value in the example, as `--set` takes it.
+fn quantities(console: &mut dyn Write, title: &str, all: &[Quantity], values: &[f64]) -> Result<(), Error> {
+    for (i, (quantity, slots)) in laid_out(all).enumerate() {
+        let title = if i == 0 { title } else { "" };
+        let value = values[slots].iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+        let line = format!("  {title:14} {:24} {}", format!("{}={value}", quantity.name), quantity.doc);
+        writeln!(console, "{}", line.trim_end())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! What can go wrong in the program, and the exit code that says so.
+
+use std::io;
+use std::path::PathBuf;
+
+use coadjoint::{ParameterError, RunError};
+use thiserror::Error;
+
+/// A failure of the program; its message is for the person who ran it.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// What was asked for makes no sense; the message says what would.
+    #[error("{0}")]
+    Input(String),
+    /// No stepper can be built with these parameters.
+    #[error("{0}")]
+    Parameter(#[from] ParameterError),
+    /// The motion could not be computed to its end.
+    #[error("{}: {}", .0, .0.source)]
+    Motion(#[from] RunError),
+    /// A file or directory could not be written.
+    #[error("cannot write {}: {source}", .path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A picture could not be drawn.
+    #[error("cannot draw {}: {reason}", .path.display())]
+    Draw {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The terminal, or the program this one is piped into, takes no more text.
+    #[error("cannot write to standard output: {0}")]
+    Console(#[from] io::Error),
+    /// A system of our own does not pass its own generator.
+    #[error("the generator refuses `{system}`: {reason}")]
+    Generator {
+        /// Which system.
+        system: &'static str,
+        /// What it says.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
+    /// be written, 1 for our own mistakes.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Error::Input(_) | Error::Parameter(_) => 2,
+            Error::Motion(_) => 3,
+            Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
+            Error::Generator { .. } => 1,
+        }
+    }
+
+    /// Whether nobody reads our output any more, as in `coadjoint list | head -1`: an end, not a mistake.
+    pub fn is_broken_pipe(&self) -> bool {
+        matches!(self, Error::Console(source) if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,107 @@
+//! Files: trajectories as CSV or JSON, each written whole or not at all.
+
+mod csv;
+mod json;
+mod whole_file;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use self::whole_file::WholeFile;
+use crate::catalogue::Entry;
+use crate::error::Error;
+use crate::simulation::{Job, Outcome, Sample, Setup};
+
+/// How a trajectory is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Format {
+    /// A header naming each column, then a line per sample.
+    Csv,
+    /// One object: system, parameters, columns, rows, invariants.
+    Json,
+}
+
+impl Format {
+    /// The extension of such files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Csv => "csv",
+            Format::Json => "json",
+        }
+    }
+}
+
+/// A file format being written.
+trait Write {
+    /// Adds a sample.
+    fn row(&mut self, sample: &Sample<'_>) -> io::Result<()>;
+    /// Ends the file and puts it in its place.
+    fn finish(self: Box<Self>, outcome: &Outcome) -> io::Result<()>;
+}
+
+/// A trajectory being written; dropped before it is finished, it leaves no file.
+pub struct Trajectory {
+    path: PathBuf,
+    writer: Box<dyn Write>,
+}
+
+impl Trajectory {
+    /// Begins `<directory>/<system>-<retraction>.<extension>`, making the directory if need be.
+    ///
+    /// # Errors
+    /// If the file cannot be created.
+    pub fn create(
+        directory: &Path,
+        format: Format,
+        entry: &'static Entry,
+        setup: &Setup,
+        job: &Job,
+    ) -> Result<Self, Error> {
+        make_directory(directory)?;
+        let path = directory.join(format!("{}-{}.{}", entry.name, job.retraction.name(), format.extension()));
+        let writer = || -> io::Result<Box<dyn Write>> {
+            let file = WholeFile::create(&path)?;
+            Ok(match format {
+                Format::Csv => Box::new(csv::Csv::new(file, entry)?),
+                Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
+            })
+        };
+        match writer() {
+            Ok(writer) => Ok(Self { path, writer }),
+            Err(source) => Err(Error::Write { path, source }),
+        }
+    }
+
+    /// Adds a sample.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn row(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
+        self.writer.row(sample).map_err(|source| Error::Write { path: self.path.clone(), source })
+    }
+
+    /// Puts the file in its place and tells where.
+    ///
+    /// # Errors
+    /// If the rest cannot be written.
+    pub fn finish(self, outcome: &Outcome) -> Result<PathBuf, Error> {
+        match self.writer.finish(outcome) {
+            Ok(()) => Ok(self.path),
+            Err(source) => Err(Error::Write { path: self.path, source }),
+        }
+    }
+}
+
+impl std::fmt::Debug for Trajectory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Trajectory").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// Makes a directory and those above it, where they are missing.
+///
+/// # Errors
+/// If that cannot be done.
+pub fn make_directory(directory: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })
+}

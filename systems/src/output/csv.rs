@@ -1,0 +1,43 @@
+//! A trajectory as CSV.
+
+use std::fmt::Write as _;
+use std::io;
+
+use super::{WholeFile, Write};
+use crate::catalogue::Entry;
+use crate::simulation::{Outcome, Sample};
+
+pub(super) struct Csv {
+    writer: csv::Writer<WholeFile>,
+    field: String,
+}
+
+impl Csv {
+    pub(super) fn new(file: WholeFile, entry: &Entry) -> io::Result<Self> {
+        let mut writer = csv::Writer::from_writer(file);
+        writer.write_record(entry.columns())?;
+        Ok(Self { writer, field: String::new() })
+    }
+
+    fn number(&mut self, value: f64) -> io::Result<()> {
+        self.field.clear();
+        // the shortest text that reads back as the same number
+        write!(self.field, "{value:?}").map_err(io::Error::other)?;
+        Ok(self.writer.write_field(&self.field)?)
+    }
+}
+
+impl Write for Csv {
+    fn row(&mut self, sample: &Sample<'_>) -> io::Result<()> {
+        self.number(sample.time)?;
+        for &component in sample.state {
+            self.number(component)?;
+        }
+        self.number(sample.energy)?;
+        Ok(self.writer.write_record(None::<&[u8]>)?)
+    }
+
+    fn finish(self: Box<Self>, _: &Outcome) -> io::Result<()> {
+        self.writer.into_inner().map_err(|error| error.into_error())?.finish()
+    }
+}

@@ -1,0 +1,73 @@
+//! How far a run has come: a bar on a terminal, a line now and then otherwise.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Looking at the clock or the terminal costs more than a step: do so once in this many.
+const INTERVAL: u64 = 1024;
+/// Between two plain lines.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// The progress of one run, on standard error.
+pub(crate) struct Progress {
+    label: String,
+    total: u64,
+    display: Display,
+}
+
+enum Display {
+    Bar(ProgressBar),
+    Lines { last: Instant },
+}
+
+impl Progress {
+    /// Begins to show the progress of a run of `total` steps.
+    pub(crate) fn new(label: &str, total: u64) -> Self {
+        let display = if std::io::stderr().is_terminal() {
+            Display::Bar(bar(label, total))
+        } else {
+            Display::Lines { last: Instant::now() }
+        };
+        Self { label: label.to_owned(), total, display }
+    }
+
+    /// Tells how many steps have been taken.
+    #[inline]
+    pub(crate) fn at(&mut self, index: u64) {
+        if index.is_multiple_of(INTERVAL) {
+            self.show(index);
+        }
+    }
+
+    fn show(&mut self, index: u64) {
+        match &mut self.display {
+            Display::Bar(bar) => bar.set_position(index),
+            Display::Lines { last } if last.elapsed() > PAUSE => {
+                *last = Instant::now();
+                let percent = 100 * u128::from(index) / u128::from(self.total.max(1));
+                eprintln!("{}: step {index} of {} ({percent} %)", self.label, self.total);
+            }
+            Display::Lines { .. } => {}
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+fn bar(label: &str, total: u64) -> ProgressBar {
+    let bar = ProgressBar::new(total);
+    let template = "{msg:24} {bar:32} {human_pos}/{human_len} steps  {per_sec}  {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    bar.set_message(label.to_owned());
+    bar
+}

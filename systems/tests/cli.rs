@@ -1,0 +1,313 @@
+//! The program as people meet it: the real binary, its output, its files, its exit codes.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+/// A directory of its own for a test, removed afterwards.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new(test: &str) -> Self {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{test}-{}", std::process::id()));
+        fs::create_dir_all(&path).expect("a writable target directory");
+        Self(path)
+    }
+
+    /// Runs the program in this directory.
+    fn coadjoint(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_coadjoint"))
+            .args(arguments)
+            .current_dir(&self.0)
+            .stdin(Stdio::null())
+            .output()
+            .expect("the program starts")
+    }
+
+    /// Runs the program, which must succeed, and gives what it printed.
+    fn prints(&self, arguments: &[&str]) -> String {
+        let output = self.coadjoint(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout)
+    }
+
+    fn read(&self, path: &str) -> String {
+        fs::read_to_string(self.0.join(path)).expect(path)
+    }
+
+    /// The names of the files in a directory, hidden ones too; none if it does not exist.
+    fn files(&self, directory: &str) -> Vec<String> {
+        let Ok(entries) = fs::read_dir(self.0.join(directory)) else { return Vec::new() };
+        let mut names: Vec<_> = entries
+            .map(|entry| entry.expect("readable").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// The header and the numbers of a CSV file.
+fn table(csv: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
+    let mut lines = csv.lines();
+    let header = lines.next().expect("a header").split(',').collect();
+    let rows = lines.map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect());
+    (header, rows.collect())
+}
+
+#[test]
+fn list_names_systems_parameters_and_defaults() {
+    let listing = Scratch::new("list").prints(&["list"]);
+    for expected in
+        ["free_rigid_body: ", "heavy_top: ", "inertia=1,10,100", "weight=1", "momentum=1,1,1", "kg m²"]
+    {
+        assert!(listing.contains(expected), "{expected} in\n{listing}");
+    }
+}
+
+#[test]
+fn run_writes_a_table_of_the_motion() {
+    let scratch = Scratch::new("run-csv");
+    let printed = scratch.prints(&["run", "heavy_top", "--duration", "2", "--step", "0.01", "--every", "50"]);
+    assert!(printed.contains("largest energy error") && printed.contains("exponential"), "{printed}");
+    assert_eq!(scratch.files("out"), ["heavy_top-exponential.csv"]);
+
+    let csv = scratch.read("out/heavy_top-exponential.csv");
+    let (header, rows) = table(&csv);
+    assert_eq!(
+        header,
+        [
+            "time",
+            "attitude_w",
+            "attitude_x",
+            "attitude_y",
+            "attitude_z",
+            "momentum_x",
+            "momentum_y",
+            "momentum_z",
+            "gamma_x",
+            "gamma_y",
+            "gamma_z",
+            "energy"
+        ]
+    );
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.0, 0.5, 1.0, 1.5, 2.0]);
+    assert_eq!(rows[0][1..], [1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.5 * 1.11 + 1.0]);
+    for row in &rows {
+        let norm = |range: std::ops::Range<usize>| row[range].iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((norm(1..5) - 1.0).abs() < 1e-14, "attitude");
+        assert!((norm(8..11) - 1.0).abs() < 1e-14, "gamma");
+        assert!((row[11] - 1.555).abs() < 1e-3, "energy");
+    }
+    assert_ne!(rows[4][5..8], rows[0][5..8], "it moves");
+}
+
+#[test]
+fn csv_and_json_hold_the_same_numbers_to_the_last_digit() {
+    let scratch = Scratch::new("run-json");
+    let arguments =
+        ["run", "heavy_top", "--retraction", "cayley", "--duration", "0.3", "--set", "chi=0,0.25,1"];
+    scratch.prints(&arguments);
+    scratch.prints(&[&arguments[..], &["--format", "json", "--out", "deep/er"]].concat());
+
+    let csv = scratch.read("out/heavy_top-cayley.csv");
+    let (header, rows) = table(&csv);
+    assert_eq!(rows.len(), 31);
+    let json: Value = serde_json::from_str(&scratch.read("deep/er/heavy_top-cayley.json")).expect("JSON");
+    assert_eq!(json["columns"], serde_json::json!(header));
+    assert!(json["rows"] == serde_json::json!(rows), "the files differ");
+    assert_eq!(json["system"], "heavy_top");
+    assert_eq!(json["retraction"], "cayley");
+    assert_eq!(json["step"], 0.01);
+    assert_eq!(
+        json["parameters"],
+        serde_json::json!({ "inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.25, 1.0] })
+    );
+    let energy = &json["invariants"]["energy"];
+    assert_eq!(energy["initial"].as_f64(), Some(rows[0][11]));
+    assert!(energy["largest_error"].as_f64().expect("a number") < 1e-3);
+}
+
+#[test]
+fn parameters_and_state_are_set_by_name_and_component() {
+    let scratch = Scratch::new("set");
+    let printed = scratch.prints(&[
+        "run",
+        "free-rigid-body",
+        "--duration",
+        "0.01",
+        "--set",
+        "inertia=2,3,4",
+        "--set",
+        "momentum=0.5,-1,2",
+        "--set",
+        "momentum_y=7",
+        "--set",
+        "attitude=2,0,0,0",
+    ]);
+    assert!(printed.contains("note: `attitude` had length 2 and was normalised"), "{printed}");
+    let csv = scratch.read("out/free_rigid_body-exponential.csv");
+    let (_, rows) = table(&csv);
+    let energy = 0.5 * (0.25 / 2.0 + 49.0 / 3.0 + 4.0 / 4.0);
+    assert_eq!(rows[0][..8], [0.0, 1.0, 0.0, 0.0, 0.0, 0.5, 7.0, 2.0]);
+    assert!((rows[0][8] - energy).abs() < 1e-14);
+}
+
+#[test]
+fn an_impossible_body_is_noted_but_run() {
+    let scratch = Scratch::new("note");
+    let flat = scratch.prints(&["run", "free_rigid_body", "--duration", "0.1", "--set", "inertia=1,1,3"]);
+    assert!(flat.contains("note: no body of mass has principal moments of inertia 1, 1, 3"), "{flat}");
+    let plain = scratch.prints(&["run", "free_rigid_body", "--duration", "0.1"]);
+    assert!(!plain.contains("note"), "{plain}");
+}
+
+#[test]
+fn a_negative_step_goes_back() {
+    let scratch = Scratch::new("back");
+    scratch.prints(&["run", "heavy_top", "--duration", "1", "--step", "-0.01", "--every", "100"]);
+    let csv = scratch.read("out/heavy_top-exponential.csv");
+    assert_eq!(table(&csv).1.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.0, -1.0]);
+}
+
+#[test]
+fn a_duration_that_is_no_whole_number_of_steps_is_noted() {
+    let printed = Scratch::new("fraction").prints(&["run", "heavy_top", "--duration", "1.004"]);
+    assert!(printed.contains("note: 1.004 s are not a whole number of steps of 0.01 s"), "{printed}");
+}
+
+#[test]
+fn show_prints_code_that_parses() {
+    let scratch = Scratch::new("show");
+    for system in ["heavy_top", "free_rigid_body"] {
+        for retraction in [&[][..], &["--retraction", "exp"], &["--retraction", "cayley"]] {
+            let code = scratch.prints(&[&["show", system], retraction].concat());
+            syn::parse_file(&code).expect("Rust");
+            assert!(code.lines().count() > 10, "{code}");
+        }
+    }
+}
+
+#[test]
+fn the_papers_heavy_top_runs_without_arguments() {
+    let scratch = Scratch::new("paper");
+    let printed = scratch.prints(&[]);
+    for expected in
+        ["exponential", "cayley", "180 000", "time per step", "largest energy error", "drift of", "Newton"]
+    {
+        assert!(printed.contains(expected), "{expected} in\n{printed}");
+    }
+    assert_eq!(
+        scratch.files("out"),
+        ["heavy_top-cayley.csv", "heavy_top-exponential.csv", "heavy_top.png", "heavy_top.svg"]
+    );
+    let csv = scratch.read("out/heavy_top-cayley.csv");
+    let (_, rows) = table(&csv);
+    assert_eq!(rows.len(), 18_001);
+    assert_eq!(rows.last().expect("rows")[0], 1800.0);
+    let svg = scratch.read("out/heavy_top.svg");
+    assert!(svg.len() < 1_000_000 && svg.contains("</svg>") && !svg.contains("NaN"));
+    let png = fs::read(scratch.0.join("out/heavy_top.png")).expect("a picture");
+    assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
+}
+
+#[test]
+fn nobody_reading_is_no_mistake() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_coadjoint"))
+        .args(["show", "heavy_top"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(text(&output.stderr), "");
+}
+
+/// Bad input gets a message, a non-zero exit code, and leaves no file.
+#[test]
+fn bad_input_is_refused_with_a_message() {
+    let cases: &[(&[&str], i32, &str)] = &[
+        (&["run", "heavy_tpo"], 2, "did you mean `heavy_top`?"),
+        (&["run", "pendulum-on-the-moon"], 2, "there is no system `pendulum-on-the-moon`"),
+        (&["show", "heavytop2"], 2, "did you mean `heavy_top`?"),
+        (&["run"], 2, "<SYSTEM>"),
+        (&["rum", "heavy_top"], 2, "similar subcommand"),
+        (&["run", "heavy_top", "--set", "wieght=2"], 2, "did you mean `weight`?"),
+        (&["run", "heavy_top", "--set", "temperature=2"], 2, "parameters: inertia, weight, chi"),
+        (&["run", "heavy_top", "--set", "weight"], 2, "has no `=`"),
+        (&["run", "heavy_top", "--set", "chi=1,2"], 2, "takes 3 numbers separated by commas, got 2"),
+        (&["run", "heavy_top", "--set", "weight=1,2,3"], 2, "takes one number, got 3"),
+        (&["run", "heavy_top", "--set", "weight=heavy"], 2, "`heavy` is not a number"),
+        (&["run", "heavy_top", "--set", "momentum=1,nan,1"], 2, "`momentum` must be finite"),
+        (&["run", "heavy_top", "--set", "momentum_x=inf"], 2, "`momentum_x` must be finite"),
+        (&["run", "heavy_top", "--set", "inertia=1,-10,100"], 2, "`inertia` is not positive definite"),
+        (&["run", "heavy_top", "--set", "inertia_z=0"], 2, "`inertia` is not positive definite"),
+        (&["run", "heavy_top", "--set", "attitude=0,0,0,0"], 2, "cannot be zero"),
+        (&["run", "heavy_top", "--step", "0"], 2, "`--step` must be finite and not zero"),
+        (&["run", "heavy_top", "--step", "NaN"], 2, "`--step` must be finite and not zero"),
+        (&["run", "heavy_top", "--step", "small"], 2, "invalid value 'small'"),
+        (&["run", "heavy_top", "--duration", "-5"], 2, "`--duration` must be finite and not negative"),
+        (&["run", "heavy_top", "--duration", "inf"], 2, "`--duration` must be finite"),
+        (&["run", "heavy_top", "--duration", "1e300"], 2, "too many"),
+        (&["run", "heavy_top", "--every", "0"], 2, "0 is not in"),
+        (&["run", "heavy_top", "--retraction", "euler"], 2, "possible values: exponential, cayley"),
+        (&["run", "heavy_top", "--format", "xml"], 2, "possible values: csv, json"),
+        (
+            &["run", "heavy_top", "--duration", "1", "--set", "momentum=1e200,1e200,1e200"],
+            3,
+            "step 1, from time 0",
+        ),
+    ];
+    let scratch = Scratch::new("bad-input");
+    for (arguments, code, expected) in cases {
+        let output = scratch.coadjoint(arguments);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {message}");
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+        assert!(message.starts_with("error: ") && !message.contains("panicked"), "{arguments:?}: {message}");
+        assert_eq!(scratch.files("out"), [""; 0], "{arguments:?}");
+    }
+}
+
+#[test]
+fn directories_that_cannot_be_written_are_named() {
+    let scratch = Scratch::new("unwritable");
+    fs::write(scratch.0.join("file"), "in the way").expect("writable");
+    fs::create_dir_all(scratch.0.join("taken/heavy_top-exponential.csv")).expect("writable");
+    for (directory, named) in
+        [("file", "file"), ("file/below", "below"), ("taken", "heavy_top-exponential.csv")]
+    {
+        let output = scratch.coadjoint(&["run", "heavy_top", "--duration", "1", "--out", directory]);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(4), "{directory}: {message}");
+        assert!(
+            message.starts_with("error: cannot write") && message.contains(named),
+            "{directory}: {message}"
+        );
+    }
+    assert_eq!(scratch.files("taken"), ["heavy_top-exponential.csv"], "nothing is left behind");
+}
+
+#[test]
+fn a_run_that_fails_leaves_an_earlier_file_alone() {
+    let scratch = Scratch::new("earlier");
+    scratch.prints(&["run", "heavy_top", "--duration", "0.1"]);
+    let before = scratch.read("out/heavy_top-exponential.csv");
+    let output = scratch.coadjoint(&["run", "heavy_top", "--set", "momentum=1e200,1e200,1e200"]);
+    assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
+    assert_eq!(scratch.read("out/heavy_top-exponential.csv"), before);
+    assert_eq!(scratch.files("out"), ["heavy_top-exponential.csv"]);
+}

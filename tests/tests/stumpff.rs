@@ -1,0 +1,278 @@
+//! The Stumpff functions against their defining series, summed with hundreds of digits.
+
+use std::f64::consts::PI;
+use std::sync::LazyLock;
+
+use astro_float::{BigFloat, RoundingMode, Sign};
+use coadjoint::nalgebra::RealField;
+use coadjoint::stumpff::family;
+
+/// The members of the largest family.
+const MEMBERS: usize = 12;
+
+const NEAREST: RoundingMode = RoundingMode::ToEven;
+
+/// The definition at some working precision, in bits.
+struct Reference {
+    precision: usize,
+    inverse_factorial: Vec<BigFloat>,
+}
+
+impl Reference {
+    fn new(precision: usize) -> Self {
+        let mut inverse_factorial = vec![BigFloat::from_f64(1.0, precision)];
+        for m in 1..2 * precision {
+            let divisor = BigFloat::from_f64(m as f64, precision);
+            inverse_factorial.push(inverse_factorial[m - 1].div(&divisor, precision, NEAREST));
+        }
+        Reference { precision, inverse_factorial }
+    }
+
+    /// The cheapest that leaves 200 correct bits at `z`: terms are as large as `e^√|z|`, and for positive `z`
+    /// all but cancel.
+    fn at(z: f64) -> &'static Self {
+        static LEVELS: LazyLock<[Reference; 4]> =
+            LazyLock::new(|| [256, 512, 1024, 2304].map(Reference::new));
+        let needed = 230.0 + 2.0 * z.abs().sqrt();
+        LEVELS.iter().find(|level| level.precision as f64 >= needed).expect("z is small enough")
+    }
+
+    fn family(&self, z: &BigFloat) -> [BigFloat; MEMBERS + 1] {
+        let p = self.precision;
+        let mut sums = std::array::from_fn(|_| BigFloat::from_f64(0.0, p));
+        let mut power = BigFloat::from_f64(1.0, p);
+        for j in 0.. {
+            let mut negligible = true;
+            for (k, sum) in sums.iter_mut().enumerate() {
+                let term = power.mul(&self.inverse_factorial[k + 2 * j], p, NEAREST);
+                negligible &= term.is_zero() || term.exponent().is_some_and(|e| i64::from(e) < -(p as i64));
+                *sum = sum.add(&term, p, NEAREST);
+            }
+            if negligible {
+                break;
+            }
+            power = power.mul(&z.neg(), p, NEAREST);
+        }
+        sums
+    }
+}
+
+/// `x` to about 60 bits.
+fn to_f64(x: &BigFloat) -> f64 {
+    if x.is_zero() {
+        return 0.0;
+    }
+    let (words, _, sign, exponent, _) = x.as_raw_parts().expect("a finite number");
+    let leading = words[words.len() - 1] as f64 / 2f64.powi(64);
+    let magnitude = leading * 2f64.powi(exponent);
+    if sign == Sign::Neg { -magnitude } else { magnitude }
+}
+
+trait Float: RealField + Copy + Into<f64> {
+    const NAME: &'static str;
+    const EPSILON: f64;
+    fn nearest(x: f64) -> Self;
+    fn next(self) -> Self;
+}
+
+impl Float for f64 {
+    const NAME: &'static str = "f64";
+    const EPSILON: f64 = f64::EPSILON;
+    fn nearest(x: f64) -> Self {
+        x
+    }
+    fn next(self) -> Self {
+        self.next_up()
+    }
+}
+
+impl Float for f32 {
+    const NAME: &'static str = "f32";
+    const EPSILON: f64 = f32::EPSILON as f64;
+    fn nearest(x: f64) -> Self {
+        x as f32
+    }
+    fn next(self) -> Self {
+        self.next_up()
+    }
+}
+
+/// The families of 1 to [`MEMBERS`] members.
+fn families<T: Float>(z: T) -> [Vec<T>; MEMBERS] {
+    macro_rules! sizes {
+        ($($n:literal),*) => { [$(family::<T, $n>(z).to_vec()),*] };
+    }
+    sizes!(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)
+}
+
+/// The largest error of each member in any family, in units of ε relative to the member (c_0 from z = 1 on:
+/// relative to 1), with the z where it occurs.
+fn largest_errors<T: Float>(points: impl IntoIterator<Item = T>) -> [(f64, f64); MEMBERS] {
+    let mut largest = [(0.0, 0.0); MEMBERS];
+    for z in points {
+        let at: f64 = z.into();
+        let reference = Reference::at(at);
+        let p = reference.precision;
+        let exact = reference.family(&BigFloat::from_f64(at, p));
+        for members in families(z) {
+            for (k, &value) in members.iter().enumerate() {
+                let error = to_f64(&BigFloat::from_f64(value.into(), p).sub(&exact[k], p, NEAREST)).abs();
+                let scale = if k == 0 && at >= 1.0 { 1.0 } else { to_f64(&exact[k]).abs() };
+                let error = error / (T::EPSILON * scale);
+                // negated, so that NaN counts as an error
+                if !matches!(error.partial_cmp(&largest[k].0), Some(std::cmp::Ordering::Less)) {
+                    largest[k] = (error, at);
+                }
+            }
+        }
+    }
+    largest
+}
+
+/// Prints the largest errors (`cargo test -- --nocapture`) and compares them with the bound of the range.
+fn require<T: Float>(range: &str, bound: f64, points: impl IntoIterator<Item = f64>) {
+    let errors = largest_errors::<T>(points.into_iter().map(T::nearest));
+    println!("{} {range}", T::NAME);
+    for (k, (error, z)) in errors.iter().enumerate() {
+        println!("    c_{k:<2} {error:5.2} ε at z = {z:e}");
+    }
+    for (k, (error, z)) in errors.iter().enumerate() {
+        assert!(*error <= bound, "{} {range}: c_{k}({z:e}) is wrong by {error} ε", T::NAME);
+    }
+}
+
+/// `count` points between `from` and `to`, off round numbers.
+fn spread(from: f64, to: f64, count: usize) -> impl Iterator<Item = f64> {
+    (0..count).map(move |i| from + (to - from) * (i as f64 + 0.37) / count as f64)
+}
+
+fn both_signs(z: f64) -> [f64; 2] {
+    [z, -z]
+}
+
+fn near_zero<T: Float>(count: usize) {
+    require::<T>("|z| < 1e-300", 1.0, [0.0, -0.0, f64::MIN_POSITIVE, -5e-324, 1e-310]);
+    require::<T>("tiny", 1.7, spread(-30.0, -3.0, count).map(|e| 10f64.powf(e)).flat_map(both_signs));
+    require::<T>("1e-3 < |z| < 1/8", 1.7, spread(1e-3, 0.125, 2 * count).flat_map(both_signs));
+    require::<T>("1/8 < |z| < 3", 1.9, spread(0.125, 3.0, 4 * count).flat_map(both_signs));
+}
+
+#[test]
+fn near_zero_f64() {
+    near_zero::<f64>(500);
+}
+
+#[test]
+fn near_zero_f32() {
+    near_zero::<f32>(300);
+}
+
+/// Where one polynomial gives way to another, and the longer one to sine and cosine.
+#[test]
+fn at_the_switches() {
+    fn neighbours<T: Float>(switch: f64) -> impl Iterator<Item = f64> {
+        let mut z = T::nearest(switch * (1.0 - 100.0 * T::EPSILON));
+        (0..200).map(move |_| {
+            z = z.next();
+            z.into()
+        })
+    }
+    for switch in [0.125, 3.0] {
+        for sign in [1.0, -1.0] {
+            let name = format!("around {}", sign * switch);
+            require::<f64>(&name, 2.4, neighbours::<f64>(switch).map(|z| sign * z));
+            require::<f32>(&name, 2.4, neighbours::<f32>(switch).map(|z| sign * z));
+        }
+    }
+}
+
+fn oscillating<T: Float>(count: usize) {
+    let square = |angle: f64| angle * angle;
+    require::<T>("3 < z < 100", 2.4, spread(3f64.sqrt(), 10.0, 3 * count).map(square));
+    require::<T>("100 < z < 900", 2.4, spread(10.0, 30.0, count).map(square));
+    require::<T>("900 < z < 1e6", 2.4, spread(30.0, 1000.0, count / 50).map(square));
+    // c_0 vanishes at odd multiples of π/2, c_1 at multiples of π, c_2 doubly at multiples of 2π
+    require::<T>("zeros", 2.4, (1..30).map(|n| square(f64::from(n) * PI / 2.0)));
+}
+
+#[test]
+fn oscillating_f64() {
+    oscillating::<f64>(500);
+}
+
+#[test]
+fn oscillating_f32() {
+    oscillating::<f32>(300);
+}
+
+fn hyperbolic<T: Float>(count: usize) {
+    let square = |angle: f64| -angle * angle;
+    require::<T>("-100 < z < -3", 4.2, spread(3f64.sqrt(), 10.0, 3 * count).map(square));
+    require::<T>("-900 < z < -100", 4.2, spread(10.0, 30.0, count).map(square));
+    require::<T>("-7000 < z < -900", 4.2, spread(30.0, 80.0, count / 20).map(square));
+}
+
+#[test]
+fn hyperbolic_f64() {
+    hyperbolic::<f64>(500);
+    require::<f64>("-4e5 < z < -7000", 4.2, spread(80.0, 630.0, 20).map(|angle| -angle * angle));
+}
+
+#[test]
+fn hyperbolic_f32() {
+    hyperbolic::<f32>(300);
+}
+
+#[test]
+fn values_at_zero_are_the_nearest_to_inverse_factorials() {
+    let mut factorial = 1.0;
+    for (k, value) in family::<f64, MEMBERS>(0.0).into_iter().enumerate() {
+        factorial *= k.max(1) as f64;
+        assert_eq!(value, 1.0 / factorial, "c_{k}(0)");
+    }
+}
+
+/// `c_k′ = (k c_{k+2} − c_{k+1}) / 2`, on which generated code relies, against difference quotients of the
+/// definition.
+#[test]
+fn derivatives_are_members() {
+    for z in [-60.0, -7.0, -1.5, -0.06, 1e-9, 0.04, 0.9, 2.9, 11.0, 150.0] {
+        let reference = Reference::at(1e5);
+        let p = reference.precision;
+        let center = BigFloat::from_f64(z, p);
+        let offset = BigFloat::from_f64(2f64.powi(-100), p);
+        let after = reference.family(&center.add(&offset, p, NEAREST));
+        let before = reference.family(&center.sub(&offset, p, NEAREST));
+        let c = family::<f64, MEMBERS>(z);
+        for k in 0..MEMBERS - 2 {
+            let quotient = to_f64(&after[k].sub(&before[k], p, NEAREST)) * 2f64.powi(99);
+            let derivative = (k as f64 * c[k + 2] - c[k + 1]) / 2.0;
+            let scale = (k as f64 * c[k + 2]).abs() + c[k + 1].abs();
+            assert!((derivative - quotient).abs() <= 3.0 * f64::EPSILON * scale, "c_{k}′({z})");
+        }
+    }
+}
+
+#[test]
+fn extreme_arguments_keep_their_bounds() {
+    fn check<T: Float>(largest: T, overflowing: T) {
+        let members = |z: T| family::<T, MEMBERS>(z).map(|c| -> f64 { c.into() });
+        for z in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(members(T::nearest(z)).iter().all(|c| c.is_nan()), "{z}");
+        }
+        // far beyond the angles whose sine means anything
+        let above = 1.0 + 4.0 * T::EPSILON;
+        let huge = (4..).map(|e| T::nearest(10f64.powi(e))).take_while(|z| *z < largest).chain([largest]);
+        for z in huge {
+            let c = members(z);
+            let angle = z.into().sqrt();
+            assert!(c[0].abs() <= above && (angle * c[1]).abs() <= above, "{z}");
+            assert!((0.0..=2.0 * above).contains(&(angle * angle * c[2])), "{z}");
+            assert!(c[3..].iter().all(|c| (0.0..2.0 / z.into()).contains(c)), "{z}");
+        }
+        assert_eq!(members(overflowing), [f64::INFINITY; MEMBERS]);
+        assert!(members(-largest).iter().all(|c| !c.is_finite()));
+    }
+    check(f64::MAX, -6e5);
+    check(f32::MAX, -1e4);
+}
