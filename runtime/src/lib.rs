@@ -48,7 +48,6 @@
 // The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
 extern crate self as coadjoint;
 
-mod array;
 pub mod error;
 pub mod generic;
 pub mod inertia;

@@ -18,7 +18,10 @@ pub fn order(steps_and_errors: &[(f64, f64)]) -> f64 {
 
 /// The largest absolute value.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().map(f64::abs).fold(0.0, |largest, value| if value <= largest { largest } else { value })
+    values
+        .into_iter()
+        .map(f64::abs)
+        .fold(0.0, |largest, value| if value <= largest { largest } else { value })
 }
 
 /// How a quantity changes in the long run.

@@ -1,10 +1,7 @@
 //! Systems to test on: inertias of every shape, up to three advected vectors, linear and nonlinear potentials.
 
-mod free_rigid_body;
-mod heavy_top;
-
-pub use free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
-pub use heavy_top::{HeavyTop, HeavyTopState};
+pub use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
+pub use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 
 use core::fmt::Debug;
 
@@ -161,8 +158,7 @@ impl Sample for TiltedBody {
 
 impl Sample for HeavyTop {
     fn sample(random: &mut Random) -> (Self, HeavyTopState) {
-        let top =
-            Self { inertia: random.moments(), weight: random.between(0.5, 2.0), chi: random.vector() };
+        let top = Self { inertia: random.moments(), weight: random.between(0.5, 2.0), chi: random.vector() };
         let state = HeavyTopState {
             attitude: random.rotation(),
             momentum: random.vector(),
@@ -235,8 +231,7 @@ impl Sample for SprungTop {
 
     fn potential_energy(&self, advected: &[Vector3<f64>]) -> f64 {
         let away = advected[0] - self.rest;
-        self.stiffness * advected[0].dot(&self.axis).powi(4) / 4.0
-            - self.depth * (-away.norm_squared()).exp()
+        self.stiffness * advected[0].dot(&self.axis).powi(4) / 4.0 - self.depth * (-away.norm_squared()).exp()
     }
 
     fn potential_gradient(&self, advected: &[Vector3<f64>]) -> Vec<Vector3<f64>> {

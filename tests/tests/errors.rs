@@ -54,7 +54,10 @@ fn inertia_matrices_must_be_positive_definite() {
 
     let nothing = TiltedBody { inertia: Matrix3::zeros() };
     let error = invalid(&nothing);
-    assert!(matches!(error, ParameterError::NotPositiveDefinite { name: "inertia", index: 0, .. }), "{error}");
+    assert!(
+        matches!(error, ParameterError::NotPositiveDefinite { name: "inertia", index: 0, .. }),
+        "{error}"
+    );
 }
 
 #[test]
@@ -126,7 +129,12 @@ fn a_state_that_is_not_finite_is_refused() {
 }
 
 /// The stepper takes the same step as a new one.
-fn works<S: Sample + Discretized<M>, M>(system: &S, stepper: &mut Stepper<S, M>, good: &S::State, what: &str) {
+fn works<S: Sample + Discretized<M>, M>(
+    system: &S,
+    stepper: &mut Stepper<S, M>,
+    good: &S::State,
+    what: &str,
+) {
     let (mut state, mut expected) = (good.clone(), good.clone());
     stepper.step(&mut state).unwrap_or_else(|error| panic!("{what}: afterwards, {error}"));
     let mut fresh = system.stepper::<M>(stepper.step_size()).expect("a stepper");
@@ -348,11 +356,8 @@ fn small_and_large() -> ((SmallTop, SmallTopState), (LargeTop, LargeTopState)) {
         momentum: vector![0.5, -0.25, 1.0],
         gamma: vector![0.0, 0.6, 0.8],
     };
-    let small = SmallTop {
-        inertia: large.inertia.cast(),
-        weight: large.weight as f32,
-        chi: large.chi.cast(),
-    };
+    let small =
+        SmallTop { inertia: large.inertia.cast(), weight: large.weight as f32, chi: large.chi.cast() };
     let small_state = SmallTopState {
         attitude: large_state.attitude.cast(),
         momentum: large_state.momentum.cast(),
@@ -381,7 +386,9 @@ fn single_precision_works() {
         let momentum = (small_state.momentum.cast::<f64>() - large_state.momentum).amax();
         let gamma = (small_state.gamma.cast::<f64>() - large_state.gamma).amax();
         let attitude = small_state.attitude.cast::<f64>().angle_to(&large_state.attitude);
-        println!("{what}: after 64 steps momentum {momentum:.1e}, vertical {gamma:.1e}, attitude {attitude:.1e}");
+        println!(
+            "{what}: after 64 steps momentum {momentum:.1e}, vertical {gamma:.1e}, attitude {attitude:.1e}"
+        );
         assert!(momentum < 2e-5 && gamma < 2e-5 && attitude < 2e-5, "{what}");
         for (now, start) in small.casimirs(&small_state).iter().zip(casimirs) {
             assert!((now - start).abs() < 1e-5, "{what}: {now} was {start}");

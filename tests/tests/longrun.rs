@@ -51,7 +51,9 @@ where
     let mut stepper = system.stepper::<M>(STEP).expect("a stepper");
     for _ in 0..STEPS {
         stepper.step(&mut state).expect("a step");
-        for ((drift, now), start) in run.casimirs.iter_mut().zip(system.casimirs(&state).as_ref()).zip(&casimirs) {
+        for ((drift, now), start) in
+            run.casimirs.iter_mut().zip(system.casimirs(&state).as_ref()).zip(&casimirs)
+        {
             *drift = largest([*drift, now - start]);
         }
         run.spatial_momentum = run.spatial_momentum.sup(&(system.spatial_momentum(&state) - spatial).abs());

@@ -117,11 +117,13 @@ macro_rules! with_both_retractions {
 #[test]
 fn the_measured_order_is_two() {
     fn check<S: Referenced + Discretized<M>, M>(case: &Case, what: &str) {
-        let points: Vec<_> = [32_u32, 64, 128, 256, 512]
-            .map(|n| (1.0 / f64::from(n), size(&error::<S, M>(case, n))))
-            .to_vec();
+        let points: Vec<_> =
+            [32_u32, 64, 128, 256, 512].map(|n| (1.0 / f64::from(n), size(&error::<S, M>(case, n)))).to_vec();
         let order = order(&points);
-        println!("{}, {what}: order {order:.4}, errors {:.2e} to {:.2e}", case.name, points[0].1, points[4].1);
+        println!(
+            "{}, {what}: order {order:.4}, errors {:.2e} to {:.2e}",
+            case.name, points[0].1, points[4].1
+        );
         // far enough from roundoff, which would flatten the slope
         assert!(points[4].1 > 1e-10, "{}, {what}: {points:?}", case.name);
         assert!((order - 2.0).abs() < 0.05, "{}, {what}: order {order}, {points:?}", case.name);

@@ -5,9 +5,7 @@ use coadjoint::prelude::*;
 use coadjoint_tests::for_each_system_and_retraction;
 use coadjoint_tests::measure::largest;
 use coadjoint_tests::random::Random;
-use coadjoint_tests::systems::{
-    FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample,
-};
+use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample};
 
 /// Random systems and states per kind of system and retraction.
 const SAMPLES: usize = 25;
@@ -149,8 +147,7 @@ fn the_step_is_symplectic_on_the_cotangent_bundle() {
             };
             let columns: Vec<_> = (0..6).map(|k| derivative(|d| moved(k, d))).collect();
             let d = DMatrix::from_columns(&columns);
-            let defect =
-                &d * tensor(&momentum::<S>(&state)) * d.transpose() - tensor(&momentum::<S>(&end));
+            let defect = &d * tensor(&momentum::<S>(&state)) * d.transpose() - tensor(&momentum::<S>(&end));
             worst = worst.max(defect.amax());
         }
         println!("{what}: symplectic to {worst:.1e}");
@@ -353,7 +350,8 @@ fn the_motion_is_that_of_the_equations() {
             let torque: Vector3<f64> = advected.iter().zip(&gradient).map(|(a, v)| a.cross(v)).sum();
             let mut expected = vec![q.w, q.i, q.j, q.k];
             expected.extend((momentum.cross(&velocity) + torque).iter());
-            expected.extend(advected.iter().flat_map(|a| a.cross(&velocity).iter().copied().collect::<Vec<_>>()));
+            expected
+                .extend(advected.iter().flat_map(|a| a.cross(&velocity).iter().copied().collect::<Vec<_>>()));
             worst = worst.max((rate - DVector::from_vec(expected)).amax());
         }
         println!("{what}: rates of change to {worst:.1e}");
@@ -394,8 +392,7 @@ fn rest_is_rest() {
     // a top that stands or hangs
     let top = HeavyTop { inertia: vector![1.0, 2.0, 3.0], weight: 1.0, chi: Vector3::z() };
     for gamma in [Vector3::z(), -Vector3::z()] {
-        let state =
-            HeavyTopState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros(), gamma };
+        let state = HeavyTopState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros(), gamma };
         assert_eq!(step::<HeavyTop, Exponential>(&top, 0.1, &state), state);
         assert_eq!(step::<HeavyTop, Cayley>(&top, 0.1, &state), state);
     }
