@@ -97,7 +97,7 @@ fn values() {
     );
     assert!(read.has(GROUP) && read.has(ADVECTED));
     attribute("group(SO3)", &[("(", "expected `=`; write `group = SO3`")]);
-    attribute("group = 3, potential = 1.0", &[("3", "expected identifier")]);
+    attribute("group = 3, potential = 1.0", &[("3", "expected identifier; write `group = SO3`")]);
     attribute("advected = gamma", &[("=", "expected parentheses; write")]);
     attribute("advected[gamma: R3]", &[("[", "expected parentheses; write")]);
     attribute("advected()", &[("advected", "`advected` names no parameter; write")]);
@@ -108,7 +108,11 @@ fn values() {
     );
     attribute("crate = ", &[("=", "`crate` has no value; write `crate = path::to::coadjoint`")]);
     attribute("crate: a", &[(":", "expected `=`; write `crate = path::to::coadjoint`")]);
-    attribute("crate = a::<b>", &[("<", "expected identifier")]);
+    attribute("group = SO(3)", &[("SO(3)", "write the name of the group in one word: `SO3`")]);
+    attribute(
+        "crate = a::<b>",
+        &[("<", "expected path segment after `::`; write `crate = path::to::coadjoint`")],
+    );
 }
 
 #[test]

@@ -36,7 +36,8 @@
 //! ```
 //! use coadjoint::generic::{GenericStepper, Hamiltonian, SO3Semidirect};
 //! use coadjoint::Exponential;
-//! use coadjoint::nalgebra::{Matrix4, Vector3, Vector6, vector};
+//! use coadjoint::nalgebra::{Matrix4, Vector3, Vector6};
+//! use coadjoint::vector;
 //!
 //! struct HeavyTop {
 //!     inertia: Vector3<f64>,

@@ -4,8 +4,9 @@
 
 use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixGroup, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{
-    Matrix3, Matrix4, Quaternion, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3, vector,
+    Matrix3, Matrix4, Quaternion, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3,
 };
+use coadjoint::vector;
 use coadjoint::{Cayley, Exponential, StepError};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;

@@ -1,6 +1,6 @@
 //! Straight-line code as Rust.
 
-use proc_macro2::{Ident, Span, TokenStream};
+use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use super::docs;
@@ -14,6 +14,11 @@ pub struct Layout {
     pub parameters: Vec<String>,
     /// The state's components, in order.
     pub state: Vec<String>,
+}
+
+/// An array's length, without a suffix.
+pub(super) fn size(length: usize) -> Literal {
+    Literal::usize_unsuffixed(length)
 }
 
 /// A name of the kernel's own making.
@@ -42,7 +47,8 @@ pub(super) fn kernel(
 ) -> TokenStream {
     let retraction_name = format_ident!("{}", retraction.name());
     let name = format_ident!("{system}{retraction_name}");
-    let (parameters, state, unknown) = (layout.parameters.len(), layout.state.len(), kernel.unknown.len());
+    let count = kernel.unknown.len();
+    let (parameters, state, unknown) = (size(layout.parameters.len()), size(layout.state.len()), size(count));
 
     let constants =
         fields(&name, "What depends on the parameters and the step `h` alone.", &kernel.constants);
@@ -70,7 +76,7 @@ pub(super) fn kernel(
     let new = body(&kernel.new, keep(&name, &kernel.constants));
     let begin = body(&kernel.begin, keep(&step_name, &kernel.step));
     let start = body(&kernel.start, array(&kernel.start.results));
-    let (residual, right) = kernel.evaluate.results.split_at(unknown);
+    let (residual, right) = kernel.evaluate.results.split_at(count);
     let (residual, right) = (array(residual), array(right));
     let kept = keep(&iterate_name, &kernel.iterate);
     let evaluate =
@@ -184,8 +190,8 @@ pub(super) fn kernel(
 /// A free function of parameters and state: `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
 pub(super) fn function(name: &str, section: &Section, layout: &Layout) -> TokenStream {
     let name = format_ident!("{name}");
-    let (parameters, state) = (layout.parameters.len(), layout.state.len());
-    let count = section.results.len();
+    let (parameters, state) = (size(layout.parameters.len()), size(layout.state.len()));
+    let count = size(section.results.len());
     let unpack = [
         unpack_array("parameters", &layout.parameters, section),
         unpack_array("state", &layout.state, section),
@@ -378,7 +384,7 @@ fn bound(value: &Term, around: Binding) -> TokenStream {
 fn constant(number: Number) -> TokenStream {
     let value = number.to_f64();
     let float = |x: f64| {
-        let literal = proc_macro2::Literal::f64_unsuffixed(x.abs());
+        let literal = Literal::f64_unsuffixed(x.abs());
         if x < 0.0 {
             quote! { -#literal }
         } else {

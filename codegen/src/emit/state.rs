@@ -25,7 +25,7 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
         format!("Conventions of {}: {}.", system.algebra.group.name(), system.algebra.group.conventions()),
     ]);
     let serde_path = names.serde_path();
-    let size = system.state_symbols().len();
+    let size = super::kernel::size(system.state_symbols().len());
     let conversion =
         arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
     let Conversion { take, elements, give } = conversion;

@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use super::kernel::{Layout, function};
+use super::kernel::{Layout, function, size as array_size};
 use super::state::{Conversion, arrays};
 use super::{Names, docs, quantity};
 use crate::expr::{Arena, Vector};
@@ -21,8 +21,8 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let Conversion { take, elements, give } = arrays(&fields);
     let constants = system.constants.iter().map(|constant| &constant.tokens);
     let unused = vec![quote! { _ }; system.constants.len()];
-    let size = system.parameter_symbols().len();
-    let state_size = system.state_symbols().len();
+    let size = array_size(system.parameter_symbols().len());
+    let state_size = array_size(system.state_symbols().len());
     let quantities = system
         .parameters
         .iter()
@@ -33,7 +33,7 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
         system.advected.iter().map(|(name, value)| Named { name, value }).collect();
     let casimirs = group.casimirs(&momentum, &advected);
     let casimir_names = casimirs.iter().map(|(name, _)| name);
-    let casimir_count = casimirs.len();
+    let casimir_count = array_size(casimirs.len());
     let casimir_values = Vector(casimirs.iter().map(|&(_, value)| value).collect());
 
     let spatial = group.to_space(&system.configuration, &system.momentum);
@@ -55,12 +55,12 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let pivots = emitted("pivots", &pivots);
 
     let finite = system.parameters.iter().map(|field| {
-        let (field, text, size) = (&field.name, field.name.to_string(), field.symbols.len());
+        let (field, text, size) = (&field.name, field.name.to_string(), array_size(field.symbols.len()));
         quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#field))?; }
     });
     let inertia = &system.inertia_field;
     let (inertia_name, inertia_text) = (&inertia.name, inertia.name.to_string());
-    let dimension = group.dimension();
+    let dimension = array_size(group.dimension());
     let symmetric = (inertia.shape == InertiaShape::Matrix).then(|| {
         quote! {
             #private::require_symmetric(

@@ -8,7 +8,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::number::Number;
 
@@ -120,6 +120,9 @@ struct Store {
     nodes: Vec<Node>,
     index: FxHashMap<Node, Id>,
     symbols: Vec<SymbolInfo>,
+    /// Role names of nodes, and in which order they were given.
+    roles: Vec<(Id, String)>,
+    named: FxHashSet<Id>,
 }
 
 /// Where expressions live.
@@ -296,6 +299,30 @@ impl Arena {
         }
     }
 
+    /// The role names that were given, in that order.
+    pub fn roles(&self) -> Vec<(Id, String)> {
+        self.store.borrow().roles.clone()
+    }
+
+    /// The node made anew of the images of its operands.
+    pub(crate) fn rebuild(&self, id: Id, mut image: impl FnMut(Id) -> Id) -> Id {
+        match self.node(id) {
+            Node::Number(_) | Node::Symbol(_) => id,
+            Node::Sum(sum) => {
+                let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (image(term), c)).collect();
+                self.sum(sum.constant, terms)
+            }
+            Node::Product(factors) => {
+                let factors: Vec<_> = factors.iter().map(|&(factor, e)| (image(factor), e)).collect();
+                self.product(Number::ONE, factors)
+            }
+            Node::Function(function, argument) => self.function(function, image(argument)),
+            Node::Power(base, exponent) => self.power(image(base), image(exponent)),
+            Node::Atan2(y, x) => self.atan2(image(y), image(x)),
+            Node::Held(inner) => self.held(image(inner)),
+        }
+    }
+
     /// The value kept whole; constants, symbols and what is whole already stay as they are.
     pub(crate) fn held(&self, id: Id) -> Id {
         match self.node(id) {
@@ -451,6 +478,17 @@ impl<'a> Expr<'a> {
     /// formula's own grouping is the better one (the value has a meaning, or is used in several places), this keeps it.
     pub fn hold(self) -> Self {
         self.arena.expr(self.arena.held(self.id))
+    }
+
+    /// Gives the value a role name, which emitted code is read by. The first name stays; symbols and constants have names enough.
+    pub fn named(self, name: impl Into<String>) -> Self {
+        if self.as_symbol().is_none() && self.as_number().is_none() {
+            let mut store = self.arena.store.borrow_mut();
+            if store.named.insert(self.id) {
+                store.roles.push((self.id, name.into()));
+            }
+        }
+        self
     }
 
     /// The angle of the point `(x, self)`.

@@ -224,20 +224,8 @@ impl<'a> Substitution<'a> {
         }
         let arena = self.arena;
         let result = match arena.node(id) {
-            Node::Number(_) => id,
             Node::Symbol(symbol) => self.replacements.get(&symbol).copied().unwrap_or(id),
-            Node::Sum(sum) => {
-                let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (self.visit(term), c)).collect();
-                arena.sum(sum.constant, terms)
-            }
-            Node::Product(factors) => {
-                let factors: Vec<_> = factors.iter().map(|&(factor, e)| (self.visit(factor), e)).collect();
-                arena.product(Number::ONE, factors)
-            }
-            Node::Function(function, argument) => arena.function(function, self.visit(argument)),
-            Node::Power(base, exponent) => arena.power(self.visit(base), self.visit(exponent)),
-            Node::Atan2(y, x) => arena.atan2(self.visit(y), self.visit(x)),
-            Node::Held(inner) => arena.held(self.visit(inner)),
+            _ => arena.rebuild(id, |operand| self.visit(operand)),
         };
         self.known.insert(id, result);
         result

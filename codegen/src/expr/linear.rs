@@ -72,6 +72,14 @@ impl<'a> Vector<'a> {
         self.map(Expr::hold)
     }
 
+    /// Each component named after the vector.
+    pub fn named(&self, name: &str, suffixes: &[impl AsRef<str>]) -> Self {
+        let named = |(component, suffix): (Expr<'a>, &_)| {
+            component.named(format!("{name}_{}", AsRef::<str>::as_ref(suffix)))
+        };
+        Self(self.iter().zip(suffixes).map(named).collect())
+    }
+
     /// `Σ ∂self/∂symbol_j direction_j`
     pub fn derivative_along(&self, symbols: &[Symbol], direction: &Self) -> Self {
         let Some(first) = self.0.first() else { return self.clone() };

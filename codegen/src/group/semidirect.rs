@@ -98,7 +98,8 @@ impl Semidirect {
             };
             turned = &turned + &change.substitute(&here);
         }
-        &self.group.d_right_dual(retraction, x, &carried.hold()) + &turned
+        let carried = carried.hold().named("momentum_carried", self.group.axes());
+        &self.group.d_right_dual(retraction, x, &carried) + &turned
     }
 
     /// `(dR τ_(x,w))* (m, a)`

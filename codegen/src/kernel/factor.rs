@@ -40,16 +40,8 @@ impl<'a> Factoring<'a> {
         }
         let arena = self.arena;
         let result = match arena.node(id) {
-            Node::Number(_) | Node::Symbol(_) => id,
             Node::Sum(sum) => self.sum(&sum),
-            Node::Product(factors) => {
-                let factors: Vec<_> = factors.iter().map(|&(factor, e)| (self.visit(factor), e)).collect();
-                arena.product(Number::ONE, factors)
-            }
-            Node::Function(function, argument) => arena.function(function, self.visit(argument)),
-            Node::Power(base, exponent) => arena.power(self.visit(base), self.visit(exponent)),
-            Node::Atan2(y, x) => arena.atan2(self.visit(y), self.visit(x)),
-            Node::Held(inner) => arena.held(self.visit(inner)),
+            _ => arena.rebuild(id, |operand| self.visit(operand)),
         };
         self.known.insert(id, result);
         result

@@ -10,7 +10,7 @@ mod text;
 
 use rustc_hash::FxHashMap;
 
-use crate::expr::{Arena, Expr, Function, Number, Stage, Symbol, Vector};
+use crate::expr::{Arena, Function, Matrix, Number, Stage, Symbol, Vector};
 use crate::method::Step;
 use factor::Factoring;
 use plan::{Plan, Signed};
@@ -127,7 +127,12 @@ impl Kernel {
         let residual = Vector(unknown.iter().map(residual_symbol).collect());
         let symbols = (step.unknown.clone(), residual.clone(), step.h);
         let jacobian = (&step.left - &step.right).jacobian(&unknown);
-        let correction = jacobian.map(Expr::hold).solve_small(&residual);
+        let places =
+            (0..jacobian.entries.len()).map(|k| (k / jacobian.columns + 1, k % jacobian.columns + 1));
+        let entries = jacobian.entries.iter().zip(places);
+        let entries = entries.map(|(entry, (i, j))| entry.hold().named(format!("jacobian_{i}{j}"))).collect();
+        let jacobian = Matrix::new(jacobian.rows, jacobian.columns, entries);
+        let correction = jacobian.solve_small(&residual);
 
         let domain = Vector(step.domain.into_iter().collect());
         let groups = [&step.start, &step.left, &step.right, &correction, &domain, &step.next];
@@ -138,7 +143,7 @@ impl Kernel {
             let signed: Vec<Signed> = group.iter().map(|expr| plan.plan(factoring.of(expr))).collect();
             signed
         });
-        names.carry_over(&step.names, arena, &mut factoring, &plan);
+        names.carry_over(arena, &mut factoring, &plan);
         let [start, left, right, correction, domain, next] = planned;
         let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
         plan.share_pairs();

@@ -8,7 +8,6 @@ use super::factor::Factoring;
 use super::plan::{Op, Operation, Plan, Signed};
 use super::{Kernel, Section, Statement, SymbolNames, Term};
 use crate::expr::{Arena, Function, Stage, Symbol};
-use crate::method::Names;
 
 /// Gives every value that needs one a unique name.
 pub(super) struct Namer {
@@ -82,22 +81,21 @@ impl Namer {
         Self { roles: FxHashMap::default(), used: RESERVED.iter().map(|&word| word.to_owned()).collect() }
     }
 
-    /// Takes over the method's role names for the nodes its expressions became.
+    /// Takes over role names for the nodes its expressions became.
     pub(super) fn carry_over<'a>(
         &mut self,
-        names: &Names,
         arena: &'a Arena,
         factoring: &mut Factoring<'a>,
         plan: &Plan<'a>,
     ) {
-        for (id, name) in names.iter() {
+        for (id, name) in arena.roles() {
             let factored = factoring.of(arena.expr(id));
             // the name is for the value, not for its negative
             if let Some(signed) = plan.planned(factored.id())
                 && !signed.negative
                 && !plan.operation(signed.op).is_leaf()
             {
-                self.roles.entry(signed.op).or_insert_with(|| name.to_owned());
+                self.roles.entry(signed.op).or_insert(name);
             }
         }
     }
@@ -281,12 +279,19 @@ impl<'p, 'a> Schedule<'p, 'a> {
         }
     }
 
+    /// The names of the values that `home` keeps: symbols first, as they were declared, then the others.
     fn fields(&self, home: Home) -> Vec<String> {
-        self.kept
+        let mut kept: Vec<(Option<Symbol>, Op, &String)> = self
+            .kept
             .iter()
             .filter(|(op, _)| self.homes.get(op) == Some(&home))
-            .map(|(_, name)| name.clone())
-            .collect()
+            .map(|(&op, name)| match self.plan.operation(op) {
+                Operation::Symbol(symbol) => (Some(*symbol), op, name),
+                _ => (None, op, name),
+            })
+            .collect();
+        kept.sort_by_key(|&(symbol, op, _)| (symbol.is_none(), symbol, op));
+        kept.into_iter().map(|(_, _, name)| name.clone()).collect()
     }
 
     /// A name for a node: its role if it has one, what it is made of if that is short, else a letter and a number.

@@ -19,7 +19,7 @@
 //! * `ā` depends on the group's part `y` of `η` alone, hence so does `v = ∂V/∂a(ā)`: the advected unknowns are eliminated and
 //!   `dim g` equations `𝕀 y / t = μ̄(y)` remain.
 
-use super::{Names, Step, step_symbol};
+use super::{Step, step_symbol};
 use crate::expr::{Arena, Number, Stage, Vector, gradient};
 use crate::group::{Element, Retraction};
 use crate::model::System;
@@ -73,24 +73,25 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, s
     let before = algebra.d_right_dual(retraction, &eta_early.scale(arena.number(-1)), &m_minus);
     let m_bar = after.scale(late).plus(&before.scale(early)).hold();
     let m_next = m_minus.plus(&algebra.coadjoint(&eta_late, &after));
+    let turn = group.retract(retraction, &y).hold().named("turn", group.coordinates());
+    let moved = group.compose(&system.configuration, &turn).hold();
     let g_next =
-        group.normalize(&group.compose(&system.configuration, &group.retract(retraction, &y).hold()));
+        group.normalize(&moved.named(&format!("{}_moved", group.configuration_name()), group.coordinates()));
 
     let left = system.inertia.scale(t.recip()).times(&y);
     let start = system.velocity(&system.momentum).scale(t);
 
-    let mut names = Names::default();
-    names.name(y.dot(&y), "eta_squared");
-    names.name_vector(&m_bar.base, "momentum_mean", axes);
-    names.name_vector(&left, "inertia_eta", axes);
+    y.dot(&y).named("eta_squared");
+    m_bar.base.named("momentum_mean", axes);
+    left.named("inertia_eta", axes);
+    m_next.base.named("momentum_next", axes);
     for (((name, _), space), ((mean, kick), next)) in
         system.advected.iter().zip(&algebra.spaces).zip(a_bar.iter().zip(&w).zip(&m_next.spaces))
     {
-        names.name_vector(mean, &format!("{name}_mean"), space.coordinates());
-        names.name_vector(kick, &format!("{name}_kick"), space.coordinates());
-        names.name_vector(next, &format!("{name}_next"), space.coordinates());
+        mean.named(&format!("{name}_mean"), space.coordinates());
+        kick.named(&format!("{name}_kick"), space.coordinates());
+        next.named(&format!("{name}_next"), space.coordinates());
     }
-    names.name_vector(&m_next.base, "momentum_next", axes);
 
     let mut next = g_next.0;
     next.extend(m_next.base.iter());
@@ -103,6 +104,5 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, s
         left,
         right: m_bar.base,
         next: Vector(next),
-        names,
     }
 }

@@ -1,6 +1,7 @@
 //! The arguments of `#[lie_poisson_system(…)]`.
 
-use proc_macro2::{TokenStream, TokenTree};
+use proc_macro2::{Group, TokenStream, TokenTree};
+use quote::quote;
 use syn::ext::IdentExt;
 use syn::parse::discouraged::Speculative;
 use syn::parse::{ParseStream, Parser};
@@ -108,7 +109,7 @@ impl Attribute {
         let target = if again { &mut ignored } else { self };
         let value = input.fork();
         let read = match known {
-            GROUP => equals(&value, known, diagnostics).map(|group| target.group = group),
+            GROUP => group(&value, diagnostics).map(|group| target.group = group),
             POTENTIAL => equals(&value, known, diagnostics).map(|potential| target.potential = potential),
             CRATE => crate_path(&value, diagnostics).map(|path| target.krate = path),
             _ => advected(&value, &key, diagnostics).map(|list| target.advected = list),
@@ -134,6 +135,30 @@ fn equals<T: syn::parse::Parse>(
     input.parse().map(Some)
 }
 
+/// `= SO3`
+fn group(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<Option<Ident>> {
+    let name: Option<Ident> =
+        equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
+    if let Some(name) = &name
+        && input.peek(token::Paren)
+    {
+        let dimension: Group = input.parse()?;
+        let message = format!("write the name of the group in one word: `{name}{}`", dimension.stream());
+        diagnostics.push(quote!(#name #dimension), message);
+        return Ok(None);
+    }
+    Ok(name)
+}
+
+/// The error with an example of the key's use, unless it has one already.
+fn with_example(error: syn::Error, key: Key) -> syn::Error {
+    let message = error.to_string();
+    if message.contains(key.example) {
+        return error;
+    }
+    syn::Error::new(error.span(), format!("{message}; write `{}`", key.example))
+}
+
 /// `= path::to::coadjoint`
 fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<Option<syn::Path>> {
     let ahead = input.fork();
@@ -146,10 +171,8 @@ fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
     if ahead.is_empty() || ahead.peek(Token![,]) {
         return equals::<syn::Path>(input, CRATE, diagnostics);
     }
-    input
-        .parse::<Token![=]>()
-        .map_err(|error| syn::Error::new(error.span(), format!("expected `=`; write `{}`", CRATE.example)))?;
-    syn::Path::parse_mod_style(input).map(Some)
+    input.parse::<Token![=]>().map_err(|error| with_example(error, CRATE))?;
+    syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, CRATE))
 }
 
 /// `(name: Space, …)`

@@ -1,0 +1,9 @@
+use coadjoint::prelude::*;
+
+#[lie_poisson_system(group = SO4)]
+pub struct Body {
+    #[inertia]
+    pub inertia: Vector3<f64>,
+}
+
+fn main() {}

@@ -1,0 +1,67 @@
+//! Potentials of all kinds, as one naturally writes them.
+
+use std::f64::consts;
+
+use coadjoint::prelude::*;
+
+const GRAVITY: f64 = 9.80665;
+
+mod units {
+    pub const GRAM: f64 = 1e-3;
+}
+
+#[lie_poisson_system(
+    group = SO3,
+    advected(gamma: R3, delta: R3),
+    potential = {
+        let mass: f64 = self::units::GRAM * grams;
+        let arm = frame * lever + Vector3::new(0.0, 0.0, 1e-3);
+        let (sine, cosine) = (consts::PI * gamma.x).sin_cos();
+        let spring = 0.5 * stiffness * (gamma.cross(&delta) - vector![sine, cosine, 1.0]).norm_squared();
+        mass * GRAVITY * gamma.dot(&arm) + spring / f64::from(2) + delta[1].powi(4)
+    },
+)]
+pub struct Top {
+    #[inertia]
+    pub inertia: Matrix3<f64>,
+    pub grams: f64,
+    pub stiffness: f64,
+    pub lever: Vector3<f64>,
+    pub frame: Matrix3<f64>,
+}
+
+#[lie_poisson_system(group = SO3)]
+struct FreeBody {
+    #[inertia]
+    inertia: Vector3<f64>,
+}
+
+// a block in front of an operator, and a raw name
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = { let z = gamma.z; z * z } * r#type)]
+struct Raw {
+    #[inertia]
+    inertia: f64,
+    r#type: f64,
+}
+
+fn main() {
+    let top = Top {
+        inertia: Matrix3::from_diagonal(&vector![1.0, 2.0, 3.0]),
+        grams: 100.0,
+        stiffness: 2.0,
+        lever: Vector3::z(),
+        frame: Matrix3::identity(),
+    };
+    let (gamma, delta) = (Vector3::z(), Vector3::x());
+    let state = TopState {
+        attitude: UnitQuaternion::identity(),
+        momentum: Vector3::zeros(),
+        gamma,
+        delta,
+    };
+    // at rest, the energy is the potential: as derived, and as rustc compiled it
+    let difference = top.energy(&state) - top.potential(&gamma, &delta);
+    assert!(difference.abs() < 1e-14, "{difference}");
+    FreeBody { inertia: vector![1.0, 2.0, 3.0] }.stepper::<Cayley>(0.1).expect("a body");
+    assert_eq!(Raw { inertia: 1.0, r#type: 2.0 }.potential(&Vector3::z()), 2.0);
+}
