@@ -41,8 +41,8 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let emitted = |name: &str, outputs: &Vector<'a>| {
         let (section, symbols) = kernel::function(arena, outputs);
         let layout = Layout {
-            parameters: system.parameter_symbols().iter().map(|&s| symbols.get(arena, s)).collect(),
-            state: system.state_symbols().iter().map(|&s| symbols.get(arena, s)).collect(),
+            parameters: system.parameter_symbols().iter().map(|&s| symbols.get(s)).collect(),
+            state: system.state_symbols().iter().map(|&s| symbols.get(s)).collect(),
         };
         let doc = docs::line(&format!("{}.", section.operations()));
         let function = function(name, &section, &layout);
