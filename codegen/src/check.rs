@@ -48,20 +48,59 @@ impl Subject<'_> {
 }
 
 /// The rules, in the order in which their complaints are listed.
-const RULES: [fn(&Subject<'_>, &mut Diagnostics); 7] = [
+const RULES: [fn(&Subject<'_>, &mut Diagnostics); 6] = [
     group_is_known,
     inertia_is_there_once,
     inertia_fits_the_group,
     spaces_are_known,
     names_are_free,
     advected_are_not_fields,
-    potential_has_a_meaning,
 ];
 
 /// Reports every rule that a description breaks.
-pub fn check(attribute: &Attribute, item: &Item, catalogue: &[GroupFacts], diagnostics: &mut Diagnostics) {
+pub fn structure(
+    attribute: &Attribute,
+    item: &Item,
+    catalogue: &[GroupFacts],
+    diagnostics: &mut Diagnostics,
+) {
     let subject = Subject { attribute, item, catalogue };
     RULES.iter().for_each(|rule| rule(&subject, diagnostics));
+}
+
+/// Reports all problems of the potential, which must be a scalar in parameters and advected parameters.
+///
+/// Its meaning is worked out for the sake of problems alone, so that they are reported together with all others, a missing
+/// group or inertia included.
+pub fn potential(
+    attribute: &Attribute,
+    item: &Item,
+    catalogue: &[GroupFacts],
+    diagnostics: &mut Diagnostics,
+) {
+    let Some(potential) = &attribute.potential else { return };
+    let subject = Subject { attribute, item, catalogue };
+    let (arena, mut scope) = (Arena::new(), Scope::new());
+    for field in &item.fields {
+        let name = field.name.unraw().to_string();
+        let value = Value::symbols(&arena, &name, field.shape, Stage::Parameters);
+        scope.define(name, value);
+    }
+    for field in &item.unreadable {
+        scope.define_unknown(field.name.unraw().to_string());
+    }
+    for parameter in &attribute.advected {
+        let name = parameter.name.unraw().to_string();
+        let mut spaces = subject.group().into_iter().flat_map(|group| &group.spaces);
+        match spaces.find(|(space, _)| parameter.space == space) {
+            Some(&(_, n)) => {
+                let value = Value::symbols(&arena, &name, Shape::Vector(n), Stage::Step);
+                scope.define(name, value);
+            }
+            None => scope.define_unknown(name),
+        }
+    }
+    lower_scalar("the potential", potential, &mut scope, &arena, diagnostics);
 }
 
 /// A system moves on a group of the catalogue.
@@ -169,31 +208,4 @@ fn advected_are_not_fields(subject: &Subject<'_>, diagnostics: &mut Diagnostics)
             diagnostics.push(&parameter.name, message);
         }
     }
-}
-
-/// The potential is a scalar in parameters and advected parameters.
-///
-/// Its meaning is worked out here for the sake of problems alone, so that they are reported together with all others, a
-/// missing group or inertia included.
-fn potential_has_a_meaning(subject: &Subject<'_>, diagnostics: &mut Diagnostics) {
-    let Some(potential) = &subject.attribute.potential else { return };
-    let (arena, mut scope) = (Arena::new(), Scope::new());
-    for field in &subject.item.fields {
-        let name = field.name.unraw().to_string();
-        scope.define(name.clone(), Value::symbols(&arena, &name, field.shape, Stage::Parameters));
-    }
-    for field in &subject.item.unreadable {
-        scope.define_unknown(field.name.unraw().to_string());
-    }
-    for parameter in &subject.attribute.advected {
-        let name = parameter.name.unraw().to_string();
-        let mut spaces = subject.group().into_iter().flat_map(|group| &group.spaces);
-        match spaces.find(|(space, _)| parameter.space == space) {
-            Some(&(_, n)) => {
-                scope.define(name.clone(), Value::symbols(&arena, &name, Shape::Vector(n), Stage::Step));
-            }
-            None => scope.define_unknown(name),
-        }
-    }
-    lower_scalar("the potential", potential, &mut scope, &arena, diagnostics);
 }

@@ -59,12 +59,16 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansio
 /// From tokens to the expansion, by the stages named above.
 fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Expansion> {
     let attribute = Attribute::parse(attribute, diagnostics);
+    let before = diagnostics.len();
     let item = Item::parse(item, diagnostics)?;
-    check::check(&attribute, &item, &facts(), diagnostics);
-    let group = named_group(&attribute)?;
+    check::structure(&attribute, &item, &facts(), diagnostics);
+    let sound = diagnostics.len() == before;
+    check::potential(&attribute, &item, &facts(), diagnostics);
+    // of a description that does not fit together nothing can be emitted that would compile
+    let group = named_group(&attribute).filter(|_| sound)?;
 
     let arena = Arena::new();
-    // problems of the potential are among those that the checks have reported
+    // problems of the potential have been reported by the checks
     let system = System::build(&arena, &attribute, &item, group, &mut Diagnostics::new())?;
     let kernels = Retraction::ALL
         .into_iter()

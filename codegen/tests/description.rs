@@ -1,6 +1,6 @@
 //! Reading the attribute and the struct, and the rules between them.
 
-use coadjoint_codegen::check::{GroupFacts, check};
+use coadjoint_codegen::check::{self, GroupFacts};
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::parse::{
     ADVECTED, Attribute, GROUP, Item, POTENTIAL, ScalarType, Shape, without_helpers,
@@ -253,7 +253,8 @@ fn breaks(attribute: &str, item: &str, expected: &[(&str, &str)]) {
     let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
     assert!(diagnostics.is_empty() || text.contains("Broken"), "{text}");
     let mut found = Diagnostics::new();
-    check(&attribute, &item, &catalogue(), &mut found);
+    check::structure(&attribute, &item, &catalogue(), &mut found);
+    check::potential(&attribute, &item, &catalogue(), &mut found);
     compare(text, &told(found), expected);
 }
 
@@ -348,7 +349,8 @@ fn what_could_not_be_read_is_not_missing() {
     let attribute = Attribute::parse(tokens("group = 3"), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
     let mut found = Diagnostics::new();
-    check(&attribute, &item, &catalogue(), &mut found);
+    check::structure(&attribute, &item, &catalogue(), &mut found);
+    check::potential(&attribute, &item, &catalogue(), &mut found);
     assert!(found.is_empty());
 }
 
@@ -358,7 +360,8 @@ fn a_missing_group_is_reported_once() {
     let attribute = Attribute::parse(TokenStream::new(), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
     let mut found = Diagnostics::new();
-    check(&attribute, &item, &catalogue(), &mut found);
+    check::structure(&attribute, &item, &catalogue(), &mut found);
+    check::potential(&attribute, &item, &catalogue(), &mut found);
     let [(_, message)] = &told(found)[..] else { panic!("one problem") };
     assert!(
         message.starts_with(

@@ -10,7 +10,7 @@ use nalgebra::{
     Matrix2, Matrix2x3, Matrix3, Matrix4, RowVector3, SMatrix, SVector, Vector1, Vector2, Vector3, Vector4,
     matrix, vector,
 };
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// What the expressions are about.
 struct Values {
@@ -75,7 +75,7 @@ fn symbolic(text: &str, values: &Values) -> Vec<f64> {
     let arena = Arena::new();
     let mut scope = Scope::new();
     let mut known: Vec<(String, f64)> =
-        vec![("PI".into(), std::f64::consts::PI), ("TAU".into(), TAU), ("GRAVITY".into(), GRAVITY)];
+        vec![("const_pi".into(), PI), ("const_tau".into(), TAU), ("const_gravity".into(), GRAVITY)];
     let inputs: [(&str, Shape, Vec<f64>); 10] = [
         ("a", Shape::Scalar, values.a.flat()),
         ("b", Shape::Scalar, values.b.flat()),
@@ -347,12 +347,13 @@ fn a_constant_is_one_parameter_however_often_it_is_named() {
     let arena = Arena::new();
     let mut scope = Scope::new();
     scope.define("G", Value::Scalar(arena.symbol("G", Stage::Parameters)));
-    let expr = syn::parse_quote!(G + M * self::M + M + self::G + a::b::M + (M - PI));
+    scope.define("const", Value::symbols(&arena, "const", Shape::Vector(3), Stage::Parameters));
+    let expr = syn::parse_quote!(G + M * self::M + M + self::G + a::b::M + (M - PI) + X);
     let mut diagnostics = Diagnostics::new();
     let value = lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
     assert!(value.is_some() && diagnostics.is_empty());
     let names: Vec<&str> = scope.constants.iter().map(|constant| constant.name.as_str()).collect();
-    assert_eq!(names, ["M", "self_M", "self_G", "b_M", "PI"]);
+    assert_eq!(names, ["const_m", "const_m_self", "const_g", "const_m_b", "const_pi", "const_x_"]);
     for constant in &scope.constants {
         let Node::Symbol(symbol) = arena.node(constant.symbol.id()) else { panic!("a constant is a symbol") };
         assert_eq!(arena.symbol_info(symbol).stage, Stage::Parameters);

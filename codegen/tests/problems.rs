@@ -88,7 +88,10 @@ fn operators() {
     );
     complains(
         "chi.norm() + (a + chi).norm()",
-        &[("+", "a vector of 3 cannot be added to a scalar; to do so in every component, write")],
+        &[(
+            "+",
+            "a vector of 3 cannot be added to a scalar; a vector with the scalar in every component is `Vector3::repeat(s)`",
+        )],
     );
     complains("(chi - p).norm()", &[("-", "a vector of 2 cannot be subtracted from a vector of 3")]);
     complains(
@@ -187,7 +190,7 @@ fn methods() {
     complains("chi.dott(&gamma)", &[("dott", "a vector of 3 has no method `dott`")]);
     assert!(problems("chi.dott(&gamma)")[0].1.contains("did you mean `dot`?"));
     assert!(problems("a.frobnicate()")[0].1.contains("`sqrt`, `powi`"));
-    complains("a.abs()", &[("abs", "`abs` is not smooth, and the equations of motion need derivatives")]);
+    complains("a.abs()", &[("abs", "`abs` is not smooth, but the equations of motion need derivatives")]);
     complains("chi.amax() + a.min(1.0)", &[("amax", "`amax` is not smooth"), ("min", "`min` is not smooth")]);
     complains(
         "chi.dot(&p)",

@@ -1,6 +1,6 @@
 //! No input brings the front end down: token soup, half-sensible expressions, absurd nesting.
 
-use coadjoint_codegen::check::{GroupFacts, check};
+use coadjoint_codegen::check::{self, GroupFacts};
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
@@ -206,7 +206,8 @@ fn read(attribute: TokenStream, item: TokenStream) {
     let attribute = Attribute::parse(attribute, &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
-        check(&attribute, &item, &catalogue(), &mut diagnostics);
+        check::structure(&attribute, &item, &catalogue(), &mut diagnostics);
+        check::potential(&attribute, &item, &catalogue(), &mut diagnostics);
     }
     if let Some(potential) = &attribute.potential {
         let (arena, mut scope) = (Arena::new(), Scope::new());

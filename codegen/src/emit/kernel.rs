@@ -31,7 +31,7 @@ fn local(name: &str) -> Ident {
 /// ```text
 /// const _: () = {
 ///     pub struct HeavyTopCayley<T> { …constants }
-///     impl Discretized<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+///     impl Generated<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
 ///
 ///     const _: () = {
 ///         pub struct Step<T> { … }
@@ -116,7 +116,7 @@ pub(super) fn kernel(
             #constants
 
             #[automatically_derived]
-            impl #private::Discretized<#coadjoint::#retraction_name> for #system {
+            impl #private::Generated<#coadjoint::#retraction_name> for #system {
                 type Kernel<T: #private::Scalar> = #name<T>;
             }
 

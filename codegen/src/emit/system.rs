@@ -137,6 +137,8 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
 /// The potential as the user wrote it, as a method: rustc checks its types, and tools find their way in it.
 pub(super) fn potential(system: &System<'_>, names: &Names) -> TokenStream {
     let Some(potential) = &system.potential_source else { return quote! {} };
+    // as a statement, so that syn puts parentheses around a block in front of an operator
+    let potential = syn::Stmt::Expr(potential.clone(), None);
     let Names { private, system: name, scalar, visibility, .. } = names;
     let arguments = system.advected_parts();
     let parameters = arguments.iter().map(|part| {

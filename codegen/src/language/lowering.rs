@@ -147,8 +147,10 @@ impl<'a, 's> Lowering<'a, 's> {
 
     /// Reports a construct that would make the energy lose its derivatives.
     pub(super) fn not_smooth<T>(&mut self, tokens: impl ToTokens, what: &str) -> Option<T> {
-        let message =
-            format!("{what} is not smooth, and the equations of motion need derivatives everywhere");
+        let message = format!(
+            "{what} is not smooth, but the equations of motion need derivatives; write one smooth formula that holds \
+             everywhere"
+        );
         self.fail(tokens, message)
     }
 

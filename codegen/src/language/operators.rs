@@ -115,7 +115,7 @@ impl<'a> Lowering<'a, '_> {
             },
         };
         if result.is_none() {
-            let message = operation.mismatch(&left, &right) + hint(operation, &left, &right);
+            let message = operation.mismatch(&left, &right) + &hint(operation, &left, &right);
             return self.fail(operator, message);
         }
         result
@@ -204,22 +204,23 @@ fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> O
 }
 
 /// What may have been meant instead.
-fn hint(operation: Operation, left: &Value<'_>, right: &Value<'_>) -> &'static str {
+fn hint(operation: Operation, left: &Value<'_>, right: &Value<'_>) -> String {
     match (operation, left, right) {
         (Operation::Multiply, Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => match a.len() {
-            3 => "; write `a.dot(&b)`, `a.cross(&b)` or `a.component_mul(&b)`",
-            _ => "; write `a.dot(&b)` or `a.component_mul(&b)`",
+            3 => "; write `a.dot(&b)`, `a.cross(&b)` or `a.component_mul(&b)`".to_owned(),
+            _ => "; write `a.dot(&b)` or `a.component_mul(&b)`".to_owned(),
         },
         (Operation::Multiply, Value::Vector(_), Value::Matrix(_)) => {
             "; a vector is a column and stands to the right of a matrix: `m * v`, or `m.tr_mul(&v)`"
+                .to_owned()
         }
         (Operation::Divide, Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => {
-            "; write `a.component_div(&b)`"
+            "; write `a.component_div(&b)`".to_owned()
         }
-        (Operation::Add | Operation::Subtract, Value::Scalar(_) | Value::Integer(_), Value::Vector(_))
-        | (Operation::Add | Operation::Subtract, Value::Vector(_), Value::Scalar(_) | Value::Integer(_)) => {
-            "; to do so in every component, write `v + Vector3::repeat(s)`"
+        (Operation::Add | Operation::Subtract, Value::Scalar(_) | Value::Integer(_), Value::Vector(v))
+        | (Operation::Add | Operation::Subtract, Value::Vector(v), Value::Scalar(_) | Value::Integer(_)) => {
+            format!("; a vector with the scalar in every component is `Vector{}::repeat(s)`", v.len())
         }
-        _ => "",
+        _ => String::new(),
     }
 }

@@ -1,6 +1,6 @@
 //! The names that an expression may use.
 
-use quote::ToTokens;
+use syn::ext::IdentExt;
 
 use super::value::Value;
 use crate::expr::{Arena, Expr, Stage};
@@ -22,7 +22,7 @@ pub struct Constant<'a> {
     pub symbol: Expr<'a>,
     /// The path, to be evaluated in the user's own scope.
     pub tokens: syn::Expr,
-    /// The symbol's name, which no other name of the scope equals.
+    /// The symbol's name, which no other symbol of the scope has.
     pub name: String,
 }
 
@@ -58,24 +58,32 @@ impl<'a> Scope<'a> {
         if let Some(known) = self.constants.iter().find(|known| known.tokens == tokens) {
             return known.symbol;
         }
-        let name = self.unused_name(path);
+        let name = self.unused_name(path, arena);
         let symbol = arena.symbol(&name, Stage::Parameters);
         self.constants.push(Constant { symbol, tokens, name });
         symbol
     }
 
-    /// The last segment of a path, or more of them if that is taken.
-    fn unused_name(&self, path: &syn::ExprPath) -> String {
-        let segments: Vec<String> =
-            path.path.segments.iter().map(|segment| segment.ident.to_string()).collect();
-        let taken = |name: &String| {
-            self.names().any(|known| known == name) || self.constants.iter().any(|known| known.name == *name)
-        };
-        let endings = (0..segments.len()).rev().map(|start| segments[start..].join("_"));
-        let numbered = (2..).map(|number| format!("{}_{number}", segments.join("_")));
-        endings
-            .chain(numbered)
-            .find(|name| !taken(name))
-            .unwrap_or_else(|| path.to_token_stream().to_string())
+    /// A name for a constant's symbol: `const_` and the last segment of its path, or more of them if that is taken. In
+    /// lower case, as a variable of the constant's own name would be taken for the constant where it is bound.
+    fn unused_name(&self, path: &syn::ExprPath, arena: &Arena) -> String {
+        let values = self.names.iter().filter_map(|(_, value)| value.as_ref());
+        let symbols = values.flat_map(Value::scalars).filter_map(Expr::as_symbol);
+        let mut taken: Vec<String> = symbols.map(|symbol| arena.symbol_info(symbol).name).collect();
+        taken.extend(self.constants.iter().map(|known| known.name.clone()));
+
+        let segments = path.path.segments.iter();
+        let segments: Vec<String> = segments.map(|s| s.ident.unraw().to_string().to_lowercase()).collect();
+        let mut name = "const".to_owned();
+        for segment in segments.iter().rev() {
+            name = format!("{name}_{segment}");
+            if !taken.contains(&name) {
+                return name;
+            }
+        }
+        while taken.contains(&name) {
+            name.push('_');
+        }
+        name
     }
 }

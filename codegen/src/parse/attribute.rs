@@ -182,7 +182,8 @@ fn advected(
     diagnostics: &mut Diagnostics,
 ) -> syn::Result<Vec<Advected>> {
     if !input.peek(token::Paren) {
-        let place = if input.is_empty() { key.span() } else { input.span() };
+        let missing = input.is_empty() || input.peek(Token![,]);
+        let place = if missing { key.span() } else { input.span() };
         return Err(syn::Error::new(place, format!("expected parentheses; write `{}`", ADVECTED.example)));
     }
     let content;

@@ -1,7 +1,7 @@
 use coadjoint::prelude::*;
 
 // Types that only rustc knows or words better are left to it: its errors point into the description.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = 2 * weight * gamma.dot(chi))]
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(chi))]
 pub struct Top {
     #[inertia]
     pub inertia: Vector3<f64>,
