@@ -1,7 +1,7 @@
 //! Generated code lives in users' code: under any name for the crate, without a prelude, beside any names, under any lints.
 
-// Most of what is defined here only has to compile.
-#![allow(dead_code)]
+// Most of what is defined here only has to compile, or to be in the way.
+#![allow(dead_code, unreachable_pub, unused_macros)]
 
 extern crate coadjoint as renamed;
 
@@ -261,10 +261,10 @@ mod called {
                 use coadjoint::nalgebra::Vector3;
 
                 #[coadjoint::lie_poisson_system(
-                                                                    group = SO3,
-                                                                    advected(gamma: R3),
-                                                                    potential = weight * gamma.x,
-                                                                )]
+                                                                                group = SO3,
+                                                                                advected(gamma: R3),
+                                                                                potential = weight * gamma.x,
+                                                                            )]
                 #[derive(Clone, Debug)]
                 pub struct $name {
                     #[inertia]
@@ -281,7 +281,7 @@ mod called {
                         gamma: Vector3::z(),
                     };
                     crate::drive(&system, &state);
-                    assert_eq!(<$name as coadjoint::System>::NAME, stringify!($name));
+                    assert_eq!(<$name as coadjoint::System>::NAME, stringify!($name).trim_start_matches("r#"));
                 }
             }
         };

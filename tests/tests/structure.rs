@@ -381,6 +381,30 @@ fn a_step_depends_on_the_state_alone() {
     for_each_system_and_retraction!(check);
 }
 
+/// Newton's iteration converges quadratically, as it does with the true Jacobian only: from a first guess that is off by `O(h²)`,
+/// three corrections reach roundoff, and a step that starts from the last solution needs no more.
+#[test]
+fn newton_has_the_true_jacobian() {
+    fn check<S: Sample + Discretized<M>, M>(what: &str) {
+        let mut random = Random::new(13);
+        let (mut most, mut residual): (u32, f64) = (0, 0.0);
+        for _ in 0..40 * SAMPLES {
+            let (system, mut state) = S::sample(&mut random);
+            let mut stepper = system.stepper::<M>(random.between(0.01, 0.1)).expect("a stepper");
+            for _ in 0..4 {
+                let report = stepper.step(&mut state).expect("a step");
+                most = most.max(report.iterations);
+                residual = residual.max(report.residual);
+            }
+        }
+        println!("{what}: at most {most} corrections, residual {residual:.1e}");
+        // one more that finds roundoff stagnating
+        assert!(most <= 4, "{what}: {most} corrections");
+        assert!(residual < 2e-15, "{what}: residual {residual:e}");
+    }
+    for_each_system_and_retraction!(check);
+}
+
 /// Bodies that do not move stay where they are.
 #[test]
 fn rest_is_rest() {
