@@ -3,6 +3,7 @@
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 
+use crate::catalogued::Catalogued;
 use crate::error::Error;
 use crate::simulation::{self, Job, Outcome, Setup, Watch};
 use crate::suggest::did_you_mean;
@@ -20,26 +21,6 @@ macro_rules! catalogue {
 catalogue! {
     free_rigid_body: crate::free_rigid_body::FreeRigidBody,
     heavy_top: crate::heavy_top::HeavyTop,
-}
-
-/// A system with what the program needs to show it.
-pub trait Catalogued: System<Scalar = f64> + Discretized<Exponential> + Discretized<Cayley> {
-    /// What it is, in one line, without a full stop.
-    const ABOUT: &'static str;
-    /// A step that suits the example, s.
-    const STEP: f64;
-    /// A duration that suits the example, s.
-    const DURATION: f64;
-    /// The units of [`System::CASIMIRS`], in their order; empty for a pure number.
-    const CASIMIR_UNITS: &'static [&'static str];
-
-    /// Parameters and an initial state worth looking at.
-    fn example() -> (Self, Self::State);
-
-    /// The moment of inertia, if the system is a body of mass: not every positive definite matrix belongs to one.
-    fn body_inertia(&self) -> Option<Matrix3<f64>> {
-        None
-    }
 }
 
 /// One system of the catalogue, its type erased: parameters and states are flat lists of numbers.

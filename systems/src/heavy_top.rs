@@ -2,7 +2,7 @@
 
 use coadjoint::prelude::*;
 
-use crate::catalogue::Catalogued;
+use crate::catalogued::Catalogued;
 
 /// A rigid body that turns about a fixed point under gravity.
 ///

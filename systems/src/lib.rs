@@ -1,19 +1,33 @@
 //! Mechanical systems described with `coadjoint`, and the program that runs, plots and shows them.
 //!
-//! A system is one file holding its annotated struct and the example it is shown with, plus its line in the
-//! [`catalogue`]. Everything else here treats all systems alike and contains no mechanics.
+//! A system is one file holding its annotated struct and the example it is shown with, plus its line in the program's
+//! `catalogue`. Everything else here treats all systems alike and contains no mechanics.
+//!
+//! The feature `program` (on by default) is for the program; without it there are only the systems, and few dependencies.
 
-pub mod catalogue;
-pub mod cli;
-mod command;
-pub mod error;
-pub mod output;
-pub mod plot;
-mod progress;
-pub mod report;
-pub mod setting;
-pub mod simulation;
-mod suggest;
-
+pub mod catalogued;
 pub mod free_rigid_body;
 pub mod heavy_top;
+
+#[cfg(feature = "program")]
+pub mod catalogue;
+#[cfg(feature = "program")]
+pub mod cli;
+#[cfg(feature = "program")]
+mod command;
+#[cfg(feature = "program")]
+pub mod error;
+#[cfg(feature = "program")]
+pub mod output;
+#[cfg(feature = "program")]
+pub mod plot;
+#[cfg(feature = "program")]
+mod progress;
+#[cfg(feature = "program")]
+pub mod report;
+#[cfg(feature = "program")]
+pub mod setting;
+#[cfg(feature = "program")]
+pub mod simulation;
+#[cfg(feature = "program")]
+mod suggest;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use coadjoint::prelude::*;
 
-use crate::catalogue::Catalogued;
+use crate::catalogued::Catalogued;
 use crate::error::Error;
 
 /// The map from the Lie algebra to the group that a step is built on.

@@ -1,0 +1,23 @@
+//! What every system of this crate has beside its description.
+
+use coadjoint::prelude::*;
+
+/// A system with what the program needs to show it.
+pub trait Catalogued: System<Scalar = f64> + Discretized<Exponential> + Discretized<Cayley> {
+    /// What it is, in one line, without a full stop.
+    const ABOUT: &'static str;
+    /// A step that suits the example, s.
+    const STEP: f64;
+    /// A duration that suits the example, s.
+    const DURATION: f64;
+    /// The units of [`System::CASIMIRS`], in their order; empty for a pure number.
+    const CASIMIR_UNITS: &'static [&'static str];
+
+    /// Parameters and an initial state worth looking at.
+    fn example() -> (Self, Self::State);
+
+    /// The moment of inertia, if the system is a body of mass: not every positive definite matrix belongs to one.
+    fn body_inertia(&self) -> Option<Matrix3<f64>> {
+        None
+    }
+}
