@@ -238,9 +238,8 @@ impl Arena {
                         collected.push((id, exponent));
                     } else {
                         coefficient = coefficient * content.powi(exponent);
-                        let scale = content.powi(-1);
-                        let scaled = sum.terms.iter().map(|&(id, c)| (id, scale * c));
-                        pending.push((self.sum(scale * sum.constant, scaled), exponent));
+                        let rest = sum.terms.iter().map(|&(id, c)| (id, c.without(content)));
+                        pending.push((self.sum(sum.constant.without(content), rest), exponent));
                     }
                 }
                 Node::Function(Function::Sqrt, radicand) if exponent % 2 == 0 => {

@@ -34,10 +34,20 @@ impl Number {
     }
 
     fn from_ratio(ratio: Ratio<i128>) -> Self {
-        if ratio.numer().abs() <= EXACT && *ratio.denom() <= EXACT {
-            Self::Rational(ratio)
+        Self::exact(ratio).unwrap_or_else(|| Self::rounded(*ratio.numer() as f64 / *ratio.denom() as f64))
+    }
+
+    /// The ratio, if it is worth keeping exact.
+    fn exact(ratio: Ratio<i128>) -> Option<Self> {
+        (ratio.numer().abs() <= EXACT && *ratio.denom() <= EXACT).then_some(Self::Rational(ratio))
+    }
+
+    /// A rounded number. One that comes out whole counts as exact, so that terms which cancel and factors of one vanish.
+    fn rounded(value: f64) -> Self {
+        if value.fract() == 0.0 && value.abs() <= EXACT as f64 {
+            Self::Rational(Ratio::from_integer(value as i128))
         } else {
-            Self::Float(*ratio.numer() as f64 / *ratio.denom() as f64)
+            Self::Float(value)
         }
     }
 
@@ -49,7 +59,7 @@ impl Number {
             None => (literal.as_str(), 0),
         };
         let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
-        let rounded = || literal.parse::<f64>().ok().map(Self::Float);
+        let rounded = || literal.parse::<f64>().ok().map(Self::rounded);
         let Ok(digits) = format!("{whole}{fraction}").parse::<i128>() else { return rounded() };
         let power = exponent - i32::try_from(fraction.len()).ok()?;
         let Some(scale) = 10i128.checked_pow(power.unsigned_abs()) else { return rounded() };
@@ -58,10 +68,7 @@ impl Number {
         } else {
             Some(Ratio::new(digits, scale))
         };
-        match exact.map(Self::from_ratio) {
-            Some(number @ Self::Rational(_)) => Some(number),
-            _ => rounded(),
-        }
+        exact.and_then(Self::exact).or_else(rounded)
     }
 
     /// The nearest double.
@@ -103,6 +110,20 @@ impl Number {
         if self.is_negative() { -self } else { self }
     }
 
+    /// `self / content` for the content of the sum in which `self` is a coefficient: a sign, or a magnitude that all coefficients
+    /// share. It does not divide, because rounded numbers may miss one when divided by themselves.
+    pub(super) fn without(self, content: Self) -> Self {
+        if content.abs().is_one() {
+            content * self
+        } else if self.is_zero() {
+            Self::ZERO
+        } else if self.is_negative() == content.is_negative() {
+            Self::ONE
+        } else {
+            Self::MINUS_ONE
+        }
+    }
+
     /// `self^exponent`; zero to a negative power is infinite.
     pub fn powi(self, exponent: i32) -> Self {
         if let Self::Rational(r) = self
@@ -117,7 +138,7 @@ impl Number {
                 return Self::from_ratio(power);
             }
         }
-        Self::Float(self.to_f64().powi(exponent))
+        Self::rounded(self.to_f64().powi(exponent))
     }
 
     /// The square root where it is rational.
@@ -141,7 +162,7 @@ impl Number {
         {
             return Self::from_ratio(result);
         }
-        Self::Float(rounded(self.to_f64(), other.to_f64()))
+        Self::rounded(rounded(self.to_f64(), other.to_f64()))
     }
 }
 

@@ -252,25 +252,23 @@ impl<'a> Plan<'a> {
         let mut counts: BTreeMap<Pair, u32> = BTreeMap::new();
         for operation in &self.operations {
             // a node of two operands is the pair itself: it counts as an occurrence of it
+            let mut pairs: Vec<Pair> = Vec::new();
             match operation {
                 Operation::Product(factors) => {
-                    let mut pairs: Vec<Pair> = Vec::new();
                     for (i, &a) in factors.iter().enumerate() {
                         pairs.extend(factors[i + 1..].iter().map(|&b| Pair::Factors(a.min(b), a.max(b))));
                     }
-                    pairs.sort();
-                    pairs.dedup();
-                    pairs.into_iter().for_each(|pair| *counts.entry(pair).or_default() += 1);
                 }
                 Operation::Sum(addends) => {
-                    for (i, &(m, a)) in addends.iter().enumerate() {
-                        for &(n, b) in &addends[i + 1..] {
-                            *counts.entry(Pair::Addends(a.min(b), a.max(b), m != n)).or_default() += 1;
-                        }
+                    for (i, &a) in addends.iter().enumerate() {
+                        pairs.extend(addends[i + 1..].iter().map(|&b| Pair::of_addends(a, b)));
                     }
                 }
                 _ => {}
             }
+            pairs.sort();
+            pairs.dedup();
+            pairs.into_iter().for_each(|pair| *counts.entry(pair).or_default() += 1);
         }
         let repeated = counts.into_iter().filter(|(pair, count)| *count >= 2 && self.is_new(pair));
         repeated.max_by_key(|&(pair, count)| (count, std::cmp::Reverse(pair))).map(|(pair, _)| pair)
@@ -295,16 +293,23 @@ enum Pair {
 }
 
 impl Pair {
+    fn of_addends((m, a): (bool, Op), (n, b): (bool, Op)) -> Self {
+        Self::Addends(a.min(b), a.max(b), m != n)
+    }
+
+    /// Where two addends make the pair. An operand may occur more than once, so places count, not operands.
+    fn places(&self, addends: &[(bool, Op)]) -> Option<(usize, usize)> {
+        let mut places = (0..addends.len()).flat_map(|i| (i + 1..addends.len()).map(move |j| (i, j)));
+        places.find(|&(i, j)| Self::of_addends(addends[i], addends[j]) == *self)
+    }
+
     fn occurs(&self, operation: &Operation) -> bool {
         match (self, operation) {
             (Self::Factors(a, b), Operation::Product(factors)) => {
                 let count = |op: &Op| factors.iter().filter(|factor| *factor == op).count();
                 if a == b { count(a) >= 2 } else { count(a) >= 1 && count(b) >= 1 }
             }
-            (Self::Addends(a, b, opposed), Operation::Sum(addends)) => {
-                let sign = |op: &Op| addends.iter().find(|(_, addend)| addend == op).map(|(sign, _)| *sign);
-                matches!((sign(a), sign(b)), (Some(m), Some(n)) if (m != n) == *opposed)
-            }
+            (Self::Addends(..), Operation::Sum(addends)) => self.places(addends).is_some(),
             _ => false,
         }
     }
@@ -324,9 +329,12 @@ impl Pair {
                 factors.push(shared);
                 factors.sort();
             }
-            (Self::Addends(a, b, _), Operation::Sum(addends)) => {
-                let sign = addends.iter().find(|(_, op)| op == a).is_some_and(|(sign, _)| *sign);
-                addends.retain(|(_, op)| op != a && op != b);
+            (Self::Addends(first, ..), Operation::Sum(addends)) => {
+                let Some((i, j)) = self.places(addends) else { return false };
+                let later = addends.remove(j);
+                let earlier = addends.remove(i);
+                // the pair has the sign of its first operand
+                let sign = if earlier.1 == *first { earlier.0 } else { later.0 };
                 addends.push((sign, shared));
                 addends.sort_by_key(|&(_, op)| op);
             }
