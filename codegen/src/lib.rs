@@ -93,10 +93,10 @@ fn facts() -> Vec<GroupFacts> {
     let spaces = |group: &dyn Group| {
         group.representations().iter().map(|space| (space.name(), space.coordinates().len())).collect()
     };
-    let facts = |group: &&dyn Group| GroupFacts {
+    let facts = |group: &&'static dyn Group| GroupFacts {
         name: group.name(),
         dimension: group.dimension(),
         spaces: spaces(*group),
     };
-    group::catalogue().iter().map(|group| facts(group)).collect()
+    group::catalogue().iter().map(facts).collect()
 }

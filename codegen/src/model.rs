@@ -52,7 +52,7 @@ pub struct Parameter {
 impl Parameter {
     /// What the components' names add to the field's.
     pub fn suffixes(&self) -> Vec<String> {
-        let prefix = format!("{}_", self.name);
+        let prefix = format!("{}_", plain(&self.name));
         self.names.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
     }
 }
@@ -219,7 +219,10 @@ impl<'a> System<'a> {
                 suffixes: space.coordinates().to_vec(),
                 symbols: value.symbols(),
                 value: value.clone(),
-                doc: format!("Advected parameter `{name}`, fixed in space, seen in body coordinates."),
+                doc: format!(
+                    "Advected parameter `{}`, fixed in space, seen in body coordinates.",
+                    plain(name)
+                ),
             })
             .collect()
     }

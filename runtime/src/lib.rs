@@ -48,11 +48,13 @@
 // The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
 extern crate self as coadjoint;
 
+pub mod composition;
 pub mod error;
 pub mod generic;
 pub mod inertia;
 pub mod kernel;
 mod literals;
+pub mod method;
 pub mod newton;
 pub mod observe;
 pub mod prelude;
@@ -81,7 +83,7 @@ pub mod __private {
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
     pub use crate::kernel::{Evaluation, Kernel};
     pub use crate::scalar::Scalar;
-    pub use crate::system::{Discretized, Quantity, State, Stored, System};
+    pub use crate::system::{Generated, Quantity, State, Stored, System};
     pub use nalgebra;
     pub use serde;
 }

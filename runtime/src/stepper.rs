@@ -1,19 +1,21 @@
-//! The stepper: a kernel, its step, and the memory that makes Newton's iteration short.
+//! The stepper: a method with its step, for people to call.
 
 use core::fmt;
 
 use crate::error::{ParameterError, StepError};
-use crate::kernel::Kernel;
-use crate::newton;
+use crate::method::Method;
 use crate::scalar::{Real, Scalar};
-use crate::system::{Discretized, State, System};
+#[cfg(doc)]
+use crate::system::System;
+use crate::system::{Discretized, State};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {
-    /// Newton corrections made.
+    /// Newton corrections made, in all steps of a composition together.
     pub iterations: u32,
-    /// The residual left in the step's equation, relative to its terms: a few units of roundoff.
+    /// The residual left in the step's equation, relative to its terms: a few units of roundoff. Of a
+    /// composition, the largest.
     pub residual: f64,
 }
 
@@ -22,18 +24,8 @@ pub struct StepReport {
 /// Built by [`System::stepper`]. The result of a step depends on the state alone, up to roundoff: the stepper only
 /// remembers where the last solution was, to start the next one there.
 pub struct Stepper<S: Discretized<M>, M> {
-    kernel: S::Kernel<S::Scalar>,
+    method: S::Method,
     step: S::Scalar,
-    memory: Option<Memory<S, M>>,
-}
-
-type Unknown<S, M> =
-    <<S as Discretized<M>>::Kernel<<S as System>::Scalar> as Kernel<<S as System>::Scalar>>::Unknown;
-
-/// The last solution and the state it led to.
-struct Memory<S: Discretized<M>, M> {
-    state: S::StateComponents<S::Scalar>,
-    unknown: Unknown<S, M>,
 }
 
 impl<S: Discretized<M>, M> Stepper<S, M> {
@@ -42,7 +34,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         if !step.is_finite() || step == S::Scalar::of(0.0) {
             return Err(ParameterError::Step { step: step.to_f64() });
         }
-        Ok(Self { kernel: S::Kernel::new(&system.to_parameters(), step), step, memory: None })
+        Ok(Self { method: S::Method::new(&system.to_parameters(), step), step })
     }
 
     /// The step size.
@@ -55,45 +47,17 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// # Errors
     /// If the state is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
     /// domain. The state is then as before the call.
+    #[inline]
     pub fn step(&mut self, state: &mut S::State) -> Result<StepReport, StepError> {
-        let components = state.to_components();
-        if !finite(components.as_ref()) {
-            return Err(StepError::NotFinite);
-        }
-        // the last velocity is a good guess only if the state is where we left it
-        let start = match &self.memory {
-            Some(memory) if memory.state == components => memory.unknown,
-            _ => self.kernel.start(&components),
-        };
-        let begun = self.kernel.begin(&components);
-        let solution = newton::solve(&self.kernel, &components, &begun, start)?;
-        if !(self.kernel.domain(&solution.unknown, &solution.evaluation) > S::Scalar::of(0.0)) {
-            return Err(StepError::OutsideDomain);
-        }
-        let next = self.kernel.finish(&components, &begun, &solution.unknown, &solution.evaluation);
-        if !finite(next.as_ref()) {
-            return Err(StepError::NotFinite);
-        }
+        let (next, report) = self.method.advance(&state.to_components())?;
         *state = S::State::from_components(&next);
-        self.memory = Some(Memory { state: next, unknown: solution.unknown });
-        Ok(StepReport { iterations: solution.iterations, residual: solution.residual })
+        Ok(report)
     }
-}
-
-#[inline(always)]
-fn finite<T: Real>(components: &[T]) -> bool {
-    components.iter().all(|x| x.is_finite())
 }
 
 impl<S: Discretized<M>, M> Clone for Stepper<S, M> {
     fn clone(&self) -> Self {
-        Self { kernel: self.kernel, step: self.step, memory: self.memory.as_ref().map(Memory::copy) }
-    }
-}
-
-impl<S: Discretized<M>, M> Memory<S, M> {
-    fn copy(&self) -> Self {
-        Self { state: self.state, unknown: self.unknown }
+        Self { method: self.method.clone(), step: self.step }
     }
 }
 

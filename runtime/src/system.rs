@@ -4,6 +4,8 @@ use nalgebra::{Quaternion, SMatrix, UnitQuaternion};
 
 use crate::error::ParameterError;
 use crate::kernel::{Components, Kernel};
+use crate::method::{Method, OneStep};
+use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Real, Scalar};
 use crate::stepper::Stepper;
 
@@ -86,10 +88,32 @@ pub trait System: Sized {
     }
 }
 
-/// A system for which a step with the scheme `M` (a [retraction](crate::retraction)) has been generated.
+/// A system with a step of the scheme `M`: a [retraction](crate::retraction), or a [composition](crate::composition) of steps.
+#[diagnostic::on_unimplemented(
+    message = "there is no step of the scheme `{M}` for `{Self}`",
+    note = "schemes are `Exponential`, `Cayley`, and compositions of them such as `Order6<Exponential>`"
+)]
 pub trait Discretized<M>: System {
-    /// The generated straight-line code.
+    /// What takes the steps.
+    type Method: Method<
+            Scalar = Self::Scalar,
+            Parameters = Self::Parameters<Self::Scalar>,
+            State = Self::StateComponents<Self::Scalar>,
+        >;
+}
+
+/// A system for which the macro has generated the straight-line code of a step with the retraction `R`.
+pub trait Generated<R>: System {
+    /// The generated code, over any scalar.
     type Kernel<T: Scalar>: Kernel<T, Parameters = Self::Parameters<T>, State = Self::StateComponents<T>>;
+}
+
+impl<S: Generated<Exponential>> Discretized<Exponential> for S {
+    type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
+}
+
+impl<S: Generated<Cayley>> Discretized<Cayley> for S {
+    type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
 }
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`).

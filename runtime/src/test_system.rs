@@ -7,7 +7,7 @@ use crate::inertia::{require_finite, require_positive_definite};
 use crate::kernel::{Evaluation, Kernel};
 use crate::retraction::Cayley;
 use crate::scalar::Scalar;
-use crate::system::{Discretized, Quantity, State, System};
+use crate::system::{Generated, Quantity, State, System};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Body {
@@ -80,7 +80,7 @@ impl System for Body {
     }
 }
 
-impl Discretized<Cayley> for Body {
+impl Generated<Cayley> for Body {
     type Kernel<T: Scalar> = BodyKernel<T>;
 }
 

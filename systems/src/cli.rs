@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::command;
 use crate::error::Error;
 use crate::output::Format;
-use crate::simulation::Retraction;
+use crate::simulation::{Order, Retraction};
 
 /// Runs structure-preserving steppers of mechanical systems.
 ///
@@ -40,6 +40,9 @@ pub(crate) struct RunArguments {
     /// The map that the step is built on; `exp` for short
     #[arg(long, value_enum, default_value = "exponential")]
     pub(crate) retraction: Retraction,
+    /// The order: steps of order 2, or symmetric compositions of them
+    #[arg(long, value_enum, default_value = "2")]
+    pub(crate) order: Order,
     /// The step, s; negative to go back in time [default: the system's own]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     pub(crate) step: Option<f64>,

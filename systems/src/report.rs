@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::catalogue::Entry;
-use crate::simulation::{Outcome, Retraction};
+use crate::simulation::{Order, Outcome, Retraction};
 
 /// A table with a column for each run.
 #[derive(Debug)]
@@ -17,6 +17,8 @@ pub struct Table<'a> {
 pub struct Finding {
     /// The scheme's retraction.
     pub retraction: Retraction,
+    /// The scheme's order.
+    pub order: Order,
     /// What the run found.
     pub outcome: Outcome,
     /// The time a step takes with nobody watching, ns; none if there were no steps.
@@ -35,6 +37,7 @@ impl<'a> Table<'a> {
         };
         let mut rows = vec![
             row("retraction", &|run| run.retraction.name().to_owned()),
+            row("order", &|run| run.order.to_string()),
             row("steps", &|run| grouped(run.outcome.run.steps)),
             row("time per step, ns", &|run| {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))

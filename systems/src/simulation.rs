@@ -32,6 +32,61 @@ impl Retraction {
     }
 }
 
+/// The order of the step: 2 as generated, higher ones composed of such steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Order {
+    /// The generated step itself.
+    #[default]
+    #[value(name = "2")]
+    Two,
+    /// Five steps in one.
+    #[value(name = "4")]
+    Four,
+    /// Nine steps in one.
+    #[value(name = "6")]
+    Six,
+    /// Seventeen steps in one.
+    #[value(name = "8")]
+    Eight,
+    /// Thirty-five steps in one.
+    #[value(name = "10")]
+    Ten,
+}
+
+impl std::fmt::Display for Order {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let order = match self {
+            Order::Two => 2,
+            Order::Four => 4,
+            Order::Six => 6,
+            Order::Eight => 8,
+            Order::Ten => 10,
+        };
+        write!(f, "{order}")
+    }
+}
+
+/// Calls a function for the scheme that a job asks for.
+macro_rules! with_scheme {
+    ($job:expr, $function:ident::<$S:ident>($($argument:expr),*)) => {
+        with_scheme!(@match $job, $function, $S, ($($argument),*), Exponential Cayley)
+    };
+    (@match $job:expr, $function:ident, $S:ident, $arguments:tt, $($R:ident)*) => {
+        match ($job.retraction, $job.order) {
+            $(
+                (Retraction::$R, Order::Two) => with_scheme!(@call $function, $S, $R, $arguments),
+                (Retraction::$R, Order::Four) => with_scheme!(@call $function, $S, Order4<$R>, $arguments),
+                (Retraction::$R, Order::Six) => with_scheme!(@call $function, $S, Order6<$R>, $arguments),
+                (Retraction::$R, Order::Eight) => with_scheme!(@call $function, $S, Order8<$R>, $arguments),
+                (Retraction::$R, Order::Ten) => with_scheme!(@call $function, $S, Order10<$R>, $arguments),
+            )*
+        }
+    };
+    (@call $function:ident, $S:ident, $M:ty, ($($argument:expr),*)) => {
+        $function::<$S, $M>($($argument),*)
+    };
+}
+
 /// Parameters and an initial state, in the order of the system's quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
@@ -46,6 +101,8 @@ pub struct Setup {
 pub struct Job {
     /// The scheme's retraction.
     pub retraction: Retraction,
+    /// The scheme's order.
+    pub order: Order,
     /// The step, s.
     pub step: f64,
     /// How many of them.
@@ -109,10 +166,7 @@ pub fn check<S: Catalogued>(setup: &Setup) -> Result<Option<String>, ParameterEr
 /// # Errors
 /// If parameters or step are not valid, a step cannot be taken, or `watch` fails.
 pub fn simulate<S: Catalogued>(setup: &Setup, job: &Job, watch: &mut Watch<'_>) -> Result<Outcome, Error> {
-    match job.retraction {
-        Retraction::Exponential => run::<S, Exponential>(setup, job, watch),
-        Retraction::Cayley => run::<S, Cayley>(setup, job, watch),
-    }
+    with_scheme!(job, run::<S>(setup, job, watch))
 }
 
 /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
@@ -120,10 +174,7 @@ pub fn simulate<S: Catalogued>(setup: &Setup, job: &Job, watch: &mut Watch<'_>) 
 /// # Errors
 /// If parameters or step are not valid, or a step cannot be taken.
 pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
-    match job.retraction {
-        Retraction::Exponential => clock::<S, Exponential>(setup, job),
-        Retraction::Cayley => clock::<S, Cayley>(setup, job),
-    }
+    with_scheme!(job, clock::<S>(setup, job))
 }
 
 fn run<S: Catalogued + Discretized<M>, M>(

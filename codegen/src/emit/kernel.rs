@@ -31,12 +31,17 @@ fn local(name: &str) -> Ident {
 /// ```text
 /// const _: () = {
 ///     pub struct HeavyTopCayley<T> { …constants }
-///     pub struct Step<T> { … }
-///     pub struct Iterate<T> { … }
-///     impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
-///     impl Discretized<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+///     impl Generated<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+///
+///     const _: () = {
+///         pub struct Step<T> { … }
+///         pub struct Iterate<T> { … }
+///         impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
+///     };
 /// };
 /// ```
+///
+/// The inner block does not name the system, which may be called `Step` or `Kernel`, too.
 pub(super) fn kernel(
     system: &Ident,
     private: &TokenStream,
@@ -66,7 +71,10 @@ pub(super) fn kernel(
     };
     let keep = |name: &Ident, values: &[String]| {
         let values = values.iter().map(|value| local(value));
-        quote! { #name { #(#values),* } }
+        match values.len() {
+            0 => quote! { #name(::core::marker::PhantomData) },
+            _ => quote! { #name { #(#values),* } },
+        }
     };
     let array = |results: &[Term]| {
         let results = results.iter().map(term);
@@ -105,9 +113,16 @@ pub(super) fn kernel(
     quote! {
         #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
         const _: () = {
-            use #private::{Discretized, Evaluation, Kernel, Scalar};
-
             #constants
+
+            #[automatically_derived]
+            impl #private::Generated<#coadjoint::#retraction_name> for #system {
+                type Kernel<T: #private::Scalar> = #name<T>;
+            }
+
+            const _: () = {
+            use #private::{Evaluation, Kernel, Scalar};
+
             #step
             #iterate
 
@@ -179,16 +194,13 @@ pub(super) fn kernel(
                 }
             }
 
-            #[automatically_derived]
-            impl Discretized<#coadjoint::#retraction_name> for #system {
-                type Kernel<T: Scalar> = #name<T>;
-            }
+            };
         };
     }
 }
 
 /// A free function of parameters and state: `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
-pub(super) fn function(name: &str, section: &Section, layout: &Layout) -> TokenStream {
+pub(super) fn function(name: &str, private: &TokenStream, section: &Section, layout: &Layout) -> TokenStream {
     let name = format_ident!("{name}");
     let (parameters, state) = (size(layout.parameters.len()), size(layout.state.len()));
     let count = size(section.results.len());
@@ -200,7 +212,7 @@ pub(super) fn function(name: &str, section: &Section, layout: &Layout) -> TokenS
     let results = section.results.iter().map(term);
     quote! {
         #[inline]
-        fn #name<T: Scalar>(parameters: &[T; #parameters], state: &[T; #state]) -> [T; #count] {
+        fn #name<T: #private::Scalar>(parameters: &[T; #parameters], state: &[T; #state]) -> [T; #count] {
             #(#unpack)*
             #(#statements)*
             [#(#results),*]
@@ -214,7 +226,7 @@ fn fields(name: &Ident, doc: &str, fields: &[String]) -> TokenStream {
     if fields.is_empty() {
         return quote! {
             #doc
-            #[derive(Clone, Copy, Debug)]
+            #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
             pub struct #name<T>(::core::marker::PhantomData<T>);
         };
     }

@@ -103,12 +103,8 @@ pub fn expansion<'a>(
         .into_iter()
         .map(|(retraction, kernel)| {
             let layout = Layout {
-                parameters: system
-                    .parameter_symbols()
-                    .iter()
-                    .map(|&s| kernel.symbols.get(arena, s))
-                    .collect(),
-                state: system.state_symbols().iter().map(|&s| kernel.symbols.get(arena, s)).collect(),
+                parameters: system.parameter_symbols().iter().map(|&s| kernel.symbols.get(s)).collect(),
+                state: system.state_symbols().iter().map(|&s| kernel.symbols.get(s)).collect(),
             };
             let tokens =
                 kernel::kernel(&names.system, &names.private, &names.coadjoint, retraction, &kernel, &layout);

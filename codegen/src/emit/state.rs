@@ -2,6 +2,7 @@
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
+use syn::ext::IdentExt;
 
 use super::{Names, docs, quantity};
 use crate::model::{Part, System};
@@ -31,7 +32,7 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
     let Conversion { take, elements, give } = conversion;
     let quantities = parts.iter().map(|part| {
         let suffixes: Vec<&str> = part.suffixes.clone();
-        quantity(names, &part.name.to_string(), &suffixes, &part.doc)
+        quantity(names, &part.name.unraw().to_string(), &suffixes, &part.doc)
     });
     quote! {
         #doc

@@ -2,6 +2,7 @@
 
 use proc_macro2::TokenStream;
 use quote::quote;
+use syn::ext::IdentExt;
 
 use super::kernel::{Layout, function, size as array_size};
 use super::state::{Conversion, arrays};
@@ -15,6 +16,7 @@ use crate::model::{InertiaShape, System};
 pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> TokenStream {
     let Names { private, system: name, state, scalar, .. } = names;
     let group = system.algebra.group;
+    let text = name.unraw().to_string();
 
     let fields: Vec<_> =
         system.parameters.iter().map(|field| (field.name.clone(), field.symbols.len())).collect();
@@ -26,7 +28,7 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let quantities = system
         .parameters
         .iter()
-        .map(|field| quantity(names, &field.name.to_string(), &field.suffixes(), &field.doc));
+        .map(|field| quantity(names, &field.name.unraw().to_string(), &field.suffixes(), &field.doc));
 
     let momentum = Named { name: "momentum", value: &system.momentum };
     let advected: Vec<Named<'_, 'a>> =
@@ -41,11 +43,11 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let emitted = |name: &str, outputs: &Vector<'a>| {
         let (section, symbols) = kernel::function(arena, outputs);
         let layout = Layout {
-            parameters: system.parameter_symbols().iter().map(|&s| symbols.get(arena, s)).collect(),
-            state: system.state_symbols().iter().map(|&s| symbols.get(arena, s)).collect(),
+            parameters: system.parameter_symbols().iter().map(|&s| symbols.get(s)).collect(),
+            state: system.state_symbols().iter().map(|&s| symbols.get(s)).collect(),
         };
         let doc = docs::line(&format!("{}.", section.operations()));
-        let function = function(name, &section, &layout);
+        let function = function(name, private, &section, &layout);
         quote! { #doc #function }
     };
     let energy = emitted("energy", &Vector(vec![system.energy()]));
@@ -55,11 +57,12 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let pivots = emitted("pivots", &pivots);
 
     let finite = system.parameters.iter().map(|field| {
-        let (field, text, size) = (&field.name, field.name.to_string(), array_size(field.symbols.len()));
+        let (field, text, size) =
+            (&field.name, field.name.unraw().to_string(), array_size(field.symbols.len()));
         quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#field))?; }
     });
     let inertia = &system.inertia_field;
-    let (inertia_name, inertia_text) = (&inertia.name, inertia.name.to_string());
+    let (inertia_name, inertia_text) = (&inertia.name, inertia.name.unraw().to_string());
     let dimension = array_size(group.dimension());
     let symmetric = (inertia.shape == InertiaShape::Matrix).then(|| {
         quote! {
@@ -74,7 +77,7 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
         const _: () = {
-            use #private::{Scalar, Stored as __Stored};
+            use #private::Stored as __Stored;
 
             #energy
             #casimirs
@@ -85,14 +88,14 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
             impl #private::System for #name {
                 type Scalar = #scalar;
                 type State = #state;
-                type StateComponents<T: Scalar> = [T; #state_size];
-                type Parameters<T: Scalar> = [T; #size];
+                type StateComponents<T: #private::Scalar> = [T; #state_size];
+                type Parameters<T: #private::Scalar> = [T; #size];
                 type Casimirs = [#scalar; #casimir_count];
                 type Momentum = #private::nalgebra::#momentum_type<#scalar>;
 
-                const NAME: &'static str = ::core::stringify!(#name);
+                const NAME: &'static ::core::primitive::str = #text;
                 const PARAMETERS: &'static [#private::Quantity] = &[#(#quantities),*];
-                const CASIMIRS: &'static [&'static str] = &[#(#casimir_names),*];
+                const CASIMIRS: &'static [&'static ::core::primitive::str] = &[#(#casimir_names),*];
 
                 fn to_parameters(&self) -> [#scalar; #size] {
                     #(#take)*
@@ -107,7 +110,7 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
                 fn validate(&self) -> ::core::result::Result<(), #private::ParameterError> {
                     #(#finite)*
                     #symmetric
-                    let none = [<#scalar as Scalar>::of(0.0); #state_size];
+                    let none = [<#scalar as #private::Scalar>::of(0.0); #state_size];
                     #private::require_positive_definite(#inertia_text, &pivots(&self.to_parameters(), &none))
                 }
 

@@ -107,14 +107,14 @@ pub struct Kernel {
 pub struct SymbolNames(FxHashMap<Symbol, String>);
 
 impl SymbolNames {
-    /// The name of a symbol; of one that is not used, what it is called.
-    pub fn get(&self, arena: &Arena, symbol: Symbol) -> String {
-        self.0.get(&symbol).cloned().unwrap_or_else(|| arena.symbol_info(symbol).name)
+    /// The name of a symbol; `_` for one that is not used, as another may have the name that this one is called by.
+    pub fn get(&self, symbol: Symbol) -> String {
+        self.0.get(&symbol).cloned().unwrap_or_else(|| "_".to_owned())
     }
 
     /// The names of the symbols that a vector's components are.
     pub fn of(&self, vector: &Vector<'_>) -> Vec<String> {
-        vector.iter().filter_map(|x| Some(self.get(x.arena(), x.as_symbol()?))).collect()
+        vector.iter().filter_map(|x| Some(self.get(x.as_symbol()?))).collect()
     }
 }
 
@@ -154,8 +154,7 @@ impl Kernel {
         let (unknown, residual, h) = symbols;
         kernel.unknown = kernel.symbols.of(&unknown);
         kernel.residual = kernel.symbols.of(&residual);
-        kernel.h =
-            h.as_symbol().map(|h| kernel.symbols.get(arena, h)).filter(|h| kernel.new.inputs.contains(h));
+        kernel.h = h.as_symbol().map(|h| kernel.symbols.get(h)).filter(|h| kernel.new.inputs.contains(h));
         kernel
     }
 }

@@ -34,7 +34,10 @@ pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(
     write!(
         console,
         "{}",
-        Table::new(entry, vec![Finding { retraction: job.retraction, outcome, time_per_step }])
+        Table::new(
+            entry,
+            vec![Finding { retraction: job.retraction, order: job.order, outcome, time_per_step }]
+        )
     )?;
     writeln!(console, "wrote {}", path.display())?;
     Ok(())
@@ -68,5 +71,5 @@ fn job(entry: &Entry, arguments: &RunArguments) -> Result<(Job, Option<String>),
             steps * step
         )
     });
-    Ok((Job { retraction: arguments.retraction, step, steps: steps as u64 }, note))
+    Ok((Job { retraction: arguments.retraction, order: arguments.order, step, steps: steps as u64 }, note))
 }

@@ -1,0 +1,192 @@
+//! Symmetric compositions: steps of a higher order from steps of order 2.
+//!
+//! A step of the symmetric base method of order 2 is replaced by steps of `γ₁h, γ₂h, …, γ_s h` with `γᵢ = γ_{s+1−i}` and
+//! `Σ γᵢ = 1`. Where the base method is a Poisson map and keeps the Casimirs, so does the composition; it is symmetric again.
+//! The order is even, and rises by two for each further set of conditions on the `γᵢ`.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! #[lie_poisson_system(group = SO3)]
+//! struct Body {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//! }
+//!
+//! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+//! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+//! let energy = body.energy(&state);
+//! let mut stepper = body.stepper::<Order6<Exponential>>(0.05)?;
+//! for _ in 0..1_000 {
+//!     stepper.step(&mut state)?;
+//! }
+//! assert!((body.energy(&state) - energy).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Coefficients as collected in Hairer, Lubich, Wanner, *Geometric Numerical Integration*, 2nd ed., section V.3.2. Tests check
+//! their sums and the order that is measured.
+
+#![allow(clippy::excessive_precision, reason = "coefficients as published")]
+
+use core::marker::PhantomData;
+
+use crate::error::StepError;
+use crate::method::Method;
+use crate::scalar::Scalar;
+use crate::stepper::StepReport;
+use crate::system::Discretized;
+
+/// The coefficients of a symmetric composition.
+pub trait Coefficients {
+    /// One `X` for each of its steps.
+    type Steps<X: Clone>: Clone + AsMut<[X]>;
+    /// The order of the composition of symmetric steps of order 2.
+    const ORDER: u32;
+    /// The `γᵢ`, of which those after the middle repeat those before it.
+    const GAMMA: &'static [f64];
+    /// One `X` for each `γ`.
+    fn steps<X: Clone>(make: impl FnMut(f64) -> X) -> Self::Steps<X>;
+}
+
+/// The symmetric composition with coefficients `C` of steps with the symmetric scheme `M` of order 2.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Composed<C, M>(PhantomData<(C, M)>);
+
+/// Order 4, five steps: `γ = 1/(4 − 4^{1/3})` and `1 − 4γ` in the middle. M. Suzuki, Phys. Lett. A 146 (1990).
+pub type Order4<M> = Composed<Suzuki4, M>;
+/// Order 6, nine steps. W. Kahan, R.-C. Li, Math. Comp. 66 (1997), s9odr6a.
+pub type Order6<M> = Composed<KahanLi6, M>;
+/// Order 8, seventeen steps. W. Kahan, R.-C. Li, Math. Comp. 66 (1997), s17odr8a.
+pub type Order8<M> = Composed<KahanLi8, M>;
+/// Order 10, thirty-five steps. M. Sofroniou, G. Spaletta, J. Optim. Methods Softw. 20 (2005).
+pub type Order10<M> = Composed<SofroniouSpaletta10, M>;
+
+/// `γ₁, …` up to the middle one, made symmetric.
+const fn symmetric<const N: usize>(half: &[f64]) -> [f64; N] {
+    let mut gamma = [0.0; N];
+    let mut i = 0;
+    while i < half.len() {
+        gamma[i] = half[i];
+        gamma[N - 1 - i] = half[i];
+        i += 1;
+    }
+    gamma
+}
+
+macro_rules! coefficients {
+    ($(#[$doc:meta])* $name:ident, order $order:literal, $n:literal steps, $half:expr) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct $name;
+
+        impl Coefficients for $name {
+            type Steps<X: Clone> = [X; $n];
+            const ORDER: u32 = $order;
+            const GAMMA: &'static [f64] = &symmetric::<$n>(&$half);
+
+            fn steps<X: Clone>(mut make: impl FnMut(f64) -> X) -> [X; $n] {
+                const GAMMA: [f64; $n] = symmetric(&$half);
+                GAMMA.map(|gamma| make(gamma))
+            }
+        }
+    };
+}
+
+coefficients! {
+    /// Coefficients of [`Order4`].
+    Suzuki4, order 4, 5 steps,
+    [0.414490771794375737142354062860, 0.414490771794375737142354062860, -0.657963087177502948569416251440]
+}
+coefficients! {
+    /// Coefficients of [`Order6`].
+    KahanLi6, order 6, 9 steps,
+    [
+        0.39216144400731413927925056,
+        0.33259913678935943859974864,
+        -0.70624617255763935980996482,
+        0.08221359629355080023149045,
+        0.79854399093482996339895035,
+    ]
+}
+coefficients! {
+    /// Coefficients of [`Order8`].
+    KahanLi8, order 8, 17 steps,
+    [
+        0.13020248308889008087881763,
+        0.56116298177510838456196441,
+        -0.38947496264484728640807860,
+        0.15884190655515560089621075,
+        -0.39590389413323757733623154,
+        0.18453964097831570709183254,
+        0.25837438768632204729397911,
+        0.29501172360931029887096624,
+        -0.60550853383003451169892108,
+    ]
+}
+coefficients! {
+    /// Coefficients of [`Order10`].
+    SofroniouSpaletta10, order 10, 35 steps,
+    [
+        0.07879572252168641926390768,
+        0.31309610341510852776481247,
+        0.02791838323507806610952027,
+        -0.22959284159390709415121340,
+        0.13096206107716486317465686,
+        -0.26973340565451071434460973,
+        0.07497334315589143566613711,
+        0.11199342399981020488957508,
+        0.36613344954622675119314812,
+        -0.39910563013603589787862981,
+        0.10308739852747107731580277,
+        0.41143087395589023782070412,
+        -0.00486636058313526176219566,
+        -0.39203335370863990644808194,
+        0.05194250296244964703718290,
+        0.05066509075992449633587434,
+        0.04967437063972987905456880,
+        0.04931773575959453791768001,
+    ]
+}
+
+/// The composed method: a base method for each step, each with a memory of its own.
+#[derive(Debug)]
+pub struct Composition<C: Coefficients, B: Method> {
+    steps: C::Steps<B>,
+}
+
+impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
+    fn clone(&self) -> Self {
+        Self { steps: self.steps.clone() }
+    }
+}
+
+impl<C: Coefficients, B: Method> Method for Composition<C, B> {
+    type Scalar = B::Scalar;
+    type Parameters = B::Parameters;
+    type State = B::State;
+
+    fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
+        Self { steps: C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma))) }
+    }
+
+    fn advance(&mut self, state: &B::State) -> Result<(B::State, StepReport), StepError> {
+        let mut state = *state;
+        let mut total = StepReport { iterations: 0, residual: 0.0 };
+        for step in self.steps.as_mut() {
+            let (next, report) = step.advance(&state)?;
+            state = next;
+            total.iterations += report.iterations;
+            total.residual = total.residual.max(report.residual);
+        }
+        Ok((state, total))
+    }
+}
+
+impl<S, C, M> Discretized<Composed<C, M>> for S
+where
+    S: Discretized<M>,
+    C: Coefficients,
+{
+    type Method = Composition<C, <S as Discretized<M>>::Method>;
+}

@@ -1,0 +1,96 @@
+//! What is generated, for review: each snapshot shows a description and what becomes of it.
+//!
+//! After a change that is meant, accept with `INSTA_UPDATE=always cargo test --package coadjoint-tests --test snapshots`, and
+//! read the difference.
+
+use coadjoint_codegen::emit::Expansion;
+use coadjoint_codegen::expand;
+use coadjoint_codegen::group::Retraction;
+use coadjoint_tests::pretty;
+use proc_macro2::TokenStream;
+use quote::quote;
+
+/// The systems that the program runs, as they are described there.
+const FREE_RIGID_BODY: &str = include_str!("../../systems/src/free_rigid_body.rs");
+const HEAVY_TOP: &str = include_str!("../../systems/src/heavy_top.rs");
+
+/// The annotated struct in a source file, with its documentation: the lines between two empty ones.
+fn description(source: &str) -> &str {
+    source
+        .split("\n\n")
+        .find(|paragraph| paragraph.contains("#[lie_poisson_system"))
+        .expect("a description in the file")
+        .trim_end()
+}
+
+/// What the macro makes of a description.
+fn expansion(description: &str) -> Expansion {
+    let mut item: syn::ItemStruct = syn::parse_str(description).expect("a struct");
+    let place = item
+        .attrs
+        .iter()
+        .position(|attribute| attribute.path().is_ident("lie_poisson_system"))
+        .expect("an annotation");
+    let attribute = item.attrs.remove(place);
+    let arguments = attribute.meta.require_list().expect("arguments").tokens.clone();
+    expand(arguments, quote!(#item)).expect("an expansion")
+}
+
+/// Input and output in one text.
+fn beside(description: &str, output: &str) -> String {
+    format!("{description}\n\n// ─── becomes ───\n\n{}", output.trim_end())
+}
+
+/// The code of one step.
+fn step(description: &str, retraction: Retraction) -> TokenStream {
+    let steps = expansion(description).steps;
+    let step = steps.into_iter().find(|step| step.retraction == retraction);
+    step.expect("a step with this retraction").tokens
+}
+
+/// Compares with the snapshot of that name.
+fn assert_snapshot(name: &str, text: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    settings.bind(|| insta::assert_snapshot!(name, text));
+}
+
+#[test]
+fn steps_of_the_free_rigid_body() {
+    let input = description(FREE_RIGID_BODY);
+    for (name, retraction) in [
+        ("free_rigid_body_exponential", Retraction::Exponential),
+        ("free_rigid_body_cayley", Retraction::Cayley),
+    ] {
+        assert_snapshot(name, &beside(input, &pretty(step(input, retraction))));
+    }
+}
+
+#[test]
+fn steps_of_the_heavy_top() {
+    let input = description(HEAVY_TOP);
+    for (name, retraction) in
+        [("heavy_top_exponential", Retraction::Exponential), ("heavy_top_cayley", Retraction::Cayley)]
+    {
+        assert_snapshot(name, &beside(input, &pretty(step(input, retraction))));
+    }
+}
+
+/// What does not depend on the retraction: declaration, state, potential, energy, Casimirs.
+#[test]
+fn the_heavy_top_as_a_system() {
+    let input = description(HEAVY_TOP);
+    let Expansion { declaration, state, potential, system, .. } = expansion(input);
+    let output = pretty(quote! { #declaration #state #potential #system });
+    assert_snapshot("heavy_top_system", &beside(input, &output));
+}
+
+/// The intermediate representation of a small step: shorter to review than code.
+#[test]
+fn the_kernel_of_the_free_rigid_body() {
+    let input = description(FREE_RIGID_BODY);
+    let steps = expansion(input).steps;
+    let step = steps.iter().find(|step| step.retraction == Retraction::Cayley).expect("a Cayley step");
+    assert_snapshot("free_rigid_body_cayley_kernel", &beside(input, &step.kernel.to_string()));
+}
