@@ -12,7 +12,7 @@ use crate::diagnostics::{Diagnostics, suggestion};
 use crate::expr::Arena;
 
 /// How deeply constructs may nest. A sum or product of many terms is one construct.
-const DEPTH: usize = 256;
+const DEPTH: usize = 128;
 
 /// What is at hand while an expression is lowered.
 pub(super) struct Lowering<'a, 's> {

@@ -5,8 +5,9 @@
 
 use proc_macro2::{Spacing, Span, TokenStream, TokenTree};
 
-/// How deeply anything may nest: brackets, signs before an operand, and what extends to the end of a statement.
-const DEPTH: usize = 64;
+/// How deeply anything may nest: brackets, signs before an operand, and what extends to the end of a statement. Compiled
+/// without optimisation, syn takes up to 50 kB of stack for a level.
+const DEPTH: usize = 32;
 
 /// How many tokens there may be, as a sum nests its terms to the left.
 const TOKENS: usize = 20_000;
