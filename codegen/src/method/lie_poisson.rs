@@ -6,7 +6,7 @@
 //! m⁻ = Ad*_{τ(sη)} m_k                                         carried to the intermediate point
 //! m̄  = (1−s) (dR τ_{(1−s)η})* m⁻ + s (dR τ_{−sη})* m⁻
 //! η  = t ∂h/∂m(m̄)                                              the equation to solve
-//! m_{k+1} = Ad*_{τ((1−s)η)} m⁻,   g_{k+1} = g_k τ(η)
+//! m_{k+1} = Ad*_{τ((1−s)η)} m⁻,   g_{k+1} = g_k τ(sη) τ((1−s)η)
 //! ```
 //!
 //! on the dual `m = (μ, a)` of the semidirect algebra; `s = 0` is the paper's (6.5). Every member keeps the Poisson
@@ -73,8 +73,11 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, s
     let before = algebra.d_right_dual(retraction, &eta_early.scale(arena.number(-1)), &m_minus);
     let m_bar = after.scale(late).plus(&before.scale(early)).hold();
     let m_next = m_minus.plus(&algebra.coadjoint(&eta_late, &after));
-    let g_next =
-        group.normalize(&group.compose(&system.configuration, &group.retract(retraction, &y).hold()));
+    // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
+    let turned = [&y_early, &y_late].into_iter().fold(system.configuration.clone(), |g, part| {
+        group.compose(&g, &group.retract(retraction, part).hold())
+    });
+    let g_next = group.normalize(&turned);
 
     let left = system.inertia.scale(t.recip()).times(&y);
     let start = system.velocity(&system.momentum).scale(t);
