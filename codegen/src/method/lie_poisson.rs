@@ -6,7 +6,7 @@
 //! m⁻ = Ad*_{τ(sη)} m_k                                         carried to the intermediate point
 //! m̄  = (1−s) (dR τ_{(1−s)η})* m⁻ + s (dR τ_{−sη})* m⁻
 //! η  = t ∂h/∂m(m̄)                                              the equation to solve
-//! m_{k+1} = Ad*_{τ((1−s)η)} m⁻,   g_{k+1} = g_k τ(η)
+//! m_{k+1} = Ad*_{τ((1−s)η)} m⁻,   g_{k+1} = g_k τ(sη) τ((1−s)η)
 //! ```
 //!
 //! on the dual `m = (μ, a)` of the semidirect algebra; `s = 0` is the paper's (6.5). Every member keeps the Poisson
@@ -73,8 +73,11 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, s
     let before = algebra.d_right_dual(retraction, &eta_early.scale(arena.number(-1)), &m_minus);
     let m_bar = after.scale(late).plus(&before.scale(early)).hold();
     let m_next = m_minus.plus(&algebra.coadjoint(&eta_late, &after));
-    let turn = group.retract(retraction, &y).hold().named("turn", group.coordinates());
-    let moved = group.compose(&system.configuration, &turn).hold();
+    // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
+    let moved = [&y_early, &y_late].into_iter().fold(system.configuration.clone(), |g, part| {
+        let turn = group.retract(retraction, part).hold().named("turn", group.coordinates());
+        group.compose(&g, &turn).hold()
+    });
     let g_next =
         group.normalize(&moved.named(&format!("{}_moved", group.configuration_name()), group.coordinates()));
 
