@@ -1,11 +1,11 @@
 //! A described system as plain symbolic data: what methods and emitters work from.
 
 use proc_macro2::Ident;
-use quote::format_ident;
+use quote::{ToTokens, format_ident};
 
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector, gradient};
-use crate::group::{Group, Representation, Semidirect};
+use crate::group::{Group, Named, Representation, Semidirect};
 use crate::language::{Constant, Scope, Value, lower_scalar};
 use crate::parse::{Attribute, Item};
 
@@ -271,6 +271,22 @@ impl<'a> System<'a> {
         self.advected.iter().map(|(_, value)| value.clone()).collect()
     }
 
+    /// The Casimirs of the bracket, with their names.
+    pub fn casimirs(&self) -> Vec<(String, Expr<'a>)> {
+        let momentum = Named { name: "momentum", value: &self.momentum };
+        let advected: Vec<Named<'_, 'a>> =
+            self.advected.iter().map(|(name, value)| Named { name, value }).collect();
+        self.algebra.group.casimirs(&momentum, &advected)
+    }
+
+    /// A formula's text with the paths of the user's constants in the place of the symbols that stand for them.
+    fn in_users_words(&self, formula: &str) -> String {
+        self.constants.iter().fold(formula.to_owned(), |text, constant| {
+            let path = constant.tokens.to_token_stream().to_string().replace(' ', "");
+            text.replace(&constant.name, &path)
+        })
+    }
+
     /// The equations of motion as text.
     pub fn equations(&self) -> Vec<String> {
         let group = self.algebra.group;
@@ -282,7 +298,7 @@ impl<'a> System<'a> {
         for ((_, a), gradient) in self.advected.iter().zip(self.potential_gradients()) {
             for (symbol, component) in a.symbols().into_iter().zip(gradient.iter()) {
                 let symbol = component.arena().symbol_info(symbol).name;
-                lines.push(format!("∂V/∂{symbol} = {component}"));
+                lines.push(format!("∂V/∂{symbol} = {}", self.in_users_words(&component.to_string())));
             }
         }
         lines

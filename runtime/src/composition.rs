@@ -170,6 +170,10 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         Self { steps: C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma))) }
     }
 
+    fn forget(&mut self) {
+        self.steps.as_mut().iter_mut().for_each(B::forget);
+    }
+
     fn advance(&mut self, state: &B::State) -> Result<(B::State, StepReport), StepError> {
         let mut state = *state;
         let mut total = StepReport { iterations: 0, residual: 0.0 };

@@ -21,9 +21,7 @@ pub enum ParameterError {
         difference: f64,
     },
     /// An inertia is not positive definite: some motion would have no or negative kinetic energy.
-    #[error(
-        "inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot:e}"
-    )]
+    #[error("inertia `{name}` is not positive definite: pivot {index} of its LDLᵀ factorization is {pivot}")]
     NotPositiveDefinite {
         /// The field's name.
         name: &'static str,
@@ -47,6 +45,13 @@ pub enum StepError {
     /// The state handed in, or the state after the step, has an infinite component or one that is not a number.
     #[error("the state is not finite")]
     NotFinite,
+    /// The configuration handed in is not on its group: an attitude whose quaternion is not of unit length. (nalgebra's
+    /// `new_unchecked` and its deserializer do not look.)
+    #[error("the attitude is not a unit quaternion: its length differs from 1 by {deviation:e}")]
+    NotOnGroup {
+        /// How far off it is.
+        deviation: f64,
+    },
     /// Newton's iteration did not solve the step's equation; a smaller step helps.
     #[error(
         "no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step"

@@ -51,7 +51,7 @@ extern crate self as coadjoint;
 pub mod composition;
 pub mod error;
 pub mod generic;
-pub mod inertia;
+mod inertia;
 pub mod kernel;
 mod literals;
 pub mod method;

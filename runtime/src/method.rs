@@ -18,7 +18,10 @@ pub trait Method: Clone {
     /// The method for these parameters and this step.
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
-    /// The state after a step. What is remembered from earlier steps only makes it faster.
+    /// Forgets earlier steps: the next state is not one that the last step led to.
+    fn forget(&mut self);
+
+    /// The state after a step. What is remembered from earlier steps is a guess that only makes it faster.
     ///
     /// # Errors
     /// If the state is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's domain.
@@ -27,19 +30,10 @@ pub trait Method: Clone {
 
 /// One generated kernel: a step is one equation, solved by Newton's iteration from the last solution.
 #[derive(Clone, Copy, Debug)]
-pub struct OneStep<T, K: Kernel<T>>
-where
-    T: Real,
-{
+pub struct OneStep<T: Real, K: Kernel<T>> {
     kernel: K,
-    memory: Option<Memory<K::State, K::Unknown>>,
-}
-
-/// The last solution and the state it led to.
-#[derive(Clone, Copy, Debug)]
-struct Memory<S, U> {
-    state: S,
-    unknown: U,
+    /// The last solution.
+    unknown: Option<K::Unknown>,
 }
 
 impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
@@ -48,7 +42,11 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
     type State = K::State;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self { kernel: K::new(parameters, step), memory: None }
+        Self { kernel: K::new(parameters, step), unknown: None }
+    }
+
+    fn forget(&mut self) {
+        self.unknown = None;
     }
 
     #[inline]
@@ -56,11 +54,7 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
         if !finite(state.as_ref()) {
             return Err(StepError::NotFinite);
         }
-        // the last velocity is a good guess only if the state is where we left it
-        let start = match &self.memory {
-            Some(memory) if memory.state == *state => memory.unknown,
-            _ => self.kernel.start(state),
-        };
+        let start = self.unknown.unwrap_or_else(|| self.kernel.start(state));
         let begun = self.kernel.begin(state);
         let solution = newton::solve(&self.kernel, state, &begun, start)?;
         if !(self.kernel.domain(&solution.unknown, &solution.evaluation) > T::of(0.0)) {
@@ -70,7 +64,7 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
         if !finite(next.as_ref()) {
             return Err(StepError::NotFinite);
         }
-        self.memory = Some(Memory { state: next, unknown: solution.unknown });
+        self.unknown = Some(solution.unknown);
         Ok((next, StepReport { iterations: solution.iterations, residual: solution.residual }))
     }
 }

@@ -281,7 +281,7 @@ mod tests {
     fn run<O: Observer<Body>>(observer: O, steps: u64) {
         let mut state = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
-        Run::new(&body(), &mut stepper, &mut state).observe(observer).steps(steps).expect("solvable");
+        Run::new(&mut stepper, &mut state).observe(observer).steps(steps).expect("solvable");
     }
 
     #[test]
@@ -330,7 +330,7 @@ mod tests {
         let mut state = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
         for _ in 0..4 {
-            Run::new(&body(), &mut stepper, &mut state).observe(&mut pieces).steps(25).expect("solvable");
+            Run::new(&mut stepper, &mut state).observe(&mut pieces).steps(25).expect("solvable");
         }
         assert_eq!(pieces.initial_energy(), whole.initial_energy());
         assert_eq!(pieces.energy_error(), whole.energy_error());
@@ -373,7 +373,7 @@ mod tests {
         let mut after = 0;
         let mut state = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
-        let report = Run::new(&body(), &mut stepper, &mut state)
+        let report = Run::new(&mut stepper, &mut state)
             .each(|_| before += 1)
             .until(|tick| tick.index == 3)
             .every(1, |_| after += 1)

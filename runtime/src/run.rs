@@ -23,7 +23,7 @@
 //!
 //! let mut record = Record::every(100);
 //! let mut invariants = Invariants::new();
-//! let report = Run::new(&top, &mut stepper, &mut state)
+//! let report = Run::new(&mut stepper, &mut state)
 //!     .observe(&mut record)
 //!     .observe(&mut invariants)
 //!     .until(|tick| tick.state.gamma.z < 0.0) // it has fallen over
@@ -74,7 +74,7 @@ impl<S: System> Copy for Tick<'_, S> {}
 pub struct RunReport {
     /// Steps taken.
     pub steps: u64,
-    /// Whether an observer ended the run before the steps asked for were taken.
+    /// Whether an observer ended the run, be it at its last step.
     pub stopped: bool,
     /// Newton iterations of all steps together.
     pub iterations: u64,
@@ -112,12 +112,11 @@ pub struct RunError {
     pub source: StepError,
 }
 
-/// A run to be made: a system, a stepper, a state to start from, and who watches.
+/// A run to be made: a stepper, a state to start from, and who watches.
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
 #[must_use = "a run starts with `steps`"]
 pub struct Run<'a, S: Discretized<M>, M, O = ()> {
-    system: &'a S,
     stepper: &'a mut Stepper<S, M>,
     state: &'a mut S::State,
     start: f64,
@@ -126,8 +125,8 @@ pub struct Run<'a, S: Discretized<M>, M, O = ()> {
 
 impl<'a, S: Discretized<M>, M> Run<'a, S, M> {
     /// A run from `state` at time 0 that nobody watches yet.
-    pub fn new(system: &'a S, stepper: &'a mut Stepper<S, M>, state: &'a mut S::State) -> Self {
-        Self { system, stepper, state, start: 0.0, observer: () }
+    pub fn new(stepper: &'a mut Stepper<S, M>, state: &'a mut S::State) -> Self {
+        Self { stepper, state, start: 0.0, observer: () }
     }
 }
 
@@ -141,7 +140,6 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>> Run<'a, S, M, O> {
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
     pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, S, M, (O, P)> {
         Run {
-            system: self.system,
             stepper: self.stepper,
             state: self.state,
             start: self.start,
@@ -177,7 +175,7 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>> Run<'a, S, M, O> {
         let mut last = None;
         loop {
             if self.show(report.steps, last).is_break() {
-                report.stopped = report.steps < count;
+                report.stopped = true;
                 return Ok(report);
             }
             if report.steps >= count {
@@ -203,7 +201,7 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>> Run<'a, S, M, O> {
     #[inline]
     fn show(&mut self, index: u64, report: Option<StepReport>) -> ControlFlow<()> {
         let time = self.time(index);
-        self.observer.observe(&Tick { index, time, system: self.system, state: self.state, report })
+        self.observer.observe(&Tick { index, time, system: self.stepper.system(), state: self.state, report })
     }
 }
 
@@ -237,7 +235,7 @@ mod tests {
     fn a_run_does_what_a_loop_of_steps_does() {
         let mut by_run = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
-        let report = Run::new(&body(), &mut stepper, &mut by_run).steps(50).expect("solvable");
+        let report = Run::new(&mut stepper, &mut by_run).steps(50).expect("solvable");
 
         let mut by_loop = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
@@ -260,7 +258,7 @@ mod tests {
         let mut first = None;
         let mut state = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
-        Run::new(&body(), &mut stepper, &mut state)
+        Run::new(&mut stepper, &mut state)
             .starting_at(5.0)
             .each(|tick| {
                 seen.push((tick.index, tick.time, tick.report.is_some()));
@@ -280,10 +278,8 @@ mod tests {
         let mut ticks = 0;
         let mut state = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
-        let report = Run::new(&body(), &mut stepper, &mut state)
-            .each(|_| ticks += 1)
-            .steps(0)
-            .expect("nothing to solve");
+        let report =
+            Run::new(&mut stepper, &mut state).each(|_| ticks += 1).steps(0).expect("nothing to solve");
         assert_eq!((ticks, report), (1, RunReport::default()));
         assert_eq!(report.iterations_per_step(), 0.0);
     }
@@ -292,18 +288,14 @@ mod tests {
     fn an_observer_ends_the_run() {
         let mut state = start();
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
-        let report = Run::new(&body(), &mut stepper, &mut state)
-            .until(|tick| tick.time > 0.95)
-            .steps(50)
-            .expect("solvable");
+        let report =
+            Run::new(&mut stepper, &mut state).until(|tick| tick.time > 0.95).steps(50).expect("solvable");
         assert_eq!((report.steps, report.stopped), (10, true));
 
-        // ending it where it ends anyway is no early end
-        let report = Run::new(&body(), &mut stepper, &mut state)
-            .until(|tick| tick.index == 7)
-            .steps(7)
-            .expect("solvable");
-        assert_eq!((report.steps, report.stopped), (7, false));
+        // at the last step too
+        let report =
+            Run::new(&mut stepper, &mut state).until(|tick| tick.index == 7).steps(7).expect("solvable");
+        assert_eq!((report.steps, report.stopped), (7, true));
     }
 
     #[test]
@@ -312,7 +304,7 @@ mod tests {
         let before = state.clone();
         let mut stepper = body().stepper::<Cayley>(0.25).expect("valid");
         let mut ticks = 0;
-        let error = Run::new(&body(), &mut stepper, &mut state)
+        let error = Run::new(&mut stepper, &mut state)
             .starting_at(2.0)
             .each(|_| ticks += 1)
             .steps(10)

@@ -24,9 +24,16 @@ pub struct StepReport {
 /// Built by [`System::stepper`]. The result of a step depends on the state alone, up to roundoff: the stepper only
 /// remembers where the last solution was, to start the next one there.
 pub struct Stepper<S: Discretized<M>, M> {
+    system: S,
     method: S::Method,
     step: S::Scalar,
+    /// The state that the last step led to.
+    left: Option<S::StateComponents<S::Scalar>>,
 }
+
+/// How far a state's configuration may be off its group when it is handed in: more than files of few digits leave, and so little
+/// that the first step puts it back.
+const LARGEST_DEVIATION: f64 = 1e-3;
 
 impl<S: Discretized<M>, M> Stepper<S, M> {
     pub(crate) fn new(system: &S, step: S::Scalar) -> Result<Self, ParameterError> {
@@ -34,7 +41,14 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         if !step.is_finite() || step == S::Scalar::of(0.0) {
             return Err(ParameterError::Step { step: step.to_f64() });
         }
-        Ok(Self { method: S::Method::new(&system.to_parameters(), step), step })
+        let parameters = system.to_parameters();
+        let system = S::from_parameters(&parameters);
+        Ok(Self { system, method: S::Method::new(&parameters, step), step, left: None })
+    }
+
+    /// The system, as it was when the stepper was built.
+    pub fn system(&self) -> &S {
+        &self.system
     }
 
     /// The step size.
@@ -45,24 +59,43 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// Takes one step.
     ///
     /// # Errors
-    /// If the state is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
-    /// domain. The state is then as before the call.
+    /// If the state is not finite or its configuration not on its group, the step's equation cannot be solved, or its solution
+    /// lies outside the retraction's domain. The state is then as before the call.
     #[inline]
     pub fn step(&mut self, state: &mut S::State) -> Result<StepReport, StepError> {
-        let (next, report) = self.method.advance(&state.to_components())?;
+        let components = state.to_components();
+        if self.left != Some(components) {
+            self.meet(state)?;
+        }
+        let (next, report) = self.method.advance(&components)?;
         *state = S::State::from_components(&next);
+        self.left = Some(next);
         Ok(report)
+    }
+
+    /// Takes note of a state from elsewhere.
+    #[cold]
+    fn meet(&mut self, state: &S::State) -> Result<(), StepError> {
+        self.method.forget();
+        self.left = None;
+        let deviation = state.deviation().to_f64();
+        if deviation > LARGEST_DEVIATION { Err(StepError::NotOnGroup { deviation }) } else { Ok(()) }
     }
 }
 
 impl<S: Discretized<M>, M> Clone for Stepper<S, M> {
     fn clone(&self) -> Self {
-        Self { method: self.method.clone(), step: self.step }
+        let system = S::from_parameters(&self.system.to_parameters());
+        Self { system, method: self.method.clone(), step: self.step, left: self.left }
     }
 }
 
 impl<S: Discretized<M>, M> fmt::Debug for Stepper<S, M> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Stepper").field("system", &S::NAME).field("step", &self.step).finish_non_exhaustive()
+        f.debug_struct("Stepper")
+            .field("system", &S::NAME)
+            .field("scheme", &core::any::type_name::<M>())
+            .field("step", &self.step)
+            .finish_non_exhaustive()
     }
 }

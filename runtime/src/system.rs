@@ -35,6 +35,8 @@ pub trait State: Clone + PartialEq + core::fmt::Debug {
     fn to_components(&self) -> Self::Components;
     /// The state from a flat array. What must be of unit length is taken as it is.
     fn from_components(components: &Self::Components) -> Self;
+    /// How far the configuration is off its group: for an attitude, the difference of its quaternion's length from 1.
+    fn deviation(&self) -> Self::Scalar;
 }
 
 /// A mechanical system described with [`lie_poisson_system`](crate::lie_poisson_system).
@@ -122,6 +124,11 @@ pub trait Stored<T, const N: usize>: Sized {
     fn to_array(&self) -> [T; N];
     /// The value of these scalars. What must be of unit length is taken as it is.
     fn from_array(array: [T; N]) -> Self;
+    /// How far it is from what its type promises, as nalgebra's unchecked constructors and deserializers may leave it: the
+    /// difference of a unit quaternion's length from 1, otherwise `zero`.
+    fn deviation(&self, zero: T) -> T {
+        zero
+    }
 }
 
 impl<T: Real> Stored<T, 1> for T {
@@ -158,5 +165,9 @@ impl<T: nalgebra::RealField + Copy> Stored<T, 4> for UnitQuaternion<T> {
     #[inline(always)]
     fn from_array([w, x, y, z]: [T; 4]) -> Self {
         UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z))
+    }
+    #[inline]
+    fn deviation(&self, _zero: T) -> T {
+        nalgebra::ComplexField::abs(self.as_ref().norm() - T::one())
     }
 }

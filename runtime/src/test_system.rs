@@ -33,6 +33,10 @@ impl State for BodyState {
         [q.w, q.i, q.j, q.k, p.x, p.y, p.z]
     }
 
+    fn deviation(&self) -> f64 {
+        (self.attitude.as_ref().norm() - 1.0).abs()
+    }
+
     fn from_components(&[w, i, j, k, x, y, z]: &[f64; 7]) -> Self {
         Self {
             attitude: UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k)),

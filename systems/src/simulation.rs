@@ -186,10 +186,8 @@ fn run<S: Catalogued + Discretized<M>, M>(
     let mut stepper = system.stepper::<M>(job.step)?;
     let mut invariants = Invariants::new();
     let mut messenger = Messenger { watch, failure: None };
-    let report = Run::new(&system, &mut stepper, &mut state)
-        .observe(&mut invariants)
-        .observe(&mut messenger)
-        .steps(job.steps);
+    let report =
+        Run::new(&mut stepper, &mut state).observe(&mut invariants).observe(&mut messenger).steps(job.steps);
     if let Some(failure) = messenger.failure {
         return Err(failure);
     }
@@ -241,7 +239,7 @@ fn clock<S: Catalogued + Discretized<M>, M>(setup: &Setup, job: &Job) -> Result<
         let (system, mut state) = realize::<S>(setup);
         let mut stepper = system.stepper::<M>(job.step)?;
         let start = Instant::now();
-        Run::new(&system, &mut stepper, &mut state).steps(steps)?;
+        Run::new(&mut stepper, &mut state).steps(steps)?;
         best = best.min(start.elapsed().as_secs_f64());
     }
     Ok(Some(best / steps as f64 * 1e9))

@@ -130,6 +130,41 @@ fn a_state_that_is_not_finite_is_refused() {
     for_each_system_and_retraction!(check);
 }
 
+/// nalgebra's `new_unchecked` and its deserializer take any four numbers for a unit quaternion.
+#[test]
+fn an_attitude_off_the_group_is_refused() {
+    fn check<M>()
+    where
+        HeavyTop: Discretized<M>,
+    {
+        for length in [0.0, 0.9, 1.1, 3.0] {
+            let mut stepper = top().stepper::<M>(0.01).expect("valid parameters");
+            let mut state = start();
+            stepper.step(&mut state).expect("a good state");
+            state.attitude = UnitQuaternion::new_unchecked(Quaternion::new(0.0, 0.0, length, 0.0));
+            let before = state;
+            match stepper.step(&mut state) {
+                Err(StepError::NotOnGroup { deviation }) => {
+                    assert!((deviation - (length - 1.0f64).abs()).abs() < 1e-15, "{deviation}");
+                }
+                other => panic!("length {length}: {other:?}"),
+            }
+            assert_eq!(state, before);
+            stepper.step(&mut start()).expect("a good state again");
+        }
+        // what a file of six digits leaves is put right by the first steps
+        let mut state = start();
+        state.attitude = UnitQuaternion::new_unchecked(Quaternion::new(1.000_001, 0.0, 0.0, 0.0));
+        let mut stepper = top().stepper::<M>(0.01).expect("valid parameters");
+        for _ in 0..2 {
+            stepper.step(&mut state).expect("close enough");
+        }
+        assert!(state.deviation() < 1e-15);
+    }
+    check::<Exponential>();
+    check::<Cayley>();
+}
+
 /// The stepper takes the same step as a new one.
 fn works<S: Sample + Discretized<M>, M>(
     system: &S,

@@ -199,8 +199,15 @@ pub(super) fn kernel(
     }
 }
 
-/// A free function of parameters and state: `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
-pub(super) fn function(name: &str, private: &TokenStream, section: &Section, layout: &Layout) -> TokenStream {
+/// A free function of parameters and, if it is given one, a state:
+/// `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
+pub(super) fn function(
+    name: &str,
+    private: &TokenStream,
+    section: &Section,
+    layout: &Layout,
+    takes_state: bool,
+) -> TokenStream {
     let name = format_ident!("{name}");
     let (parameters, state) = (size(layout.parameters.len()), size(layout.state.len()));
     let count = size(section.results.len());
@@ -210,9 +217,10 @@ pub(super) fn function(name: &str, private: &TokenStream, section: &Section, lay
     ];
     let statements = section.statements.iter().map(statement);
     let results = section.results.iter().map(term);
+    let state = takes_state.then(|| quote! { state: &[T; #state] });
     quote! {
         #[inline]
-        fn #name<T: #private::Scalar>(parameters: &[T; #parameters], state: &[T; #state]) -> [T; #count] {
+        fn #name<T: #private::Scalar>(parameters: &[T; #parameters], #state) -> [T; #count] {
             #(#unpack)*
             #(#statements)*
             [#(#results),*]

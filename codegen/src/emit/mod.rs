@@ -10,6 +10,7 @@ pub use kernel::Layout;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
+use crate::diagnostics::list;
 use crate::expr::Arena;
 use crate::group::Retraction;
 use crate::kernel::Kernel;
@@ -147,7 +148,14 @@ fn serde_crate(attributes: &[syn::Attribute], names: &Names) -> TokenStream {
             });
             serde
         });
-    if !derives || attributes.iter().any(|attribute| attribute.path().is_ident("serde")) {
+    let mut serde = attributes.iter().filter(|attribute| attribute.path().is_ident("serde"));
+    let says_where = serde.any(|attribute| {
+        let syn::Meta::List(list) = &attribute.meta else { return false };
+        // `crate` followed by `=`, whatever else stands there
+        let tokens: Vec<String> = list.tokens.clone().into_iter().map(|token| token.to_string()).collect();
+        tokens.windows(2).any(|pair| pair[0] == "crate" && pair[1] == "=")
+    });
+    if !derives || says_where {
         return quote! {};
     }
     let path = names.serde_path();
@@ -156,6 +164,8 @@ fn serde_crate(attributes: &[syn::Attribute], names: &Names) -> TokenStream {
 
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.
 fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> TokenStream {
+    let casimirs = system.casimirs();
+    let casimirs = list(casimirs.iter().map(|(name, _)| name));
     let mut lines = vec![
         String::new(),
         "# Derived".to_owned(),
@@ -166,6 +176,11 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
     ];
     lines.extend(system.equations());
     lines.push("```".to_owned());
+    lines.push(String::new());
+    lines.push(format!(
+        "Invariants: {casimirs}, the Casimirs, up to accumulated rounding; the energy, up to a bounded error of second order in \
+         the step."
+    ));
     lines.push(String::new());
     lines.push("What a step computes, once and for each Newton iteration:".to_owned());
     lines.push(String::new());

@@ -26,6 +26,8 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
         format!("Conventions of {}: {}.", system.algebra.group.name(), system.algebra.group.conventions()),
     ]);
     let serde_path = names.serde_path();
+    let configuration = &parts[0].name;
+    let configuration_size = super::kernel::size(parts[0].symbols.len());
     let size = super::kernel::size(system.state_symbols().len());
     let conversion =
         arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
@@ -64,6 +66,10 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
             fn from_components(components: &[#scalar; #size]) -> Self {
                 let [#(#elements),*] = *components;
                 Self { #(#give),* }
+            }
+
+            fn deviation(&self) -> #scalar {
+                __Stored::<_, #configuration_size>::deviation(&self.#configuration, 0.0)
             }
         }
         };

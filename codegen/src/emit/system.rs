@@ -8,7 +8,6 @@ use super::kernel::{Layout, function, size as array_size};
 use super::state::{Conversion, arrays};
 use super::{Names, docs, quantity};
 use crate::expr::{Arena, Vector};
-use crate::group::Named;
 use crate::kernel;
 use crate::model::{InertiaShape, System};
 
@@ -30,31 +29,28 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
         .iter()
         .map(|field| quantity(names, &field.name.unraw().to_string(), &field.suffixes(), &field.doc));
 
-    let momentum = Named { name: "momentum", value: &system.momentum };
-    let advected: Vec<Named<'_, 'a>> =
-        system.advected.iter().map(|(name, value)| Named { name, value }).collect();
-    let casimirs = group.casimirs(&momentum, &advected);
+    let casimirs = system.casimirs();
     let casimir_names = casimirs.iter().map(|(name, _)| name);
     let casimir_count = array_size(casimirs.len());
     let casimir_values = Vector(casimirs.iter().map(|&(_, value)| value).collect());
 
     let spatial = group.to_space(&system.configuration, &system.momentum);
     let momentum_type = quote::format_ident!("Vector{}", group.dimension());
-    let emitted = |name: &str, outputs: &Vector<'a>| {
+    let emitted = |name: &str, outputs: &Vector<'a>, takes_state: bool| {
         let (section, symbols) = kernel::function(arena, outputs);
         let layout = Layout {
             parameters: system.parameter_symbols().iter().map(|&s| symbols.get(s)).collect(),
             state: system.state_symbols().iter().map(|&s| symbols.get(s)).collect(),
         };
         let doc = docs::line(&format!("{}.", section.operations()));
-        let function = function(name, private, &section, &layout);
+        let function = function(name, private, &section, &layout, takes_state);
         quote! { #doc #function }
     };
-    let energy = emitted("energy", &Vector(vec![system.energy()]));
-    let casimirs = emitted("casimirs", &casimir_values);
-    let spatial_momentum = emitted("spatial_momentum", &spatial);
+    let energy = emitted("energy", &Vector(vec![system.energy()]), true);
+    let casimirs = emitted("casimirs", &casimir_values, true);
+    let spatial_momentum = emitted("spatial_momentum", &spatial, true);
     let (_, pivots) = system.inertia.ldl();
-    let pivots = emitted("pivots", &pivots);
+    let pivots = emitted("pivots", &pivots, false);
 
     let finite = system.parameters.iter().map(|field| {
         let (field, text, size) =
@@ -110,8 +106,7 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
                 fn validate(&self) -> ::core::result::Result<(), #private::ParameterError> {
                     #(#finite)*
                     #symmetric
-                    let none = [<#scalar as #private::Scalar>::of(0.0); #state_size];
-                    #private::require_positive_definite(#inertia_text, &pivots(&self.to_parameters(), &none))
+                    #private::require_positive_definite(#inertia_text, &pivots(&self.to_parameters()))
                 }
 
                 fn energy(&self, state: &#state) -> #scalar {
@@ -156,6 +151,9 @@ pub(super) fn potential(system: &System<'_>, names: &Names) -> TokenStream {
             #doc
             #[allow(unused_variables, unused_parens, unused_braces, clippy::all)]
             #visibility fn potential(&self, #(#parameters),*) -> #scalar {
+                // the elementary functions of floats, where there is no std
+                #[allow(unused_imports)]
+                use #private::nalgebra::{ComplexField as _, RealField as _};
                 let Self { #(#fields,)* } = *self;
                 #(#copies)*
                 #potential

@@ -122,9 +122,8 @@ impl Kernel {
     /// Derives Newton's correction for the step's equation, and lays all of it out in sections.
     pub fn new<'a>(arena: &'a Arena, step: &Step<'a>) -> Self {
         let unknown = step.unknown.symbols();
-        let residual_symbol =
-            |&x: &Symbol| arena.symbol(format!("{}_residual", arena.symbol_info(x).name), Stage::Iteration);
-        let residual = Vector(unknown.iter().map(residual_symbol).collect());
+        let residual_symbol = |i: usize| arena.symbol(format!("residual_{i}"), Stage::Iteration);
+        let residual = Vector((1..=unknown.len()).map(residual_symbol).collect());
         let symbols = (step.unknown.clone(), residual.clone(), step.h);
         let jacobian = (&step.left - &step.right).jacobian(&unknown);
         let places =
@@ -178,7 +177,11 @@ pub struct Operations {
     pub multiplications: usize,
     /// Divisions.
     pub divisions: usize,
-    /// Calls of functions; all Stumpff functions of one argument are one.
+    /// Square roots.
+    pub roots: usize,
+    /// Evaluations of Stumpff functions, all those of one argument together.
+    pub stumpff: usize,
+    /// Calls of other functions.
     pub functions: usize,
 }
 
@@ -190,7 +193,7 @@ impl Section {
             match statement {
                 Statement::Let { value, .. } => count.add(value),
                 Statement::Stumpff { argument, .. } => {
-                    count.functions += 1;
+                    count.stumpff += 1;
                     count.add(argument);
                 }
             }
@@ -218,8 +221,8 @@ impl Operations {
                 self.add(x);
                 self.add(y);
             }
-            Term::Function(_, x) => {
-                self.functions += 1;
+            Term::Function(function, x) => {
+                *(if *function == Function::Sqrt { &mut self.roots } else { &mut self.functions }) += 1;
                 self.add(x);
             }
             Term::Power(x, y) | Term::Atan2(x, y) => {
@@ -238,6 +241,8 @@ impl std::ops::Add for Operations {
             additions: self.additions + other.additions,
             multiplications: self.multiplications + other.multiplications,
             divisions: self.divisions + other.divisions,
+            roots: self.roots + other.roots,
+            stumpff: self.stumpff + other.stumpff,
             functions: self.functions + other.functions,
         }
     }
@@ -246,17 +251,17 @@ impl std::ops::Add for Operations {
 impl std::fmt::Display for Operations {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let kinds = [
-            (self.additions, "additions"),
-            (self.multiplications, "multiplications"),
-            (self.divisions, "divisions"),
-            (self.functions, "function calls"),
+            (self.additions, "addition", "additions"),
+            (self.multiplications, "multiplication", "multiplications"),
+            (self.divisions, "division", "divisions"),
+            (self.roots, "square root", "square roots"),
+            (self.stumpff, "evaluation of Stumpff functions", "evaluations of Stumpff functions"),
+            (self.functions, "function call", "function calls"),
         ];
         let present: Vec<String> = kinds
             .into_iter()
-            .filter(|&(count, _)| count > 0)
-            .map(|(count, kind)| {
-                format!("{count} {}", if count == 1 { kind.trim_end_matches('s') } else { kind })
-            })
+            .filter(|&(count, ..)| count > 0)
+            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }))
             .collect();
         f.write_str(&if present.is_empty() { "no operation".to_owned() } else { present.join(", ") })
     }

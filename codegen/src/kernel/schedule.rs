@@ -327,7 +327,12 @@ impl<'p, 'a> Schedule<'p, 'a> {
                 "2" => Some("two".to_owned()),
                 _ => None,
             },
-            _ => None,
+            _ => self
+                .namer
+                .roles
+                .get(&op)
+                .cloned()
+                .or_else(|| self.kept.get(&op).cloned().filter(|name| name.contains('_'))),
         };
         match self.plan.operation(op) {
             Operation::Reciprocal(x) => Some(format!("per_{}", leaf(*x)?)),
@@ -553,9 +558,11 @@ impl Layout<'_, '_, '_> {
                 let mut below = Vec::new();
                 for &factor in factors {
                     match plan.operation(factor) {
-                        // a reciprocal of its own only pays if it is used again
+                        // a reciprocal of its own rounds once more, and only pays where it is used again and time counts
                         Operation::Reciprocal(x)
-                            if self.uses[&factor] == 1 && !self.schedule.is_input(self.home, factor) =>
+                            if plan.stage(op) == Stage::Parameters
+                                || (self.uses[&factor] == 1
+                                    && !self.schedule.is_input(self.home, factor)) =>
                         {
                             below.push(self.term(*x));
                         }
