@@ -153,11 +153,13 @@ coefficients! {
 #[derive(Debug)]
 pub struct Composition<C: Coefficients, B: Method> {
     steps: C::Steps<B>,
+    /// Whether all steps remember solutions of one and the same composed step.
+    whole: bool,
 }
 
 impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
     fn clone(&self) -> Self {
-        Self { steps: self.steps.clone() }
+        Self { steps: self.steps.clone(), whole: self.whole }
     }
 }
 
@@ -167,22 +169,20 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     type State = B::State;
 
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        Self { steps: C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma))) }
+        Self { steps: C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma))), whole: false }
     }
 
-    fn forget(&mut self) {
-        self.steps.as_mut().iter_mut().for_each(B::forget);
-    }
-
-    fn advance(&mut self, state: &B::State) -> Result<(B::State, StepReport), StepError> {
+    fn advance(&mut self, state: &B::State, known: bool) -> Result<(B::State, StepReport), StepError> {
         let mut state = *state;
         let mut total = StepReport { iterations: 0, residual: 0.0 };
         for step in self.steps.as_mut() {
-            let (next, report) = step.advance(&state)?;
+            let (next, report) =
+                step.advance(&state, known && self.whole).inspect_err(|_| self.whole = false)?;
             state = next;
             total.iterations += report.iterations;
             total.residual = total.residual.max(report.residual);
         }
+        self.whole = true;
         Ok((state, total))
     }
 }

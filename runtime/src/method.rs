@@ -18,14 +18,12 @@ pub trait Method: Clone {
     /// The method for these parameters and this step.
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
-    /// Forgets earlier steps: the next state is not one that the last step led to.
-    fn forget(&mut self);
-
-    /// The state after a step. What is remembered from earlier steps is a guess that only makes it faster.
+    /// The state after a step. If the state is `known`, the one that the last step led to, the solution is sought from the last one
+    /// on, which only makes it faster.
     ///
     /// # Errors
     /// If the state is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's domain.
-    fn advance(&mut self, state: &Self::State) -> Result<(Self::State, StepReport), StepError>;
+    fn advance(&mut self, state: &Self::State, known: bool) -> Result<(Self::State, StepReport), StepError>;
 }
 
 /// One generated kernel: a step is one equation, solved by Newton's iteration from the last solution.
@@ -45,16 +43,15 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
         Self { kernel: K::new(parameters, step), unknown: None }
     }
 
-    fn forget(&mut self) {
-        self.unknown = None;
-    }
-
     #[inline]
-    fn advance(&mut self, state: &K::State) -> Result<(K::State, StepReport), StepError> {
+    fn advance(&mut self, state: &K::State, known: bool) -> Result<(K::State, StepReport), StepError> {
         if !finite(state.as_ref()) {
             return Err(StepError::NotFinite);
         }
-        let start = self.unknown.unwrap_or_else(|| self.kernel.start(state));
+        let start = match self.unknown {
+            Some(unknown) if known => unknown,
+            _ => self.kernel.start(state),
+        };
         let begun = self.kernel.begin(state);
         let solution = newton::solve(&self.kernel, state, &begun, start)?;
         if !(self.kernel.domain(&solution.unknown, &solution.evaluation) > T::of(0.0)) {

@@ -64,23 +64,24 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[inline]
     pub fn step(&mut self, state: &mut S::State) -> Result<StepReport, StepError> {
         let components = state.to_components();
-        if self.left != Some(components) {
-            self.meet(state)?;
+        let known = self.left == Some(components);
+        if !known {
+            on_group(state)?;
         }
-        let (next, report) = self.method.advance(&components)?;
+        let (next, report) = self.method.advance(&components, known)?;
         *state = S::State::from_components(&next);
         self.left = Some(next);
         Ok(report)
     }
+}
 
-    /// Takes note of a state from elsewhere.
-    #[cold]
-    fn meet(&mut self, state: &S::State) -> Result<(), StepError> {
-        self.method.forget();
-        self.left = None;
-        let deviation = state.deviation().to_f64();
-        if deviation > LARGEST_DEVIATION { Err(StepError::NotOnGroup { deviation }) } else { Ok(()) }
-    }
+/// A state from elsewhere is on its group, more or less.
+#[cold]
+fn on_group<S: State>(state: &S) -> Result<(), StepError> {
+    let deviation = state.deviation().to_f64();
+    // what is not finite is so named by the step
+    let off = deviation.is_finite() && deviation > LARGEST_DEVIATION;
+    if off { Err(StepError::NotOnGroup { deviation }) } else { Ok(()) }
 }
 
 impl<S: Discretized<M>, M> Clone for Stepper<S, M> {
