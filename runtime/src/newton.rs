@@ -45,6 +45,9 @@ pub fn solve<T: Real, K: Kernel<T>>(
     let mut iterations = 0;
     while !(residual <= ROUNDOFF * epsilon) {
         if iterations == MAX_ITERATIONS {
+            if residual <= STAGNATION * epsilon {
+                break; // a slow way, but down to roundoff
+            }
             return Err(StepError::NoConvergence { iterations, residual });
         }
         iterations += 1;
