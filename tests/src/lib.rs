@@ -17,3 +17,8 @@ pub fn pretty(tokens: TokenStream) -> String {
         Err(error) => panic!("generated code cannot be parsed: {error}\n{tokens}"),
     }
 }
+
+/// The README's worked example, which is compiled and run as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;
