@@ -1,120 +1,17 @@
 //! From a plan to sections: where each value is computed, what it is called, what is kept for later.
 
+mod layout;
+mod namer;
+
 use std::collections::BTreeMap;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::factor::Factoring;
 use super::plan::{Op, Operation, Plan, Signed};
-use super::{Kernel, Section, Statement, SymbolNames, Term};
+use super::{Kernel, Section, SymbolNames};
 use crate::expr::{Arena, Function, Stage, Symbol};
-
-/// Gives every value that needs one a unique name.
-pub(super) struct Namer {
-    /// Role names that the method gave.
-    roles: FxHashMap<Op, String>,
-    used: FxHashSet<String>,
-}
-
-/// Words that generated functions use for themselves, and the language's.
-const RESERVED: &[&str] = &[
-    "state",
-    "step",
-    "unknown",
-    "evaluation",
-    "parameters",
-    "self",
-    "super",
-    "crate",
-    "as",
-    "async",
-    "await",
-    "break",
-    "const",
-    "continue",
-    "dyn",
-    "else",
-    "enum",
-    "extern",
-    "false",
-    "fn",
-    "for",
-    "if",
-    "impl",
-    "in",
-    "let",
-    "loop",
-    "match",
-    "mod",
-    "move",
-    "mut",
-    "pub",
-    "ref",
-    "return",
-    "static",
-    "struct",
-    "trait",
-    "true",
-    "type",
-    "unsafe",
-    "use",
-    "where",
-    "while",
-    "yield",
-    "abstract",
-    "become",
-    "box",
-    "do",
-    "final",
-    "gen",
-    "macro",
-    "override",
-    "priv",
-    "try",
-    "typeof",
-    "unsized",
-    "virtual",
-];
-
-impl Namer {
-    pub(super) fn new() -> Self {
-        Self { roles: FxHashMap::default(), used: RESERVED.iter().map(|&word| word.to_owned()).collect() }
-    }
-
-    /// Takes over role names for the nodes its expressions became.
-    pub(super) fn carry_over<'a>(
-        &mut self,
-        arena: &'a Arena,
-        factoring: &mut Factoring<'a>,
-        plan: &Plan<'a>,
-    ) {
-        for (id, name) in arena.roles() {
-            let factored = factoring.of(arena.expr(id));
-            // the name is for the value, not for its negative
-            if let Some(signed) = plan.planned(factored.id())
-                && !signed.negative
-                && !plan.operation(signed.op).is_leaf()
-            {
-                self.roles.entry(signed.op).or_insert(name);
-            }
-        }
-    }
-
-    fn claim(&mut self, mut name: String) -> String {
-        while !self.used.insert(name.clone()) {
-            name.push('_');
-        }
-        name
-    }
-
-    fn numbered(&mut self, prefix: &str) -> String {
-        let mut n = 0;
-        while self.used.contains(&format!("{prefix}{n}")) {
-            n += 1;
-        }
-        self.claim(format!("{prefix}{n}"))
-    }
-}
+use layout::Layout;
+pub(super) use namer::Namer;
 
 /// What the sections of a step must produce.
 pub(super) struct Outputs {
@@ -299,8 +196,8 @@ impl<'p, 'a> Schedule<'p, 'a> {
         if let Operation::Symbol(symbol) = self.plan.operation(op) {
             return self.symbols[symbol].clone();
         }
-        if let Some(role) = self.namer.roles.get(&op) {
-            let role = role.clone();
+        if let Some(role) = self.namer.role(op) {
+            let role = role.to_owned();
             return self.namer.claim(role);
         }
         if let Operation::Function(Function::Stumpff(k), _) = self.plan.operation(op) {
@@ -329,9 +226,8 @@ impl<'p, 'a> Schedule<'p, 'a> {
             },
             _ => self
                 .namer
-                .roles
-                .get(&op)
-                .cloned()
+                .role(op)
+                .map(str::to_owned)
                 .or_else(|| self.kept.get(&op).cloned().filter(|name| name.contains('_'))),
         };
         match self.plan.operation(op) {
@@ -386,7 +282,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         section.inputs.dedup();
         // temporaries are counted anew in every section
         for name in locals {
-            self.namer.used.remove(&name);
+            self.namer.release(&name);
         }
         section
     }
@@ -400,209 +296,5 @@ impl<'p, 'a> Schedule<'p, 'a> {
                 Some(home) => self.homes[&op] != home && self.kept.contains_key(&op),
             },
         }
-    }
-}
-
-/// Writes one section.
-struct Layout<'s, 'p, 'a> {
-    schedule: &'s mut Schedule<'p, 'a>,
-    home: Option<Home>,
-    uses: FxHashMap<Op, u32>,
-    keeping: FxHashSet<Op>,
-    names: FxHashMap<Op, String>,
-    section: Section,
-    locals: Vec<String>,
-}
-
-/// Trees of more operations than this are cut by a named value.
-const LARGEST_TERM: usize = 12;
-
-impl Layout<'_, '_, '_> {
-    fn signed(&mut self, signed: Signed) -> Term {
-        match self.term(signed.op) {
-            term if !signed.negative => term,
-            // −(a − b) reads b − a
-            Term::Sum(mut addends) if addends.len() == 2 && addends[1].0 => {
-                addends.reverse();
-                addends[0].0 = false;
-                addends[1].0 = true;
-                Term::Sum(addends)
-            }
-            term => Term::Negative(Box::new(term)),
-        }
-    }
-
-    /// The value as a term: by name if it has or deserves one, written out otherwise.
-    fn term(&mut self, op: Op) -> Term {
-        let plan = self.schedule.plan;
-        if let Operation::Number(number) = plan.operation(op) {
-            return Term::Number(*number);
-        }
-        if let Operation::Symbol(symbol) = plan.operation(op) {
-            let name = self.schedule.symbols[symbol].clone();
-            self.section.inputs.push(name.clone());
-            return Term::Name(name);
-        }
-        if self.schedule.is_input(self.home, op) {
-            let name = self.schedule.kept[&op].clone();
-            self.section.inputs.push(name.clone());
-            return Term::Name(name);
-        }
-        if let Some(name) = self.names.get(&op) {
-            return Term::Name(name.clone());
-        }
-        let named = self.schedule.namer.roles.contains_key(&op) && !self.is_reciprocal(op);
-        let family = self.schedule.family(op).is_some();
-        if family || named || self.uses[&op] > 1 || self.keeping.contains(&op) {
-            return Term::Name(self.bind(op));
-        }
-        let term = self.write(op);
-        if size(&term) > LARGEST_TERM { Term::Name(self.bind_term(op, term)) } else { term }
-    }
-
-    fn is_reciprocal(&self, op: Op) -> bool {
-        matches!(self.schedule.plan.operation(op), Operation::Reciprocal(_))
-    }
-
-    /// Computes a value under a name.
-    fn bind(&mut self, op: Op) -> String {
-        if let Some(name) = self.names.get(&op) {
-            return name.clone();
-        }
-        if self.schedule.family(op).is_some() {
-            return self.bind_family(op);
-        }
-        if let Operation::Symbol(_) = self.schedule.plan.operation(op) {
-            let name = self.schedule.name(op);
-            self.section.inputs.push(name.clone());
-            return name;
-        }
-        let term = self.write(op);
-        self.bind_term(op, term)
-    }
-
-    fn bind_term(&mut self, op: Op, value: Term) -> String {
-        let name = self.name(op);
-        self.section.statements.push(Statement::Let { name: name.clone(), value });
-        name
-    }
-
-    fn name(&mut self, op: Op) -> String {
-        let name = match self.schedule.kept.get(&op) {
-            Some(kept) if self.keeping.contains(&op) => kept.clone(),
-            _ => {
-                let role = self.schedule.namer.roles.get(&op).cloned();
-                let stumpff = match self.schedule.plan.operation(op) {
-                    Operation::Function(Function::Stumpff(k), _) => Some(format!("c{k}")),
-                    _ => None,
-                };
-                let name = match role.or(stumpff) {
-                    Some(name) => self.schedule.namer.claim(name),
-                    None => self.schedule.namer.numbered("t"),
-                };
-                self.locals.push(name.clone());
-                name
-            }
-        };
-        self.names.insert(op, name.clone());
-        name
-    }
-
-    /// Computes all Stumpff functions of one argument that this section owns.
-    fn bind_family(&mut self, op: Op) -> String {
-        let plan = self.schedule.plan;
-        let Operation::Function(_, argument) = plan.operation(op) else { return self.schedule.name(op) };
-        let argument = *argument;
-        let mut names: Vec<Option<String>> = Vec::new();
-        let members: Vec<(u32, Op)> = plan
-            .ops()
-            .filter(|op| self.uses.contains_key(op) && !self.schedule.is_input(self.home, *op))
-            .filter_map(|op| match plan.operation(op) {
-                Operation::Function(Function::Stumpff(k), z) if *z == argument => Some((*k, op)),
-                _ => None,
-            })
-            .collect();
-        for (k, member) in members {
-            names.resize_with(names.len().max(k as usize + 1), || None);
-            names[k as usize] = Some(self.name(member));
-        }
-        let argument = self.term(argument);
-        self.section.statements.push(Statement::Stumpff { names, argument });
-        self.names[&op].clone()
-    }
-
-    /// The operation written out.
-    fn write(&mut self, op: Op) -> Term {
-        let plan = self.schedule.plan;
-        match plan.operation(op) {
-            Operation::Number(_) | Operation::Symbol(_) => self.term(op),
-            Operation::Sum(addends) => {
-                let mut terms: Vec<(bool, Term)> =
-                    addends.iter().map(|&(negative, addend)| (negative, self.term(addend))).collect();
-                match terms.iter().position(|(negative, _)| !negative) {
-                    Some(first) => {
-                        // read `a − b`, not `−b + a`
-                        let leading = terms.remove(first);
-                        terms.insert(0, leading);
-                        Term::Sum(terms)
-                    }
-                    None if terms.len() == 1 => Term::Negative(Box::new(terms.remove(0).1)),
-                    None => {
-                        terms.iter_mut().for_each(|(negative, _)| *negative = false);
-                        Term::Negative(Box::new(Term::Sum(terms)))
-                    }
-                }
-            }
-            Operation::Product(factors) => {
-                let mut above = Vec::new();
-                let mut below = Vec::new();
-                for &factor in factors {
-                    match plan.operation(factor) {
-                        // a reciprocal of its own rounds once more, and only pays where it is used again and time counts
-                        Operation::Reciprocal(x)
-                            if plan.stage(op) == Stage::Parameters
-                                || (self.uses[&factor] == 1
-                                    && !self.schedule.is_input(self.home, factor)) =>
-                        {
-                            below.push(self.term(*x));
-                        }
-                        Operation::Number(_) => above.insert(0, self.term(factor)),
-                        _ => above.push(self.term(factor)),
-                    }
-                }
-                let one = || Term::Number(1.into());
-                let above = product(above).unwrap_or_else(one);
-                match product(below) {
-                    Some(below) => Term::Quotient(Box::new(above), Box::new(below)),
-                    None => above,
-                }
-            }
-            Operation::Reciprocal(x) => {
-                Term::Quotient(Box::new(Term::Number(1.into())), Box::new(self.term(*x)))
-            }
-            Operation::Function(function, x) => Term::Function(*function, Box::new(self.term(*x))),
-            Operation::Power(x, y) => Term::Power(Box::new(self.term(*x)), Box::new(self.term(*y))),
-            Operation::Atan2(y, x) => Term::Atan2(Box::new(self.term(*y)), Box::new(self.term(*x))),
-        }
-    }
-}
-
-fn product(mut factors: Vec<Term>) -> Option<Term> {
-    match factors.len() {
-        0 => None,
-        1 => factors.pop(),
-        _ => Some(Term::Product(factors)),
-    }
-}
-
-/// Operations in a term.
-fn size(term: &Term) -> usize {
-    match term {
-        Term::Number(_) | Term::Name(_) => 0,
-        Term::Negative(x) => size(x),
-        Term::Sum(addends) => addends.len() - 1 + addends.iter().map(|(_, x)| size(x)).sum::<usize>(),
-        Term::Product(factors) => factors.len() - 1 + factors.iter().map(size).sum::<usize>(),
-        Term::Quotient(x, y) | Term::Power(x, y) | Term::Atan2(x, y) => 1 + size(x) + size(y),
-        Term::Function(_, x) => 1 + size(x),
     }
 }
