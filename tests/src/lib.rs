@@ -1,6 +1,7 @@
 //! What the tests share: systems to test on, deterministic random numbers, measures of what comes out.
 
 pub mod measure;
+pub mod precise;
 pub mod random;
 pub mod systems;
 

@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::arena::{Expr, Function, Id, Node, Symbol};
+use super::linear::Vector;
 use super::number::Number;
 
 /// A number to evaluate with: `f64`, or one of many digits.
@@ -27,6 +28,14 @@ impl Expr<'_> {
     /// The value, given those of the symbols.
     pub fn evaluate<V: Value>(self, symbols: &dyn Fn(Symbol) -> V) -> V {
         Evaluation { symbols, known: FxHashMap::default() }.visit(self)
+    }
+}
+
+impl Vector<'_> {
+    /// The values of the components, given those of the symbols; what they share is computed once.
+    pub fn evaluate<V: Value>(&self, symbols: &dyn Fn(Symbol) -> V) -> Vec<V> {
+        let mut evaluation = Evaluation { symbols, known: FxHashMap::default() };
+        self.iter().map(|expr| evaluation.visit(expr)).collect()
     }
 }
 

@@ -1,0 +1,208 @@
+//! What a group *is*: matrices. Everything here is a definition — commutators, power series, differences — and knows no closed form,
+//! so that the generator's closed forms can be held against it.
+
+use coadjoint_codegen::group::{Group, Representation, Retraction, Semidirect};
+
+use super::matrix::{Column, Matrix, jacobian};
+use super::real::Real;
+
+/// A group of the catalogue as matrices.
+pub trait Realization {
+    /// The matrix of an element of the algebra.
+    fn hat(&self, x: &Column) -> Matrix;
+    /// The coordinates of a matrix of the algebra.
+    fn vee(&self, matrix: &Matrix) -> Column;
+    /// The matrix of stored coordinates.
+    fn matrix(&self, g: &Column) -> Matrix;
+    /// What vanishes for stored coordinates that are on the group.
+    fn defect(&self, g: &Column) -> Column;
+    /// The action `ρ_x` on a space of that name.
+    fn representation(&self, name: &str, x: &Column) -> Matrix;
+}
+
+/// The realization of a group of the catalogue. A group that comes to the catalogue comes here too.
+pub fn realization(group: &dyn Group) -> &'static dyn Realization {
+    match group.name() {
+        "SO3" => &Rotations,
+        other => panic!("give {other} its definition by matrices"),
+    }
+}
+
+/// SO(3): rotation matrices, stored as unit quaternions.
+struct Rotations;
+
+impl Realization for Rotations {
+    fn hat(&self, x: &Column) -> Matrix {
+        let zero = || Real::from(0);
+        Matrix::from_rows([
+            [zero(), -&x[2], x[1].clone()],
+            [x[2].clone(), zero(), -&x[0]],
+            [-&x[1], x[0].clone(), zero()],
+        ])
+    }
+
+    fn vee(&self, m: &Matrix) -> Column {
+        Column([(2, 1), (0, 2), (1, 0)].map(|(i, j)| m.at(i, j).clone()).to_vec())
+    }
+
+    /// `v ↦ q v q̄` for unit quaternions: `(w² − |u|²) + 2 u uᵀ + 2 w û`.
+    fn matrix(&self, q: &Column) -> Matrix {
+        let (w, u) = (&q[0], q.part(1, 3));
+        let two = Real::from(2);
+        let outer = Matrix::from_fn(3, 3, |i, j| &two * &u[i] * &u[j]);
+        let turn = self.hat(&u).scale(&(&two * w));
+        &(&Matrix::identity(3).scale(&(w * w - u.dot(&u))) + &outer) + &turn
+    }
+
+    fn defect(&self, q: &Column) -> Column {
+        Column(vec![q.dot(q) - Real::from(1)])
+    }
+
+    fn representation(&self, name: &str, x: &Column) -> Matrix {
+        match name {
+            "R3" => self.hat(x),
+            other => panic!("give {other} its definition by matrices"),
+        }
+    }
+}
+
+/// `G ⋉ (V₁ ⊕ …)` as block matrices: for each space `[[ρ_x, w], [0, 0]]` in the algebra, beside the group's own block.
+///
+/// Elements of the algebra and its dual are columns `(x, w₁, …)`.
+pub struct SemidirectMatrices<'s> {
+    algebra: &'s Semidirect,
+    realization: &'static dyn Realization,
+}
+
+/// Block diagonal: the group's own matrix and one for each space.
+#[derive(Clone)]
+pub struct Blocks(Vec<Matrix>);
+
+impl Blocks {
+    fn map(&self, f: impl Fn(&Matrix) -> Matrix) -> Self {
+        Self(self.0.iter().map(f).collect())
+    }
+
+    fn zip(&self, other: &Self, f: impl Fn(&Matrix, &Matrix) -> Matrix) -> Self {
+        Self(self.0.iter().zip(&other.0).map(|(a, b)| f(a, b)).collect())
+    }
+
+    /// `self · other`
+    pub fn times(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+
+    /// All entries, block by block.
+    pub fn entries(&self) -> Column {
+        Column::stack(self.0.iter().map(Matrix::entries).collect::<Vec<_>>().iter())
+    }
+
+    /// `self⁻¹`
+    pub fn inverse(&self) -> Self {
+        self.map(Matrix::inverse)
+    }
+}
+
+impl<'s> SemidirectMatrices<'s> {
+    /// The definition of a semidirect product.
+    pub fn new(algebra: &'s Semidirect) -> Self {
+        Self { algebra, realization: realization(algebra.group) }
+    }
+
+    /// The dimension of the algebra.
+    pub fn dimension(&self) -> usize {
+        let spaces = self.algebra.spaces.iter().map(|space| space.coordinates().len());
+        self.algebra.group.dimension() + spaces.sum::<usize>()
+    }
+
+    /// The parts of a column: of the group's algebra, then of each space.
+    pub fn split(&self, xi: &Column) -> Vec<Column> {
+        let dimensions = std::iter::once(self.algebra.group.dimension())
+            .chain(self.algebra.spaces.iter().map(|space| space.coordinates().len()));
+        let mut start = 0;
+        dimensions
+            .map(|dimension| {
+                start += dimension;
+                xi.part(start - dimension, dimension)
+            })
+            .collect()
+    }
+
+    /// The matrices of an element of the algebra.
+    pub fn hat(&self, xi: &Column) -> Blocks {
+        let parts = self.split(xi);
+        let space = |(space, w): (&&'static dyn Representation, &Column)| {
+            let rho = self.realization.representation(space.name(), &parts[0]);
+            let n = w.len();
+            Matrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
+                (true, true) => rho.at(i, j).clone(),
+                (true, false) => w[i].clone(),
+                _ => Real::from(0),
+            })
+        };
+        let spaces = self.algebra.spaces.iter().zip(&parts[1..]).map(space);
+        Blocks(std::iter::once(self.realization.hat(&parts[0])).chain(spaces).collect())
+    }
+
+    /// The element of the algebra that matrices belong to.
+    pub fn vee(&self, blocks: &Blocks) -> Column {
+        let base = self.realization.vee(&blocks.0[0]);
+        let spaces = blocks.0[1..].iter().map(|block| {
+            let n = block.rows() - 1;
+            block.column(n).part(0, n)
+        });
+        Column::stack(std::iter::once(base).chain(spaces).collect::<Vec<_>>().iter())
+    }
+
+    /// `[x, y]`
+    pub fn bracket(&self, x: &Column, y: &Column) -> Column {
+        let (x, y) = (self.hat(x), self.hat(y));
+        self.vee(&x.times(&y).zip(&y.times(&x), |xy, yx| xy - yx))
+    }
+
+    /// `τ(x)`: the series of the exponential, or the quotient of Cayley.
+    pub fn retract(&self, retraction: Retraction, x: &Column) -> Blocks {
+        self.hat(x).map(|block| match retraction {
+            Retraction::Exponential => block.exp(),
+            Retraction::Cayley => block.cayley(),
+        })
+    }
+
+    /// The matrix of `dR τ_x`, `dR τ_x y = Dτ(x)y τ(x)⁻¹`, by central differences.
+    pub fn d_right(&self, retraction: Retraction, x: &Column) -> Matrix {
+        let inverse = self.retract(retraction, x).inverse();
+        jacobian(x, |x| self.vee(&self.retract(retraction, x).times(&inverse)))
+    }
+
+    /// The matrix of `dL τ_x`, `dL τ_x y = τ(x)⁻¹ Dτ(x)y`, by central differences.
+    pub fn d_left(&self, retraction: Retraction, x: &Column) -> Matrix {
+        let inverse = self.retract(retraction, x).inverse();
+        jacobian(x, |x| self.vee(&inverse.times(&self.retract(retraction, x))))
+    }
+
+    /// The matrix of `Ad_g`, `Ad_g y = g y g⁻¹`.
+    pub fn adjoint(&self, g: &Blocks) -> Matrix {
+        let inverse = g.inverse();
+        Matrix::of_linear(self.dimension(), |y| self.vee(&g.times(&self.hat(y)).times(&inverse)))
+    }
+
+    /// `Ad*_g m`, the transpose of `Ad_g`.
+    pub fn coadjoint(&self, g: &Blocks, m: &Column) -> Column {
+        &self.adjoint(g).transpose() * m
+    }
+
+    /// `(dR τ_x)* m`
+    pub fn d_right_dual(&self, retraction: Retraction, x: &Column, m: &Column) -> Column {
+        &self.d_right(retraction, x).transpose() * m
+    }
+
+    /// `ad*_x m`, the transpose of the bracket with `x`.
+    pub fn infinitesimal_coadjoint(&self, x: &Column, m: &Column) -> Column {
+        &Matrix::of_linear(m.len(), |y| self.bracket(x, y)).transpose() * m
+    }
+
+    /// The Poisson tensor `P(m)` of `m' = ad*_{dh} m = P(m) dh`.
+    pub fn poisson_tensor(&self, m: &Column) -> Matrix {
+        Matrix::of_linear(m.len(), |x| self.infinitesimal_coadjoint(x, m))
+    }
+}

@@ -1,0 +1,106 @@
+//! Symbolic systems to test with: as users describe them, with numbers for their symbols.
+
+use coadjoint_codegen::diagnostics::Diagnostics;
+use coadjoint_codegen::expr::Arena;
+use coadjoint_codegen::group::{self, Retraction};
+use coadjoint_codegen::model::{InertiaShape, System};
+use coadjoint_codegen::parse::{Attribute, Item};
+use proc_macro2::TokenStream;
+use quote::quote;
+
+use super::formula::{Formula, Point};
+use super::matrix::Column;
+use super::real::Real;
+use crate::random::Random;
+
+/// A description: what stands in the attribute, and the struct.
+pub struct Description {
+    /// For messages.
+    pub name: &'static str,
+    attribute: TokenStream,
+    item: TokenStream,
+}
+
+/// Free bodies and heavy tops on SO(3): each shape of inertia, up to two advected vectors, linear and nonlinear potentials.
+pub fn rigid_bodies() -> Vec<Description> {
+    let describe = |name, attribute, item| Description { name, attribute, item };
+    vec![
+        describe(
+            "free body",
+            quote! { group = SO3 },
+            quote! { struct Body { #[inertia] inertia: Vector3<f64> } },
+        ),
+        describe(
+            "free body with a full inertia",
+            quote! { group = SO3 },
+            quote! { struct Body { #[inertia] inertia: Matrix3<f64> } },
+        ),
+        describe(
+            "heavy top",
+            quote! { group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi) },
+            quote! { struct Top { #[inertia] inertia: Vector3<f64>, weight: f64, chi: Vector3<f64> } },
+        ),
+        describe(
+            "nonlinear top with a full inertia",
+            quote! { group = SO3, advected(gamma: R3), potential = gamma.dot(&chi) + gamma.dot(&chi).powi(2) / 2.0 },
+            quote! { struct Top { #[inertia] inertia: Matrix3<f64>, chi: Vector3<f64> } },
+        ),
+        describe(
+            "nonlinear top in two fields",
+            quote! {
+                group = SO3,
+                advected(gamma: R3, field: R3),
+                potential = gamma.dot(&chi) + (field.dot(&moment) * gamma.dot(&moment)).sin()
+            },
+            quote! {
+                struct Top { #[inertia] inertia: Vector3<f64>, chi: Vector3<f64>, moment: Vector3<f64> }
+            },
+        ),
+    ]
+}
+
+impl Description {
+    /// The symbolic system.
+    pub fn system<'a>(&self, arena: &'a Arena) -> System<'a> {
+        let mut diagnostics = Diagnostics::new();
+        let attribute = Attribute::parse(self.attribute.clone(), &mut diagnostics);
+        let system = Item::parse(self.item.clone(), &mut diagnostics).and_then(|item| {
+            let name = attribute.group.as_ref()?;
+            let group = group::catalogue().iter().copied().find(|group| name == group.name())?;
+            System::build(arena, &attribute, &item, group, &mut diagnostics)
+        });
+        diagnostics.finish().expect("the descriptions have no problems");
+        system.expect("a description without problems is a system")
+    }
+}
+
+/// Random parameters with a positive definite inertia, and a random state on the group.
+pub fn random_point(system: &System<'_>, seed: u64) -> Point {
+    let random = &mut Random::new(seed);
+    let mut point = Point::default();
+    for symbols in [system.parameter_symbols(), system.state_symbols()] {
+        point.set(&symbols, &Column::random(symbols.len(), random));
+    }
+
+    // dominated by a diagonal of distinct moments, hence positive definite
+    for i in 0..system.inertia.rows {
+        for j in 0..=i {
+            let symbol = system.inertia.at(i, j).as_symbol();
+            let Some(symbol) =
+                symbol.filter(|_| i == j || system.inertia_field.shape == InertiaShape::Matrix)
+            else {
+                continue;
+            };
+            let scattered = point.value(symbol) / Real::from(4);
+            let diagonal = if i == j { Real::from(i as i64 + 1) } else { Real::from(0) };
+            point.set(&[symbol], &Column(vec![diagonal + scattered]));
+        }
+    }
+
+    let group = system.algebra.group;
+    let arena = Arena::new();
+    let retract = Formula::new(&arena, [group.dimension()], |[x]| group.retract(Retraction::Cayley, &x));
+    let g = retract.at([&Column::random(group.dimension(), random)]);
+    point.set(&system.configuration.symbols(), &g);
+    point
+}

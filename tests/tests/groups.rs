@@ -1,0 +1,478 @@
+//! The laws of every group of the catalogue, from its own symbolic forms, held against definitions by matrices with 77 digits.
+
+use coadjoint_codegen::expr::{Arena, Stage, Vector, gradient};
+use coadjoint_codegen::group::{
+    Element, Group, Named, Representation, Retraction, Semidirect, Translation, catalogue,
+};
+use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization};
+use coadjoint_tests::precise::formula::{Formula, Point, symbols};
+use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
+use coadjoint_tests::precise::real::Real;
+use coadjoint_tests::precise::residuals::Residuals;
+use coadjoint_tests::random::Random;
+
+/// For what holds to the last digits.
+const EXACT: f64 = 2e-76;
+/// For comparisons with central differences.
+const DIFFERENCES: f64 = 2e-50;
+
+/// Each group's closed forms as functions of numbers, beside its definition.
+struct Subject<'a> {
+    group: &'static dyn Group,
+    definition: &'static dyn Realization,
+    arena: &'a Arena,
+}
+
+/// Checks every group of the catalogue.
+fn for_each_group(check: impl Fn(&Subject<'_>, &mut Residuals)) {
+    for &group in catalogue() {
+        let arena = Arena::new();
+        let mut residuals = Residuals::new();
+        check(&Subject { group, definition: realization(group), arena: &arena }, &mut residuals);
+    }
+}
+
+/// Checks every group with every retraction.
+fn for_each_retraction(check: impl Fn(&Subject<'_>, Retraction, &mut Residuals)) {
+    for_each_group(|subject, residuals| {
+        for retraction in Retraction::ALL {
+            check(subject, retraction, residuals);
+        }
+    });
+}
+
+impl<'a> Subject<'a> {
+    fn dimension(&self) -> usize {
+        self.group.dimension()
+    }
+
+    fn coordinates(&self) -> usize {
+        self.group.coordinates().len()
+    }
+
+    /// `τ`
+    fn retract(&self, retraction: Retraction) -> Formula<'a> {
+        Formula::new(self.arena, [self.dimension()], |[x]| self.group.retract(retraction, &x))
+    }
+
+    /// The product.
+    fn compose(&self) -> Formula<'a> {
+        let n = self.coordinates();
+        Formula::new(self.arena, [n, n], |[g, h]| self.group.compose(&g, &h))
+    }
+
+    /// The group without any space: what is defined for semidirect products is defined for it.
+    fn alone(&self) -> Semidirect {
+        Semidirect { group: self.group, spaces: Vec::new() }
+    }
+
+    /// Elements of the algebra: zero, tiny, small, and large.
+    fn points(&self) -> Vec<Column> {
+        let random = &mut Random::new(21);
+        let mut of_size = |size: Real| Column::random(self.dimension(), random).scale(&size);
+        vec![
+            Column::zeros(self.dimension()),
+            of_size(Real::ten_to(-30)),
+            of_size(Real::ten_to(-3)),
+            of_size(Real::from(1)),
+            of_size(Real::from(1)),
+            of_size(Real::from(3)),
+        ]
+    }
+
+    /// Elements of the group, with both retractions.
+    fn elements(&self) -> Vec<Column> {
+        let points = self.points();
+        Retraction::ALL
+            .into_iter()
+            .flat_map(|retraction| {
+                let retract = self.retract(retraction);
+                points[3..].iter().map(|x| retract.at([x])).collect::<Vec<_>>()
+            })
+            .collect()
+    }
+
+    /// `τ(x)` by definition: the series, or the quotient.
+    fn defined(&self, retraction: Retraction, x: &Column) -> Matrix {
+        let hat = self.definition.hat(x);
+        match retraction {
+            Retraction::Exponential => hat.exp(),
+            Retraction::Cayley => hat.cayley(),
+        }
+    }
+}
+
+#[test]
+fn retractions_are_what_they_are_called() {
+    for_each_retraction(|subject, retraction, residuals| {
+        let retract = subject.retract(retraction);
+        for x in subject.points() {
+            let g = retract.at([&x]);
+            residuals.vanish("τ(x) is on the group", &subject.definition.defect(&g).norm(), EXACT);
+            let (matrix, defined) = (subject.definition.matrix(&g), subject.defined(retraction, &x));
+            residuals.agree("τ(x) is its definition", &matrix.entries(), &defined.entries(), EXACT);
+        }
+    });
+}
+
+#[test]
+fn retractions_start_at_the_unit_with_unit_speed_and_are_odd() {
+    for_each_retraction(|subject, retraction, residuals| {
+        let (retract, compose) = (subject.retract(retraction), subject.compose());
+        let zero = Column::zeros(subject.dimension());
+        let unit = retract.at([&zero]);
+        let matrix = |x: &Column| subject.definition.matrix(&retract.at([x])).entries();
+        let one = Matrix::identity(subject.definition.hat(&zero).rows());
+        residuals.agree("τ(0) = e", &matrix(&zero), &one.entries(), EXACT);
+        for x in subject.points() {
+            let hat = subject.definition.hat(&x).entries();
+            residuals.agree("τ'(0) = id", &derivative(&zero, &x, matrix), &hat, DIFFERENCES);
+            let product = compose.at([&retract.at([&x]), &retract.at([&-&x])]);
+            residuals.agree("τ(x) τ(−x) = e", &product, &unit, EXACT);
+        }
+    });
+}
+
+#[test]
+fn the_product_is_that_of_a_group() {
+    for_each_group(|subject, residuals| {
+        let compose = subject.compose();
+        let unit = subject.retract(Retraction::Cayley).at([&Column::zeros(subject.dimension())]);
+        let matrix = |g: &Column| subject.definition.matrix(g);
+        let elements = subject.elements();
+        for (i, g) in elements.iter().enumerate() {
+            let (h, k) = (&elements[(i + 1) % elements.len()], &elements[(i + 2) % elements.len()]);
+            let product = compose.at([g, h]);
+            residuals.agree(
+                "g h as matrices",
+                &matrix(&product).entries(),
+                &(&matrix(g) * &matrix(h)).entries(),
+                EXACT,
+            );
+            residuals.vanish("g h is on the group", &subject.definition.defect(&product).norm(), EXACT);
+            let (left, right) = (compose.at([&product, k]), compose.at([g, &compose.at([h, k])]));
+            residuals.agree("(g h) k = g (h k)", &left, &right, EXACT);
+            residuals.agree("e g = g", &compose.at([&unit, g]), g, EXACT);
+            residuals.agree("g e = g", &compose.at([g, &unit]), g, EXACT);
+        }
+    });
+}
+
+#[test]
+fn normalization_takes_the_error_of_a_product_away() {
+    for_each_group(|subject, residuals| {
+        let n = subject.coordinates();
+        let normalize = Formula::new(subject.arena, [n], |[g]| subject.group.normalize(&g));
+        let random = &mut Random::new(22);
+        for g in subject.elements() {
+            residuals.agree("what is on the group stays", &normalize.at([&g]), &g, EXACT);
+            let off = &g + &Column::random(n, random).scale(&Real::ten_to(-30));
+            let back = normalize.at([&off]);
+            let defect = subject.definition.defect(&back).norm();
+            residuals.vanish("what is off by 1e-30 comes back to 1e-59", &defect, 1e-59);
+            residuals.vanish("and no farther than it was off", &(&back - &g).norm(), 3e-30);
+        }
+    });
+}
+
+#[test]
+fn the_bracket_is_the_commutator() {
+    for_each_group(|subject, residuals| {
+        let n = subject.dimension();
+        let bracket = Formula::new(subject.arena, [n, n], |[x, y]| subject.group.bracket(&x, &y));
+        let of = |x: &Column, y: &Column| bracket.at([x, y]);
+        let random = &mut Random::new(23);
+        for _ in 0..5 {
+            let [x, y, z] = std::array::from_fn(|_| Column::random(n, random));
+            let hat = |x: &Column| subject.definition.hat(x);
+            let commutator = &(&hat(&x) * &hat(&y)) - &(&hat(&y) * &hat(&x));
+            residuals.agree("[x, y] as matrices", &hat(&of(&x, &y)).entries(), &commutator.entries(), EXACT);
+            residuals.vanish("[x, y] = −[y, x]", &(&of(&x, &y) + &of(&y, &x)).norm(), EXACT);
+            let cyclic = &(&of(&x, &of(&y, &z)) + &of(&y, &of(&z, &x))) + &of(&z, &of(&x, &y));
+            residuals.vanish("Jacobi's identity", &cyclic.norm(), EXACT);
+        }
+    });
+}
+
+/// The matrix of `dR τ_x` from the closed form of its dual.
+fn d_right(subject: &Subject<'_>, retraction: Retraction) -> impl Fn(&Column) -> Matrix {
+    let n = subject.dimension();
+    let dual = Formula::new(subject.arena, [n, n], |[x, m]| subject.group.d_right_dual(retraction, &x, &m));
+    move |x| Matrix::of_linear(n, |m| dual.at([x, m])).transpose()
+}
+
+#[test]
+fn logarithmic_derivatives_are_those_of_the_retraction() {
+    for_each_retraction(|subject, retraction, residuals| {
+        let d_right = d_right(subject, retraction);
+        let alone = subject.alone();
+        let matrices = SemidirectMatrices::new(&alone);
+        for x in subject.points() {
+            let closed = d_right(&x);
+            let right = matrices.d_right(retraction, &x);
+            let left = matrices.d_left(retraction, &x);
+            residuals.agree("dR τ_x y = Dτ(x)y τ(x)⁻¹", &closed.entries(), &right.entries(), DIFFERENCES);
+            residuals.agree("dL τ_x = dR τ_−x", &d_right(&-&x).entries(), &left.entries(), DIFFERENCES);
+            let adjoint = matrices.adjoint(&matrices.retract(retraction, &x));
+            let turned = &adjoint * &d_right(&-&x);
+            residuals.agree("dR = Ad dL", &closed.entries(), &turned.entries(), EXACT);
+        }
+    });
+}
+
+#[test]
+fn the_domain_ends_where_the_retraction_is_singular() {
+    for_each_retraction(|subject, retraction, residuals| {
+        let d_right = d_right(subject, retraction);
+        let x = symbols(subject.arena, "x", subject.dimension(), Stage::Step);
+        let random = &mut Random::new(24);
+        let directions: Vec<_> = (0..4).map(|_| Column::random(subject.dimension(), random)).collect();
+        let Some(margin) = subject.group.domain(retraction, &x) else {
+            // regular everywhere
+            for direction in directions {
+                let far = direction.scale(&Real::from(100));
+                assert!(d_right(&far).determinant_magnitude() > Real::ten_to(-20));
+            }
+            return;
+        };
+        let margin = |at: &Column| {
+            let mut point = Point::default();
+            point.set(&x.symbols(), at);
+            point.scalar(margin)
+        };
+        for direction in directions {
+            // the first zero on a ray, by bisection between where it is positive and where it is negative
+            let (mut inside, mut outside) = (Real::from(0), Real::from(100));
+            assert!(margin(&direction.scale(&inside)) > Real::from(0));
+            assert!(margin(&direction.scale(&outside)) < Real::from(0));
+            for _ in 0..270 {
+                let middle = (&inside + &outside) / Real::from(2);
+                let within = margin(&direction.scale(&middle)) > Real::from(0);
+                if within { inside = middle } else { outside = middle }
+            }
+            // the edge is a double, and the determinant has a double zero: the square of 1e-16 remains
+            let at_edge = d_right(&direction.scale(&inside)).determinant_magnitude();
+            residuals.vanish("dR is singular at the edge", &at_edge, 1e-32);
+            for part in 1..=9 {
+                let regular = d_right(&direction.scale(&(&inside * Real::ratio(part, 10))));
+                assert!(regular.determinant_magnitude() > Real::ratio(1, 1000), "dR is regular within");
+            }
+        }
+    });
+}
+
+#[test]
+fn momentum_in_space_is_the_coadjoint_action_of_the_inverse() {
+    for_each_group(|subject, residuals| {
+        let (n, coordinates) = (subject.dimension(), subject.coordinates());
+        let to_space = Formula::new(subject.arena, [coordinates, n], |[g, m]| subject.group.to_space(&g, &m));
+        let compose = subject.compose();
+        let random = &mut Random::new(25);
+        let elements = subject.elements();
+        for (g, h) in elements.iter().zip(elements.iter().rev()) {
+            let [m, y] = std::array::from_fn(|_| Column::random(n, random));
+            // ⟨Ad*_{g⁻¹} m, y⟩ = ⟨m, g⁻¹ y g⟩
+            let matrix = subject.definition.matrix(g);
+            let turned = &(&matrix.inverse() * &subject.definition.hat(&y)) * &matrix;
+            let pairing = m.dot(&subject.definition.vee(&turned)) - to_space.at([g, &m]).dot(&y);
+            residuals.vanish("⟨to_space m, y⟩ = ⟨m, Ad_{g⁻¹} y⟩", &pairing, EXACT);
+            let both = to_space.at([&compose.at([g, h]), &m]);
+            let after_each_other = to_space.at([g, &to_space.at([h, &m])]);
+            residuals.agree("Ad*_{(g h)⁻¹} = Ad*_{g⁻¹} Ad*_{h⁻¹}", &both, &after_each_other, EXACT);
+        }
+    });
+}
+
+/// Checks every space of every group.
+fn for_each_space(check: impl Fn(&Subject<'_>, &'static dyn Representation, &mut Residuals)) {
+    for_each_group(|subject, residuals| {
+        for &space in subject.group.representations() {
+            check(subject, space, residuals);
+        }
+    });
+}
+
+#[test]
+fn spaces_are_representations() {
+    for_each_space(|subject, space, residuals| {
+        let (n, v) = (subject.dimension(), space.coordinates().len());
+        assert_eq!(space.algebra_dimension(), n);
+        let act = Formula::new(subject.arena, [n, v], |[x, u]| space.act(&x, &u));
+        let bracket = Formula::new(subject.arena, [n, n], |[x, y]| subject.group.bracket(&x, &y));
+        let rho = |x: &Column| Matrix::of_linear(v, |u| act.at([x, u]));
+        let random = &mut Random::new(26);
+        for _ in 0..5 {
+            let [x, y] = std::array::from_fn(|_| Column::random(n, random));
+            let defined = subject.definition.representation(space.name(), &x);
+            residuals.agree("ρ_x is its definition", &rho(&x).entries(), &defined.entries(), EXACT);
+            let commutator = &(&rho(&x) * &rho(&y)) - &(&rho(&y) * &rho(&x));
+            let of_bracket = rho(&bracket.at([&x, &y]));
+            residuals.agree("ρ_[x,y] = [ρ_x, ρ_y]", &of_bracket.entries(), &commutator.entries(), EXACT);
+        }
+    });
+}
+
+#[test]
+fn retractions_move_spaces() {
+    for_each_space(|subject, space, residuals| {
+        let (n, v) = (subject.dimension(), space.coordinates().len());
+        for retraction in Retraction::ALL {
+            let transport = Formula::new(subject.arena, [n, v], |[x, u]| space.transport(retraction, &x, &u));
+            let translate = Formula::new(subject.arena, [n, v], |[x, w]| {
+                let Translation { fixed, carried, .. } = space.translation(retraction, &x, &w);
+                let by_x = carried.jacobian(&x.symbols());
+                assert!(
+                    by_x.entries.iter().all(|entry| entry.is_zero()),
+                    "what is carried depends on w alone"
+                );
+                &fixed + &space.transport(retraction, &x, &carried)
+            });
+            for x in subject.points() {
+                let rho = subject.definition.representation(space.name(), &x);
+                let one = Matrix::identity(v);
+                let (turn, shift) = match retraction {
+                    Retraction::Exponential => (rho.exp(), rho.phi1()),
+                    Retraction::Cayley => (rho.cayley(), (&one - &rho.scale(&Real::ratio(1, 2))).inverse()),
+                };
+                let closed = Matrix::of_linear(v, |u| transport.at([&x, u]));
+                residuals.agree("transport is τ(x) on the space", &closed.entries(), &turn.entries(), EXACT);
+                let closed = Matrix::of_linear(v, |w| translate.at([&x, w]));
+                residuals.agree(
+                    "translation is φ₁ or (1 − ρ/2)⁻¹",
+                    &closed.entries(),
+                    &shift.entries(),
+                    EXACT,
+                );
+            }
+        }
+    });
+}
+
+#[test]
+fn a_space_said_to_be_tangent_is_the_algebra_and_moves_by_the_derivative() {
+    for_each_space(|subject, space, residuals| {
+        let n = subject.dimension();
+        for retraction in Retraction::ALL {
+            let x = symbols(subject.arena, "x", n, Stage::Step);
+            let w = symbols(subject.arena, "w", space.coordinates().len(), Stage::Step);
+            if !space.translation(retraction, &x, &w).tangent {
+                continue;
+            }
+            assert_eq!(w.len(), n);
+            assert_eq!(space.act(&x, &w), subject.group.bracket(&x, &w), "ρ = ad");
+            let translate = Formula::new(subject.arena, [n, n], |[x, w]| {
+                let Translation { fixed, carried, .. } = space.translation(retraction, &x, &w);
+                &fixed + &space.transport(retraction, &x, &carried)
+            });
+            let alone = subject.alone();
+            for x in subject.points() {
+                let shift = Matrix::of_linear(n, |w| translate.at([&x, w]));
+                let d_right = SemidirectMatrices::new(&alone).d_right(retraction, &x);
+                residuals.agree("P(x) = dR τ_x", &shift.entries(), &d_right.entries(), DIFFERENCES);
+            }
+        }
+    });
+}
+
+/// Every group with up to `most` copies of each of its spaces.
+fn semidirect_products(most: usize) -> Vec<Semidirect> {
+    catalogue()
+        .iter()
+        .flat_map(|&group| {
+            let spaces = group.representations().iter().copied();
+            let copies = spaces.flat_map(move |space| (1..=most).map(move |k| vec![space; k]));
+            std::iter::once(Vec::new()).chain(copies).map(move |spaces| Semidirect { group, spaces })
+        })
+        .collect()
+}
+
+/// The element with these components.
+fn element<'a>(algebra: &Semidirect, components: &Vector<'a>) -> Element<'a> {
+    let mut rest = components.0.clone();
+    let mut take = |count: usize| Vector(rest.drain(..count).collect());
+    Element {
+        base: take(algebra.group.dimension()),
+        spaces: algebra.spaces.iter().map(|space| take(space.coordinates().len())).collect(),
+    }
+}
+
+/// The components of an element.
+fn components<'a>(element: &Element<'a>) -> Vector<'a> {
+    let spaces = element.spaces.iter().flat_map(|space| space.0.clone());
+    Vector(element.base.0.iter().copied().chain(spaces).collect())
+}
+
+#[test]
+fn semidirect_products_derive_their_logarithmic_derivatives_and_coadjoint_actions() {
+    let mut residuals = Residuals::new();
+    for algebra in semidirect_products(2) {
+        let matrices = SemidirectMatrices::new(&algebra);
+        let n = matrices.dimension();
+        let arena = Arena::new();
+        let coadjoint = Formula::new(&arena, [n, n], |[xi, mu]| {
+            components(&algebra.coadjoint(&element(&algebra, &xi), &element(&algebra, &mu)))
+        });
+        let random = &mut Random::new(27);
+        for retraction in Retraction::ALL {
+            let dual = Formula::new(&arena, [n, n], |[xi, mu]| {
+                components(&algebra.d_right_dual(
+                    retraction,
+                    &element(&algebra, &xi),
+                    &element(&algebra, &mu),
+                ))
+            });
+            for size in [Real::ten_to(-20), Real::from(1), Real::from(2)] {
+                let xi = Column::random(n, random).scale(&size);
+                let mu = Column::random(n, random);
+                let closed = Matrix::of_linear(n, |mu| dual.at([&xi, mu]));
+                let defined = matrices.d_right(retraction, &xi).transpose();
+                residuals.agree("(dR τ_x)* on G ⋉ V", &closed.entries(), &defined.entries(), DIFFERENCES);
+
+                let bar = dual.at([&xi, &mu]);
+                let defined = matrices.infinitesimal_coadjoint(&xi, &bar);
+                residuals.agree("ad*_x m on G ⋉ V", &coadjoint.at([&xi, &bar]), &defined, EXACT);
+
+                let moved = matrices.coadjoint(&matrices.retract(retraction, &xi), &mu);
+                let by_bar = &mu + &coadjoint.at([&xi, &bar]);
+                residuals.agree("Ad*_τ(x) m = m + ad*_x (dR τ_x)* m", &moved, &by_bar, EXACT);
+            }
+        }
+    }
+}
+
+#[test]
+fn casimirs_are_all_that_is_kept_whatever_the_hamiltonian() {
+    let mut residuals = Residuals::new();
+    for algebra in semidirect_products(3) {
+        let matrices = SemidirectMatrices::new(&algebra);
+        let n = matrices.dimension();
+        let arena = Arena::new();
+        let mu = symbols(&arena, "m", n, Stage::Step);
+        let parts = element(&algebra, &mu);
+        let names: Vec<String> = (0..parts.spaces.len()).map(|i| format!("a{i}")).collect();
+        let momentum = Named { name: "m", value: &parts.base };
+        let advected: Vec<_> =
+            names.iter().zip(&parts.spaces).map(|(name, value)| Named { name, value }).collect();
+        let casimirs = algebra.group.casimirs(&momentum, &advected);
+        let gradients: Vec<_> = casimirs.iter().map(|(_, c)| gradient(*c, &mu.symbols())).collect();
+
+        let random = &mut Random::new(28);
+        for _ in 0..3 {
+            let mut point = Point::default();
+            let at = Column::random(n, random);
+            point.set(&mu.symbols(), &at);
+            let poisson = matrices.poisson_tensor(&at);
+            let mut columns = Vec::new();
+            for ((name, _), gradient) in casimirs.iter().zip(&gradients) {
+                let gradient = point.vector(gradient);
+                residuals.vanish(&format!("{{{name}, h}}"), &(&poisson * &gradient).norm(), EXACT);
+                columns.push(gradient);
+            }
+            // none is missing, and none follows from others
+            let threshold = Real::ten_to(-40);
+            let independent = Matrix::from_columns(&columns).rank(&threshold);
+            assert_eq!(independent, casimirs.len(), "independent Casimirs");
+            assert_eq!(poisson.rank(&threshold) + independent, n, "as many as there can be");
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! Straight-line code against the expressions it was made from: factoring, sharing, staging and naming change no value.
+
+use coadjoint_codegen::expr::{Arena, Expr, Number, Stage, Symbol, Vector};
+use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::kernel::{self, Kernel};
+use coadjoint_codegen::method::{Step, lie_poisson, step_symbol};
+use coadjoint_tests::precise::descriptions::{random_point, rigid_bodies};
+use coadjoint_tests::precise::formula::Point;
+use coadjoint_tests::precise::interpreter::{Inputs, Scope, Stages, run, stages};
+use coadjoint_tests::precise::matrix::{Column, jacobian};
+use coadjoint_tests::precise::real::Real;
+use coadjoint_tests::precise::trees::{Forest, for_all, forests, numbers, relative};
+use coadjoint_tests::random::Random;
+use proptest::prelude::*;
+
+/// Names that generated code also has uses for.
+const NAMES: [&str; 6] = ["t0", "c2", "half_t0", "step", "p0", "s0"];
+
+#[test]
+fn functions_compute_their_expressions() {
+    let strategy = (forests(NAMES.len(), 3, 4), numbers(NAMES.len()));
+    for_all("functions", 300, strategy, 1e-75, |(forest, x)| {
+        let plain = forest.values(x)?;
+        let arena = Arena::new();
+        let variables: Vec<Expr<'_>> = NAMES
+            .iter()
+            .enumerate()
+            .map(|(i, &name)| arena.symbol(name, [Stage::Parameters, Stage::Step, Stage::Iteration][i % 3]))
+            .collect();
+        let outputs = Vector(forest.build(&variables));
+        let (section, names) = kernel::function(&arena, &outputs);
+        let mut scope = Scope::default();
+        scope.define(&names.of(&Vector(variables)), x);
+        let (results, _) = run(&section, &scope);
+        Some(relative(&results, &plain))
+    });
+}
+
+#[test]
+fn a_value_that_occurs_twice_in_a_sum_counts_twice() {
+    let arena = Arena::new();
+    let [a, b, c, d] = ["a", "b", "c", "d"].map(|name| arena.symbol(name, Stage::Step));
+    let variables = Vector(vec![a, b, c, d]);
+    // kept whole, `a b` is a term of its own beside `a b`; for the code both are one value
+    let outputs = Vector(vec![
+        a * b + (a * b).hold() + c,
+        a * b + c + d,
+        (a - b).hold() - (b - a).hold() + c,
+        (a - b).hold() + (b - a).hold() + d + c,
+        (a - b).hold() + c - d,
+    ]);
+    let (section, names) = kernel::function(&arena, &outputs);
+    let values = Column::random(4, &mut Random::new(5));
+    let mut scope = Scope::default();
+    scope.define(&names.of(&variables), &values);
+    let mut point = Point::default();
+    point.set(&variables.symbols(), &values);
+    let difference = relative(&run(&section, &scope).0, &point.vector(&outputs));
+    assert!(difference < Real::ten_to(-75), "{difference:?}");
+}
+
+/// A step of random expressions in two parameters and the step size, two coordinates of the state, and the unknowns.
+#[derive(Clone, Debug)]
+struct RandomStep {
+    unknowns: usize,
+    /// Of parameters and state: as many as there are unknowns.
+    start: Forest,
+    /// Of everything: left, right and two more for the next state.
+    equations: Forest,
+    /// Of parameters and the unknown: one.
+    domain: Forest,
+}
+
+/// Parameters, with the step size, and coordinates of the state.
+const PARAMETERS: usize = 3;
+const STATE: usize = 2;
+
+fn random_steps() -> BoxedStrategy<(RandomStep, Column)> {
+    let step = |unknowns: usize| {
+        let all = PARAMETERS + STATE + unknowns;
+        let start = forests(PARAMETERS + STATE, 1, unknowns);
+        let equations = forests(all, 2, 2 * unknowns + STATE);
+        let domain = forests(PARAMETERS + unknowns, 1, 1);
+        (start, equations, domain, numbers(all)).prop_map(move |(start, equations, domain, x)| {
+            (RandomStep { unknowns, start, equations, domain }, x)
+        })
+    };
+    prop_oneof![step(1), step(2), step(3)].boxed()
+}
+
+/// A step together with the symbols that it is made of.
+struct Symbolic<'a> {
+    step: Step<'a>,
+    parameters: Vec<Symbol>,
+    state: Vec<Symbol>,
+}
+
+impl RandomStep {
+    fn build<'a>(&self, arena: &'a Arena) -> Symbolic<'a> {
+        let symbols = |names: &[&str], stage| -> Vec<Expr<'a>> {
+            names.iter().map(|&name| arena.symbol(name, stage)).collect()
+        };
+        let parameters = symbols(&["t0", "half_t0"], Stage::Parameters);
+        let h = step_symbol(arena);
+        let state = symbols(&["c2", "i0"], Stage::Step);
+        let unknown = symbols(&["s0", "p0", "step"][..self.unknowns], Stage::Iteration);
+
+        let early = [parameters.clone(), vec![h]].concat();
+        let start = self.start.build(&[early.clone(), state.clone()].concat());
+        let equations = self.equations.build(&[early.clone(), state.clone(), unknown.clone()].concat());
+        let (left, rest) = equations.split_at(self.unknowns);
+        let (right, next) = rest.split_at(self.unknowns);
+        let domain = self.domain.build(&[early.clone(), unknown.clone()].concat());
+        // a plain linear part makes most Jacobians regular
+        let left = left.iter().zip(&unknown).map(|(&left, &x)| left + x * 4).collect();
+        let step = Step {
+            h,
+            unknown: Vector(unknown),
+            start: Vector(start),
+            left: Vector(left),
+            right: Vector(right.to_vec()),
+            domain: domain.first().copied(),
+            next: Vector(next.to_vec()),
+        };
+        Symbolic { step, parameters: Vector(parameters).symbols(), state: Vector(state).symbols() }
+    }
+}
+
+/// Runs a step's kernel at a point, stage after stage.
+fn run_kernel(kernel: &Kernel, symbolic: &Symbolic<'_>, point: &Point) -> Stages {
+    let named = |symbols: &[Symbol]| {
+        let names = symbols.iter().map(|&symbol| kernel.symbols.get(symbol)).collect();
+        (names, point.get(symbols))
+    };
+    let Symbolic { step, parameters, state } = symbolic;
+    let inputs = Inputs {
+        parameters: named(parameters),
+        h: point.scalar(step.h),
+        state: named(state),
+        unknown: point.get(&step.unknown.symbols()),
+    };
+    stages(kernel, &inputs)
+}
+
+/// How far a kernel's results are from the step's expressions at a point, and its correction from solving the linearized equation
+/// (`None` where that is close to singular).
+fn deviation(stages: &Stages, step: &Step<'_>, point: &Point) -> (Real, Option<Real>) {
+    let residual = |point: &Point| &point.vector(&step.left) - &point.vector(&step.right);
+    let mut computed = vec![&stages.start, &stages.residual, &stages.right, &stages.next];
+    let mut direct =
+        vec![point.vector(&step.start), residual(point), point.vector(&step.right), point.vector(&step.next)];
+    let margin = Column(stages.margin.iter().cloned().collect());
+    computed.push(&margin);
+    direct.push(point.vector(&Vector(step.domain.into_iter().collect())));
+    let values = relative(&Column::stack(computed), &Column::stack(&direct));
+
+    let unknown = step.unknown.symbols();
+    let x = point.get(&unknown);
+    let linear = jacobian(&x, |x| residual(&point.with(&unknown, x)));
+    let regular = linear.determinant_magnitude() > Real::ratio(1, 100) && linear.norm() < Real::from(1000);
+    let correction = regular.then(|| relative(&(&linear * &stages.correction), &residual(point)));
+    (values, correction)
+}
+
+fn larger(a: Real, b: Real) -> Real {
+    if b > a { b } else { a }
+}
+
+#[test]
+fn kernels_of_random_steps_compute_their_expressions() {
+    for_all("random kernels", 150, random_steps(), 1e-75, |(random, x)| {
+        deviation_of_random(random, x).map(|(values, _)| values)
+    });
+}
+
+#[test]
+fn corrections_of_random_steps_solve_the_linearized_equation() {
+    for_all("random corrections", 150, random_steps(), 1e-47, |(random, x)| {
+        deviation_of_random(random, x)?.1
+    });
+}
+
+fn deviation_of_random(random: &RandomStep, x: &Column) -> Option<(Real, Option<Real>)> {
+    let (early, late) = (x.part(0, PARAMETERS + STATE), x.part(PARAMETERS + STATE, random.unknowns));
+    let parameters = x.part(0, PARAMETERS);
+    random.start.values(&early)?;
+    random.equations.values(x)?;
+    random.domain.values(&Column::stack([&parameters, &late]))?;
+
+    let arena = Arena::new();
+    let symbolic = random.build(&arena);
+    let kernel = Kernel::new(&arena, &symbolic.step);
+    let Symbolic { step, parameters, state } = &symbolic;
+    let symbols = [parameters.clone(), Vector(vec![step.h]).symbols(), state.clone(), step.unknown.symbols()];
+    let mut point = Point::default();
+    point.set(&symbols.concat(), x);
+    Some(deviation(&run_kernel(&kernel, &symbolic, &point), step, &point))
+}
+
+#[test]
+fn kernels_of_rigid_bodies_compute_their_steps() {
+    let mut worst = (Real::from(0), Real::from(0));
+    for (seed, description) in (0..).zip(rigid_bodies()) {
+        for (retraction, s) in
+            Retraction::ALL.into_iter().flat_map(|r| [(r, Number::ZERO), (r, Number::ratio(1, 2))])
+        {
+            let what = format!("{}, {}, s = {s}", description.name, retraction.name());
+            let arena = Arena::new();
+            let system = description.system(&arena);
+            let step = lie_poisson::step(&arena, &system, retraction, s);
+            let kernel = Kernel::new(&arena, &step);
+            let mut point = random_point(&system, seed);
+            point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
+            let unknown = step.unknown.symbols();
+            point.set(&unknown, &Column::random(unknown.len(), &mut Random::new(seed)));
+
+            let symbolic =
+                Symbolic { step, parameters: system.parameter_symbols(), state: system.state_symbols() };
+            let stages = run_kernel(&kernel, &symbolic, &point);
+            let (values, correction) = deviation(&stages, &symbolic.step, &point);
+            let correction = correction.expect("the Jacobian of a short step is regular");
+            assert!(values < Real::ten_to(-76), "{what}: {values:?}");
+            assert!(correction < Real::ten_to(-50), "{what}: {correction:?}");
+            worst = (larger(worst.0, values), larger(worst.1, correction));
+        }
+    }
+    println!("kernels of rigid bodies: values {:?}, corrections {:?}", worst.0, worst.1);
+}

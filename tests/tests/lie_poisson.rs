@@ -1,0 +1,293 @@
+//! The family of steps against its definition and its theorems, with 77 digits: for every system, retraction and `s` the step is
+//! a Poisson map that keeps all Casimirs, is its own adjoint and has order 2.
+
+use coadjoint_codegen::expr::{Arena, Number, Symbol, Vector, gradient};
+use coadjoint_codegen::group::{Named, Retraction};
+use coadjoint_codegen::method::{Step, lie_poisson};
+use coadjoint_codegen::model::System;
+use coadjoint_tests::precise::definition::{SemidirectMatrices, realization};
+use coadjoint_tests::precise::descriptions::{Description, random_point, rigid_bodies};
+use coadjoint_tests::precise::formula::{Formula, Point};
+use coadjoint_tests::precise::matrix::{Column, Matrix, jacobian};
+use coadjoint_tests::precise::newton::Solver;
+use coadjoint_tests::precise::real::Real;
+use coadjoint_tests::precise::residuals::Residuals;
+
+/// For what holds to the last digits.
+const EXACT: f64 = 2e-76;
+
+/// The members of the family that are tested.
+fn parameters() -> [Number; 4] {
+    [Number::ZERO, Number::ratio(1, 2), Number::ONE, Number::ratio(3, 10)]
+}
+
+/// A system with numbers for its parameters and state.
+struct Subject<'a> {
+    system: &'a System<'a>,
+    matrices: SemidirectMatrices<'a>,
+    point: Point,
+    /// The symbols of `m = (μ, a)`.
+    momentum: Vec<Symbol>,
+    /// `∂h/∂m`
+    velocity: Vector<'a>,
+}
+
+impl<'a> Subject<'a> {
+    fn new(system: &'a System<'a>, seed: u64) -> Self {
+        let advected = system.advected_values();
+        let momentum: Vec<Symbol> =
+            system.momentum.symbols().into_iter().chain(advected.iter().flat_map(Vector::symbols)).collect();
+        Self {
+            system,
+            matrices: SemidirectMatrices::new(&system.algebra),
+            point: random_point(system, seed),
+            velocity: gradient(system.energy(), &momentum),
+            momentum,
+        }
+    }
+
+    /// The initial momentum.
+    fn start(&self) -> Column {
+        self.point.get(&self.momentum)
+    }
+
+    /// `∂h/∂m` at a momentum.
+    fn velocity(&self, m: &Column) -> Column {
+        self.point.with(&self.momentum, m).vector(&self.velocity)
+    }
+
+    /// `ad*_{∂h/∂m} m`, the equations of motion.
+    fn field(&self, m: &Column) -> Column {
+        self.matrices.infinitesimal_coadjoint(&self.velocity(m), m)
+    }
+
+    /// The flow over a time, by many steps of Runge and Kutta's method and one extrapolation.
+    fn flow(&self, time: &Real) -> Column {
+        let runge_kutta = |steps: i64| {
+            let h = time / Real::from(steps);
+            let along = |m: &Column, k: &Column, part: Real| m + &k.scale(&(&h * part));
+            (0..steps).fold(self.start(), |m, _| {
+                let k1 = self.field(&m);
+                let k2 = self.field(&along(&m, &k1, Real::ratio(1, 2)));
+                let k3 = self.field(&along(&m, &k2, Real::ratio(1, 2)));
+                let k4 = self.field(&along(&m, &k3, Real::from(1)));
+                let sum = &(&k1 + &k4) + &(&k2 + &k3).scale(&Real::from(2));
+                along(&m, &sum, Real::ratio(1, 6))
+            })
+        };
+        let (coarse, fine) = (runge_kutta(6), runge_kutta(12));
+        &fine + &(&fine - &coarse).scale(&Real::ratio(1, 15))
+    }
+}
+
+/// One member of the family for one system.
+struct Member<'s, 'a> {
+    subject: &'s Subject<'a>,
+    retraction: Retraction,
+    s: Real,
+    step: &'s Step<'a>,
+    solver: Solver<'s, 'a>,
+}
+
+impl Member<'_, '_> {
+    /// The point with step size `t` and momentum `m`.
+    fn at(&self, t: &Real, m: &Column) -> Point {
+        let mut point = self.subject.point.with(&self.subject.momentum, m);
+        point.set(&Vector(vec![self.step.h]).symbols(), &Column(vec![t.clone()]));
+        point
+    }
+
+    /// The whole state after a step.
+    fn next(&self, t: &Real, m: &Column) -> Column {
+        self.solver.next(&self.solver.solve(&self.at(t, m)))
+    }
+
+    /// The momentum of a state.
+    fn momentum(&self, state: &Column) -> Column {
+        state.part(state.len() - self.subject.momentum.len(), self.subject.momentum.len())
+    }
+
+    /// The momentum after a step.
+    fn advance(&self, t: &Real, m: &Column) -> Column {
+        self.momentum(&self.next(t, m))
+    }
+}
+
+/// Checks one system after the other.
+fn for_each_system(check: impl Fn(&Description, &Subject<'_>, &mut Residuals)) {
+    let mut residuals = Residuals::new();
+    for (seed, description) in (31..).zip(rigid_bodies()) {
+        let arena = Arena::new();
+        let system = description.system(&arena);
+        check(&description, &Subject::new(&system, seed), &mut residuals);
+    }
+}
+
+/// Checks each member of the family for each system.
+fn for_each_member(check: impl Fn(&Member<'_, '_>, &mut Residuals)) {
+    for_each_system(|_, subject, residuals| {
+        members(subject, |member| check(member, residuals));
+    });
+}
+
+fn members(subject: &Subject<'_>, mut check: impl FnMut(&Member<'_, '_>)) {
+    for retraction in Retraction::ALL {
+        for s in parameters() {
+            let arena = subject.system.potential.arena();
+            let step = lie_poisson::step(arena, subject.system, retraction, s);
+            let s = subject.point.scalar(arena.number(s));
+            check(&Member { subject, retraction, s, solver: Solver::new(&step), step: &step });
+        }
+    }
+}
+
+fn tenth() -> Real {
+    Real::ratio(1, 10)
+}
+
+#[test]
+fn energy_and_velocity_are_those_of_the_inertia() {
+    for_each_system(|_, subject, residuals| {
+        let system = subject.system;
+        let n = system.inertia.rows;
+        let value = |i: usize, j: usize| subject.point.scalar(system.inertia.at(i, j));
+        let inertia = Matrix::from_fn(n, n, value);
+        assert_eq!(inertia, inertia.transpose());
+        let m = subject.point.get(&system.momentum.symbols());
+        let velocity = inertia.solve(&m);
+        let by_system = subject.point.vector(&system.velocity(&system.momentum));
+        residuals.agree("velocity = 𝕀⁻¹ μ", &by_system, &velocity, EXACT);
+        let derivative = subject.velocity(&subject.start()).part(0, n);
+        residuals.agree("∂h/∂μ = 𝕀⁻¹ μ", &derivative, &velocity, EXACT);
+        let kinetic = subject.point.scalar(system.energy() - system.potential);
+        residuals.vanish("h − V = ½ μ·𝕀⁻¹μ", &(kinetic - m.dot(&velocity) / Real::from(2)), EXACT);
+    });
+}
+
+/// The definition, with η the solution of the step's equation and everything else from matrices:
+///
+/// ```text
+/// m⁻ = Ad*_{τ(sη)} m
+/// m̄  = (1−s) (dR τ_{(1−s)η})* m⁻ + s (dR τ_{−sη})* m⁻
+/// η  = t ∂h/∂m(m̄)
+/// m' = Ad*_{τ((1−s)η)} m⁻,   g' = g τ(sη) τ((1−s)η)
+/// ```
+#[test]
+fn steps_solve_their_definition() {
+    for_each_member(|member, residuals| {
+        let Member { subject, retraction, s, .. } = member;
+        let matrices = &subject.matrices;
+        let (t, m) = (tenth(), subject.start());
+        let solved = member.solver.solve(&member.at(&t, &m));
+        let next = member.solver.next(&solved);
+
+        let late = Real::from(1) - s;
+        let carried = |eta: &Column| matrices.coadjoint(&matrices.retract(*retraction, &eta.scale(s)), &m);
+        let mean = |eta: &Column| {
+            let carried = carried(eta);
+            let dual = |x: &Column| matrices.d_right_dual(*retraction, x, &carried);
+            &dual(&eta.scale(&late)).scale(&late) + &dual(&eta.scale(&-s)).scale(s)
+        };
+        // the unknown is the group's part of η; the advected part of m̄ depends on it alone, and gives the advected part of η
+        let y = solved.get(&member.step.unknown.symbols());
+        let advected = Column::zeros(m.len() - y.len());
+        let of_base = Column::stack([&y, &advected]);
+        let w = subject.velocity(&mean(&of_base)).scale(&t).part(y.len(), advected.len());
+        let eta = Column::stack([&y, &w]);
+
+        let velocity = subject.velocity(&mean(&eta)).scale(&t);
+        residuals.agree("η = t ∂h/∂m(m̄)", &velocity, &eta, 1e-51);
+        let moved = matrices.coadjoint(&matrices.retract(*retraction, &eta.scale(&late)), &carried(&eta));
+        residuals.agree("m' = Ad*_{τ((1−s)η)} m⁻", &member.momentum(&next), &moved, EXACT);
+
+        let realization = realization(subject.system.algebra.group);
+        let configuration = subject.system.configuration.symbols();
+        let g = realization.matrix(&subject.point.get(&configuration));
+        let turn = |part: &Real| {
+            let hat = realization.hat(&y.scale(part));
+            match retraction {
+                Retraction::Exponential => hat.exp(),
+                Retraction::Cayley => hat.cayley(),
+            }
+        };
+        let g_next = realization.matrix(&next.part(0, configuration.len()));
+        let turned = &(&g * &turn(s)) * &turn(&late);
+        residuals.agree("g' = g τ(sη) τ((1−s)η)", &g_next.entries(), &turned.entries(), EXACT);
+    });
+}
+
+#[test]
+fn steps_keep_all_casimirs() {
+    for_each_member(|member, residuals| {
+        let system = member.subject.system;
+        let advected: Vec<_> = system.advected.iter().map(|(name, value)| Named { name, value }).collect();
+        let momentum = Named { name: "momentum", value: &system.momentum };
+        let casimirs = system.algebra.group.casimirs(&momentum, &advected);
+        let casimirs = Vector(casimirs.into_iter().map(|(_, casimir)| casimir).collect());
+        let at = |m: &Column| member.at(&tenth(), m).vector(&casimirs);
+        let start = member.subject.start();
+        let next = member.advance(&tenth(), &start);
+        residuals.agree("Casimirs", &at(&next), &at(&start), EXACT);
+    });
+}
+
+#[test]
+fn steps_without_a_potential_keep_the_momentum_in_space() {
+    for_each_member(|member, residuals| {
+        let system = member.subject.system;
+        if !system.advected.is_empty() {
+            return;
+        }
+        let (group, configuration) = (system.algebra.group, system.configuration.symbols());
+        let arena = Arena::new();
+        let to_space =
+            Formula::new(&arena, [configuration.len(), group.dimension()], |[g, m]| group.to_space(&g, &m));
+        let (g, m) = (member.subject.point.get(&configuration), member.subject.start());
+        let next = member.next(&tenth(), &m);
+        let in_space = to_space.at([&next.part(0, configuration.len()), &member.momentum(&next)]);
+        residuals.agree("momentum in space", &in_space, &to_space.at([&g, &m]), EXACT);
+    });
+}
+
+#[test]
+fn steps_are_poisson_maps() {
+    for_each_member(|member, residuals| {
+        let (t, m) = (tenth(), member.subject.start());
+        let solved = member.solver.solve(&member.at(&t, &m));
+        let unknown = solved.get(&member.step.unknown.symbols());
+        let next = |m: &Column| {
+            let nearby = member.solver.solve_from(&member.at(&t, m), &unknown);
+            member.momentum(&member.solver.next(&nearby))
+        };
+        let derivative = jacobian(&m, next);
+        let before = member.subject.matrices.poisson_tensor(&m);
+        let after = member.subject.matrices.poisson_tensor(&next(&m));
+        let carried = &(&derivative * &before) * &derivative.transpose();
+        residuals.agree("D P(m) Dᵀ = P(m')", &carried.entries(), &after.entries(), 1e-50);
+    });
+}
+
+#[test]
+fn steps_are_their_own_adjoints() {
+    for_each_member(|member, residuals| {
+        let start = member.subject.start();
+        let back = member.advance(&-tenth(), &member.advance(&tenth(), &start));
+        residuals.agree("a step back after a step", &back, &start, EXACT);
+    });
+}
+
+#[test]
+fn steps_have_order_two() {
+    for_each_system(|description, subject, residuals| {
+        let (long, short) = (Real::ratio(1, 25), Real::ratio(1, 50));
+        let (after_long, after_short) = (subject.flow(&long), subject.flow(&short));
+        let start = subject.start();
+        members(subject, |member| {
+            let error = |t: &Real, flow: &Column| (&member.advance(t, &start) - flow).norm().to_f64();
+            let (long, short) = (error(&long, &after_long), error(&short, &after_short));
+            let order = (long / short).log2() - 1.0;
+            assert!(short > 1e-9, "{}: the reference is finer than {short:e}", description.name);
+            residuals.vanish("order − 2", &Real::from(order - 2.0), 0.05);
+        });
+    });
+}
