@@ -276,7 +276,7 @@ impl<'a> System<'a> {
         let momentum = Named { name: "momentum", value: &self.momentum };
         let advected: Vec<Named<'_, 'a>> =
             self.advected.iter().map(|(name, value)| Named { name, value }).collect();
-        self.algebra.group.casimirs(&momentum, &advected)
+        self.algebra.group.casimirs(Some(&momentum), &advected)
     }
 
     /// A formula's text with the paths of the user's constants in the place of the symbols that stand for them.
@@ -292,9 +292,16 @@ impl<'a> System<'a> {
         let group = self.algebra.group;
         let velocity = "velocity = inertia⁻¹ momentum".to_owned();
         let mut lines = vec![velocity];
-        lines.extend(
-            group.equations(&self.advected.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>()),
-        );
+        let advected: Vec<&str> = self.advected.iter().map(|(name, _)| name.as_str()).collect();
+        let equations = group.equations(&crate::group::EquationNames {
+            configuration: group.configuration_name(),
+            momentum: "momentum",
+            velocity: "velocity",
+            advected: &advected,
+        });
+        lines.push(equations.configuration);
+        lines.push(format!("momentum' = {}", equations.momentum.join(" + ")));
+        lines.extend(equations.advected);
         for ((_, a), gradient) in self.advected.iter().zip(self.potential_gradients()) {
             for (symbol, component) in a.symbols().into_iter().zip(gradient.iter()) {
                 let symbol = component.arena().symbol_info(symbol).name;

@@ -50,8 +50,8 @@ pub trait Group: Sync {
     fn coordinates(&self) -> &'static [&'static str];
     /// The type an element of the dual of the algebra is stored as, within nalgebra, generic over the scalar.
     fn momentum_type(&self) -> &'static str;
-    /// The equations of motion in terms of `momentum`, `velocity` and the named advected parameters, for generated documentation.
-    fn equations(&self, advected: &[&str]) -> Vec<String>;
+    /// The equations of motion of a left-invariant system, for generated documentation.
+    fn equations(&self, names: &EquationNames<'_>) -> Equations;
     /// Dimension of the algebra.
     fn dimension(&self) -> usize;
     /// Suffixes of the algebra's coordinates.
@@ -66,6 +66,8 @@ pub trait Group: Sync {
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>>;
     /// `g h`
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a>;
+    /// `g⁻¹`
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g`, which roundoff has taken an ulp or two off the group, back on it.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
@@ -73,8 +75,62 @@ pub trait Group: Sync {
     /// The linear spaces the group acts on.
     fn representations(&self) -> &'static [&'static dyn Representation];
     /// The Casimirs of the Lie–Poisson bracket on `(g ⋉ V₁ ⊕ … )*`, with names; `momentum` and the advected parameters come with
-    /// their names.
-    fn casimirs<'a>(&self, momentum: &Named<'_, 'a>, advected: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)>;
+    /// their names. Without a `momentum`, which a potential on the group or a force changes, those of the advected parameters alone.
+    fn casimirs<'a>(
+        &self,
+        momentum: Option<&Named<'_, 'a>>,
+        advected: &[Named<'_, 'a>],
+    ) -> Vec<(String, Expr<'a>)>;
+    /// Whether the group is a vector space, and its elements are vectors to a user's expressions.
+    fn is_linear(&self) -> bool {
+        false
+    }
+    /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
+    fn components(&self) -> &'static [Component] {
+        &[]
+    }
+}
+
+/// What the equations of motion are written in.
+pub struct EquationNames<'n> {
+    /// The configuration.
+    pub configuration: &'n str,
+    /// The momentum.
+    pub momentum: &'n str,
+    /// The velocity.
+    pub velocity: &'n str,
+    /// The advected parameters.
+    pub advected: &'n [&'n str],
+}
+
+/// Equations of motion as text.
+pub struct Equations {
+    /// `attitude' = attitude hat(velocity)`
+    pub configuration: String,
+    /// The terms of `momentum'` but for forces and the potential on the group.
+    pub momentum: Vec<String>,
+    /// `gamma' = gamma × velocity`
+    pub advected: Vec<String>,
+}
+
+/// Something that an expression can take from an element of a group, as `pose.rotation` or `angle.cos_angle()`.
+pub struct Component {
+    /// As the user writes it.
+    pub name: &'static str,
+    /// Whether it is a method, called without arguments.
+    pub called: bool,
+    /// What it is.
+    pub of: for<'a> fn(&Vector<'a>) -> ComponentValue<'a>,
+}
+
+/// What an expression took from an element of a group.
+pub enum ComponentValue<'a> {
+    /// A number.
+    Scalar(Expr<'a>),
+    /// A vector.
+    Vector(Vector<'a>),
+    /// An element of another group.
+    Element(&'static dyn Group, Vector<'a>),
 }
 
 /// A vector and what users call it.
@@ -99,6 +155,8 @@ pub trait Representation: Sync {
     fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
     /// The `V` part `P(x) w` of `τ(x, w)` on the semidirect product.
     fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a>;
+    /// `g v`, `g` in stored coordinates.
+    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
     /// `τ(x)` acting on `v`.
     fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
 }

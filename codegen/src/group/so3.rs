@@ -7,7 +7,9 @@
 //!   `dR exp_x = 1 + c₂ x̂ + c₃ x̂²`, `dR cay_x = (1 + x̂/2)/(1 + z/4)`.
 //! * Both logarithmic derivatives satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
-use super::{Group, Named, Representation, Retraction, Translation};
+use super::{
+    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction, Translation,
+};
 use crate::expr::{Expr, Number, Vector};
 
 /// Rotations of space.
@@ -50,14 +52,15 @@ impl Group for SO3 {
         "Vector3"
     }
 
-    fn equations(&self, advected: &[&str]) -> Vec<String> {
-        let torques: String = advected.iter().map(|a| format!(" + {a} × ∂V/∂{a}")).collect();
-        let mut equations = vec![
-            "attitude' = attitude hat(velocity)".to_owned(),
-            format!("momentum' = momentum × velocity{torques}"),
-        ];
-        equations.extend(advected.iter().map(|a| format!("{a}' = {a} × velocity")));
-        equations
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, momentum, velocity, advected } = names;
+        let mut terms = vec![format!("{momentum} × {velocity}")];
+        terms.extend(advected.iter().map(|a| format!("{a} × ∂V/∂{a}")));
+        Equations {
+            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
+            momentum: terms,
+            advected: advected.iter().map(|a| format!("{a}' = {a} × {velocity}")).collect(),
+        }
     }
 
     fn dimension(&self) -> usize {
@@ -118,6 +121,13 @@ impl Group for SO3 {
         Vector(product)
     }
 
+    /// The conjugate quaternion.
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        let mut conjugate = vec![g.0[0]];
+        conjugate.extend(g.0[1..].iter().map(|&component| -component));
+        Vector(conjugate)
+    }
+
     /// One Newton step of `|q|² = 1`: exact to rounding when `|q|` is off by rounding.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
         let correction = (squared_norm(g) - 1) / 2;
@@ -125,10 +135,7 @@ impl Group for SO3 {
     }
 
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        // R m = m + 2w v × m + 2 v × (v × m)
-        let (w, v) = (g.0[0], Vector(g.0[1..].to_vec()));
-        let twice = v.cross(m).scale(w.arena().number(2));
-        &(m + &twice.scale(w)) + &v.cross(&twice)
+        Space.turn(g, m)
     }
 
     fn representations(&self) -> &'static [&'static dyn Representation] {
@@ -136,26 +143,41 @@ impl Group for SO3 {
     }
 
     /// For `k` vectors: all `Γᵢ·Γⱼ`, and for one vector also `Π·Γ`; without vectors `|Π|²`.
-    fn casimirs<'a>(&self, momentum: &Named<'_, 'a>, advected: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)> {
+    fn casimirs<'a>(
+        &self,
+        momentum: Option<&Named<'_, 'a>>,
+        advected: &[Named<'_, 'a>],
+    ) -> Vec<(String, Expr<'a>)> {
         let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
         let product =
             |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
-        match advected {
-            [] => vec![norm(momentum)],
-            [one] => vec![norm(one), product(momentum, one)],
-            many => {
-                let mut casimirs: Vec<_> = many.iter().map(norm).collect();
-                for (i, a) in many.iter().enumerate() {
-                    casimirs.extend(many[i + 1..].iter().map(|b| product(a, b)));
-                }
-                casimirs
-            }
+        let mut casimirs: Vec<_> = advected.iter().map(norm).collect();
+        for (i, a) in advected.iter().enumerate() {
+            casimirs.extend(advected[i + 1..].iter().map(|b| product(a, b)));
         }
+        match (momentum, advected) {
+            (Some(momentum), []) => casimirs.push(norm(momentum)),
+            (Some(momentum), [one]) => casimirs.push(product(momentum, one)),
+            _ => {}
+        }
+        casimirs
+    }
+
+    fn components(&self) -> &'static [Component] {
+        COMPONENTS
     }
 }
 
+/// The components of a quaternion.
+static COMPONENTS: &[Component] = &[
+    Component { name: "w", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
+    Component { name: "i", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
+    Component { name: "j", called: false, of: |g| ComponentValue::Scalar(g.0[2]) },
+    Component { name: "k", called: false, of: |g| ComponentValue::Scalar(g.0[3]) },
+];
+
 /// R³ with the rotations acting on it: `ρ_x v = x × v`.
-struct Space;
+pub(super) struct Space;
 
 impl Representation for Space {
     fn name(&self) -> &'static str {
@@ -176,6 +198,13 @@ impl Representation for Space {
 
     fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         x.cross(v)
+    }
+
+    /// `R v = v + 2w u × v + 2 u × (u × v)` for the quaternion `(w, u)`.
+    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let (w, u) = (g.0[0], Vector(g.0[1..].to_vec()));
+        let twice = u.cross(v).scale(w.arena().number(2));
+        &(v + &twice.scale(w)) + &u.cross(&twice)
     }
 
     /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the tangent group
