@@ -24,13 +24,12 @@ pub mod parse;
 use proc_macro2::TokenStream;
 use quote::quote;
 
-use check::GroupFacts;
 use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
-use expr::{Arena, Number};
-use group::{Group, Retraction};
+use expr::Arena;
+use group::Retraction;
 use kernel::Kernel;
-use method::lie_poisson;
+use method::{Member, Scheme, family};
 use model::System;
 use parse::{Attribute, Item};
 
@@ -61,42 +60,36 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let attribute = Attribute::parse(attribute, diagnostics);
     let before = diagnostics.len();
     let item = Item::parse(item, diagnostics)?;
-    check::structure(&attribute, &item, &facts(), diagnostics);
+    check::structure(&attribute, &item, diagnostics);
     let sound = diagnostics.len() == before;
-    check::potential(&attribute, &item, &facts(), diagnostics);
-    // of a description that does not fit together nothing can be emitted that would compile
-    let group = named_group(&attribute).filter(|_| sound)?;
 
     let arena = Arena::new();
-    // problems of the potential have been reported by the checks
-    let system = System::build(&arena, &attribute, &item, group, &mut Diagnostics::new())?;
-    let kernels = Retraction::ALL
+    // expressions are looked at even if they cannot be used, for the sake of their problems
+    let system = System::build(&arena, &attribute, &item, diagnostics);
+    // of a description that does not fit together nothing can be emitted that would compile
+    let system = system.filter(|_| sound)?;
+    let kernels = schemes(&system, &attribute.methods)
         .into_iter()
-        .map(|retraction| {
-            let step = lie_poisson::step(&arena, &system, retraction, Number::ZERO);
-            (retraction, Kernel::new(&arena, &step))
+        .map(|scheme| {
+            let step = family::step(&arena, &system, scheme.retraction, scheme.member);
+            (scheme, Kernel::new(&arena, &step))
         })
         .collect();
 
-    let scalar = item.fields.first()?.scalar.name();
+    let scalar = item.scalar().name();
     let names = Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref());
     Some(emit::expansion(&arena, &system, &item.declaration, &names, kernels))
 }
 
-fn named_group(attribute: &Attribute) -> Option<&'static dyn Group> {
-    let name = attribute.group.as_ref()?;
-    group::catalogue().iter().copied().find(|group| name == group.name())
-}
-
-/// What the checks know of the catalogue.
-fn facts() -> Vec<GroupFacts> {
-    let spaces = |group: &dyn Group| {
-        group.representations().iter().map(|space| (space.name(), space.coordinates().len())).collect()
-    };
-    let facts = |group: &&'static dyn Group| GroupFacts {
-        name: group.name(),
-        dimension: group.dimension(),
-        spaces: spaces(*group),
-    };
-    group::catalogue().iter().map(facts).collect()
+/// What is generated: the members of the family that the bare retractions stand for, and those asked for.
+fn schemes(system: &System<'_>, asked: &[Member]) -> Vec<Scheme> {
+    let mut members = vec![Member::SYMPLECTIC_EULER_A];
+    if !system.is_left_invariant() {
+        members.push(Member::SYMPLECTIC_EULER_B);
+    }
+    members.extend(asked);
+    members.sort_unstable();
+    members.dedup();
+    let with = |retraction| members.iter().map(move |&member| Scheme { retraction, member });
+    Retraction::ALL.into_iter().flat_map(with).collect()
 }

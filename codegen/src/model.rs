@@ -2,39 +2,101 @@
 
 use proc_macro2::Ident;
 use quote::{ToTokens, format_ident};
+use syn::ext::IdentExt;
 
+use crate::check;
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector, gradient};
-use crate::group::{Group, Named, Representation, Semidirect};
-use crate::language::{Constant, Scope, Value, lower_scalar};
-use crate::parse::{Attribute, Item};
+use crate::group::{EquationNames, Group, Named, Representation, Semidirect};
+use crate::language::{Constant, Scope, Value, lower_scalar, lower_vector};
+use crate::parse::{Attribute, Inertia, Item, Shape};
 
-/// A mechanical system on the dual of a semidirect algebra, `h = ½ μ·𝕀⁻¹μ + V(a)`.
+/// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
-/// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of the state stage *step*.
+/// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls stage *step*.
 pub struct System<'a> {
-    /// The group and the spaces of the advected parameters.
-    pub algebra: Semidirect,
+    /// The factors of the configuration's group, each with its momentum and the advected parameters that it acts on.
+    pub factors: Vec<Factor<'a>>,
     /// The struct's fields.
     pub parameters: Vec<Parameter>,
     /// Constants of the user's own code that expressions name; parameters too, after the fields.
     pub constants: Vec<Constant<'a>>,
-    /// The inertia `𝕀`, symmetric; `velocity = 𝕀⁻¹ momentum`.
-    pub inertia: Matrix<'a>,
-    /// The field it comes from.
-    pub inertia_field: InertiaField,
+    /// What is given from outside and held over a step.
+    pub controls: Vec<Part<'a>>,
+    /// The time.
+    pub time: Expr<'a>,
+    /// The energy.
+    pub hamiltonian: Hamiltonian<'a>,
+    /// The fields marked as inertia.
+    pub inertias: Vec<InertiaField<'a>>,
+    /// What the user wrote.
+    pub sources: Sources,
+    /// The advected parameters as factor and place in it, in the order declared.
+    advected: Vec<(usize, usize)>,
+}
+
+/// One factor of the configuration's group.
+pub struct Factor<'a> {
+    /// What the configuration is called.
+    pub name: Ident,
+    /// What the momentum is called.
+    pub momentum_name: Ident,
+    /// The group and the spaces of the advected parameters.
+    pub algebra: Semidirect,
     /// The configuration's stored coordinates.
     pub configuration: Vector<'a>,
     /// The body momentum `μ`.
     pub momentum: Vector<'a>,
-    /// The advected parameters `a`, in body coordinates, with their names.
-    pub advected: Vec<(String, Vector<'a>)>,
-    /// Their names at the user's tokens.
-    pub advected_idents: Vec<Ident>,
-    /// The potential energy `V(a)`, in parameters and advected parameters.
-    pub potential: Expr<'a>,
-    /// The potential as the user wrote it.
-    pub potential_source: Option<syn::Expr>,
+    /// Stands for the body velocity in forces.
+    pub velocity: Vector<'a>,
+    /// The advected parameters `a`, in body coordinates.
+    pub advected: Vec<Advected<'a>>,
+    /// The body force on the momentum, in all that a description names.
+    pub force: Option<Vector<'a>>,
+}
+
+/// An advected parameter.
+pub struct Advected<'a> {
+    /// Its name at the user's tokens.
+    pub ident: Ident,
+    /// Its name.
+    pub name: String,
+    /// Its components.
+    pub value: Vector<'a>,
+}
+
+/// The energy as a function of configuration, momentum, advected parameters and time.
+pub enum Hamiltonian<'a> {
+    /// `½ μ·𝕀⁻¹μ + V`
+    Mechanical {
+        /// The inertia `𝕀` of all factors together, symmetric.
+        inertia: Matrix<'a>,
+        /// The potential energy `V`.
+        potential: Expr<'a>,
+    },
+    /// Anything smooth.
+    General(Expr<'a>),
+}
+
+/// The user's expressions, where they have a meaning.
+#[derive(Default)]
+pub struct Sources {
+    /// The potential.
+    pub potential: Option<syn::Expr>,
+    /// The Hamiltonian.
+    pub hamiltonian: Option<syn::Expr>,
+    /// The forces.
+    pub forces: Vec<ForceSource>,
+}
+
+/// A force as the user wrote it.
+pub struct ForceSource {
+    /// The factor it acts on.
+    pub factor: usize,
+    /// The expression.
+    pub value: syn::Expr,
+    /// Whether it is a scalar, which stands for a vector of one component.
+    pub scalar: bool,
 }
 
 /// A field of the struct.
@@ -52,17 +114,20 @@ pub struct Parameter {
 impl Parameter {
     /// What the components' names add to the field's.
     pub fn suffixes(&self) -> Vec<String> {
-        let prefix = format!("{}_", plain(&self.name));
-        self.names.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
+        suffixes(&self.name, &self.names)
     }
 }
 
-/// The field marked `#[inertia]`.
-pub struct InertiaField {
+/// A field marked `#[inertia]`.
+pub struct InertiaField<'a> {
     /// Its name.
     pub name: Ident,
     /// How it is given.
     pub shape: InertiaShape,
+    /// The factors it is for.
+    pub factors: Vec<usize>,
+    /// As a matrix.
+    pub matrix: Matrix<'a>,
 }
 
 /// How an inertia is given.
@@ -76,14 +141,14 @@ pub enum InertiaShape {
     Matrix,
 }
 
-/// A part of the state: one field of the state struct.
+/// A part of the state, or a control: one field of a generated struct.
 pub struct Part<'a> {
     /// Its name.
     pub name: Ident,
-    /// Within nalgebra, generic over the scalar.
-    pub type_name: &'static str,
+    /// What it is stored as.
+    pub stored: StoredAs,
     /// What the components' names add to its own.
-    pub suffixes: Vec<&'static str>,
+    pub suffixes: Vec<String>,
     /// Its components' symbols.
     pub symbols: Vec<Symbol>,
     /// Its components.
@@ -92,76 +157,108 @@ pub struct Part<'a> {
     pub doc: String,
 }
 
+/// What a part is stored as.
+#[derive(Clone, Copy, Debug)]
+pub enum StoredAs {
+    /// A type of nalgebra's, generic over the scalar.
+    Named(&'static str),
+    /// A scalar, vector or matrix.
+    Shape(Shape),
+}
+
 impl<'a> System<'a> {
-    /// The system that a checked description describes. Where the potential has no meaning, which is reported, the system without
-    /// it: whatever can be emitted spares the user complaints about what is missing.
+    /// The system that a description describes; problems in its expressions are reported. `None` if its structure, whose problems
+    /// [`check::structure`] reports, has none: then the expressions were looked at all the same.
     pub fn build(
         arena: &'a Arena,
         attribute: &Attribute,
         item: &Item,
-        group: &'static dyn Group,
         diagnostics: &mut Diagnostics,
     ) -> Option<Self> {
         let mut scope = Scope::new();
         let mut parameters = Vec::new();
-        let mut inertia = None;
+        let mut marked = Vec::new();
         for field in &item.fields {
             let value = Value::symbols(arena, &plain(&field.name), field.shape, Stage::Parameters);
-            let scalars = value.scalars();
-            let symbols: Vec<Symbol> = scalars.iter().filter_map(|scalar| scalar.as_symbol()).collect();
+            let symbols: Vec<Symbol> =
+                value.scalars().iter().filter_map(|scalar| scalar.as_symbol()).collect();
             let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
             parameters.push(Parameter { name: field.name.clone(), doc: field.doc.clone(), symbols, names });
-            if field.inertia.is_some() {
-                inertia = inertia_matrix(group.dimension(), &value)
-                    .map(|(matrix, shape)| (matrix, InertiaField { name: field.name.clone(), shape }));
+            if let Some(mark) = &field.inertia {
+                marked.push((field.name.clone(), mark, value.clone()));
             }
             scope.define(plain(&field.name), value);
         }
         for unreadable in &item.unreadable {
             scope.define_unknown(plain(&unreadable.name));
         }
-        let (inertia, inertia_field) = inertia?;
 
-        let symbols = |name: &str, suffixes: &[&str]| {
-            Vector(
-                suffixes.iter().map(|suffix| arena.symbol(format!("{name}_{suffix}"), Stage::Step)).collect(),
-            )
+        let mut names = Names::default();
+        let (mut factors, whole) = factors(arena, attribute, &mut scope, &mut names);
+        let advected = advected(arena, attribute, &mut factors, &mut scope);
+        let controls = controls(arena, attribute, &mut scope, &mut names);
+        let time = arena.symbol("t", Stage::Step);
+        scope.define("t", Value::Scalar(time));
+
+        let mut sources = Sources {
+            potential: attribute.potential.clone(),
+            hamiltonian: attribute.hamiltonian.clone(),
+            forces: Vec::new(),
         };
-        let configuration = symbols(group.configuration_name(), group.coordinates());
-        let momentum = symbols("momentum", group.axes());
-        let mut advected = Vec::new();
-        let mut spaces = Vec::new();
-        let mut advected_idents = Vec::new();
-        for declared in &attribute.advected {
-            let Some(space) = representation(group, &declared.space.to_string()) else {
-                scope.define_unknown(plain(&declared.name));
-                continue;
-            };
-            let value = symbols(&plain(&declared.name), space.coordinates());
-            scope.define(plain(&declared.name), Value::Vector(value.clone()));
-            advected.push((plain(&declared.name), value));
-            advected_idents.push(declared.name.clone());
-            spaces.push(space);
+        let mut lower = |what: &str, source: &Option<syn::Expr>, scope: &mut Scope<'a>| {
+            source.as_ref().and_then(|source| lower_scalar(what, source, scope, arena, diagnostics))
+        };
+        scope.withhold(names.withheld_from_potentials());
+        let potential = lower("the potential", &attribute.potential, &mut scope);
+        scope.withhold(names.withheld_from_hamiltonians());
+        let hamiltonian = lower("the Hamiltonian", &attribute.hamiltonian, &mut scope);
+        scope.withhold(Vec::new());
+        for force in &attribute.forces {
+            let target = factors.iter().position(|factor: &Option<Factor<'a>>| {
+                factor.as_ref().is_some_and(|factor| {
+                    force.factor.as_ref().map_or(attribute.factors.len() == 1, |name| *name == factor.name)
+                })
+            });
+            let dimension = target
+                .and_then(|target| factors[target].as_ref())
+                .map(|factor| factor.algebra.group.dimension());
+            let value = lower_vector("this force", &force.value, dimension, &mut scope, arena, diagnostics);
+            if let (Some(target), Some((value, scalar))) = (target, value)
+                && let Some(factor) = &mut factors[target]
+            {
+                factor.force = Some(value);
+                sources.forces.push(ForceSource { factor: target, value: force.value.clone(), scalar });
+            }
         }
-        let before = diagnostics.len();
-        let potential = attribute
-            .potential
-            .as_ref()
-            .and_then(|source| lower_scalar("the potential", source, &mut scope, arena, diagnostics));
-        let sound = diagnostics.len() == before;
+        if !whole {
+            return None;
+        }
+        let factors: Vec<Factor<'a>> = factors.into_iter().collect::<Option<_>>()?;
+        let advected = advected.into_iter().collect::<Option<_>>()?;
+        let (hamiltonian, inertias) = match &attribute.hamiltonian {
+            Some(_) => (Hamiltonian::General(hamiltonian.unwrap_or_else(|| arena.zero())), Vec::new()),
+            None => {
+                let (inertia, fields) = inertia(arena, &factors, marked)?;
+                let potential = potential.unwrap_or_else(|| arena.zero());
+                (Hamiltonian::Mechanical { inertia, potential }, fields)
+            }
+        };
         Some(Self {
-            algebra: Semidirect { group, spaces },
+            factors,
             parameters,
             constants: scope.constants,
-            inertia,
-            inertia_field,
-            configuration,
-            momentum,
+            controls,
+            time,
+            hamiltonian,
+            inertias,
+            sources,
             advected,
-            advected_idents,
-            potential: potential.unwrap_or_else(|| arena.zero()),
-            potential_source: attribute.potential.clone().filter(|_| sound),
         })
+    }
+
+    /// The dimension of the configuration.
+    pub fn dimension(&self) -> usize {
+        self.factors.iter().map(|factor| factor.algebra.group.dimension()).sum()
     }
 
     /// The parameters' symbols in the order of the flat array: fields, then constants.
@@ -175,108 +272,138 @@ impl<'a> System<'a> {
         self.parts().iter().flat_map(|part| part.symbols.clone()).collect()
     }
 
-    /// The parts of the state, in order.
+    /// The controls' symbols in the order of the flat array.
+    pub fn control_symbols(&self) -> Vec<Symbol> {
+        self.controls.iter().flat_map(|part| part.symbols.clone()).collect()
+    }
+
+    /// The time's symbol.
+    pub fn time_symbol(&self) -> Vec<Symbol> {
+        self.time.as_symbol().into_iter().collect()
+    }
+
+    /// The parts of the state in the order of storage: configuration and momentum of each factor, then advected parameters.
     pub fn parts(&self) -> Vec<Part<'a>> {
-        let group = self.algebra.group;
-        let part =
-            |name: Ident, type_name, suffixes: &[&'static str], value: &Vector<'a>, doc: String| Part {
-                name,
-                type_name,
-                suffixes: suffixes.to_vec(),
-                symbols: value.symbols(),
-                value: value.clone(),
-                doc,
-            };
-        let mut parts = vec![
-            part(
-                format_ident!("{}", group.configuration_name()),
-                group.configuration_type(),
-                group.coordinates(),
-                &self.configuration,
-                "From body to space coordinates.".to_owned(),
-            ),
-            part(
-                format_ident!("momentum"),
-                group.momentum_type(),
-                group.axes(),
-                &self.momentum,
-                "Momentum, in body coordinates.".to_owned(),
-            ),
-        ];
-        parts.extend(self.advected_parts());
+        let suffixes = |suffixes: &[&str]| suffixes.iter().map(|&suffix| suffix.to_owned()).collect();
+        let mut parts = Vec::new();
+        for factor in &self.factors {
+            let group = factor.algebra.group;
+            parts.push(Part {
+                name: factor.name.clone(),
+                stored: StoredAs::Named(group.configuration_type()),
+                suffixes: suffixes(group.coordinates()),
+                symbols: factor.configuration.symbols(),
+                value: factor.configuration.clone(),
+                doc: if group.is_linear() {
+                    "Position.".to_owned()
+                } else {
+                    "From body to space coordinates.".to_owned()
+                },
+            });
+            parts.push(Part {
+                name: factor.momentum_name.clone(),
+                stored: StoredAs::Named(group.momentum_type()),
+                suffixes: suffixes(group.axes()),
+                symbols: factor.momentum.symbols(),
+                value: factor.momentum.clone(),
+                doc: if group.is_linear() {
+                    "Momentum.".to_owned()
+                } else {
+                    "Momentum, in body coordinates.".to_owned()
+                },
+            });
+        }
+        for &(factor, place) in &self.advected {
+            let factor = &self.factors[factor];
+            let (space, advected) = (factor.algebra.spaces[place], &factor.advected[place]);
+            parts.push(Part {
+                name: advected.ident.clone(),
+                stored: StoredAs::Named(space.type_name()),
+                suffixes: suffixes(space.coordinates()),
+                symbols: advected.value.symbols(),
+                value: advected.value.clone(),
+                doc: format!(
+                    "Advected parameter `{}`, fixed in space, seen in body coordinates.",
+                    advected.name
+                ),
+            });
+        }
         parts
     }
 
-    /// The parts of the state that are advected parameters.
-    pub fn advected_parts(&self) -> Vec<Part<'a>> {
-        self.advected_idents
-            .iter()
-            .zip(&self.algebra.spaces)
-            .zip(&self.advected)
-            .map(|((name, space), (_, value))| Part {
-                name: name.clone(),
-                type_name: space.type_name(),
-                suffixes: space.coordinates().to_vec(),
-                symbols: value.symbols(),
-                value: value.clone(),
-                doc: format!(
-                    "Advected parameter `{}`, fixed in space, seen in body coordinates.",
-                    plain(name)
-                ),
-            })
-            .collect()
+    /// All momenta, one after the other.
+    pub fn momentum(&self) -> Vector<'a> {
+        Vector(self.factors.iter().flat_map(|factor| factor.momentum.0.clone()).collect())
     }
 
-    /// `𝕀⁻¹ m` by the factorization `𝕀 = L D Lᵀ`
+    /// `𝕀⁻¹ m`, or `∂h/∂μ` at the momentum `m`.
     pub fn velocity(&self, m: &Vector<'a>) -> Vector<'a> {
-        let n = m.len();
-        let (l, d) = self.inertia.ldl();
-        let mut x = m.0.clone();
-        for i in 0..n {
-            for k in 0..i {
-                x[i] = x[i] - l.at(i, k) * x[k];
+        match &self.hamiltonian {
+            Hamiltonian::Mechanical { inertia, .. } => inertia.solve_symmetric(m),
+            Hamiltonian::General(energy) => {
+                let momentum = self.momentum().symbols();
+                let at: Vec<_> = momentum.iter().copied().zip(m.iter()).collect();
+                gradient(*energy, &momentum).substitute(&at)
             }
         }
-        for i in (0..n).rev() {
-            x[i] = x[i] / d.0[i];
-            for k in i + 1..n {
-                x[i] = x[i] - l.at(k, i) * x[k];
-            }
-        }
-        Vector(x)
     }
 
     /// The Hamiltonian. With `𝕀 = L D Lᵀ` the kinetic energy is `½ Σ yᵢ²/dᵢ`, `y = L⁻¹ μ`: a sum of squares, without
     /// cancellation.
     pub fn energy(&self) -> Expr<'a> {
-        let (l, d) = self.inertia.ldl();
-        let mut y = self.momentum.0.clone();
-        let mut kinetic = self.potential.arena().zero();
+        let (inertia, potential) = match &self.hamiltonian {
+            Hamiltonian::General(energy) => return *energy,
+            Hamiltonian::Mechanical { inertia, potential } => (inertia, *potential),
+        };
+        let (l, d) = inertia.ldl();
+        let mut y = self.momentum().0;
+        let mut kinetic = potential.arena().zero();
         for i in 0..y.len() {
             for k in 0..i {
                 y[i] = y[i] - l.at(i, k) * y[k];
             }
             kinetic = kinetic + y[i] * y[i] / d.0[i];
         }
-        kinetic / 2 + self.potential
+        kinetic / 2 + potential
     }
 
-    /// `∂V/∂a` for each advected parameter.
-    pub fn potential_gradients(&self) -> Vec<Vector<'a>> {
-        self.advected.iter().map(|(_, a)| gradient(self.potential, &a.symbols())).collect()
+    /// What of the energy depends on anything else than the momentum alone: the potential, or all of a general Hamiltonian.
+    pub fn potential(&self) -> Expr<'a> {
+        match &self.hamiltonian {
+            Hamiltonian::Mechanical { potential, .. } => *potential,
+            Hamiltonian::General(energy) => *energy,
+        }
     }
 
-    /// The advected parameters without their names.
-    pub fn advected_values(&self) -> Vec<Vector<'a>> {
-        self.advected.iter().map(|(_, value)| value.clone()).collect()
+    /// Whether the energy depends on the configuration of a factor itself, not on its advected parameters alone.
+    pub fn depends_on_configuration(&self, factor: &Factor<'a>) -> bool {
+        self.potential().depends_on(&factor.configuration.symbols())
     }
 
-    /// The Casimirs of the bracket, with their names.
+    /// Whether the energy is an invariant of the motion: no force acts and the time has no part in it.
+    pub fn is_autonomous(&self) -> bool {
+        let free = self.factors.iter().all(|factor| factor.force.is_none());
+        free && !self.potential().depends_on(&self.time_symbol())
+    }
+
+    /// Whether the system is left-invariant: nothing but momentum and advected parameters has a part in its motion.
+    pub fn is_left_invariant(&self) -> bool {
+        self.is_autonomous() && !self.factors.iter().any(|factor| self.depends_on_configuration(factor))
+    }
+
+    /// The Casimirs of the bracket, with their names: those functions of momenta and advected parameters that the motion keeps
+    /// whatever the energy's dependence on them.
     pub fn casimirs(&self) -> Vec<(String, Expr<'a>)> {
-        let momentum = Named { name: "momentum", value: &self.momentum };
-        let advected: Vec<Named<'_, 'a>> =
-            self.advected.iter().map(|(name, value)| Named { name, value }).collect();
-        self.algebra.group.casimirs(Some(&momentum), &advected)
+        let mut casimirs = Vec::new();
+        for factor in &self.factors {
+            let name = plain(&factor.momentum_name);
+            let momentum = Named { name: &name, value: &factor.momentum };
+            let moved = factor.force.is_some() || self.depends_on_configuration(factor);
+            let advected: Vec<Named<'_, 'a>> =
+                factor.advected.iter().map(|a| Named { name: &a.name, value: &a.value }).collect();
+            casimirs.extend(factor.algebra.group.casimirs((!moved).then_some(&momentum), &advected));
+        }
+        casimirs
     }
 
     /// A formula's text with the paths of the user's constants in the place of the symbols that stand for them.
@@ -289,33 +416,255 @@ impl<'a> System<'a> {
 
     /// The equations of motion as text.
     pub fn equations(&self) -> Vec<String> {
-        let group = self.algebra.group;
-        let velocity = "velocity = inertia⁻¹ momentum".to_owned();
-        let mut lines = vec![velocity];
-        let advected: Vec<&str> = self.advected.iter().map(|(name, _)| name.as_str()).collect();
-        let equations = group.equations(&crate::group::EquationNames {
-            configuration: group.configuration_name(),
-            momentum: "momentum",
-            velocity: "velocity",
-            advected: &advected,
-        });
-        lines.push(equations.configuration);
-        lines.push(format!("momentum' = {}", equations.momentum.join(" + ")));
-        lines.extend(equations.advected);
-        for ((_, a), gradient) in self.advected.iter().zip(self.potential_gradients()) {
-            for (symbol, component) in a.symbols().into_iter().zip(gradient.iter()) {
-                let symbol = component.arena().symbol_info(symbol).name;
-                lines.push(format!("∂V/∂{symbol} = {}", self.in_users_words(&component.to_string())));
+        let energy = match &self.hamiltonian {
+            Hamiltonian::Mechanical { .. } => "V",
+            Hamiltonian::General(_) => "h",
+        };
+        let mut lines = Vec::new();
+        match &self.hamiltonian {
+            Hamiltonian::General(_) => {
+                for factor in &self.factors {
+                    lines.push(format!(
+                        "{} = ∂h/∂{}",
+                        velocity_name(&factor.momentum_name),
+                        plain(&factor.momentum_name)
+                    ));
+                }
+            }
+            Hamiltonian::Mechanical { .. } => {
+                for field in &self.inertias {
+                    let names = |name: &dyn Fn(&Factor<'a>) -> String| {
+                        let names: Vec<String> =
+                            field.factors.iter().map(|&factor| name(&self.factors[factor])).collect();
+                        if names.len() == 1 { names.concat() } else { format!("({})", names.join(", ")) }
+                    };
+                    lines.push(format!(
+                        "{} = {}⁻¹ {}",
+                        names(&|factor| velocity_name(&factor.momentum_name)),
+                        plain(&field.name),
+                        names(&|factor| plain(&factor.momentum_name))
+                    ));
+                }
+            }
+        }
+        for factor in &self.factors {
+            let advected: Vec<&str> = factor.advected.iter().map(|a| a.name.as_str()).collect();
+            let (name, momentum) = (plain(&factor.name), plain(&factor.momentum_name));
+            let equations = factor.algebra.group.equations(&EquationNames {
+                configuration: &name,
+                momentum: &momentum,
+                velocity: &velocity_name(&factor.momentum_name),
+                advected: &advected,
+            });
+            let mut change = equations.momentum.join(" + ").replace("∂V", &format!("∂{energy}"));
+            if self.depends_on_configuration(factor) {
+                change = if change.is_empty() {
+                    format!("−∂{energy}/∂{name}")
+                } else {
+                    format!("{change} − ∂{energy}/∂{name}")
+                };
+            }
+            if factor.force.is_some() {
+                change = if change.is_empty() { "force".to_owned() } else { format!("{change} + force") };
+            }
+            if change.is_empty() {
+                change = "0".to_owned();
+            }
+            lines.push(equations.configuration);
+            lines.push(format!("{momentum}' = {change}"));
+            lines.extend(equations.advected);
+        }
+        for factor in &self.factors {
+            for advected in &factor.advected {
+                let symbols = advected.value.symbols();
+                for (symbol, component) in symbols.iter().zip(gradient(self.potential(), &symbols).iter()) {
+                    let symbol = component.arena().symbol_info(*symbol).name;
+                    lines.push(format!(
+                        "∂{energy}/∂{symbol} = {}",
+                        self.in_users_words(&component.to_string())
+                    ));
+                }
             }
         }
         lines
     }
 }
 
+/// The names that not every expression may use.
+#[derive(Default)]
+struct Names {
+    momenta: Vec<Ident>,
+    controls: Vec<String>,
+}
+
+impl Names {
+    fn withheld_from_hamiltonians(&self) -> Vec<(String, String)> {
+        let controls = self.controls.iter().map(|name| {
+            let message = "an energy does not depend on controls; they act through `force`";
+            (name.clone(), message.to_owned())
+        });
+        let velocities = self.momenta.iter().map(|momentum| {
+            let message = format!("an energy is a function of the momentum; write it in `{momentum}`");
+            (velocity_name(momentum), message)
+        });
+        controls.chain(velocities).collect()
+    }
+
+    fn withheld_from_potentials(&self) -> Vec<(String, String)> {
+        let momenta = self.momenta.iter().flat_map(|momentum| {
+            let message = |what: &str| {
+                format!("a potential does not depend on the {what}; an energy that does is written `hamiltonian = …`")
+            };
+            [(plain(momentum), message("momentum")), (velocity_name(momentum), message("velocity"))]
+        });
+        // the first word on a name counts
+        momenta.chain(self.withheld_from_hamiltonians()).collect()
+    }
+}
+
+/// The factors, `None` in place of those whose group is not known; and whether there are any.
+fn factors<'a>(
+    arena: &'a Arena,
+    attribute: &Attribute,
+    scope: &mut Scope<'a>,
+    names: &mut Names,
+) -> (Vec<Option<Factor<'a>>>, bool) {
+    let mut factors = Vec::new();
+    for declared in &attribute.factors {
+        let Some(group) = check::group(&declared.group) else {
+            if let Some(name) = &declared.name {
+                scope.define_unknown(plain(name));
+            }
+            factors.push(None);
+            continue;
+        };
+        let name = check::factor_name(declared, group);
+        let momentum_name = check::momentum_name(declared);
+        let symbols = |name: &Ident, suffixes: &[&str]| {
+            let symbol = |suffix: &&str| arena.symbol(format!("{}_{suffix}", plain(name)), Stage::Step);
+            Vector(suffixes.iter().map(symbol).collect())
+        };
+        let configuration = symbols(&name, group.coordinates());
+        let momentum = symbols(&momentum_name, group.axes());
+        scope.define(plain(&name), Value::element(group, configuration.clone()));
+        scope.define(plain(&momentum_name), Value::Vector(momentum.clone()));
+        let velocity_name = velocity_name(&momentum_name);
+        let velocity = symbols(&format_ident!("{velocity_name}"), group.axes());
+        scope.define(velocity_name, Value::Vector(velocity.clone()));
+        names.momenta.push(momentum_name.clone());
+        factors.push(Some(Factor {
+            name,
+            momentum_name,
+            algebra: Semidirect { group, spaces: Vec::new() },
+            configuration,
+            momentum,
+            velocity,
+            advected: Vec::new(),
+            force: None,
+        }));
+    }
+    let whole = !factors.is_empty();
+    (factors, whole)
+}
+
+/// Gives the advected parameters to the factors that act on them; `None` in place of those on which none does.
+fn advected<'a>(
+    arena: &'a Arena,
+    attribute: &Attribute,
+    factors: &mut [Option<Factor<'a>>],
+    scope: &mut Scope<'a>,
+) -> Vec<Option<(usize, usize)>> {
+    let mut places = Vec::new();
+    for declared in &attribute.advected {
+        let (name, wanted) = (plain(&declared.name), declared.space.to_string());
+        let acting = factors.iter_mut().enumerate().find_map(|(index, factor)| {
+            let factor = factor.as_mut()?;
+            let meant = declared.factor.as_ref().is_none_or(|name| *name == factor.name);
+            let space = representation(factor.algebra.group, &wanted).filter(|_| meant)?;
+            Some((index, factor, space))
+        });
+        let Some((index, factor, space)) = acting else {
+            scope.define_unknown(name);
+            places.push(None);
+            continue;
+        };
+        let symbol = |suffix: &&str| arena.symbol(format!("{name}_{suffix}"), Stage::Step);
+        let value = Vector(space.coordinates().iter().map(symbol).collect());
+        scope.define(&name, Value::Vector(value.clone()));
+        places.push(Some((index, factor.advected.len())));
+        factor.algebra.spaces.push(space);
+        factor.advected.push(Advected { ident: declared.name.clone(), name, value });
+    }
+    places
+}
+
+fn controls<'a>(
+    arena: &'a Arena,
+    attribute: &Attribute,
+    scope: &mut Scope<'a>,
+    names: &mut Names,
+) -> Vec<Part<'a>> {
+    let mut parts = Vec::new();
+    for control in &attribute.controls {
+        let value = Value::symbols(arena, &plain(&control.name), control.shape, Stage::Step);
+        let scalars = Vector(value.scalars());
+        let components: Vec<String> =
+            scalars.symbols().iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
+        names.controls.push(plain(&control.name));
+        scope.define(plain(&control.name), value);
+        parts.push(Part {
+            name: control.name.clone(),
+            stored: StoredAs::Shape(control.shape),
+            suffixes: suffixes(&control.name, &components),
+            symbols: scalars.symbols(),
+            value: scalars,
+            doc: format!("Control `{}`, held constant over a step.", plain(&control.name)),
+        });
+    }
+    parts
+}
+
+/// The inertia of all factors together, and the fields that hold it.
+fn inertia<'a>(
+    arena: &'a Arena,
+    factors: &[Factor<'a>],
+    marked: Vec<(Ident, &Inertia, Value<'a>)>,
+) -> Option<(Matrix<'a>, Vec<InertiaField<'a>>)> {
+    let dimensions: Vec<usize> = factors.iter().map(|factor| factor.algebra.group.dimension()).collect();
+    let offset = |factor: usize| dimensions[..factor].iter().sum::<usize>();
+    let total: usize = dimensions.iter().sum();
+    let mut entries = vec![arena.zero(); total * total];
+    let mut fields = Vec::new();
+    for (name, mark, value) in marked {
+        let targets: Vec<usize> = if mark.factors.is_empty() {
+            (0..factors.len()).collect()
+        } else {
+            let place = |name: &Ident| factors.iter().position(|factor| factor.name == *name);
+            mark.factors.iter().map(place).collect::<Option<_>>()?
+        };
+        // rows of the field's matrix as rows of the whole
+        let rows: Vec<usize> =
+            targets.iter().flat_map(|&factor| offset(factor)..offset(factor) + dimensions[factor]).collect();
+        let (matrix, shape) = inertia_matrix(rows.len(), &value)?;
+        for (i, &row) in rows.iter().enumerate() {
+            for (j, &column) in rows.iter().enumerate() {
+                entries[row * total + column] = matrix.at(i, j);
+            }
+        }
+        fields.push(InertiaField { name, shape, factors: targets, matrix });
+    }
+    (!fields.is_empty()).then(|| (Matrix::new(total, total, entries), fields))
+}
+
 /// An identifier's text without the mark of a raw one.
-fn plain(ident: &Ident) -> String {
-    let text = ident.to_string();
-    text.strip_prefix("r#").unwrap_or(&text).to_owned()
+pub(crate) fn plain(ident: &Ident) -> String {
+    ident.unraw().to_string()
+}
+
+/// What the names of components add to that of their whole.
+fn suffixes(whole: &Ident, components: &[String]) -> Vec<String> {
+    let prefix = format!("{}_", plain(whole));
+    components.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
 }
 
 fn representation(group: &dyn Group, name: &str) -> Option<&'static dyn Representation> {
@@ -339,4 +688,10 @@ fn inertia_matrix<'a>(dimension: usize, value: &Value<'a>) -> Option<(Matrix<'a>
         }
         _ => None,
     }
+}
+
+/// What the velocity is called that belongs to a momentum of this name: `attitude_velocity` for `attitude_momentum`.
+pub(crate) fn velocity_name(momentum: &Ident) -> String {
+    let name = plain(momentum);
+    format!("{}velocity", name.strip_suffix("momentum").unwrap_or_default())
 }

@@ -5,8 +5,9 @@ use quote::{format_ident, quote};
 
 use super::docs;
 use crate::expr::{Function, Number};
-use crate::group::Retraction;
-use crate::kernel::{Kernel, Section, Statement, Term};
+use crate::kernel::{Kernel, Section, Statement, SymbolNames, Term};
+use crate::method::Scheme;
+use crate::model::System;
 
 /// Where the values of a kernel's arrays have their names from.
 pub struct Layout {
@@ -14,6 +15,23 @@ pub struct Layout {
     pub parameters: Vec<String>,
     /// The state's components, in order.
     pub state: Vec<String>,
+    /// The time.
+    pub time: String,
+    /// The controls' components, in order.
+    pub control: Vec<String>,
+}
+
+impl Layout {
+    /// The layout of a system's arrays, by the names of its symbols in some code.
+    pub(super) fn new(system: &System<'_>, names: &SymbolNames) -> Self {
+        let all = |symbols: Vec<crate::expr::Symbol>| symbols.into_iter().map(|s| names.get(s)).collect();
+        Self {
+            parameters: all(system.parameter_symbols()),
+            state: all(system.state_symbols()),
+            time: all(system.time_symbol()).concat(),
+            control: all(system.control_symbols()),
+        }
+    }
 }
 
 /// An array's length, without a suffix.
@@ -26,12 +44,12 @@ fn local(name: &str) -> Ident {
     Ident::new(name, Span::mixed_site())
 }
 
-/// The kernel of one system and retraction:
+/// The kernel of one system and scheme:
 ///
 /// ```text
 /// const _: () = {
 ///     pub struct HeavyTopCayley<T> { …constants }
-///     impl Generated<Cayley> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+///     impl Generated<Family<Cayley, 0, 1>> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
 ///
 ///     const _: () = {
 ///         pub struct Step<T> { … }
@@ -46,12 +64,17 @@ pub(super) fn kernel(
     system: &Ident,
     private: &TokenStream,
     coadjoint: &TokenStream,
-    retraction: Retraction,
+    scheme: Scheme,
     kernel: &Kernel,
     layout: &Layout,
 ) -> TokenStream {
-    let retraction_name = format_ident!("{}", retraction.name());
-    let name = format_ident!("{system}{retraction_name}");
+    let retraction = format_ident!("{}", scheme.retraction.name());
+    let name = format_ident!("{system}{}", scheme.name());
+    let (numerator, denominator) = (
+        Literal::u32_unsuffixed(scheme.member.numerator),
+        Literal::u32_unsuffixed(scheme.member.denominator),
+    );
+    let controls = size(layout.control.len());
     let count = kernel.unknown.len();
     let (parameters, state, unknown) = (size(layout.parameters.len()), size(layout.state.len()), size(count));
 
@@ -90,7 +113,8 @@ pub(super) fn kernel(
     let evaluate =
         body(&kernel.evaluate, quote! { Evaluation { residual: #residual, right: #right, iterate: #kept } });
     let correction = body(&kernel.correction, array(&kernel.correction.results));
-    let margin = kernel.domain.results.first().map_or_else(|| quote! { T::of(1.0) }, term);
+    let margins = kernel.domain.results.iter().map(term);
+    let margin = margins.reduce(|a, b| quote! { T::min(#a, #b) }).unwrap_or_else(|| quote! { T::of(1.0) });
     let domain = body(&kernel.domain, margin);
     let finish = body(&kernel.finish, array(&kernel.finish.results));
 
@@ -116,7 +140,7 @@ pub(super) fn kernel(
             #constants
 
             #[automatically_derived]
-            impl #private::Generated<#coadjoint::#retraction_name> for #system {
+            impl #private::Generated<#private::Family<#coadjoint::#retraction, #numerator, #denominator>> for #system {
                 type Kernel<T: #private::Scalar> = #name<T>;
             }
 
@@ -130,6 +154,7 @@ pub(super) fn kernel(
             impl<T: Scalar> Kernel<T> for #name<T> {
                 type Parameters = [T; #parameters];
                 type State = [T; #state];
+                type Control = [T; #controls];
                 type Unknown = [T; #unknown];
                 type Step = Step<T>;
                 type Iterate = Iterate<T>;
@@ -142,13 +167,13 @@ pub(super) fn kernel(
 
                 #begin_doc
                 #[inline(always)]
-                fn begin(&self, state: &[T; #state]) -> Step<T> {
+                fn begin(&self, state: &[T; #state], time: T, control: &[T; #controls]) -> Step<T> {
                     #begin
                 }
 
                 #start_doc
                 #[inline]
-                fn start(&self, state: &[T; #state]) -> [T; #unknown] {
+                fn start(&self, state: &[T; #state], step: &Step<T>) -> [T; #unknown] {
                     #start
                 }
 
@@ -199,8 +224,8 @@ pub(super) fn kernel(
     }
 }
 
-/// A free function of parameters and, if it is given one, a state:
-/// `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S]) -> [T; N] { … }`
+/// A free function of parameters and, if it is given one, a state at a time:
+/// `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S], time: T) -> [T; N] { … }`
 pub(super) fn function(
     name: &str,
     private: &TokenStream,
@@ -217,11 +242,13 @@ pub(super) fn function(
     ];
     let statements = section.statements.iter().map(statement);
     let results = section.results.iter().map(term);
-    let state = takes_state.then(|| quote! { state: &[T; #state] });
+    let time = takes_state.then(|| unpack_time(layout, section));
+    let state = takes_state.then(|| quote! { state: &[T; #state], time: T });
     quote! {
         #[inline]
         fn #name<T: #private::Scalar>(parameters: &[T; #parameters], #state) -> [T; #count] {
             #(#unpack)*
+            #time
             #(#statements)*
             [#(#results),*]
         }
@@ -277,10 +304,15 @@ impl Inputs<'_> {
         }
         let constants = fields(quote! { #name }, &kernel.constants, quote! { *self });
         let state = unpack_array("state", &layout.state, section);
-        if is(&kernel.begin) || is(&kernel.start) {
-            return quote! { #constants #state };
+        if is(&kernel.begin) {
+            let time = unpack_time(layout, section);
+            let control = unpack_array("control", &layout.control, section);
+            return quote! { #constants #state #time #control };
         }
         let step = fields(quote! { Step }, &kernel.step, quote! { *step });
+        if is(&kernel.start) {
+            return quote! { #constants #state #step };
+        }
         let unknown = unpack_array("unknown", &kernel.unknown, section);
         if is(&kernel.evaluate) {
             return quote! { #constants #state #step #unknown };
@@ -289,6 +321,15 @@ impl Inputs<'_> {
         let iterate = fields(quote! { Iterate }, &kernel.iterate, quote! { evaluation.iterate });
         quote! { #constants #state #step #unknown #residual #iterate }
     }
+}
+
+/// `let t = time;`
+fn unpack_time(layout: &Layout, section: &Section) -> TokenStream {
+    if !section.inputs.contains(&layout.time) {
+        return quote! {};
+    }
+    let name = local(&layout.time);
+    quote! { let #name = time; }
 }
 
 fn unpack_array(array: &str, names: &[String], section: &Section) -> TokenStream {

@@ -1,6 +1,7 @@
 //! Emission: tokens from models and kernels. No mathematics is done here.
 
 mod docs;
+mod expressions;
 mod kernel;
 mod state;
 mod system;
@@ -12,8 +13,8 @@ use quote::{format_ident, quote};
 
 use crate::diagnostics::list;
 use crate::expr::Arena;
-use crate::group::Retraction;
 use crate::kernel::Kernel;
+use crate::method::Scheme;
 use crate::model::System;
 
 /// The names and paths that all parts of an expansion share.
@@ -22,6 +23,8 @@ pub struct Names {
     pub system: Ident,
     /// Its state.
     pub state: Ident,
+    /// Its controls, if it has any.
+    pub control: Ident,
     /// Who may see the struct.
     pub visibility: syn::Visibility,
     /// `f64` or `f32`
@@ -44,6 +47,7 @@ impl Names {
         let scalar = format_ident!("{scalar}");
         Self {
             state: format_ident!("{system}State"),
+            control: format_ident!("{system}Control"),
             system,
             visibility,
             scalar: quote! { ::core::primitive::#scalar },
@@ -63,20 +67,20 @@ impl Names {
 pub struct Expansion {
     /// The user's struct, with documentation of what was derived.
     pub declaration: TokenStream,
-    /// The state.
+    /// The state, and the controls if there are any.
     pub state: TokenStream,
-    /// The potential as a method.
-    pub potential: TokenStream,
+    /// The user's expressions as methods.
+    pub expressions: TokenStream,
     /// The `System` implementation.
     pub system: TokenStream,
-    /// The step with each retraction: its intermediate representation and its code.
+    /// Each step: its intermediate representation and its code.
     pub steps: Vec<StepExpansion>,
 }
 
 /// One step's part of an expansion.
 pub struct StepExpansion {
-    /// The retraction.
-    pub retraction: Retraction,
+    /// The scheme.
+    pub scheme: Scheme,
     /// Its intermediate representation.
     pub kernel: Kernel,
     /// Its code.
@@ -86,9 +90,9 @@ pub struct StepExpansion {
 impl Expansion {
     /// All of it.
     pub fn into_tokens(self) -> TokenStream {
-        let Self { declaration, state, potential, system, steps } = self;
+        let Self { declaration, state, expressions, system, steps } = self;
         let steps = steps.into_iter().map(|step| step.tokens);
-        quote! { #declaration #state #potential #system #(#steps)* }
+        quote! { #declaration #state #expressions #system #(#steps)* }
     }
 }
 
@@ -98,25 +102,22 @@ pub fn expansion<'a>(
     system: &System<'a>,
     item: &syn::ItemStruct,
     names: &Names,
-    kernels: Vec<(Retraction, Kernel)>,
+    kernels: Vec<(Scheme, Kernel)>,
 ) -> Expansion {
     let steps: Vec<StepExpansion> = kernels
         .into_iter()
-        .map(|(retraction, kernel)| {
-            let layout = Layout {
-                parameters: system.parameter_symbols().iter().map(|&s| kernel.symbols.get(s)).collect(),
-                state: system.state_symbols().iter().map(|&s| kernel.symbols.get(s)).collect(),
-            };
+        .map(|(scheme, kernel)| {
+            let layout = Layout::new(system, &kernel.symbols);
             let tokens =
-                kernel::kernel(&names.system, &names.private, &names.coadjoint, retraction, &kernel, &layout);
-            StepExpansion { retraction, kernel, tokens }
+                kernel::kernel(&names.system, &names.private, &names.coadjoint, scheme, &kernel, &layout);
+            StepExpansion { scheme, kernel, tokens }
         })
         .collect();
     let derived = description(system, names, &steps);
     Expansion {
         declaration: declaration(item, &derived, names),
         state: state::state(system, names),
-        potential: system::potential(system, names),
+        expressions: expressions::expressions(system, names),
         system: system::system(arena, system, names),
         steps,
     }
@@ -165,7 +166,8 @@ fn serde_crate(attributes: &[syn::Attribute], names: &Names) -> TokenStream {
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.
 fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> TokenStream {
     let casimirs = system.casimirs();
-    let casimirs = list(casimirs.iter().map(|(name, _)| name));
+    let casimirs =
+        if casimirs.is_empty() { String::new() } else { list(casimirs.iter().map(|(name, _)| name)) };
     let mut lines = vec![
         String::new(),
         "# Derived".to_owned(),
@@ -177,22 +179,28 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
     lines.extend(system.equations());
     lines.push("```".to_owned());
     lines.push(String::new());
-    lines.push(format!(
-        "Invariants: {casimirs}, the Casimirs, up to accumulated rounding; the energy, up to a bounded error of second order in \
-         the step."
-    ));
-    lines.push(String::new());
+    let mut invariants = Vec::new();
+    if !casimirs.is_empty() {
+        invariants.push(format!("{casimirs}, the Casimirs, up to accumulated rounding"));
+    }
+    if system.is_autonomous() {
+        invariants.push("the energy, up to a bounded error of the order of the step".to_owned());
+    }
+    if !invariants.is_empty() {
+        lines.push(format!("Invariants: {}.", invariants.join("; ")));
+        lines.push(String::new());
+    }
     lines.push("What a step computes, once and for each Newton iteration:".to_owned());
     lines.push(String::new());
     for step in steps {
         let kernel = &step.kernel;
-        lines.push(format!(
-            "* [`{0}`]({1}::{0}): {2}; each iteration {3}.",
-            step.retraction.name(),
-            names.coadjoint.to_string().replace(' ', ""),
-            kernel.begin.operations() + kernel.finish.operations(),
-            kernel.evaluate.operations() + kernel.correction.operations(),
-        ));
+        let once = kernel.begin.operations() + kernel.finish.operations();
+        let iteration = match kernel.unknown.len() {
+            0 => "it is explicit".to_owned(),
+            _ => format!("each iteration {}", kernel.evaluate.operations() + kernel.correction.operations()),
+        };
+        let once = if kernel.unknown.is_empty() { once + kernel.evaluate.operations() } else { once };
+        lines.push(format!("* `{}`: {once}; {iteration}.", step.scheme.type_name()));
     }
     docs::lines(lines)
 }

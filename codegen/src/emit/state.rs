@@ -1,49 +1,96 @@
-//! The state struct.
+//! The structs of state and controls.
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
+use super::kernel::size;
 use super::{Names, docs, quantity};
-use crate::model::{Part, System};
+use crate::model::{Part, StoredAs, System};
+use crate::parse::Shape;
 
-/// The state of a system:
+/// The state of a system, and its controls if it has any:
 ///
 /// ```text
 /// pub struct HeavyTopState { pub attitude: UnitQuaternion<f64>, pub momentum: Vector3<f64>, pub gamma: Vector3<f64> }
 /// impl State for HeavyTopState { … }
 /// ```
 pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
-    let Names { private, state, visibility, scalar, .. } = names;
-    let parts = system.parts();
-    let fields = parts.iter().map(|part| {
-        let (name, ty, doc) = (&part.name, part_type(part, names), docs::line(&part.doc));
-        quote! { #doc pub #name: #ty }
-    });
-    let doc = docs::lines([
+    let Names { state, scalar, .. } = names;
+    let mut conventions: Vec<String> = Vec::new();
+    for factor in &system.factors {
+        let group = factor.algebra.group;
+        let line = format!("Conventions of {}: {}.", group.name(), group.conventions());
+        if !conventions.contains(&line) {
+            conventions.push(line);
+        }
+    }
+    let mut lines = vec![
         format!("The state of a [`{}`]: configuration, momentum and advected parameters.", names.system),
         String::new(),
-        format!("Conventions of {}: {}.", system.algebra.group.name(), system.algebra.group.conventions()),
-    ]);
+    ];
+    lines.extend(conventions);
+    let parts = system.parts();
+    let deviations = system.factors.iter().map(|factor| {
+        let (name, size) = (&factor.name, size(factor.configuration.len()));
+        quote! { __Stored::<_, #size>::deviation(&self.#name, 0.0) }
+    });
+    let deviation = quote! {
+        fn deviation(&self) -> #scalar {
+            [#(#deviations),*].into_iter().fold(0.0, |largest, off| if off > largest { off } else { largest })
+        }
+    };
+    let state = record(state, &lines, &parts, format_ident!("State"), &quote! {}, &deviation, names);
+    if system.controls.is_empty() {
+        return state;
+    }
+    let lines =
+        [format!("The controls of a [`{}`], held constant over a step; all zero by default.", names.system)];
+    let default = quote! { ::core::default::Default, };
+    let control = record(
+        &names.control,
+        &lines,
+        &system.controls,
+        format_ident!("Control"),
+        &default,
+        &quote! {},
+        names,
+    );
+    quote! { #state #control }
+}
+
+/// A struct of parts with its implementation of a trait of the runtime's that shows it as a flat array.
+fn record(
+    name: &Ident,
+    doc: &[String],
+    parts: &[Part<'_>],
+    of: Ident,
+    derived: &TokenStream,
+    rest: &TokenStream,
+    names: &Names,
+) -> TokenStream {
+    let Names { private, visibility, scalar, .. } = names;
+    let fields = parts.iter().map(|part| {
+        let (name, ty, doc) = (&part.name, part_type(part.stored, names), docs::line(&part.doc));
+        quote! { #doc pub #name: #ty }
+    });
+    let doc = docs::lines(doc);
     let serde_path = names.serde_path();
-    let configuration = &parts[0].name;
-    let configuration_size = super::kernel::size(parts[0].symbols.len());
-    let size = super::kernel::size(system.state_symbols().len());
+    let count: usize = parts.iter().map(|part| part.symbols.len()).sum();
+    let size = size(count);
     let conversion =
         arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
     let Conversion { take, elements, give } = conversion;
-    let quantities = parts.iter().map(|part| {
-        let suffixes: Vec<&str> = part.suffixes.clone();
-        quantity(names, &part.name.unraw().to_string(), &suffixes, &part.doc)
-    });
+    let quantities =
+        parts.iter().map(|part| quantity(names, &part.name.unraw().to_string(), &part.suffixes, &part.doc));
     quote! {
         #doc
         #[derive(
-            ::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::cmp::PartialEq,
+            ::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::cmp::PartialEq, #derived
             #private::serde::Serialize, #private::serde::Deserialize,
         )]
         #[serde(crate = #serde_path)]
-        #visibility struct #state {
+        #visibility struct #name {
             #(#fields,)*
         }
 
@@ -51,7 +98,7 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
         use #private::Stored as __Stored;
 
         #[automatically_derived]
-        impl #private::State for #state {
+        impl #private::#of for #name {
             type Scalar = #scalar;
             type Components = [#scalar; #size];
             const QUANTITIES: &'static [#private::Quantity] = &[#(#quantities),*];
@@ -68,19 +115,30 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
                 Self { #(#give),* }
             }
 
-            fn deviation(&self) -> #scalar {
-                __Stored::<_, #configuration_size>::deviation(&self.#configuration, 0.0)
-            }
+            #rest
         }
         };
     }
 }
 
-/// The Rust type of a part of the state.
-fn part_type(part: &Part<'_>, names: &Names) -> TokenStream {
+/// The Rust type of a part.
+pub(super) fn part_type(stored: StoredAs, names: &Names) -> TokenStream {
     let Names { private, scalar, .. } = names;
-    let ty = format_ident!("{}", part.type_name);
-    quote! { #private::nalgebra::#ty<#scalar> }
+    match stored {
+        StoredAs::Named(name) => {
+            let ty = format_ident!("{name}");
+            quote! { #private::nalgebra::#ty<#scalar> }
+        }
+        StoredAs::Shape(Shape::Scalar) => scalar.clone(),
+        StoredAs::Shape(Shape::Vector(n)) => {
+            let n = size(n);
+            quote! { #private::nalgebra::SVector<#scalar, #n> }
+        }
+        StoredAs::Shape(Shape::Matrix(rows, columns)) => {
+            let (rows, columns) = (size(rows), size(columns));
+            quote! { #private::nalgebra::SMatrix<#scalar, #rows, #columns> }
+        }
+    }
 }
 
 /// How fields become one flat array and back.

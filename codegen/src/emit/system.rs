@@ -14,7 +14,6 @@ use crate::model::{InertiaShape, System};
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> TokenStream {
     let Names { private, system: name, state, scalar, .. } = names;
-    let group = system.algebra.group;
     let text = name.unraw().to_string();
 
     let fields: Vec<_> =
@@ -24,6 +23,19 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let unused = vec![quote! { _ }; system.constants.len()];
     let size = array_size(system.parameter_symbols().len());
     let state_size = array_size(system.state_symbols().len());
+    let control_size = array_size(system.control_symbols().len());
+    let control = match system.controls.is_empty() {
+        true => quote! { #private::NoControl<#scalar> },
+        false => {
+            let control = &names.control;
+            quote! { #control }
+        }
+    };
+    let standard = match system.is_left_invariant() {
+        true => quote! { #private::Family<R, 0, 1> },
+        false => quote! { #private::StormerVerlet<R> },
+    };
+    let autonomous = system.is_autonomous();
     let quantities = system
         .parameters
         .iter()
@@ -34,41 +46,51 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let casimir_count = array_size(casimirs.len());
     let casimir_values = Vector(casimirs.iter().map(|&(_, value)| value).collect());
 
-    let spatial = group.to_space(&system.configuration, &system.momentum);
-    let momentum_type = quote::format_ident!("Vector{}", group.dimension());
+    let spatial = system
+        .factors
+        .iter()
+        .flat_map(|factor| factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0);
+    let spatial = Vector(spatial.collect());
+    let dimension = array_size(system.dimension());
+    let momentum_type = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
     let emitted = |name: &str, outputs: &Vector<'a>, takes_state: bool| {
         let (section, symbols) = kernel::function(arena, outputs);
-        let layout = Layout {
-            parameters: system.parameter_symbols().iter().map(|&s| symbols.get(s)).collect(),
-            state: system.state_symbols().iter().map(|&s| symbols.get(s)).collect(),
-        };
         let doc = docs::line(&format!("{}.", section.operations()));
-        let function = function(name, private, &section, &layout, takes_state);
+        let function = function(name, private, &section, &Layout::new(system, &symbols), takes_state);
         quote! { #doc #function }
     };
     let energy = emitted("energy", &Vector(vec![system.energy()]), true);
+    let velocity = emitted("velocity", &system.velocity(&system.momentum()), true);
     let casimirs = emitted("casimirs", &casimir_values, true);
     let spatial_momentum = emitted("spatial_momentum", &spatial, true);
-    let (_, pivots) = system.inertia.ldl();
-    let pivots = emitted("pivots", &pivots, false);
 
     let finite = system.parameters.iter().map(|field| {
         let (field, text, size) =
             (&field.name, field.name.unraw().to_string(), array_size(field.symbols.len()));
         quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#field))?; }
     });
-    let inertia = &system.inertia_field;
-    let (inertia_name, inertia_text) = (&inertia.name, inertia.name.unraw().to_string());
-    let dimension = array_size(group.dimension());
-    let symmetric = (inertia.shape == InertiaShape::Matrix).then(|| {
-        quote! {
-            #private::require_symmetric(
-                #inertia_text,
-                &__Stored::<_, { #dimension * #dimension }>::to_array(&self.#inertia_name),
-                #dimension,
-            )?;
+    let mut pivots = TokenStream::new();
+    let mut definite = TokenStream::new();
+    for (index, inertia) in system.inertias.iter().enumerate() {
+        let (name, text) = (&inertia.name, inertia.name.unraw().to_string());
+        let rows = array_size(inertia.matrix.rows);
+        if inertia.shape == InertiaShape::Matrix {
+            definite.extend(quote! {
+                #private::require_symmetric(
+                    #text,
+                    &__Stored::<_, { #rows * #rows }>::to_array(&self.#name),
+                    #rows,
+                )?;
+            });
         }
-    });
+        let function =
+            if system.inertias.len() == 1 { "pivots".to_owned() } else { format!("pivots_{index}") };
+        pivots.extend(emitted(&function, &inertia.matrix.ldl().1, false));
+        let function = quote::format_ident!("{function}");
+        definite.extend(
+            quote! { #private::require_positive_definite(#text, &#function(&self.to_parameters()))?; },
+        );
+    }
 
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
@@ -76,6 +98,7 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
             use #private::Stored as __Stored;
 
             #energy
+            #velocity
             #casimirs
             #spatial_momentum
             #pivots
@@ -86,12 +109,16 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
                 type State = #state;
                 type StateComponents<T: #private::Scalar> = [T; #state_size];
                 type Parameters<T: #private::Scalar> = [T; #size];
+                type Control = #control;
+                type ControlComponents<T: #private::Scalar> = [T; #control_size];
                 type Casimirs = [#scalar; #casimir_count];
-                type Momentum = #private::nalgebra::#momentum_type<#scalar>;
+                type Momentum = #momentum_type;
+                type Standard<R> = #standard;
 
                 const NAME: &'static ::core::primitive::str = #text;
                 const PARAMETERS: &'static [#private::Quantity] = &[#(#quantities),*];
                 const CASIMIRS: &'static [&'static ::core::primitive::str] = &[#(#casimir_names),*];
+                const AUTONOMOUS: ::core::primitive::bool = #autonomous;
 
                 fn to_parameters(&self) -> [#scalar; #size] {
                     #(#take)*
@@ -105,59 +132,35 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
 
                 fn validate(&self) -> ::core::result::Result<(), #private::ParameterError> {
                     #(#finite)*
-                    #symmetric
-                    #private::require_positive_definite(#inertia_text, &pivots(&self.to_parameters()))
+                    #definite
+                    ::core::result::Result::Ok(())
                 }
 
-                fn energy(&self, state: &#state) -> #scalar {
-                    let [energy] = energy(&self.to_parameters(), &#private::State::to_components(state));
+                fn energy_at(&self, state: &#state, time: #scalar) -> #scalar {
+                    let [energy] = energy(&self.to_parameters(), &#private::State::to_components(state), time);
                     energy
                 }
 
-                fn casimirs(&self, state: &#state) -> [#scalar; #casimir_count] {
-                    casimirs(&self.to_parameters(), &#private::State::to_components(state))
+                fn velocity_at(&self, state: &#state, time: #scalar) -> #momentum_type {
+                    __Stored::from_array(velocity(
+                        &self.to_parameters(),
+                        &#private::State::to_components(state),
+                        time,
+                    ))
                 }
 
-                fn spatial_momentum(&self, state: &#state) -> #private::nalgebra::#momentum_type<#scalar> {
+                fn casimirs(&self, state: &#state) -> [#scalar; #casimir_count] {
+                    casimirs(&self.to_parameters(), &#private::State::to_components(state), 0.0)
+                }
+
+                fn spatial_momentum(&self, state: &#state) -> #momentum_type {
                     __Stored::from_array(spatial_momentum(
                         &self.to_parameters(),
                         &#private::State::to_components(state),
+                        0.0,
                     ))
                 }
             }
         };
-    }
-}
-
-/// The potential as the user wrote it, as a method: rustc checks its types, and tools find their way in it.
-pub(super) fn potential(system: &System<'_>, names: &Names) -> TokenStream {
-    let Some(potential) = &system.potential_source else { return quote! {} };
-    // as a statement, so that syn puts parentheses around a block in front of an operator
-    let potential = syn::Stmt::Expr(potential.clone(), None);
-    let Names { private, system: name, scalar, visibility, .. } = names;
-    let arguments = system.advected_parts();
-    let parameters = arguments.iter().map(|part| {
-        let (argument, ty) = (&part.name, quote::format_ident!("{}", part.type_name));
-        quote! { #argument: &#private::nalgebra::#ty<#scalar> }
-    });
-    let fields = system.parameters.iter().map(|field| &field.name);
-    let copies = arguments.iter().map(|part| {
-        let argument = &part.name;
-        quote! { let #argument = *#argument; }
-    });
-    let doc = docs::line("The potential energy, as described.");
-    quote! {
-        impl #name {
-            #doc
-            #[allow(unused_variables, unused_parens, unused_braces, clippy::all)]
-            #visibility fn potential(&self, #(#parameters),*) -> #scalar {
-                // the elementary functions of floats, where there is no std
-                #[allow(unused_imports)]
-                use #private::nalgebra::{ComplexField as _, RealField as _};
-                let Self { #(#fields,)* } = *self;
-                #(#copies)*
-                #potential
-            }
-        }
     }
 }

@@ -303,6 +303,20 @@ impl Arena {
         self.store.borrow().roles.clone()
     }
 
+    /// Gives the role of a node to the node that takes its place.
+    pub(crate) fn pass_role(&self, from: Id, to: Id) {
+        let role = {
+            let store = self.store.borrow();
+            if !store.named.contains(&from) {
+                return;
+            }
+            store.roles.iter().find(|(id, _)| *id == from).map(|(_, name)| name.clone())
+        };
+        if let Some(role) = role {
+            self.expr(to).named(role);
+        }
+    }
+
     /// The node made anew of the images of its operands.
     pub(crate) fn rebuild(&self, id: Id, mut image: impl FnMut(Id) -> Id) -> Id {
         match self.node(id) {
@@ -488,6 +502,22 @@ impl<'a> Expr<'a> {
             }
         }
         self
+    }
+
+    /// Whether any of the symbols occurs.
+    pub fn depends_on(self, symbols: &[Symbol]) -> bool {
+        let mut seen = rustc_hash::FxHashSet::default();
+        let mut pending = vec![self.id];
+        while let Some(id) = pending.pop() {
+            if seen.insert(id) {
+                let node = self.arena.node(id);
+                if matches!(node, Node::Symbol(symbol) if symbols.contains(&symbol)) {
+                    return true;
+                }
+                pending.extend(node.operands());
+            }
+        }
+        false
     }
 
     /// The angle of the point `(x, self)`.

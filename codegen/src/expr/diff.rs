@@ -227,6 +227,9 @@ impl<'a> Substitution<'a> {
             Node::Symbol(symbol) => self.replacements.get(&symbol).copied().unwrap_or(id),
             _ => arena.rebuild(id, |operand| self.visit(operand)),
         };
+        if result != id {
+            arena.pass_role(id, result);
+        }
         self.known.insert(id, result);
         result
     }

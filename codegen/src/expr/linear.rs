@@ -220,6 +220,92 @@ impl<'a> Matrix<'a> {
         adjugate.times(right).scale(determinant.recip())
     }
 
+    /// The solution of `self · x = right` with few operations: each set of unknowns that no equation couples with others by itself,
+    /// by the adjugate if there are at most three, by elimination if more. Neither looks for pivots: for matrices near a positive
+    /// definite one, as a step's are.
+    pub fn solve(&self, right: &Vector<'a>) -> Vector<'a> {
+        let mut x = right.clone();
+        for unknowns in self.uncoupled() {
+            let block = self.block(&unknowns);
+            let part = Vector(unknowns.iter().map(|&i| right.0[i]).collect());
+            let solution =
+                if unknowns.len() <= 3 { block.solve_small(&part) } else { block.eliminate(&part) };
+            for (&i, value) in unknowns.iter().zip(solution.iter()) {
+                x.0[i] = value;
+            }
+        }
+        x
+    }
+
+    /// The unknowns of a linear system in sets that no equation couples.
+    fn uncoupled(&self) -> Vec<Vec<usize>> {
+        let coupled = |i: usize, j: usize| !self.at(i, j).is_zero() || !self.at(j, i).is_zero();
+        let mut sets: Vec<Vec<usize>> = Vec::new();
+        for i in 0..self.rows {
+            let (touched, mut apart): (Vec<_>, Vec<_>) =
+                sets.into_iter().partition(|set: &Vec<usize>| set.iter().any(|&j| coupled(i, j)));
+            let mut set: Vec<usize> = touched.concat();
+            set.push(i);
+            set.sort_unstable();
+            apart.push(set);
+            sets = apart;
+        }
+        sets.sort_unstable();
+        sets
+    }
+
+    /// Gaussian elimination without pivots.
+    fn eliminate(&self, right: &Vector<'a>) -> Vector<'a> {
+        let n = self.rows;
+        let (mut m, mut x) = (self.entries.clone(), right.0.clone());
+        for k in 0..n {
+            let pivot = m[k * n + k].recip().hold();
+            for i in k + 1..n {
+                let factor = (m[i * n + k] * pivot).hold();
+                if factor.is_zero() {
+                    continue;
+                }
+                for j in k + 1..n {
+                    m[i * n + j] = (m[i * n + j] - factor * m[k * n + j]).hold();
+                }
+                x[i] = (x[i] - factor * x[k]).hold();
+            }
+            m[k * n + k] = pivot;
+        }
+        for i in (0..n).rev() {
+            for j in i + 1..n {
+                x[i] = x[i] - m[i * n + j] * x[j];
+            }
+            x[i] = (x[i] * m[i * n + i]).hold();
+        }
+        Vector(x)
+    }
+
+    /// The solution of `self · x = right` for a symmetric positive definite matrix, by the factorization `L D Lᵀ`.
+    pub fn solve_symmetric(&self, right: &Vector<'a>) -> Vector<'a> {
+        let n = self.rows;
+        let (l, d) = self.ldl();
+        let mut x = right.0.clone();
+        for i in 0..n {
+            for k in 0..i {
+                x[i] = x[i] - l.at(i, k) * x[k];
+            }
+        }
+        for i in (0..n).rev() {
+            x[i] = x[i] / d.0[i];
+            for k in i + 1..n {
+                x[i] = x[i] - l.at(k, i) * x[k];
+            }
+        }
+        Vector(x)
+    }
+
+    /// The rows and columns of these indices.
+    pub fn block(&self, indices: &[usize]) -> Self {
+        let entries = indices.iter().flat_map(|&i| indices.iter().map(move |&j| self.at(i, j)));
+        Self::new(indices.len(), indices.len(), entries.collect())
+    }
+
     /// `L` (unit lower triangular) and the pivots `d` of `self = L diag(d) Lᵀ`, for a symmetric matrix, of which only the
     /// lower triangle is read. Stable without pivoting where all `d` are positive, and the test that they are.
     pub fn ldl(&self) -> (Self, Vector<'a>) {

@@ -8,7 +8,8 @@
 //! * Both logarithmic derivatives satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction, Translation,
+    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
+    Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 

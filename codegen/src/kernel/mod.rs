@@ -90,13 +90,13 @@ pub struct Kernel {
     pub new: Section,
     /// Computes what depends on the state.
     pub begin: Section,
-    /// Approximates the unknown from the state.
+    /// Approximates the unknown.
     pub start: Section,
     /// Evaluates residual and right side (results in this order), and the iterate.
     pub evaluate: Section,
     /// Computes the Newton correction from the residual.
     pub correction: Section,
-    /// Computes the distance to the edge of the domain; without results if there is no edge.
+    /// Computes the distances to the edges of the domain; without results if there is no edge.
     pub domain: Section,
     /// Computes the next state.
     pub finish: Section,
@@ -131,9 +131,9 @@ impl Kernel {
         let entries = jacobian.entries.iter().zip(places);
         let entries = entries.map(|(entry, (i, j))| entry.hold().named(format!("jacobian_{i}{j}"))).collect();
         let jacobian = Matrix::new(jacobian.rows, jacobian.columns, entries);
-        let correction = jacobian.solve_small(&residual);
+        let correction = if unknown.is_empty() { residual.clone() } else { jacobian.solve(&residual) };
 
-        let domain = Vector(step.domain.into_iter().collect());
+        let domain = Vector(step.domain.clone());
         let groups = [&step.start, &step.left, &step.right, &correction, &domain, &step.next];
         let mut factoring = Factoring::new(arena, groups.into_iter().flat_map(Vector::iter));
         let mut plan = Plan::new(arena);
@@ -149,7 +149,7 @@ impl Kernel {
 
         let evaluation = [difference, right].concat();
         let outputs = schedule::Outputs { start, evaluation, correction, domain, next };
-        let mut kernel = Schedule::new(arena, &plan, names).kernel(outputs);
+        let mut kernel = Schedule::new(arena, &plan, names).kernel(outputs, &step.given);
         let (unknown, residual, h) = symbols;
         kernel.unknown = kernel.symbols.of(&unknown);
         kernel.residual = kernel.symbols.of(&residual);

@@ -3,7 +3,7 @@
 //! Canonical sums and products are flat, whatever the stages of their operands. Here each is split so that what can be computed
 //! earlier is one operand of its own, and pairs of operands that occur in several places become shared nodes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rustc_hash::FxHashMap;
 
@@ -233,50 +233,72 @@ impl<'a> Plan<'a> {
 
     /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
     pub(super) fn share_pairs(&mut self) {
-        while let Some(pair) = self.most_frequent_pair() {
+        let mut census = Census::default();
+        for (index, operation) in self.operations.iter().enumerate() {
+            census.count(index, operation);
+        }
+        while let Some(pair) = census.most_frequent() {
+            let before = self.operations.len();
             let shared = match pair {
                 Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),
                 Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
             };
-            for op in 0..self.operations.len() {
-                if op != shared.0 as usize {
-                    let mut operation = self.operations[op].clone();
-                    while pair.replace(&mut operation, shared) {}
-                    self.operations[op] = operation;
+            if self.operations.len() > before {
+                census.count(before, &self.operations[before]);
+            }
+            for index in census.holders(&pair) {
+                if index != shared.0 as usize {
+                    census.forget(index, &self.operations[index]);
+                    while pair.replace(&mut self.operations[index], shared) {}
+                    census.count(index, &self.operations[index]);
                 }
             }
         }
     }
+}
 
-    fn most_frequent_pair(&self) -> Option<Pair> {
-        let mut counts: BTreeMap<Pair, u32> = BTreeMap::new();
-        for operation in &self.operations {
-            // a node of two operands is the pair itself: it counts as an occurrence of it
-            let mut pairs: Vec<Pair> = Vec::new();
-            match operation {
-                Operation::Product(factors) => {
-                    for (i, &a) in factors.iter().enumerate() {
-                        pairs.extend(factors[i + 1..].iter().map(|&b| Pair::Factors(a.min(b), a.max(b))));
-                    }
-                }
-                Operation::Sum(addends) => {
-                    for (i, &a) in addends.iter().enumerate() {
-                        pairs.extend(addends[i + 1..].iter().map(|&b| Pair::of_addends(a, b)));
-                    }
-                }
-                _ => {}
-            }
-            pairs.sort();
-            pairs.dedup();
-            pairs.into_iter().for_each(|pair| *counts.entry(pair).or_default() += 1);
+/// Which pairs occur in which operations.
+#[derive(Default)]
+struct Census {
+    /// The operations a pair occurs in, `true` for those of more than two operands, which it would shorten.
+    holders: FxHashMap<Pair, BTreeMap<usize, bool>>,
+    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest last.
+    worthy: BTreeSet<(usize, std::cmp::Reverse<Pair>)>,
+}
+
+impl Census {
+    fn count(&mut self, index: usize, operation: &Operation) {
+        let long = operation.operands().len() > 2;
+        for pair in Pair::all(operation) {
+            self.change(pair, |holders| {
+                holders.insert(index, long);
+            });
         }
-        let repeated = counts.into_iter().filter(|(pair, count)| *count >= 2 && self.is_new(pair));
-        repeated.max_by_key(|&(pair, count)| (count, std::cmp::Reverse(pair))).map(|(pair, _)| pair)
     }
 
-    /// A pair that would shorten some node with more than two operands.
-    fn is_new(&self, pair: &Pair) -> bool {
-        self.operations.iter().any(|operation| operation.operands().len() > 2 && pair.occurs(operation))
+    fn forget(&mut self, index: usize, operation: &Operation) {
+        for pair in Pair::all(operation) {
+            self.change(pair, |holders| {
+                holders.remove(&index);
+            });
+        }
+    }
+
+    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut BTreeMap<usize, bool>)) {
+        let holders = self.holders.entry(pair).or_default();
+        self.worthy.remove(&(holders.len(), std::cmp::Reverse(pair)));
+        change(holders);
+        if holders.len() >= 2 && holders.values().any(|&long| long) {
+            self.worthy.insert((holders.len(), std::cmp::Reverse(pair)));
+        }
+    }
+
+    fn most_frequent(&self) -> Option<Pair> {
+        self.worthy.last().map(|&(_, std::cmp::Reverse(pair))| pair)
+    }
+
+    fn holders(&self, pair: &Pair) -> Vec<usize> {
+        self.holders.get(pair).map(|holders| holders.keys().copied().collect()).unwrap_or_default()
     }
 }
 
@@ -285,7 +307,7 @@ fn positive(op: Op) -> Signed {
 }
 
 /// Two operands that occur together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 enum Pair {
     Factors(Op, Op),
     /// `true` if the signs differ.
@@ -295,6 +317,27 @@ enum Pair {
 impl Pair {
     fn of_addends((m, a): (bool, Op), (n, b): (bool, Op)) -> Self {
         Self::Addends(a.min(b), a.max(b), m != n)
+    }
+
+    /// The pairs of an operation's operands, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
+    fn all(operation: &Operation) -> Vec<Self> {
+        let mut pairs: Vec<Self> = Vec::new();
+        match operation {
+            Operation::Product(factors) => {
+                for (i, &a) in factors.iter().enumerate() {
+                    pairs.extend(factors[i + 1..].iter().map(|&b| Self::Factors(a.min(b), a.max(b))));
+                }
+            }
+            Operation::Sum(addends) => {
+                for (i, &a) in addends.iter().enumerate() {
+                    pairs.extend(addends[i + 1..].iter().map(|&b| Self::of_addends(a, b)));
+                }
+            }
+            _ => {}
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
     }
 
     /// Where two addends make the pair. An operand may occur more than once, so places count, not operands.

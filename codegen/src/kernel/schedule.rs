@@ -39,6 +39,8 @@ pub(super) struct Schedule<'p, 'a> {
     symbols: FxHashMap<Symbol, String>,
     /// Names of values kept in fields.
     kept: BTreeMap<Op, String>,
+    /// Symbols of stage *step* that only the beginning of a step is given.
+    given: FxHashSet<Symbol>,
 }
 
 impl<'p, 'a> Schedule<'p, 'a> {
@@ -54,7 +56,14 @@ impl<'p, 'a> Schedule<'p, 'a> {
         all.sort();
         let symbols =
             all.into_iter().map(|symbol| (symbol, namer.claim(arena.symbol_info(symbol).name))).collect();
-        Self { plan, namer, homes: FxHashMap::default(), symbols, kept: BTreeMap::new() }
+        Self {
+            plan,
+            namer,
+            homes: FxHashMap::default(),
+            symbols,
+            kept: BTreeMap::new(),
+            given: FxHashSet::default(),
+        }
     }
 
     /// One section for everything.
@@ -62,7 +71,8 @@ impl<'p, 'a> Schedule<'p, 'a> {
         (self.section(None, &[], outputs), SymbolNames(self.symbols))
     }
 
-    pub(super) fn kernel(mut self, outputs: Outputs) -> Kernel {
+    pub(super) fn kernel(mut self, outputs: Outputs, given: &[Symbol]) -> Kernel {
+        self.given = given.iter().copied().collect();
         let ops = |signed: &[Signed]| signed.iter().map(|s| s.op).collect::<Vec<Op>>();
         let stepping = [&outputs.evaluation, &outputs.correction, &outputs.domain, &outputs.next];
         let stepping: Vec<Op> = stepping.into_iter().flat_map(|signed| ops(signed)).collect();
@@ -72,7 +82,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         for op in self.plan.ops() {
             let home = match self.plan.stage(op) {
                 Stage::Parameters => Home::New,
-                Stage::Step if stepping.contains(&op) => Home::Begin,
+                Stage::Step if stepping.contains(&op) || self.is_given(op) => Home::Begin,
                 Stage::Iteration if evaluating.contains(&op) => Home::Evaluate,
                 // Stumpff functions of one argument are computed together
                 Stage::Iteration if self.family(op).is_some_and(|z| families.contains(&z)) => Home::Evaluate,
@@ -96,7 +106,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
             iterate,
             new: self.section(Some(Home::New), &new_ops, &[]),
             begin: self.section(Some(Home::Begin), &begin_ops, &[]),
-            start: self.section(None, &[], &outputs.start),
+            start: self.section(Some(Home::Local), &[], &outputs.start),
             evaluate: self.section(Some(Home::Evaluate), &iterate_ops, &outputs.evaluation),
             correction: self.section(Some(Home::Local), &[], &outputs.correction),
             domain: self.section(Some(Home::Local), &[], &outputs.domain),
@@ -106,6 +116,11 @@ impl<'p, 'a> Schedule<'p, 'a> {
             h: None,
             symbols: SymbolNames(self.symbols),
         }
+    }
+
+    /// Whether a node is a symbol that only the beginning of a step is given.
+    fn is_given(&self, op: Op) -> bool {
+        matches!(self.plan.operation(op), Operation::Symbol(symbol) if self.given.contains(symbol))
     }
 
     /// The nodes needed for `outputs`.
@@ -135,8 +150,9 @@ impl<'p, 'a> Schedule<'p, 'a> {
             let home = schedule.homes[&op];
             let constant = matches!(schedule.plan.operation(op), Operation::Number(_));
             // symbols of the state and the unknown are at hand everywhere
-            let at_hand =
-                schedule.plan.operation(op).is_leaf() && schedule.plan.stage(op) != Stage::Parameters;
+            let at_hand = schedule.plan.operation(op).is_leaf()
+                && schedule.plan.stage(op) != Stage::Parameters
+                && !schedule.is_given(op);
             if home != Home::Local && home != user && !constant && !at_hand {
                 crossing.insert(op, ());
             }
@@ -148,27 +164,15 @@ impl<'p, 'a> Schedule<'p, 'a> {
             if in_use {
                 for operand in self.plan.operation(op).operands() {
                     need(self, operand, self.homes[&op]);
-                    // the start is computed from the state, without the step's own values
-                    if starting.contains(&op) && self.plan.stage(operand) == Stage::Parameters {
-                        need(
-                            self,
-                            operand,
-                            if self.plan.stage(op) == Stage::Parameters { Home::New } else { Home::Local },
-                        );
-                    }
                 }
             }
         }
         for signed in &outputs.evaluation {
             need(self, signed.op, Home::Evaluate);
         }
-        for signed in outputs.correction.iter().chain(&outputs.domain).chain(&outputs.next) {
+        let local = [&outputs.start, &outputs.correction, &outputs.domain, &outputs.next];
+        for signed in local.into_iter().flatten() {
             need(self, signed.op, Home::Local);
-        }
-        for signed in &outputs.start {
-            if self.plan.stage(signed.op) == Stage::Parameters {
-                need(self, signed.op, Home::Local);
-            }
         }
         for op in crossing.into_keys() {
             let name = self.name(op);
@@ -249,7 +253,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         }
     }
 
-    /// Lays out one section: `home` is the section that owns its values (`None`: it owns all but constants in fields), `kept` are
+    /// Lays out one section: `home` is the section that owns its values (`None`: it owns all), `kept` are
     /// the values to keep in fields, `results` what it returns.
     fn section(&mut self, home: Option<Home>, kept: &[Op], results: &[Signed]) -> Section {
         let roots: Vec<Op> = kept.iter().copied().chain(results.iter().map(|signed| signed.op)).collect();
@@ -292,7 +296,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         match self.plan.operation(op) {
             Operation::Symbol(_) | Operation::Number(_) => true,
             _ => match home {
-                None => self.kept.contains_key(&op) && self.plan.stage(op) == Stage::Parameters,
+                None => false,
                 Some(home) => self.homes[&op] != home && self.kept.contains_key(&op),
             },
         }

@@ -17,6 +17,16 @@ impl<'a> Lowering<'a, '_> {
         match &field.member {
             Member::Named(name) => {
                 let written = name.to_string();
+                if let Value::Element(element) = &base {
+                    return match element.component(&written, false) {
+                        Some(value) => Some(value),
+                        None => self.fail(name, element.no_component(&written)),
+                    };
+                }
+                // nalgebra's translations are vectors with a name for it
+                if let (Value::Vector(_), "vector") = (&base, written.as_str()) {
+                    return Some(base);
+                }
                 let names = names(&base);
                 if let Some((_, place)) = names.iter().find(|(known, _)| *known == written) {
                     return at(&base, *place);

@@ -24,17 +24,6 @@ pub(super) struct Lowering<'a, 's> {
     depth: usize,
 }
 
-/// Names that one expects in a potential and that have no place there.
-const NOT_HERE: [(&str, &str); 3] = [
-    (
-        "attitude",
-        "a potential does not read the attitude; declare what it depends on, a vector fixed in space, as an advected parameter: \
-         `advected(gamma: R3)`",
-    ),
-    ("momentum", "a potential does not depend on the momentum"),
-    ("velocity", "a potential does not depend on the velocity"),
-];
-
 impl<'a, 's> Lowering<'a, 's> {
     pub(super) fn new(scope: &'s mut Scope<'a>, arena: &'a Arena, diagnostics: &'s mut Diagnostics) -> Self {
         Self { arena, diagnostics, scope, locals: Vec::new(), depth: 0 }
@@ -106,7 +95,14 @@ impl<'a, 's> Lowering<'a, 's> {
         };
         let name = ident.unraw().to_string();
         let local = self.locals.iter().rev().find(|(local, _)| *local == name).map(|(_, value)| value);
-        if let Some(value) = local.or_else(|| self.scope.get(&name)) {
+        if let Some(value) = local {
+            return value.clone();
+        }
+        if let Some(message) = self.scope.withheld(&name) {
+            let message = message.to_owned();
+            return self.fail(ident, message);
+        }
+        if let Some(value) = self.scope.get(&name) {
             return value.clone();
         }
         if is_constant(&name) {
@@ -114,9 +110,6 @@ impl<'a, 's> Lowering<'a, 's> {
         }
         if name == "self" {
             return self.fail(ident, "parameters are known by their names alone; leave out `self.`");
-        }
-        if let Some((_, instead)) = NOT_HERE.iter().find(|(unavailable, _)| *unavailable == name) {
-            return self.fail(ident, instead);
         }
         let known: Vec<&str> =
             self.scope.names().chain(self.locals.iter().map(|(name, _)| name.as_str())).collect();

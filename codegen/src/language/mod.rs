@@ -17,12 +17,12 @@ mod scope;
 mod value;
 
 pub use scope::{Constant, Scope};
-pub use value::Value;
+pub use value::{Element, Value};
 
 use lowering::Lowering;
 
 use crate::diagnostics::Diagnostics;
-use crate::expr::{Arena, Expr};
+use crate::expr::{Arena, Expr, Vector};
 
 /// The symbolic meaning of an expression. All problems in it are reported; `None` if there were any, or if it uses a name
 /// that is in error itself.
@@ -54,6 +54,35 @@ pub fn lower_scalar<'a>(
         diagnostics.push(result(expr), format!("{what} must be a scalar, but this is {}", value.describe()));
     }
     scalar
+}
+
+/// The symbolic meaning of an expression that must be a vector of so many components, if that is known; a scalar stands for a
+/// vector of one, which the answer says. `what` says in messages what it is for: `this force`.
+pub fn lower_vector<'a>(
+    what: &str,
+    expr: &syn::Expr,
+    dimension: Option<usize>,
+    scope: &mut Scope<'a>,
+    arena: &'a Arena,
+    diagnostics: &mut Diagnostics,
+) -> Option<(Vector<'a>, bool)> {
+    let value = lower(expr, scope, arena, diagnostics)?;
+    let scalar = value.as_scalar(arena).is_some();
+    let vector = match &value {
+        Value::Vector(vector) => Some(vector.clone()),
+        _ => value.as_scalar(arena).map(|scalar| Vector(vec![scalar])),
+    };
+    let fits = vector.filter(|vector| dimension.is_none_or(|dimension| vector.len() == dimension));
+    if fits.is_none() {
+        let expected = match dimension {
+            Some(1) => "a scalar or a vector of 1".to_owned(),
+            Some(n) => format!("a vector of {n}"),
+            None => "a vector".to_owned(),
+        };
+        let found = value.describe();
+        diagnostics.push(result(expr), format!("{what} must be {expected}, but this is {found}"));
+    }
+    fits.map(|vector| (vector, scalar))
 }
 
 /// The part of an expression that gives it its type.

@@ -160,6 +160,9 @@ impl<'a> Lowering<'a, '_> {
         if let Some(factor) = right.as_scalar(self.arena) {
             return scaled(left, factor);
         }
+        if let Value::Element(element) = left {
+            return element.times(right);
+        }
         let (left, right) = (left.as_matrix()?, right.as_matrix()?);
         (left.columns == right.rows).then(|| Value::of_matrix(left.times_matrix(&right)))
     }
@@ -173,7 +176,9 @@ impl<'a> Lowering<'a, '_> {
             Value::Scalar(scalar) => Some(Value::Scalar(-scalar)),
             Value::Vector(vector) => Some(Value::Vector(-&vector)),
             Value::Matrix(matrix) => Some(Value::Matrix(matrix.map(|entry| -entry))),
-            Value::Tuple(_) => self.fail(sign, format!("{} has no negative", value.describe())),
+            Value::Tuple(_) | Value::Element(_) => {
+                self.fail(sign, format!("{} has no negative", value.describe()))
+            }
         }
     }
 }

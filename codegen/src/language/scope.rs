@@ -10,6 +10,8 @@ use crate::expr::{Arena, Expr, Stage};
 pub struct Scope<'a> {
     /// `None` for a name whose declaration was in error: using it is no further error.
     names: Vec<(String, Option<Value<'a>>)>,
+    /// Names that the next expression may not use, with what to say to it.
+    withheld: Vec<(String, String)>,
     /// In the order in which they were met.
     pub constants: Vec<Constant<'a>>,
 }
@@ -42,6 +44,16 @@ impl<'a> Scope<'a> {
         self.names.push((name.into(), None));
     }
 
+    /// Withholds names from the expressions that follow, with messages for those that use them; the first message on a name counts.
+    pub fn withhold(&mut self, names: Vec<(String, String)>) {
+        self.withheld = names;
+    }
+
+    /// What to say to an expression that uses a name withheld from it.
+    pub(super) fn withheld(&self, name: &str) -> Option<&str> {
+        self.withheld.iter().find(|(withheld, _)| withheld == name).map(|(_, message)| message.as_str())
+    }
+
     /// The value of a name, or `None` within if it is not known because of an error that was reported.
     pub fn get(&self, name: &str) -> Option<&Option<Value<'a>>> {
         self.names.iter().rev().find(|(known, _)| known == name).map(|(_, value)| value)
@@ -49,7 +61,7 @@ impl<'a> Scope<'a> {
 
     /// All names, in the order in which they were defined.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.names.iter().map(|(name, _)| name.as_str())
+        self.names.iter().map(|(name, _)| name.as_str()).filter(|name| self.withheld(name).is_none())
     }
 
     /// The symbol of a constant, the same one each time it is named by the same path.

@@ -1,6 +1,7 @@
 //! What an expression can stand for.
 
 use crate::expr::{Arena, Expr, Matrix, Number, Stage, Vector};
+use crate::group::{ComponentValue, Group};
 use crate::parse::Shape;
 
 /// The symbolic value of an expression.
@@ -18,6 +19,29 @@ pub enum Value<'a> {
     Matrix(Matrix<'a>),
     /// Several values, as `sin_cos` returns them.
     Tuple(Vec<Value<'a>>),
+    /// A configuration.
+    Element(Element<'a>),
+}
+
+/// An element of a group that is not a vector space.
+#[derive(Clone)]
+pub struct Element<'a> {
+    /// The group.
+    pub group: &'static dyn Group,
+    /// Its stored coordinates.
+    pub coordinates: Vector<'a>,
+}
+
+impl PartialEq for Element<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.group.name() == other.group.name() && self.coordinates == other.coordinates
+    }
+}
+
+impl std::fmt::Debug for Element<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple(self.group.name()).field(&self.coordinates).finish()
+    }
 }
 
 impl<'a> Value<'a> {
@@ -33,6 +57,24 @@ impl<'a> Value<'a> {
                 let entries = places.map(|(i, j)| symbol(entry(i, j, largest))).collect();
                 Self::of_matrix(Matrix::new(rows, columns, entries))
             }
+        }
+    }
+
+    /// An element of a group: a vector, if the group is a vector space.
+    pub fn element(group: &'static dyn Group, coordinates: Vector<'a>) -> Self {
+        if group.is_linear() {
+            Self::Vector(coordinates)
+        } else {
+            Self::Element(Element { group, coordinates })
+        }
+    }
+
+    /// What was taken from an element of a group.
+    pub fn of_component(component: ComponentValue<'a>) -> Self {
+        match component {
+            ComponentValue::Scalar(scalar) => Self::Scalar(scalar),
+            ComponentValue::Vector(vector) => Self::Vector(vector),
+            ComponentValue::Element(group, coordinates) => Self::element(group, coordinates),
         }
     }
 
@@ -65,7 +107,7 @@ impl<'a> Value<'a> {
             Self::Integer(_) | Self::Scalar(_) => Some(Shape::Scalar),
             Self::Vector(vector) => Some(Shape::Vector(vector.len())),
             Self::Matrix(matrix) => Some(Shape::Matrix(matrix.rows, matrix.columns)),
-            Self::Tuple(_) => None,
+            Self::Tuple(_) | Self::Element(_) => None,
         }
     }
 
@@ -74,6 +116,7 @@ impl<'a> Value<'a> {
         match self {
             Self::Integer(_) => "an integer".to_owned(),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
+            Self::Element(element) => format!("an element of {}", element.group.name()),
             _ => self.shape().map(Shape::describe).unwrap_or_default(),
         }
     }
@@ -86,6 +129,7 @@ impl<'a> Value<'a> {
             Self::Vector(vector) => vector.0.clone(),
             Self::Matrix(matrix) => matrix.entries.clone(),
             Self::Tuple(values) => values.iter().flat_map(Self::scalars).collect(),
+            Self::Element(element) => element.coordinates.0.clone(),
         }
     }
 }

@@ -1,14 +1,15 @@
 //! The arguments of `#[lie_poisson_system(…)]`.
 
-use proc_macro2::{Group, TokenStream, TokenTree};
-use quote::quote;
+use proc_macro2::{TokenStream, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::discouraged::Speculative;
 use syn::parse::{ParseStream, Parser};
-use syn::{Ident, LitStr, Token, parenthesized, token};
+use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
 
 use super::nesting;
-use crate::diagnostics::{Diagnostics, suggestion};
+use super::shape::{self, ScalarType, Shape};
+use crate::diagnostics::{Diagnostics, list, suggestion};
+use crate::method::Member;
 
 /// A key of the attribute: how it is called and how it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,31 +20,57 @@ pub struct Key {
     pub example: &'static str,
 }
 
-/// The Lie group of the configuration.
+/// The Lie group of the configuration, or several as named factors.
 pub const GROUP: Key = Key { name: "group", example: "group = SO3" };
 /// The parameters that the group acts on.
 pub const ADVECTED: Key = Key { name: "advected", example: "advected(gamma: R3)" };
 /// The potential energy.
 pub const POTENTIAL: Key = Key { name: "potential", example: "potential = weight * gamma.dot(&chi)" };
+/// The Hamiltonian, in place of inertia and potential.
+pub const HAMILTONIAN: Key =
+    Key { name: "hamiltonian", example: "hamiltonian = momentum.norm_squared() / (2.0 * mass)" };
+/// What is given from outside and held over a step.
+pub const CONTROL: Key = Key { name: "control", example: "control(moment: R3, thrust: f64)" };
+/// What acts on the momentum beside the potential.
+pub const FORCE: Key = Key { name: "force", example: "force = moment - friction * momentum" };
+/// The members of the family of steps to generate beside those that are always there.
+pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
 /// Where the runtime crate is found.
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-const KEYS: [Key; 4] = [GROUP, ADVECTED, POTENTIAL, CRATE];
+const KEYS: [Key; 8] = [GROUP, ADVECTED, POTENTIAL, HAMILTONIAN, CONTROL, FORCE, METHODS, CRATE];
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
 #[derive(Debug, Default)]
 pub struct Attribute {
-    /// `group = SO3`
-    pub group: Option<Ident>,
+    /// `group = SO3` or `group(attitude: SO3, position: R3)`
+    pub factors: Vec<Factor>,
     /// `advected(gamma: R3, …)`, in the order written.
     pub advected: Vec<Advected>,
     /// `potential = …`
     pub potential: Option<syn::Expr>,
+    /// `hamiltonian = …`
+    pub hamiltonian: Option<syn::Expr>,
+    /// `control(thrust: f64, …)`
+    pub controls: Vec<Control>,
+    /// `force = …` or `force(attitude = …, …)`
+    pub forces: Vec<Force>,
+    /// `methods(Midpoint, …)`
+    pub methods: Vec<Member>,
     /// `crate = …`
     pub krate: Option<syn::Path>,
     /// The keys that were there, whether or not their values could be read.
     given: Vec<Key>,
+}
+
+/// One factor of the configuration's group.
+#[derive(Debug)]
+pub struct Factor {
+    /// What the user calls it; `None` for a group that is the whole.
+    pub name: Option<Ident>,
+    /// Its group.
+    pub group: Ident,
 }
 
 /// One advected parameter.
@@ -51,8 +78,30 @@ pub struct Attribute {
 pub struct Advected {
     /// What the user calls it.
     pub name: Ident,
+    /// The factor that acts on it, if the user names it: `gamma: attitude::R3`.
+    pub factor: Option<Ident>,
     /// The space it lives in.
     pub space: Ident,
+}
+
+/// One control.
+#[derive(Debug)]
+pub struct Control {
+    /// What the user calls it.
+    pub name: Ident,
+    /// Whether it is a scalar, a vector or a matrix.
+    pub shape: Shape,
+    /// Its type, where that says what numbers it is made of.
+    pub scalar: Option<(ScalarType, syn::Type)>,
+}
+
+/// A force on one factor.
+#[derive(Debug)]
+pub struct Force {
+    /// The factor; `None` for a group that is the whole.
+    pub factor: Option<Ident>,
+    /// What it is.
+    pub value: syn::Expr,
 }
 
 impl Attribute {
@@ -109,10 +158,18 @@ impl Attribute {
         let target = if again { &mut ignored } else { self };
         let value = input.fork();
         let read = match known {
-            GROUP => group(&value, diagnostics).map(|group| target.group = group),
+            GROUP => factors(&value, &key, diagnostics).map(|factors| target.factors = factors),
+            ADVECTED => declarations(&value, &key, known, diagnostics, advected, |advected| &advected.name)
+                .map(|list| target.advected = list),
             POTENTIAL => equals(&value, known, diagnostics).map(|potential| target.potential = potential),
-            CRATE => crate_path(&value, diagnostics).map(|path| target.krate = path),
-            _ => advected(&value, &key, diagnostics).map(|list| target.advected = list),
+            HAMILTONIAN => {
+                equals(&value, known, diagnostics).map(|hamiltonian| target.hamiltonian = hamiltonian)
+            }
+            CONTROL => declarations(&value, &key, known, diagnostics, control, |control| &control.name)
+                .map(|list| target.controls = list),
+            FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
+            METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
+            _ => crate_path(&value, diagnostics).map(|path| target.krate = path),
         };
         finish_entry(input, &value, read, diagnostics);
     }
@@ -135,19 +192,122 @@ fn equals<T: syn::parse::Parse>(
     input.parse().map(Some)
 }
 
-/// `= SO3`
-fn group(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<Option<Ident>> {
+/// `= SO3` or `(attitude: SO3, position: R3)`
+fn factors(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Factor>> {
+    if input.peek(token::Paren) {
+        let name = |factor: &Factor| factor.name.clone();
+        return entries(input, key, GROUP, diagnostics, factor, name);
+    }
     let name: Option<Ident> =
         equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
-    if let Some(name) = &name
-        && input.peek(token::Paren)
-    {
-        let dimension: Group = input.parse()?;
-        let message = format!("write the name of the group in one word: `{name}{}`", dimension.stream());
-        diagnostics.push(quote!(#name #dimension), message);
-        return Ok(None);
+    let Some(name) = name else { return Ok(Vec::new()) };
+    Ok(vec![Factor { name: None, group: sized_name(input, name)? }])
+}
+
+/// `attitude: SO3`
+fn factor(input: ParseStream<'_>) -> syn::Result<Factor> {
+    let name = declared_name(input, "attitude: SO3", "a factor", "the group it moves on")?;
+    let group = input.parse::<Ident>().map_err(|error| {
+        syn::Error::new(error.span(), "expected a group; a factor is written `attitude: SO3`")
+    })?;
+    Ok(Factor { name: Some(name), group: sized_name(input, group)? })
+}
+
+/// `R(3)` is another way to write `R3`.
+fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
+    if !input.peek(token::Paren) {
+        return Ok(name);
     }
+    let content;
+    parenthesized!(content in input);
+    match content.parse::<LitInt>() {
+        Ok(size) if content.is_empty() && size.suffix().is_empty() => {
+            Ok(Ident::new(&format!("{name}{}", size.base10_digits()), name.span()))
+        }
+        _ => Err(syn::Error::new_spanned(
+            &name,
+            format!("write the name of the group in one word, such as `{name}3`"),
+        )),
+    }
+}
+
+/// The name in front of a colon.
+fn declared_name(input: ParseStream<'_>, example: &str, what: &str, needs: &str) -> syn::Result<Ident> {
+    let explain = |error: syn::Error, expected: &str| {
+        syn::Error::new(error.span(), format!("expected {expected}; {what} is written `{example}`"))
+    };
+    let name: Ident = input.parse().map_err(|error| explain(error, "a name"))?;
+    if input.is_empty() || input.peek(Token![,]) {
+        let (_, ty) = example.split_once(": ").unwrap_or_default();
+        return Err(syn::Error::new_spanned(&name, format!("`{name}` needs {needs}; write `{name}: {ty}`")));
+    }
+    input.parse::<Token![:]>().map_err(|error| explain(error, "a colon"))?;
     Ok(name)
+}
+
+/// `= expr` or `(attitude = expr, …)`
+fn forces(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Force>> {
+    if input.peek(token::Paren) {
+        return entries(input, key, FORCE, diagnostics, force, |force| force.factor.clone());
+    }
+    let value = equals(input, FORCE, diagnostics)?;
+    Ok(value.map(|value| Force { factor: None, value }).into_iter().collect())
+}
+
+/// `attitude = expr`
+fn force(input: ParseStream<'_>) -> syn::Result<Force> {
+    let explain = |error: syn::Error| {
+        let message = "expected the name of a factor and `=`; write `force(attitude = moment)`";
+        syn::Error::new(error.span(), message)
+    };
+    let factor: Ident = input.parse().map_err(explain)?;
+    input.parse::<Token![=]>().map_err(explain)?;
+    Ok(Force { factor: Some(factor), value: input.parse()? })
+}
+
+/// `(Midpoint, SymplecticEulerB, Family(1, 4))`
+fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Member>> {
+    let named = entries(input, key, METHODS, diagnostics, method, |_| None)?;
+    let mut members = Vec::new();
+    for member in named {
+        if !members.contains(&member) {
+            members.push(member);
+        }
+    }
+    Ok(members)
+}
+
+/// `Midpoint` or `Family(1, 4)`
+fn method(input: ParseStream<'_>) -> syn::Result<Member> {
+    let name: Ident = input
+        .parse()
+        .map_err(|error| syn::Error::new(error.span(), "expected a method, such as `Midpoint`"))?;
+    if name == "Family" {
+        let content;
+        parenthesized!(content in input);
+        let numerator: LitInt = content.parse()?;
+        content.parse::<Token![,]>()?;
+        let denominator: LitInt = content.parse()?;
+        let member = Member::new(numerator.base10_parse()?, denominator.base10_parse()?);
+        return member.ok_or_else(|| {
+            let message =
+                "the parameter s of a method is a fraction between 0 and 1: `Family(1, 4)` is s = 1/4";
+            syn::Error::new_spanned(&name, message)
+        });
+    }
+    Member::named(&name.to_string()).ok_or_else(|| {
+        let known = Member::NAMED.map(|(name, _)| name);
+        let all = list(known.iter().copied().chain(["Family(numerator, denominator)"]));
+        let guess = suggestion(&name.to_string(), &known);
+        let always = match name.to_string().as_str() {
+            "Exponential" | "Cayley" | "StormerVerlet" => "; this one needs not be asked for",
+            _ => guess.as_str(),
+        };
+        syn::Error::new_spanned(
+            &name,
+            format!("there is no method `{name}` to ask for{always}; there are {all}"),
+        )
+    })
 }
 
 /// The error with an example of the key's use, unless it has one already.
@@ -175,53 +335,88 @@ fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
     syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, CRATE))
 }
 
-/// `(name: Space, …)`
-fn advected(
+/// `(name: Type, …)`
+fn declarations<T>(
     input: ParseStream<'_>,
     key: &Ident,
+    known: Key,
     diagnostics: &mut Diagnostics,
-) -> syn::Result<Vec<Advected>> {
+    parse: fn(ParseStream<'_>) -> syn::Result<T>,
+    name: fn(&T) -> &Ident,
+) -> syn::Result<Vec<T>> {
+    entries(input, key, known, diagnostics, parse, |entry| Some(name(entry).clone()))
+}
+
+/// Entries between parentheses, of which no two have the same name.
+fn entries<T>(
+    input: ParseStream<'_>,
+    key: &Ident,
+    known: Key,
+    diagnostics: &mut Diagnostics,
+    parse: fn(ParseStream<'_>) -> syn::Result<T>,
+    name: impl Fn(&T) -> Option<Ident>,
+) -> syn::Result<Vec<T>> {
     if !input.peek(token::Paren) {
         let missing = input.is_empty() || input.peek(Token![,]);
         let place = if missing { key.span() } else { input.span() };
-        return Err(syn::Error::new(place, format!("expected parentheses; write `{}`", ADVECTED.example)));
+        return Err(syn::Error::new(place, format!("expected parentheses; write `{}`", known.example)));
     }
     let content;
     parenthesized!(content in input);
     if content.is_empty() {
-        diagnostics.push(key, format!("`advected` names no parameter; write `{}`", ADVECTED.example));
+        diagnostics.push(key, format!("`{}` names nothing; write `{}`", known.name, known.example));
     }
-    let mut list: Vec<Advected> = Vec::new();
+    let mut list: Vec<T> = Vec::new();
     while !content.is_empty() {
-        let parameter = content.fork();
-        let read = advected_parameter(&parameter).map(|parameter| {
-            if list.iter().any(|earlier| earlier.name == parameter.name) {
-                let message = format!("two advected parameters are called `{}`", parameter.name);
-                diagnostics.push(&parameter.name, message);
-            } else {
-                list.push(parameter);
+        let ahead = content.fork();
+        let read = parse(&ahead).map(|entry| match name(&entry) {
+            Some(this) if list.iter().any(|earlier| name(earlier).as_ref() == Some(&this)) => {
+                diagnostics.push(&this, format!("`{this}` is named twice in `{}`", known.name));
             }
+            _ => list.push(entry),
         });
-        finish_entry(&content, &parameter, read, diagnostics);
+        finish_entry(&content, &ahead, read, diagnostics);
     }
     Ok(list)
 }
 
-/// `name: Space`
-fn advected_parameter(input: ParseStream<'_>) -> syn::Result<Advected> {
-    let explain = |error: syn::Error, expected: &str| {
-        let message = format!("expected {expected}; an advected parameter is written `gamma: R3`");
-        syn::Error::new(error.span(), message)
+/// `gamma: R3` or `gamma: attitude::R3`
+fn advected(input: ParseStream<'_>) -> syn::Result<Advected> {
+    let name = declared_name(input, "gamma: R3", "an advected parameter", "the space it lives in")?;
+    let space = |input: ParseStream<'_>| {
+        input.parse::<Ident>().map_err(|error| {
+            let message = "expected a space; an advected parameter is written `gamma: R3`";
+            syn::Error::new(error.span(), message)
+        })
     };
-    let name: Ident = input.parse().map_err(|error| explain(error, "a name"))?;
-    let ends_here = input.is_empty() || input.peek(Token![,]);
-    if ends_here {
-        let message = format!("`{name}` needs the space it lives in; write `{name}: R3`");
-        return Err(syn::Error::new_spanned(&name, message));
+    let first = space(input)?;
+    if input.peek(Token![::]) {
+        input.parse::<Token![::]>()?;
+        return Ok(Advected { name, factor: Some(first), space: space(input)? });
     }
-    input.parse::<Token![:]>().map_err(|error| explain(error, "a colon"))?;
-    let space = input.parse().map_err(|error| explain(error, "a space"))?;
-    Ok(Advected { name, space })
+    Ok(Advected { name, factor: None, space: first })
+}
+
+/// `moment: R3`, `thrust: f64` or `moment: Vector3<f64>`
+fn control(input: ParseStream<'_>) -> syn::Result<Control> {
+    let name = declared_name(input, "thrust: f64", "a control", "a type")?;
+    let ty: syn::Type = input.parse()?;
+    if let syn::Type::Path(path) = &ty
+        && let Some(ident) = path.path.get_ident()
+        && let Some(n) = ident.to_string().strip_prefix('R').and_then(|n| n.parse::<usize>().ok())
+        && (1..=6).contains(&n)
+    {
+        return Ok(Control { name, shape: Shape::Vector(n), scalar: None });
+    }
+    match shape::of_type(&ty) {
+        Some((shape, scalar)) => Ok(Control { name, shape, scalar: Some((scalar, ty)) }),
+        None => {
+            let message = format!(
+                "`{name}` cannot be of this type; a control is a number, `f64`, or a vector, `R1` to `R6`"
+            );
+            Err(syn::Error::new_spanned(ty, message))
+        }
+    }
 }
 
 /// Goes on after an entry: behind its comma if it was read up to `end`, otherwise wherever the next one begins.
@@ -250,7 +445,7 @@ fn finish_entry(
     }
 }
 
-/// Whether a known `key =` or `key(`, or a `name:`, comes next.
+/// Whether a known `key =` or `key(`, a `name:` or a `name =` comes next.
 fn starts_entry(input: ParseStream<'_>) -> bool {
     let ahead = input.fork();
     let Ok(name) = Ident::parse_any(&ahead) else { return false };

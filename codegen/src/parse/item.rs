@@ -1,7 +1,8 @@
 //! The annotated struct.
 
 use proc_macro2::{Span, TokenStream};
-use syn::{Fields, Ident, ItemStruct, Meta, Type, Visibility};
+use syn::punctuated::Punctuated;
+use syn::{Fields, Ident, ItemStruct, Meta, Token, Type, Visibility};
 
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
@@ -36,12 +37,21 @@ pub struct Field {
     pub shape: Shape,
     /// Of what numbers.
     pub scalar: ScalarType,
-    /// Where it is marked `#[inertia]`, if it is.
-    pub inertia: Option<Span>,
+    /// Whether, and how, it is marked `#[inertia]`.
+    pub inertia: Option<Inertia>,
     /// The first line of its doc comment, empty if it has none.
     pub doc: String,
     /// Its type as written.
     pub ty: Type,
+}
+
+/// The mark `#[inertia]`, or `#[inertia(attitude, position)]` with the factors it is for.
+#[derive(Clone, Debug)]
+pub struct Inertia {
+    /// Where it is.
+    pub span: Span,
+    /// The factors it names; none stands for all.
+    pub factors: Vec<Ident>,
 }
 
 /// A field of a type that no description can hold.
@@ -49,8 +59,8 @@ pub struct Field {
 pub struct Unreadable {
     /// Its name.
     pub name: Ident,
-    /// Where it is marked `#[inertia]`, if it is.
-    pub inertia: Option<Span>,
+    /// Whether, and how, it is marked `#[inertia]`.
+    pub inertia: Option<Inertia>,
 }
 
 impl Item {
@@ -99,6 +109,13 @@ impl Item {
             fields,
             unreadable,
         })
+    }
+}
+
+impl Item {
+    /// What numbers the system is made of.
+    pub fn scalar(&self) -> ScalarType {
+        self.fields.first().map_or(ScalarType::F64, |field| field.scalar)
     }
 }
 
@@ -165,8 +182,8 @@ fn is_inertia(attribute: &syn::Attribute) -> bool {
     attribute.path().is_ident(INERTIA)
 }
 
-/// Removes `#[inertia]` from a field and says where it was.
-fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option<Span> {
+/// Removes `#[inertia]` from a field and says where it was, and for which factors.
+fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option<Inertia> {
     let mut marks = Vec::new();
     field.attrs.retain(|attribute| {
         let ours = is_inertia(attribute);
@@ -175,15 +192,29 @@ fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option
         }
         !ours
     });
-    for mark in &marks {
-        if !matches!(mark.meta, Meta::Path(_)) {
-            diagnostics.push(mark, "`#[inertia]` takes no arguments");
-        }
-    }
     if let [_, again, ..] = marks.as_slice() {
         diagnostics.push(again, "`#[inertia]` is given twice; once is enough");
     }
-    Some(marks.first()?.path().get_ident()?.span())
+    let mark = marks.first()?;
+    let factors = match &mark.meta {
+        Meta::Path(_) => Vec::new(),
+        Meta::List(list) => {
+            let names = Punctuated::<Ident, Token![,]>::parse_terminated;
+            match list.parse_args_with(names) {
+                Ok(names) if !names.is_empty() => names.into_iter().collect(),
+                _ => {
+                    let message = "`#[inertia(…)]` names the factors that it is the inertia of, as in `#[inertia(attitude)]`";
+                    diagnostics.push(mark, message);
+                    Vec::new()
+                }
+            }
+        }
+        Meta::NameValue(_) => {
+            diagnostics.push(mark, "write `#[inertia]`, or `#[inertia(attitude)]` with the name of a factor");
+            Vec::new()
+        }
+    };
+    Some(Inertia { span: mark.path().get_ident()?.span(), factors })
 }
 
 fn one_scalar_type(fields: &[Field], diagnostics: &mut Diagnostics) {

@@ -5,6 +5,9 @@ mod item;
 mod nesting;
 mod shape;
 
-pub use attribute::{ADVECTED, Advected, Attribute, CRATE, GROUP, Key, POTENTIAL};
-pub use item::{Field, Item, Unreadable, without_helpers};
+pub use attribute::{
+    ADVECTED, Advected, Attribute, CONTROL, CRATE, Control, FORCE, Factor, Force, GROUP, HAMILTONIAN, Key,
+    METHODS, POTENTIAL,
+};
+pub use item::{Field, Inertia, Item, Unreadable, without_helpers};
 pub use shape::{ScalarType, Shape, of_segment};

@@ -1,5 +1,6 @@
 //! Methods: one table for each kind of value, which is also what messages list.
 
+mod element;
 mod scalar;
 mod tensor;
 
@@ -60,6 +61,12 @@ impl<'a> Lowering<'a, '_> {
                     "methods of integers are not supported; write the number as a float, `2.0`",
                 );
             }
+            Value::Element(element) => {
+                if let (Some(value), []) = (element.component(&name, true), arguments) {
+                    return Some(value);
+                }
+                element::METHODS
+            }
             Value::Tuple(_) => return self.fail(method, format!("{} has no methods", receiver.describe())),
         };
         let Some(known) = methods.iter().find(|known| known.name == name) else {
@@ -79,7 +86,11 @@ impl<'a> Lowering<'a, '_> {
         if NOT_SMOOTH.contains(&name.as_str()) {
             return self.not_smooth(method, &format!("`{name}`"));
         }
-        let names: Vec<&str> = methods.iter().map(|known| known.name).collect();
+        let mut names: Vec<&str> = methods.iter().map(|known| known.name).collect();
+        if let Value::Element(element) = receiver {
+            let components = element.group.components().iter();
+            names.extend(components.filter(|component| component.called).map(|component| component.name));
+        }
         let guess = match nearest(&name, &names) {
             Some(near) => format!("; did you mean `{near}`?"),
             None => ".".to_owned(),

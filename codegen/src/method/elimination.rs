@@ -1,0 +1,78 @@
+//! Which unknowns of a step's equations need no iteration.
+//!
+//! An equation `left(x) = right(x)` whose right side does not depend on its own unknown is solved by what it says: the step is
+//! explicit in that unknown. One that is linear in it is solved by elimination, in closed form. What is found is put into the
+//! other equations, which may then be explicit, too.
+
+use crate::expr::{Expr, Symbol, Vector};
+
+/// One of a step's equations, for a block of unknowns.
+pub struct Equation<'a> {
+    /// The unknowns, symbols.
+    pub unknown: Vector<'a>,
+    /// `left`, a function of the unknowns.
+    pub left: Vector<'a>,
+    /// `right`, a function of all unknowns of the step.
+    pub right: Vector<'a>,
+    /// The unknowns for which `left` is `right`.
+    pub solved: Vector<'a>,
+    /// A first approximation of the unknowns from the state.
+    pub start: Vector<'a>,
+    /// The names of the unknowns, given to their values where they are explicit.
+    pub names: Vec<String>,
+}
+
+/// What is left to iterate on, and the unknowns that are not.
+pub struct Eliminated<'a> {
+    /// The equations left.
+    pub equations: Vec<Equation<'a>>,
+    /// Values of the unknowns found, as functions of those left.
+    pub found: Vec<(Symbol, Expr<'a>)>,
+}
+
+/// Solves for what can be solved for.
+pub fn eliminate(mut equations: Vec<Equation<'_>>) -> Eliminated<'_> {
+    let mut found: Vec<(Symbol, Expr<'_>)> = Vec::new();
+    loop {
+        let all: Vec<Symbol> = equations.iter().flat_map(|equation| equation.unknown.symbols()).collect();
+        let solution = equations.iter().enumerate().find_map(|(i, equation)| Some((i, equation.explicit()?)));
+        let solution = solution.or_else(|| {
+            equations.iter().enumerate().find_map(|(i, equation)| Some((i, equation.linear(&all)?)))
+        });
+        let Some((i, values)) = solution else { return Eliminated { equations, found } };
+        let equation = equations.remove(i);
+        let values =
+            values.0.iter().zip(&equation.names).map(|(value, name)| value.hold().named(name.clone()));
+        let new: Vec<_> = equation.unknown.symbols().into_iter().zip(values).collect();
+        for (_, value) in &mut found {
+            *value = value.substitute(&new);
+        }
+        for other in &mut equations {
+            for side in [&mut other.left, &mut other.right, &mut other.solved] {
+                *side = side.substitute(&new);
+            }
+        }
+        found.extend(new);
+    }
+}
+
+impl<'a> Equation<'a> {
+    /// The unknowns, if the right side does not depend on them.
+    fn explicit(&self) -> Option<Vector<'a>> {
+        let own = self.unknown.symbols();
+        (!self.right.iter().any(|component| component.depends_on(&own))).then(|| self.solved.clone())
+    }
+
+    /// The unknowns, if the equation is linear in them, with coefficients that depend on no unknown.
+    fn linear(&self, all: &[Symbol]) -> Option<Vector<'a>> {
+        let own = self.unknown.symbols();
+        let difference = &self.left - &self.right;
+        let jacobian = difference.jacobian(&own);
+        if jacobian.entries.iter().any(|entry| entry.depends_on(all)) {
+            return None;
+        }
+        let arena = self.right.0.first()?.arena();
+        let zero: Vec<_> = own.iter().map(|&symbol| (symbol, arena.zero())).collect();
+        Some(-&jacobian.map(Expr::hold).solve(&difference.substitute(&zero)))
+    }
+}

@@ -1,0 +1,350 @@
+//! The one family of steps.
+//!
+//! For a retraction `τ` and a parameter `s ∈ [0, 1]`, with `t` the step and the unknown `η = t ζ`, `ζ` the velocity:
+//!
+//! ```text
+//! m⁻ = Ad*_{τ(sη)} m_k                                         carried to the intermediate point
+//! ḡ  = g_k τ(sη)
+//! m⁺ = m⁻ − t T*L_ḡ ∂h/∂g(ḡ, m̄) + t F(ḡ, m̄, u)                 the kick of a potential on the group and of forces
+//! m̄  = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
+//! η  = t ∂h/∂m(ḡ, m̄)                                           the equation to solve
+//! m_{k+1} = Ad*_{τ((1−s)η)} m⁺,   g_{k+1} = ḡ τ((1−s)η)
+//! ```
+//!
+//! on the dual `m = (μ, a)` of the semidirect algebra of each factor; `s = 0` is the paper's (6.5), with forces (6.20). Factors
+//! meet in the energy and the forces alone. For a left-invariant system every member keeps the Poisson bracket and all
+//! Casimirs, is its own adjoint, and has order 2; with a potential on the group every member is symplectic, the adjoint of `s` is
+//! `1 − s`, and the order is 1 but for `s = ½`.
+//!
+//! Four facts shape what is emitted:
+//!
+//! * `(dR τ_{−x})* Ad*_{τ(x)} m = (dR τ_x)* m`, so that the second part of `m̄` is `s (dR τ_{sη})* m_k`.
+//! * `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` for *any* `x`, so the update needs no rotation, reuses what the equation computed,
+//!   and keeps the Casimirs whatever residual the solver leaves.
+//! * `ā` depends on the group's part `y` of `η` alone. Where `h = ½ μ·𝕀⁻¹μ + V`, so does `v = ∂V/∂a(ā)`, and `μ̄ = 𝕀 y / t` in
+//!   forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)` remain. Any other energy has
+//!   `μ̄` as a second unknown, as far as [`elimination`](super::elimination) does not find it.
+//! * Where the right side does not depend on the unknown, the step is explicit.
+
+use super::elimination::{Eliminated, Equation, eliminate};
+use super::{Member, Step, step_symbol};
+use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
+use crate::group::{Element, Retraction, body_gradient};
+use crate::model::{Factor, Hamiltonian, System, plain};
+
+/// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
+struct Motion<'a> {
+    /// What names of its values begin with.
+    prefix: String,
+    /// The group's part of `η`, symbols.
+    y: Vector<'a>,
+    /// `(1−s) y`
+    y_late: Vector<'a>,
+    /// Stands for `μ̄` in the energy's derivatives, where they need it.
+    mean: Vector<'a>,
+    /// The mean of the advected parameters.
+    a_bar: Vec<Vector<'a>>,
+    /// `ḡ`
+    g_bar: Vector<'a>,
+}
+
+/// The step of a member of the family.
+pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
+    let s = member.s();
+    let t = step_symbol(arena);
+    let (early, late) = (arena.number(s), arena.number(Number::ONE + -s));
+
+    let motions: Vec<Motion<'a>> =
+        system.factors.iter().map(|factor| Motion::new(system, factor, retraction, early, late)).collect();
+    let y = Vector(motions.iter().flat_map(|motion| motion.y.0.clone()).collect());
+
+    // everything that the energy and the forces are functions of, at the intermediate point
+    let momentum_mean = match &system.hamiltonian {
+        Hamiltonian::Mechanical { inertia, .. } => inertia.scale(t.recip()).times(&y),
+        Hamiltonian::General(_) => Vector(motions.iter().flat_map(|motion| motion.mean.0.clone()).collect()),
+    };
+    let velocity = y.scale(t.recip());
+    let intermediate = at_intermediate_point(system, &motions, &momentum_mean, &velocity, t * early);
+    let energy = system.potential();
+
+    let mut rights = Vec::new();
+    let mut nexts = Vec::new();
+    for (factor, motion) in system.factors.iter().zip(&motions) {
+        let Motion { prefix, y, y_late, .. } = motion;
+        let algebra = &factor.algebra;
+        let axes = algebra.group.axes();
+        let w: Vec<Vector<'a>> = factor
+            .advected
+            .iter()
+            .map(|a| gradient(energy, &a.value.symbols()).substitute(&intermediate).scale(t))
+            .collect();
+        for ((advected, space), w) in factor.advected.iter().zip(&algebra.spaces).zip(&w) {
+            w.named(&format!("{}_kick", advected.name), space.coordinates());
+        }
+        let kick = kick(system, factor, &intermediate)
+            .map(|kick| kick.scale(t).hold().named(&format!("{prefix}kick"), axes));
+
+        let eta = Element { base: y.clone(), spaces: w };
+        let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
+        let m = Element {
+            base: factor.momentum.clone(),
+            spaces: factor.advected.iter().map(|a| a.value.clone()).collect(),
+        };
+        let before = algebra.d_right_dual(retraction, &eta_early, &m).hold();
+        let m_minus = m.plus(&algebra.coadjoint(&eta_early, &before));
+        let m_plus = match kick {
+            Some(kick) => Element {
+                base: (&m_minus.base + &kick).hold().named(&format!("{prefix}momentum_kicked"), axes),
+                spaces: m_minus.spaces.clone(),
+            },
+            None => m_minus.clone(),
+        };
+        let after = algebra.d_right_dual(retraction, &eta_late, &m_plus).hold();
+        let m_bar = after.scale(late).plus(&before.scale(early)).hold();
+        let m_next = m_plus.plus(&algebra.coadjoint(&eta_late, &after));
+
+        // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
+        let turn = algebra.group.retract(retraction, y_late).hold();
+        let turn = turn.named(&format!("{prefix}turn"), algebra.group.coordinates());
+        let moved = algebra.group.compose(&motion.g_bar, &turn).hold();
+        let moved = moved.named(&format!("{}_moved", plain(&factor.name)), algebra.group.coordinates());
+        let g_next = algebra.group.normalize(&moved);
+
+        y.dot(y).named(format!("{prefix}eta_squared"));
+        m_bar.base.named(&format!("{prefix}momentum_mean"), axes);
+        m_next.base.named(&format!("{prefix}momentum_next"), axes);
+        for ((advected, space), (mean, next)) in
+            factor.advected.iter().zip(&algebra.spaces).zip(motion.a_bar.iter().zip(&m_next.spaces))
+        {
+            mean.named(&format!("{}_mean", advected.name), space.coordinates());
+            next.named(&format!("{}_next", advected.name), space.coordinates());
+        }
+        rights.push(m_bar.base.clone());
+        nexts.push((factor, g_next, m_next));
+    }
+
+    let equations = equations(system, &motions, &rights, &momentum_mean, &intermediate, t);
+    let Eliminated { equations, found } = eliminate(equations);
+    let settled = |vector: &Vector<'a>| vector.substitute(&found);
+    let join = |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| {
+        Vector(equations.iter().flat_map(|equation| part(equation).0.clone()).collect())
+    };
+
+    let edge = if early.as_number() > late.as_number() { early } else { late };
+    let domain = motions.iter().zip(&system.factors).filter_map(|(motion, factor)| {
+        let margin = factor.algebra.group.domain(retraction, &motion.y.scale(edge))?;
+        Some(margin.substitute(&found))
+    });
+    Step {
+        h: t,
+        given: [system.time_symbol(), system.control_symbols()].concat(),
+        domain: domain.collect(),
+        unknown: join(|equation| &equation.unknown),
+        start: join(|equation| &equation.start),
+        left: join(|equation| &equation.left),
+        right: join(|equation| &equation.right),
+        next: settled(&in_order(system, &nexts)),
+    }
+}
+
+impl<'a> Motion<'a> {
+    fn new(
+        system: &System<'a>,
+        factor: &Factor<'a>,
+        retraction: Retraction,
+        early: Expr<'a>,
+        late: Expr<'a>,
+    ) -> Self {
+        let arena = early.arena();
+        let algebra = &factor.algebra;
+        let group = algebra.group;
+        let prefix = match system.factors.len() {
+            1 => String::new(),
+            _ => format!("{}_", plain(&factor.name)),
+        };
+        let symbols = |name: &str| {
+            let symbol = |axis: &&str| arena.symbol(format!("{prefix}{name}_{axis}"), Stage::Iteration);
+            Vector(group.axes().iter().map(symbol).collect())
+        };
+        let (y, mean) = (symbols("eta"), symbols("mu"));
+        let (y_early, y_late) = (y.scale(early), y.scale(late));
+        let a: Vec<Vector<'a>> = factor.advected.iter().map(|a| a.value.clone()).collect();
+        let before = algebra.d_right_dual_spaces(retraction, &y_early, &a);
+        let a_minus: Vec<_> = {
+            let change = algebra.coadjoint_spaces(&y_early, &before);
+            a.iter().zip(&change).map(|(a, change)| a + change).collect()
+        };
+        let after = algebra.d_right_dual_spaces(retraction, &y_late, &a_minus);
+        let a_bar = after
+            .iter()
+            .zip(&before)
+            .map(|(after, before)| &after.scale(late) + &before.scale(early))
+            .collect();
+        let turn = group.retract(retraction, &y_early).hold();
+        let turn = turn.named(&format!("{prefix}turn_early"), group.coordinates());
+        let g_bar = group.compose(&factor.configuration, &turn).hold();
+        let g_bar = g_bar.named(&format!("{}_mean", plain(&factor.name)), group.coordinates());
+        Self { prefix, y, y_late, mean, a_bar, g_bar }
+    }
+}
+
+/// What configurations, momenta, velocities, advected parameters and the time are at the intermediate point.
+fn at_intermediate_point<'a>(
+    system: &System<'a>,
+    motions: &[Motion<'a>],
+    momentum: &Vector<'a>,
+    velocity: &Vector<'a>,
+    later: Expr<'a>,
+) -> Vec<(Symbol, Expr<'a>)> {
+    let mut there = Vec::new();
+    let mut is = |what: &Vector<'a>, value: &mut dyn Iterator<Item = Expr<'a>>| {
+        there.extend(what.symbols().into_iter().zip(value));
+    };
+    let (mut momentum, mut velocity) = (momentum.iter(), velocity.iter());
+    for (factor, motion) in system.factors.iter().zip(motions) {
+        let n = factor.momentum.len();
+        is(&factor.configuration, &mut motion.g_bar.iter());
+        is(&factor.momentum, &mut momentum.by_ref().take(n));
+        is(&factor.velocity, &mut velocity.by_ref().take(n));
+        for (advected, mean) in factor.advected.iter().zip(&motion.a_bar) {
+            is(&advected.value, &mut mean.iter());
+        }
+    }
+    is(&Vector(vec![system.time]), &mut std::iter::once(system.time + later));
+    there
+}
+
+/// `−T*L_ḡ ∂h/∂g + F`, if there is any.
+fn kick<'a>(
+    system: &System<'a>,
+    factor: &Factor<'a>,
+    intermediate: &[(Symbol, Expr<'a>)],
+) -> Option<Vector<'a>> {
+    let potential = system.depends_on_configuration(factor).then(|| {
+        let df = gradient(system.potential(), &factor.configuration.symbols());
+        -&body_gradient(factor.algebra.group, &factor.configuration, &df)
+    });
+    let both = match (potential, &factor.force) {
+        (Some(potential), Some(force)) => &potential + force,
+        (Some(potential), None) => potential,
+        (None, Some(force)) => force.clone(),
+        (None, None) => return None,
+    };
+    Some(both.substitute(intermediate))
+}
+
+/// `𝕀 y / t = μ̄` for each block of factors that an inertia couples; or `y = t ∂h/∂μ` and `μ̄ = …`.
+fn equations<'a>(
+    system: &System<'a>,
+    motions: &[Motion<'a>],
+    rights: &[Vector<'a>],
+    momentum_mean: &Vector<'a>,
+    intermediate: &[(Symbol, Expr<'a>)],
+    t: Expr<'a>,
+) -> Vec<Equation<'a>> {
+    let names = |motion: &Motion<'a>, what: &str, factor: &Factor<'a>| -> Vec<String> {
+        let axes = factor.algebra.group.axes().iter();
+        axes.map(|axis| format!("{}{what}_{axis}", motion.prefix)).collect()
+    };
+    let velocity = system.velocity(&system.momentum()).scale(t);
+    let offsets: Vec<usize> = system
+        .factors
+        .iter()
+        .scan(0, |offset, factor| {
+            let here = *offset;
+            *offset += factor.momentum.len();
+            Some(here)
+        })
+        .collect();
+    let slice = |vector: &Vector<'a>, factor: usize| {
+        let from = offsets[factor];
+        vector.0[from..from + system.factors[factor].momentum.len()].to_vec()
+    };
+    let collect = |factors: &[usize], part: &dyn Fn(usize) -> Vec<Expr<'a>>| {
+        Vector(factors.iter().flat_map(|&factor| part(factor)).collect())
+    };
+
+    let inertia = match &system.hamiltonian {
+        Hamiltonian::Mechanical { inertia, .. } => inertia,
+        Hamiltonian::General(energy) => {
+            let gradient = gradient(*energy, &system.momentum().symbols()).substitute(intermediate).scale(t);
+            let mut equations = Vec::new();
+            for (f, (factor, motion)) in system.factors.iter().zip(motions).enumerate() {
+                equations.push(Equation {
+                    unknown: motion.mean.clone(),
+                    left: motion.mean.clone(),
+                    right: rights[f].clone(),
+                    solved: rights[f].clone(),
+                    start: factor.momentum.clone(),
+                    names: names(motion, "mu", factor),
+                });
+            }
+            for (f, (factor, motion)) in system.factors.iter().zip(motions).enumerate() {
+                let right = Vector(slice(&gradient, f));
+                equations.push(Equation {
+                    unknown: motion.y.clone(),
+                    left: motion.y.clone(),
+                    right: right.clone(),
+                    solved: right,
+                    start: Vector(slice(&velocity, f)),
+                    names: names(motion, "eta", factor),
+                });
+            }
+            return equations;
+        }
+    };
+    blocks(system)
+        .into_iter()
+        .map(|block| {
+            let rows: Vec<usize> = block
+                .iter()
+                .flat_map(|&f| offsets[f]..offsets[f] + system.factors[f].momentum.len())
+                .collect();
+            let right = collect(&block, &|f| rights[f].0.clone());
+            let names: Vec<String> =
+                block.iter().flat_map(|&f| names(&motions[f], "eta", &system.factors[f])).collect();
+            let left = collect(&block, &|f| slice(momentum_mean, f));
+            for (left, name) in left.iter().zip(&names) {
+                left.named(format!("inertia_{name}"));
+            }
+            Equation {
+                unknown: collect(&block, &|f| motions[f].y.0.clone()),
+                left,
+                solved: inertia.block(&rows).solve_symmetric(&right).scale(t),
+                right,
+                start: collect(&block, &|f| slice(&velocity, f)),
+                names,
+            }
+        })
+        .collect()
+}
+
+/// The factors, together with those that share a field of inertia with them.
+fn blocks(system: &System<'_>) -> Vec<Vec<usize>> {
+    let mut blocks: Vec<Vec<usize>> = Vec::new();
+    for factor in 0..system.factors.len() {
+        if blocks.iter().any(|block| block.contains(&factor)) {
+            continue;
+        }
+        let shared = system.inertias.iter().filter(|field| field.factors.contains(&factor));
+        let mut block: Vec<usize> = shared.flat_map(|field| field.factors.clone()).collect();
+        block.sort_unstable();
+        block.dedup();
+        blocks.push(block);
+    }
+    blocks
+}
+
+/// The next state in the order of storage.
+fn in_order<'a>(system: &System<'a>, nexts: &[(&Factor<'a>, Vector<'a>, Element<'a>)]) -> Vector<'a> {
+    let mut values: Vec<(Symbol, Expr<'a>)> = Vec::new();
+    for (factor, g, m) in nexts {
+        values.extend(factor.configuration.symbols().into_iter().zip(g.iter()));
+        values.extend(factor.momentum.symbols().into_iter().zip(m.base.iter()));
+        for (advected, next) in factor.advected.iter().zip(&m.spaces) {
+            values.extend(advected.value.symbols().into_iter().zip(next.iter()));
+        }
+    }
+    let next = |symbol: Symbol| values.iter().find(|(known, _)| *known == symbol).map(|&(_, value)| value);
+    Vector(system.state_symbols().into_iter().filter_map(next).collect())
+}
