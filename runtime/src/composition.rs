@@ -1,8 +1,12 @@
 //! Symmetric compositions: steps of a higher order from steps of order 2.
 //!
 //! A step of the symmetric base method of order 2 is replaced by steps of `γ₁h, γ₂h, …, γ_s h` with `γᵢ = γ_{s+1−i}` and
-//! `Σ γᵢ = 1`. Where the base method is a Poisson map and keeps the Casimirs, so does the composition; it is symmetric again.
+//! `Σ γᵢ = 1`, each starting at the time at which the one before it ends. Where the base method is a Poisson map and keeps the Casimirs, so does the composition; it is symmetric again.
 //! The order is even, and rises by two for each further set of conditions on the `γᵢ`.
+//!
+//! The base must be symmetric and of order 2: a bare retraction, [`Midpoint`](crate::scheme::Midpoint) or
+//! [`StormerVerlet`](crate::scheme::StormerVerlet). [`SymplecticEulerA`](crate::scheme::SymplecticEulerA) and the other members of
+//! the [family](crate::scheme::Family) are that for left-invariant systems only; composed where they are of order 1, they stay so.
 //!
 //! ```
 //! use coadjoint::prelude::*;
@@ -153,13 +157,15 @@ coefficients! {
 #[derive(Debug)]
 pub struct Composition<C: Coefficients, B: Method> {
     steps: C::Steps<B>,
+    /// The composed step.
+    step: B::Scalar,
     /// Whether all steps remember solutions of one and the same composed step.
     whole: bool,
 }
 
 impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
     fn clone(&self) -> Self {
-        Self { steps: self.steps.clone(), whole: self.whole }
+        Self { steps: self.steps.clone(), step: self.step, whole: self.whole }
     }
 }
 
@@ -167,18 +173,31 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     type Scalar = B::Scalar;
     type Parameters = B::Parameters;
     type State = B::State;
+    type Control = B::Control;
 
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        Self { steps: C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma))), whole: false }
+        let steps = C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma)));
+        Self { steps, step, whole: false }
     }
 
-    fn advance(&mut self, state: &B::State, known: bool) -> Result<(B::State, StepReport), StepError> {
+    fn advance(
+        &mut self,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        known: bool,
+    ) -> Result<(B::State, StepReport), StepError> {
         let mut state = *state;
+        // how much of the composed step is done
+        let mut done = 0.0;
         let mut total = StepReport { iterations: 0, residual: 0.0 };
-        for step in self.steps.as_mut() {
-            let (next, report) =
-                step.advance(&state, known && self.whole).inspect_err(|_| self.whole = false)?;
+        for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
+            let start = time + B::Scalar::of(done) * self.step;
+            let (next, report) = step
+                .advance(&state, start, control, known && self.whole)
+                .inspect_err(|_| self.whole = false)?;
             state = next;
+            done += gamma;
             total.iterations += report.iterations;
             total.residual = total.residual.max(report.residual);
         }

@@ -42,12 +42,12 @@ pub enum ParameterError {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// The state handed in, or the state after the step, has an infinite component or one that is not a number.
-    #[error("the state is not finite")]
+    /// The state, time or control handed in, or the state after the step, is infinite somewhere or not a number.
+    #[error("the state, its time or a control is not finite")]
     NotFinite,
-    /// The configuration handed in is not on its group: an attitude whose quaternion is not of unit length. (nalgebra's
-    /// `new_unchecked` and its deserializer do not look.)
-    #[error("the attitude is not a unit quaternion: its length differs from 1 by {deviation:e}")]
+    /// The configuration handed in is not on its group: a rotation whose quaternion or complex number is not of unit length.
+    /// (nalgebra's `new_unchecked` and its deserializer do not look.)
+    #[error("a rotation of the state is not of unit length: its length differs from 1 by {deviation:e}")]
     NotOnGroup {
         /// How far off it is.
         deviation: f64,

@@ -3,6 +3,8 @@
 //! One step of any scheme solves `left(x) = right(x)` for the unknown `x` (the family's `η = t ζ`, with `t` the step
 //! and `ζ` the velocity) and then updates the state. Every intermediate value is computed at the earliest of three
 //! stages: when the stepper is built, once a step, once a Newton iteration.
+//!
+//! A step that is explicit has nothing to solve for: its unknown is `[T; 0]`.
 
 use crate::scalar::Scalar;
 
@@ -28,19 +30,21 @@ pub trait Kernel<T: Scalar>: Copy {
     type Parameters: Components<T>;
     /// The state.
     type State: Components<T>;
-    /// The unknown of the step's equation.
+    /// The controls, held from the start of the step to its end; `[T; 0]` if there are none.
+    type Control: Components<T>;
+    /// The unknown of the step's equation; `[T; 0]` if the step is explicit.
     type Unknown: Components<T>;
-    /// What depends on the state, but not on the unknown.
+    /// What depends on state, time and control, but not on the unknown.
     type Step: Copy;
     /// What depends on the unknown and is needed again.
     type Iterate: Copy;
 
     /// Stage *parameters*: once, when the stepper is built.
     fn new(parameters: &Self::Parameters, step: T) -> Self;
-    /// Stage *step*: once a step.
-    fn begin(&self, state: &Self::State) -> Self::Step;
-    /// A first approximation of the unknown from the state alone.
-    fn start(&self, state: &Self::State) -> Self::Unknown;
+    /// Stage *step*: once a step. `time` is the time at the start of the step.
+    fn begin(&self, state: &Self::State, time: T, control: &Self::Control) -> Self::Step;
+    /// A first approximation of the unknown, from no earlier solution.
+    fn start(&self, state: &Self::State, step: &Self::Step) -> Self::Unknown;
     /// Stage *iteration*: the equation at one value of the unknown.
     fn evaluate(
         &self,

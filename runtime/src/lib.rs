@@ -61,6 +61,7 @@ pub mod prelude;
 pub mod retraction;
 pub mod run;
 pub mod scalar;
+pub mod scheme;
 pub mod stepper;
 pub mod stumpff;
 pub mod system;
@@ -72,9 +73,10 @@ pub use error::{ParameterError, StepError};
 pub use nalgebra;
 pub use observe::Observer;
 pub use retraction::{Cayley, Exponential};
-pub use run::{Run, RunError, RunReport, Tick};
+pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
+pub use scheme::{Family, Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 pub use stepper::{StepReport, Stepper};
-pub use system::{Discretized, State, System};
+pub use system::{Control, Discretized, NoControl, State, System};
 
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
@@ -83,7 +85,8 @@ pub mod __private {
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
     pub use crate::kernel::{Evaluation, Kernel};
     pub use crate::scalar::Scalar;
-    pub use crate::system::{Generated, Quantity, State, Stored, System};
+    pub use crate::scheme::{Family, StormerVerlet};
+    pub use crate::system::{Control, Generated, NoControl, Quantity, State, Stored, System};
     pub use nalgebra;
     pub use serde;
 }

@@ -3,7 +3,7 @@
 use crate::error::StepError;
 use crate::kernel::{Components, Kernel};
 use crate::newton;
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::stepper::StepReport;
 
 /// A discretization of one system with one step size, on flat arrays.
@@ -14,16 +14,25 @@ pub trait Method: Clone {
     type Parameters: Components<Self::Scalar>;
     /// The state.
     type State: Components<Self::Scalar>;
+    /// The controls.
+    type Control: Components<Self::Scalar>;
 
     /// The method for these parameters and this step.
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
-    /// The state after a step. If the state is `known`, the one that the last step led to, the solution is sought from the last one
-    /// on, which only makes it faster.
+    /// The state after a step that starts at `time`, with `control` held until it ends. If the state is `known`, the one that the last
+    /// step led to, the solution is sought from the last one on, which only makes it faster.
     ///
     /// # Errors
-    /// If the state is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's domain.
-    fn advance(&mut self, state: &Self::State, known: bool) -> Result<(Self::State, StepReport), StepError>;
+    /// If state, time or control is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
+    /// domain.
+    fn advance(
+        &mut self,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        known: bool,
+    ) -> Result<(Self::State, StepReport), StepError>;
 }
 
 /// One generated kernel: a step is one equation, solved by Newton's iteration from the last solution.
@@ -38,21 +47,28 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
     type Scalar = T;
     type Parameters = K::Parameters;
     type State = K::State;
+    type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
         Self { kernel: K::new(parameters, step), unknown: None }
     }
 
     #[inline]
-    fn advance(&mut self, state: &K::State, known: bool) -> Result<(K::State, StepReport), StepError> {
-        if !finite(state.as_ref()) {
+    fn advance(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        known: bool,
+    ) -> Result<(K::State, StepReport), StepError> {
+        if !(finite(state.as_ref()) && time.is_finite() && finite(control.as_ref())) {
             return Err(StepError::NotFinite);
         }
+        let begun = self.kernel.begin(state, time, control);
         let start = match self.unknown {
             Some(unknown) if known => unknown,
-            _ => self.kernel.start(state),
+            _ => self.kernel.start(state, &begun),
         };
-        let begun = self.kernel.begin(state);
         let solution = newton::solve(&self.kernel, state, &begun, start)?;
         if !(self.kernel.domain(&solution.unknown, &solution.evaluation) > T::of(0.0)) {
             return Err(StepError::OutsideDomain);
@@ -63,6 +79,54 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
         }
         self.unknown = Some(solution.unknown);
         Ok((next, StepReport { iterations: solution.iterations, residual: solution.residual }))
+    }
+}
+
+/// Half a step with the method `A`, then half a step with `B`, which starts at the time at which the first ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Halves<A: Method, B> {
+    first: A,
+    second: B,
+    /// Half of the step.
+    half: A::Scalar,
+    /// Whether both halves remember solutions of one and the same step.
+    whole: bool,
+}
+
+impl<A, B> Method for Halves<A, B>
+where
+    A: Method,
+    B: Method<Scalar = A::Scalar, Parameters = A::Parameters, State = A::State, Control = A::Control>,
+{
+    type Scalar = A::Scalar;
+    type Parameters = A::Parameters;
+    type State = A::State;
+    type Control = A::Control;
+
+    fn new(parameters: &A::Parameters, step: A::Scalar) -> Self {
+        let half = A::Scalar::of(0.5) * step;
+        Self { first: A::new(parameters, half), second: B::new(parameters, half), half, whole: false }
+    }
+
+    #[inline]
+    fn advance(
+        &mut self,
+        state: &A::State,
+        time: A::Scalar,
+        control: &A::Control,
+        known: bool,
+    ) -> Result<(A::State, StepReport), StepError> {
+        let known = known && self.whole;
+        // until both are through
+        self.whole = false;
+        let (middle, first) = self.first.advance(state, time, control, known)?;
+        let (next, second) = self.second.advance(&middle, time + self.half, control, known)?;
+        self.whole = true;
+        let report = StepReport {
+            iterations: first.iterations + second.iterations,
+            residual: first.residual.max(second.residual),
+        };
+        Ok((next, report))
     }
 }
 

@@ -106,6 +106,9 @@ impl<S: System, O: Observer<S>> Observer<S> for Every<O> {
 
 /// Measures how well energy and Casimirs are kept, against the first state it sees.
 ///
+/// Energy is that of the tick's time. Only where the system is [`AUTONOMOUS`](System::AUTONOMOUS) is its change an error of the
+/// scheme; elsewhere it is part of the motion.
+///
 /// Shown a second run, it goes on with the same reference: a long run may be made in pieces.
 pub struct Invariants<S: System> {
     reference: Option<Reference<S>>,
@@ -147,7 +150,7 @@ impl<S: System> Invariants<S> {
 
 impl<S: System> Observer<S> for Invariants<S> {
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
-        let energy = tick.system.energy(tick.state);
+        let energy = tick.system.energy_at(tick.state, S::Scalar::of(tick.time));
         let casimirs = tick.system.casimirs(tick.state);
         let reference = self.reference.get_or_insert_with(|| {
             let mut drifts = casimirs;

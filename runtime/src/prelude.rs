@@ -8,8 +8,12 @@ pub use crate::observe::Record;
 pub use crate::observe::{Every, Invariants, Observer};
 pub use crate::retraction::{Cayley, Exponential};
 pub use crate::run::{Run, RunError, RunReport, Tick};
+pub use crate::scheme::{Family, Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 pub use crate::stepper::{StepReport, Stepper};
-pub use crate::system::{Discretized, State, System};
+pub use crate::system::{Control, Discretized, NoControl, State, System};
 pub use crate::{matrix, vector};
-pub use nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
+pub use nalgebra::{
+    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix6, Quaternion, Rotation3, Unit, UnitComplex,
+    UnitQuaternion, Vector1, Vector2, Vector3, Vector4, Vector5, Vector6,
+};
 pub use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! Runs: many steps, watched by [observers](crate::observe).
 //!
-//! A stepper takes steps and knows nothing else. Whatever is to happen along the way hangs on a [`Run`]:
+//! A stepper takes steps and knows nothing else. Whatever is to happen along the way hangs on a [`Run`]: observers see every
+//! state, and a [`Controller`] says what acts on the system over each step.
 //!
 //! ```
 //! use coadjoint::prelude::*;
@@ -42,7 +43,6 @@ use thiserror::Error;
 
 use crate::error::StepError;
 use crate::observe::{Each, Every, Observer, Until};
-use crate::scalar::Real;
 use crate::stepper::{StepReport, Stepper};
 use crate::system::{Discretized, System};
 
@@ -59,6 +59,8 @@ pub struct Tick<'a, S: System> {
     pub state: &'a S::State,
     /// How the step that led here went; none for the initial state.
     pub report: Option<StepReport>,
+    /// The control held over the step that led here; none for the initial state.
+    pub control: Option<&'a S::Control>,
 }
 
 impl<S: System> Clone for Tick<'_, S> {
@@ -112,43 +114,76 @@ pub struct RunError {
     pub source: StepError,
 }
 
-/// A run to be made: a stepper, a state to start from, and who watches.
+/// Chooses the control of each step of a run; closures do, by [`Run::controlled_by`].
+pub trait Controller<S: System> {
+    /// The control to be held over the step that starts from `state` at `time`.
+    fn control(&mut self, state: &S::State, time: f64) -> S::Control;
+}
+
+impl<S: System, F: FnMut(&S::State, f64) -> S::Control> Controller<S> for F {
+    #[inline]
+    fn control(&mut self, state: &S::State, time: f64) -> S::Control {
+        self(state, time)
+    }
+}
+
+/// All controls are zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Uncontrolled;
+
+impl<S: System> Controller<S> for Uncontrolled {
+    #[inline]
+    fn control(&mut self, _: &S::State, _: f64) -> S::Control {
+        S::Control::default()
+    }
+}
+
+/// A run to be made: a stepper, a state to start from, who watches, and who controls.
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
 #[must_use = "a run starts with `steps`"]
-pub struct Run<'a, S: Discretized<M>, M, O = ()> {
+pub struct Run<'a, S: Discretized<M>, M, O = (), C = Uncontrolled> {
     stepper: &'a mut Stepper<S, M>,
     state: &'a mut S::State,
     start: f64,
     observer: O,
+    controller: C,
 }
 
 impl<'a, S: Discretized<M>, M> Run<'a, S, M> {
-    /// A run from `state` at time 0 that nobody watches yet.
+    /// A run from `state` at time 0, whatever the stepper's time, that nobody watches or controls yet.
     pub fn new(stepper: &'a mut Stepper<S, M>, state: &'a mut S::State) -> Self {
-        Self { stepper, state, start: 0.0, observer: () }
+        Self { stepper, state, start: 0.0, observer: (), controller: Uncontrolled }
     }
 }
 
-impl<'a, S: Discretized<M>, M, O: Observer<S>> Run<'a, S, M, O> {
-    /// Starts at this time instead of 0.
+impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O, C> {
+    /// Starts at this time instead of 0. A run that goes on where another ended starts at the stepper's
+    /// [time](Stepper::time).
     pub fn starting_at(mut self, time: f64) -> Self {
         self.start = time;
         self
     }
 
+    /// Asks `controller` before each step, with the state and the time from which it starts, for the control to be held over it.
+    /// Without a controller all controls are zero; of two, the later one counts.
+    pub fn controlled_by<F>(self, controller: F) -> Run<'a, S, M, O, F>
+    where
+        // not `Controller<S>`, so that the compiler knows the types of a closure's arguments
+        F: FnMut(&S::State, f64) -> S::Control,
+    {
+        let Self { stepper, state, start, observer, .. } = self;
+        Run { stepper, state, start, observer, controller }
+    }
+
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
-    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, S, M, (O, P)> {
-        Run {
-            stepper: self.stepper,
-            state: self.state,
-            start: self.start,
-            observer: (self.observer, observer),
-        }
+    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, S, M, (O, P), C> {
+        let Self { stepper, state, start, observer: earlier, controller } = self;
+        Run { stepper, state, start, observer: (earlier, observer), controller }
     }
 
     /// Calls `action` at every tick.
-    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, S, M, (O, Each<F>)> {
+    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, S, M, (O, Each<F>), C> {
         self.observe(Each(action))
     }
 
@@ -157,55 +192,57 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>> Run<'a, S, M, O> {
         self,
         interval: u64,
         action: F,
-    ) -> Run<'a, S, M, (O, Every<Each<F>>)> {
+    ) -> Run<'a, S, M, (O, Every<Each<F>>), C> {
         self.observe(Every::new(interval, Each(action)))
     }
 
     /// Ends the run at the first tick for which `condition` holds.
-    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, S, M, (O, Until<F>)> {
+    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, S, M, (O, Until<F>), C> {
         self.observe(Until(condition))
     }
 
     /// Takes `count` steps, fewer if an observer ends the run.
     ///
     /// # Errors
-    /// If a step cannot be taken; the state is then the last one that was reached.
+    /// If a step cannot be taken; state and stepper's time are then the last ones that were reached.
     pub fn steps(mut self, count: u64) -> Result<RunReport, RunError> {
+        self.stepper.start_at(self.start);
         let mut report = RunReport::default();
         let mut last = None;
         loop {
-            if self.show(report.steps, last).is_break() {
+            if self.show(report.steps, last.as_ref()).is_break() {
                 report.stopped = true;
                 return Ok(report);
             }
             if report.steps >= count {
                 return Ok(report);
             }
-            match self.stepper.step(self.state) {
+            let time = self.stepper.now();
+            let control = self.controller.control(self.state, time);
+            match self.stepper.step_with(self.state, &control) {
                 Ok(step) => {
                     report.count(&step);
-                    last = Some(step);
+                    last = Some((step, control));
                 }
-                Err(source) => {
-                    let time = self.time(report.steps);
-                    return Err(RunError { step: report.steps + 1, time, report, source });
-                }
+                Err(source) => return Err(RunError { step: report.steps + 1, time, report, source }),
             }
         }
     }
 
-    fn time(&self, index: u64) -> f64 {
-        self.start + index as f64 * self.stepper.step_size().to_f64()
-    }
-
     #[inline]
-    fn show(&mut self, index: u64, report: Option<StepReport>) -> ControlFlow<()> {
-        let time = self.time(index);
-        self.observer.observe(&Tick { index, time, system: self.stepper.system(), state: self.state, report })
+    fn show(&mut self, index: u64, last: Option<&(StepReport, S::Control)>) -> ControlFlow<()> {
+        self.observer.observe(&Tick {
+            index,
+            time: self.stepper.now(),
+            system: self.stepper.system(),
+            state: self.state,
+            report: last.map(|(report, _)| *report),
+            control: last.map(|(_, control)| control),
+        })
     }
 }
 
-impl<S: Discretized<M>, M, O> fmt::Debug for Run<'_, S, M, O> {
+impl<S: Discretized<M>, M, O, C> fmt::Debug for Run<'_, S, M, O, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Run")
             .field("stepper", &self.stepper)
@@ -317,6 +354,6 @@ mod tests {
         assert_eq!(state, before);
         assert_eq!(std::format!("{error}"), "step 1, from time 2, could not be taken");
         let source = core::error::Error::source(&error).expect("a cause");
-        assert_eq!(std::format!("{source}"), "the state is not finite");
+        assert_eq!(std::format!("{source}"), "the state, its time or a control is not finite");
     }
 }

@@ -1,15 +1,22 @@
 //! The traits that generated code implements.
 
-use nalgebra::{Quaternion, SMatrix, UnitQuaternion};
+use core::fmt;
+use core::marker::PhantomData;
+
+use nalgebra::{
+    Complex, ComplexField, Isometry2, Isometry3, Quaternion, RealField, SMatrix, Translation2, Translation3,
+    UnitComplex, UnitQuaternion,
+};
 
 use crate::error::ParameterError;
 use crate::kernel::{Components, Kernel};
-use crate::method::{Method, OneStep};
+use crate::method::{Halves, Method, OneStep};
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Real, Scalar};
+use crate::scheme::{Family, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 use crate::stepper::Stepper;
 
-/// A named quantity of one or more components: a parameter or a part of the state.
+/// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
     /// The field's name.
@@ -23,8 +30,8 @@ pub struct Quantity {
 /// The state of a [`System`]: configuration, momentum, advected parameters.
 ///
 /// A plain struct of nalgebra types; this trait also shows it as a flat array, in the order of its fields.
-/// Unit quaternions are stored as `w, x, y, z`.
-pub trait State: Clone + PartialEq + core::fmt::Debug {
+/// Rotations are stored as `w, x, y, z` in space and `re, im` in the plane, isometries as their rotation, then their translation.
+pub trait State: Clone + PartialEq + fmt::Debug {
     /// `f64` or `f32`.
     type Scalar: Real;
     /// The flat array.
@@ -35,8 +42,72 @@ pub trait State: Clone + PartialEq + core::fmt::Debug {
     fn to_components(&self) -> Self::Components;
     /// The state from a flat array. What must be of unit length is taken as it is.
     fn from_components(components: &Self::Components) -> Self;
-    /// How far the configuration is off its group: for an attitude, the difference of its quaternion's length from 1.
+    /// How far the configuration is off its group: for a rotation, the difference from 1 of the length of its
+    /// quaternion or complex number.
     fn deviation(&self) -> Self::Scalar;
+}
+
+/// The controls of a [`System`]: what acts on it from outside and is held over each step, such as thrusts and torques.
+///
+/// A plain struct whose default is all zeros; this trait also shows it as a flat array, in the order of its fields.
+pub trait Control: Clone + PartialEq + fmt::Debug + Default {
+    /// `f64` or `f32`.
+    type Scalar: Real;
+    /// The flat array.
+    type Components: Components<Self::Scalar>;
+    /// The fields, in order.
+    const QUANTITIES: &'static [Quantity];
+    /// The controls as a flat array.
+    fn to_components(&self) -> Self::Components;
+    /// The controls from a flat array.
+    fn from_components(components: &Self::Components) -> Self;
+}
+
+/// The controls of a system that has none.
+pub struct NoControl<T>(PhantomData<T>);
+
+impl<T: Real> Control for NoControl<T> {
+    type Scalar = T;
+    type Components = [T; 0];
+    const QUANTITIES: &'static [Quantity] = &[];
+
+    #[inline(always)]
+    fn to_components(&self) -> [T; 0] {
+        []
+    }
+    #[inline(always)]
+    fn from_components(_: &[T; 0]) -> Self {
+        Self::default()
+    }
+}
+
+// written out, because derived they would ask the same of `T`
+impl<T> Default for NoControl<T> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<T> Clone for NoControl<T> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<T> Copy for NoControl<T> {}
+
+impl<T> PartialEq for NoControl<T> {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl<T> Eq for NoControl<T> {}
+
+impl<T> fmt::Debug for NoControl<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("NoControl")
+    }
 }
 
 /// A mechanical system described with [`lie_poisson_system`](crate::lie_poisson_system).
@@ -47,12 +118,19 @@ pub trait System: Sized {
     type State: State<Scalar = Self::Scalar, Components = Self::StateComponents<Self::Scalar>>;
     /// The state's flat array, over any scalar.
     type StateComponents<T: Scalar>: Components<T>;
+    /// Its controls, [`NoControl`] if it has none.
+    type Control: Control<Scalar = Self::Scalar, Components = Self::ControlComponents<Self::Scalar>>;
+    /// The controls' flat array, over any scalar.
+    type ControlComponents<T: Scalar>: Components<T>;
     /// The parameters' flat array, over any scalar.
     type Parameters<T: Scalar>: Components<T>;
     /// The Casimirs' flat array.
     type Casimirs: Components<Self::Scalar>;
     /// Momentum: an element of the dual of the Lie algebra.
-    type Momentum: Clone + PartialEq + core::fmt::Debug;
+    type Momentum: Clone + PartialEq + fmt::Debug;
+    /// The scheme of order 2 that the bare retraction `R` stands for: [`SymplecticEulerA<R>`] for left-invariant systems (the paper's
+    /// reduced step (6.5)), [`StormerVerlet<R>`] where a potential on the group or a force acts.
+    type Standard<R>;
 
     /// The struct's name.
     const NAME: &'static str;
@@ -60,6 +138,8 @@ pub trait System: Sized {
     const PARAMETERS: &'static [Quantity];
     /// The names of the Casimirs: functions of the state that every Hamiltonian with this bracket keeps.
     const CASIMIRS: &'static [&'static str];
+    /// Whether the Hamiltonian does not depend on time and no force acts: then energy is an invariant of the motion.
+    const AUTONOMOUS: bool;
 
     /// The parameters as a flat array.
     fn to_parameters(&self) -> Self::Parameters<Self::Scalar>;
@@ -71,8 +151,12 @@ pub trait System: Sized {
     /// If one is not finite, or an inertia not symmetric positive definite.
     fn validate(&self) -> Result<(), ParameterError>;
 
-    /// The Hamiltonian: kinetic plus potential energy.
-    fn energy(&self, state: &Self::State) -> Self::Scalar;
+    /// The Hamiltonian at `time`: kinetic plus potential energy.
+    fn energy_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Scalar;
+    /// The Hamiltonian at time 0; the same at all times unless the description names `t`.
+    fn energy(&self, state: &Self::State) -> Self::Scalar {
+        self.energy_at(state, Self::Scalar::of(0.0))
+    }
     /// The Casimirs, in the order of [`CASIMIRS`](Self::CASIMIRS).
     fn casimirs(&self, state: &Self::State) -> Self::Casimirs;
     /// The momentum in space coordinates, `Ad*_{g⁻¹} μ`: constant if nothing acts on the system.
@@ -90,10 +174,12 @@ pub trait System: Sized {
     }
 }
 
-/// A system with a step of the scheme `M`: a [retraction](crate::retraction), or a [composition](crate::composition) of steps.
+/// A system with a step of the scheme `M`: a [retraction](crate::retraction), a [scheme](crate::scheme) on one, or a
+/// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "schemes are `Exponential`, `Cayley`, and compositions of them such as `Order6<Exponential>`"
+    note = "schemes are `Exponential`, `Cayley`, `SymplecticEulerA<Cayley>`, …, and compositions such as `Order6<Exponential>`",
+    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`"
 )]
 pub trait Discretized<M>: System {
     /// What takes the steps.
@@ -101,31 +187,67 @@ pub trait Discretized<M>: System {
             Scalar = Self::Scalar,
             Parameters = Self::Parameters<Self::Scalar>,
             State = Self::StateComponents<Self::Scalar>,
+            Control = Self::ControlComponents<Self::Scalar>,
         >;
 }
 
-/// A system for which the macro has generated the straight-line code of a step with the retraction `R`.
-pub trait Generated<R>: System {
+/// A system for which the macro has generated the straight-line code of a step of the scheme `M`, a member of the
+/// [family](Family).
+#[diagnostic::on_unimplemented(
+    message = "there is no step of the scheme `{M}` for `{Self}`",
+    note = "schemes are `Exponential`, `Cayley`, `SymplecticEulerA<Cayley>`, …, and compositions such as `Order6<Exponential>`",
+    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`"
+)]
+pub trait Generated<M>: System {
     /// The generated code, over any scalar.
-    type Kernel<T: Scalar>: Kernel<T, Parameters = Self::Parameters<T>, State = Self::StateComponents<T>>;
+    type Kernel<T: Scalar>: Kernel<
+            T,
+            Parameters = Self::Parameters<T>,
+            State = Self::StateComponents<T>,
+            Control = Self::ControlComponents<T>,
+        >;
 }
 
-impl<S: Generated<Exponential>> Discretized<Exponential> for S {
+impl<S, R, const N: u32, const D: u32> Discretized<Family<R, N, D>> for S
+where
+    S: Generated<Family<R, N, D>>,
+{
     type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
 }
 
-impl<S: Generated<Cayley>> Discretized<Cayley> for S {
-    type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
+impl<S, R> Discretized<StormerVerlet<R>> for S
+where
+    S: Discretized<SymplecticEulerA<R>> + Discretized<SymplecticEulerB<R>>,
+{
+    type Method = Halves<
+        <S as Discretized<SymplecticEulerA<R>>>::Method,
+        <S as Discretized<SymplecticEulerB<R>>>::Method,
+    >;
 }
 
-/// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`).
+impl<S> Discretized<Exponential> for S
+where
+    S: System + Discretized<<S as System>::Standard<Exponential>>,
+{
+    type Method = <S as Discretized<<S as System>::Standard<Exponential>>>::Method;
+}
+
+impl<S> Discretized<Cayley> for S
+where
+    S: System + Discretized<<S as System>::Standard<Cayley>>,
+{
+    type Method = <S as Discretized<<S as System>::Standard<Cayley>>>::Method;
+}
+
+/// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit
+/// complex numbers (`re, im`), isometries (the rotation's scalars, then the translation's).
 pub trait Stored<T, const N: usize>: Sized {
     /// Its scalars.
     fn to_array(&self) -> [T; N];
     /// The value of these scalars. What must be of unit length is taken as it is.
     fn from_array(array: [T; N]) -> Self;
     /// How far it is from what its type promises, as nalgebra's unchecked constructors and deserializers may leave it: the
-    /// difference of a unit quaternion's length from 1, otherwise `zero`.
+    /// difference of a rotation's length from 1, otherwise `zero`.
     fn deviation(&self, zero: T) -> T {
         zero
     }
@@ -157,7 +279,7 @@ impl<T: nalgebra::Scalar + Copy, const R: usize, const C: usize, const N: usize>
     }
 }
 
-impl<T: nalgebra::RealField + Copy> Stored<T, 4> for UnitQuaternion<T> {
+impl<T: RealField + Copy> Stored<T, 4> for UnitQuaternion<T> {
     #[inline(always)]
     fn to_array(&self) -> [T; 4] {
         [self.w, self.i, self.j, self.k]
@@ -168,6 +290,55 @@ impl<T: nalgebra::RealField + Copy> Stored<T, 4> for UnitQuaternion<T> {
     }
     #[inline]
     fn deviation(&self, _zero: T) -> T {
-        nalgebra::ComplexField::abs(self.as_ref().norm() - T::one())
+        ComplexField::abs(self.as_ref().norm() - T::one())
+    }
+}
+
+impl<T: RealField + Copy> Stored<T, 2> for UnitComplex<T> {
+    #[inline(always)]
+    fn to_array(&self) -> [T; 2] {
+        [self.re, self.im]
+    }
+    #[inline(always)]
+    fn from_array([re, im]: [T; 2]) -> Self {
+        UnitComplex::new_unchecked(Complex::new(re, im))
+    }
+    #[inline]
+    fn deviation(&self, _zero: T) -> T {
+        ComplexField::abs(ComplexField::hypot(self.re, self.im) - T::one())
+    }
+}
+
+impl<T: RealField + Copy> Stored<T, 7> for Isometry3<T> {
+    #[inline(always)]
+    fn to_array(&self) -> [T; 7] {
+        let [w, i, j, k] = self.rotation.to_array();
+        let [x, y, z] = self.translation.vector.to_array();
+        [w, i, j, k, x, y, z]
+    }
+    #[inline(always)]
+    fn from_array([w, i, j, k, x, y, z]: [T; 7]) -> Self {
+        Isometry3::from_parts(Translation3::new(x, y, z), Stored::from_array([w, i, j, k]))
+    }
+    #[inline]
+    fn deviation(&self, zero: T) -> T {
+        self.rotation.deviation(zero)
+    }
+}
+
+impl<T: RealField + Copy> Stored<T, 4> for Isometry2<T> {
+    #[inline(always)]
+    fn to_array(&self) -> [T; 4] {
+        let [re, im] = self.rotation.to_array();
+        let [x, y] = self.translation.vector.to_array();
+        [re, im, x, y]
+    }
+    #[inline(always)]
+    fn from_array([re, im, x, y]: [T; 4]) -> Self {
+        Isometry2::from_parts(Translation2::new(x, y), Stored::from_array([re, im]))
+    }
+    #[inline]
+    fn deviation(&self, zero: T) -> T {
+        self.rotation.deviation(zero)
     }
 }

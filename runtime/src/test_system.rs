@@ -1,13 +1,15 @@
-//! A free rigid body written out by hand with the Cayley map: what the macro would emit, for this crate's own tests.
+//! Systems written out by hand, as the macro would emit them, for this crate's own tests: a free rigid body with the Cayley map,
+//! and a driven oscillator whose steps are explicit.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::error::ParameterError;
 use crate::inertia::{require_finite, require_positive_definite};
 use crate::kernel::{Evaluation, Kernel};
-use crate::retraction::Cayley;
+use crate::retraction::{Cayley, Exponential};
 use crate::scalar::Scalar;
-use crate::system::{Generated, Quantity, State, System};
+use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+use crate::system::{Control, Generated, NoControl, Quantity, State, System};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Body {
@@ -49,14 +51,18 @@ impl System for Body {
     type Scalar = f64;
     type State = BodyState;
     type StateComponents<T: Scalar> = [T; 7];
+    type Control = NoControl<f64>;
+    type ControlComponents<T: Scalar> = [T; 0];
     type Parameters<T: Scalar> = [T; 3];
     type Casimirs = [f64; 1];
     type Momentum = Vector3<f64>;
+    type Standard<R> = SymplecticEulerA<R>;
 
     const NAME: &'static str = "Body";
     const PARAMETERS: &'static [Quantity] =
         &[Quantity { name: "inertia", components: &["x", "y", "z"], doc: "" }];
     const CASIMIRS: &'static [&'static str] = &["|momentum|²"];
+    const AUTONOMOUS: bool = true;
 
     fn to_parameters(&self) -> [f64; 3] {
         self.inertia.into()
@@ -71,7 +77,7 @@ impl System for Body {
         require_positive_definite("inertia", &self.to_parameters())
     }
 
-    fn energy(&self, state: &BodyState) -> f64 {
+    fn energy_at(&self, state: &BodyState, _: f64) -> f64 {
         0.5 * state.momentum.dot(&state.momentum.component_div(&self.inertia))
     }
 
@@ -84,7 +90,7 @@ impl System for Body {
     }
 }
 
-impl Generated<Cayley> for Body {
+impl Generated<SymplecticEulerA<Cayley>> for Body {
     type Kernel<T: Scalar> = BodyKernel<T>;
 }
 
@@ -98,6 +104,7 @@ pub(crate) struct BodyKernel<T> {
 impl<T: Scalar> Kernel<T> for BodyKernel<T> {
     type Parameters = [T; 3];
     type State = [T; 7];
+    type Control = [T; 0];
     type Unknown = [T; 3];
     type Step = ();
     type Iterate = ();
@@ -106,9 +113,9 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         Self { scaled: parameters.map(|moment| moment / step) }
     }
 
-    fn begin(&self, _: &[T; 7]) {}
+    fn begin(&self, _: &[T; 7], _: T, _: &[T; 0]) {}
 
-    fn start(&self, &[.., x, y, z]: &[T; 7]) -> [T; 3] {
+    fn start(&self, &[.., x, y, z]: &[T; 7], _: &()) -> [T; 3] {
         let [a, b, c] = self.scaled;
         [x / a, y / b, z / c]
     }
@@ -183,4 +190,192 @@ fn dot<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> T {
 
 fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `q' = p/m`, `p' = −k q + a sin t + u` on the line, with the control `u`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Oscillator {
+    pub(crate) mass: f64,
+    pub(crate) stiffness: f64,
+    pub(crate) drive: f64,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct OscillatorState {
+    pub(crate) position: f64,
+    pub(crate) momentum: f64,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct OscillatorControl {
+    pub(crate) force: f64,
+}
+
+impl Oscillator {
+    /// The motion without control that starts from rest at time 0.
+    pub(crate) fn exact(&self, time: f64) -> OscillatorState {
+        let own = (self.stiffness / self.mass).sqrt();
+        let amplitude = self.drive / (self.stiffness - self.mass);
+        OscillatorState {
+            position: amplitude * (time.sin() - (own * time).sin() / own),
+            momentum: self.mass * amplitude * (time.cos() - (own * time).cos()),
+        }
+    }
+}
+
+impl OscillatorState {
+    pub(crate) const REST: Self = Self { position: 0.0, momentum: 0.0 };
+
+    pub(crate) fn distance(&self, other: &Self) -> f64 {
+        (self.position - other.position).abs().max((self.momentum - other.momentum).abs())
+    }
+}
+
+impl State for OscillatorState {
+    type Scalar = f64;
+    type Components = [f64; 2];
+    const QUANTITIES: &'static [Quantity] = &[
+        Quantity { name: "position", components: &[""], doc: "" },
+        Quantity { name: "momentum", components: &[""], doc: "" },
+    ];
+
+    fn to_components(&self) -> [f64; 2] {
+        [self.position, self.momentum]
+    }
+
+    fn from_components(&[position, momentum]: &[f64; 2]) -> Self {
+        Self { position, momentum }
+    }
+
+    fn deviation(&self) -> f64 {
+        0.0
+    }
+}
+
+impl Control for OscillatorControl {
+    type Scalar = f64;
+    type Components = [f64; 1];
+    const QUANTITIES: &'static [Quantity] = &[Quantity { name: "force", components: &[""], doc: "" }];
+
+    fn to_components(&self) -> [f64; 1] {
+        [self.force]
+    }
+
+    fn from_components(&[force]: &[f64; 1]) -> Self {
+        Self { force }
+    }
+}
+
+impl System for Oscillator {
+    type Scalar = f64;
+    type State = OscillatorState;
+    type StateComponents<T: Scalar> = [T; 2];
+    type Control = OscillatorControl;
+    type ControlComponents<T: Scalar> = [T; 1];
+    type Parameters<T: Scalar> = [T; 3];
+    type Casimirs = [f64; 0];
+    type Momentum = f64;
+    type Standard<R> = StormerVerlet<R>;
+
+    const NAME: &'static str = "Oscillator";
+    const PARAMETERS: &'static [Quantity] = &[
+        Quantity { name: "mass", components: &[""], doc: "" },
+        Quantity { name: "stiffness", components: &[""], doc: "" },
+        Quantity { name: "drive", components: &[""], doc: "" },
+    ];
+    const CASIMIRS: &'static [&'static str] = &[];
+    const AUTONOMOUS: bool = false;
+
+    fn to_parameters(&self) -> [f64; 3] {
+        [self.mass, self.stiffness, self.drive]
+    }
+
+    fn from_parameters(&[mass, stiffness, drive]: &[f64; 3]) -> Self {
+        Self { mass, stiffness, drive }
+    }
+
+    fn validate(&self) -> Result<(), ParameterError> {
+        require_positive_definite("mass", &[self.mass])
+    }
+
+    fn energy_at(&self, &OscillatorState { position, momentum }: &OscillatorState, time: f64) -> f64 {
+        0.5 * momentum * momentum / self.mass + 0.5 * self.stiffness * position * position
+            - self.drive * time.sin() * position
+    }
+
+    fn casimirs(&self, _: &OscillatorState) -> [f64; 0] {
+        []
+    }
+
+    fn spatial_momentum(&self, state: &OscillatorState) -> f64 {
+        state.momentum
+    }
+}
+
+impl Generated<SymplecticEulerA> for Oscillator {
+    type Kernel<T: Scalar> = OscillatorKernel<T, false>;
+}
+
+impl Generated<SymplecticEulerB<Exponential>> for Oscillator {
+    type Kernel<T: Scalar> = OscillatorKernel<T, true>;
+}
+
+/// The force acts at the start of the step, or `LATE` at its end; nothing is to be solved.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct OscillatorKernel<T, const LATE: bool> {
+    parameters: [T; 3],
+    step: T,
+}
+
+impl<T: Scalar, const LATE: bool> OscillatorKernel<T, LATE> {
+    /// The momentum that the force at `position` and `time` gives in a step.
+    fn kick(&self, position: T, time: T, &[control]: &[T; 1]) -> T {
+        let [_, stiffness, drive] = self.parameters;
+        self.step * (drive * time.sin() + control - stiffness * position)
+    }
+}
+
+impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
+    type Parameters = [T; 3];
+    type State = [T; 2];
+    type Control = [T; 1];
+    type Unknown = [T; 0];
+    /// The state after the step.
+    type Step = [T; 2];
+    type Iterate = ();
+
+    fn new(parameters: &[T; 3], step: T) -> Self {
+        Self { parameters: *parameters, step }
+    }
+
+    fn begin(&self, &[position, momentum]: &[T; 2], time: T, control: &[T; 1]) -> [T; 2] {
+        let [mass, ..] = self.parameters;
+        if LATE {
+            let position = position + self.step * momentum / mass;
+            [position, momentum + self.kick(position, time + self.step, control)]
+        } else {
+            let momentum = momentum + self.kick(position, time, control);
+            [position + self.step * momentum / mass, momentum]
+        }
+    }
+
+    fn start(&self, _: &[T; 2], _: &[T; 2]) -> [T; 0] {
+        []
+    }
+
+    fn evaluate(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0]) -> Evaluation<[T; 0], ()> {
+        Evaluation { residual: [], right: [], iterate: () }
+    }
+
+    fn correction(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 0] {
+        []
+    }
+
+    fn domain(&self, _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> T {
+        T::of(1.0)
+    }
+
+    fn finish(&self, _: &[T; 2], next: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 2] {
+        *next
+    }
 }

@@ -1,0 +1,63 @@
+//! Schemes: what a step makes of a retraction, as types to choose with: `system.stepper::<Midpoint<Cayley>>(h)`.
+//!
+//! A bare retraction is a scheme too, the [standard](crate::system::System::Standard) one of order 2; it is the one to take
+//! unless another is wanted for itself. [Compositions](crate::composition) make higher orders of these.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! #[lie_poisson_system(group = SO3, methods(Midpoint))]
+//! struct Body {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//! }
+//!
+//! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+//! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+//! let momentum = body.spatial_momentum(&state);
+//! let mut stepper = body.stepper::<Midpoint>(0.05)?;
+//! for _ in 0..1_000 {
+//!     stepper.step(&mut state)?;
+//! }
+//! assert!((body.spatial_momentum(&state) - momentum).norm() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The family is that of V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving
+//! Integrators for Mechanical Systems* (2026).
+
+use core::marker::PhantomData;
+
+use crate::retraction::Exponential;
+
+/// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
+///
+/// The step's equation is set up at the point `s` of the way from its start to its end: with the step `h`, solve for `η`
+///
+/// ```text
+/// m = Ad*_{τ(−sη)⁻¹} μ_k                                      momentum at the intermediate point ḡ = g_k τ(sη)
+/// μ̄ = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
+/// η = h ∂h/∂μ(μ̄)
+/// ```
+///
+/// and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = ḡ τ((1−s)η)`. A potential on the group, forces and explicit time act there
+/// too: at `ḡ` and the time `t_k + s h`, with the share `1 − s` before and `s` after.
+///
+/// - For left-invariant systems without forces, every member is a Poisson map, keeps the Casimirs, is symmetric and of order 2.
+/// - With a potential on the group, every member is symplectic on `T*G`. Its adjoint, the inverse of the step `−h`, is the member
+///   `1 − s`: only `s = ½` is symmetric and of order 2, the others are of order 1.
+/// - With forces no member is symplectic, nor is the motion; orders and adjoints are as with a potential.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Family<R = Exponential, const N: u32 = 0, const D: u32 = 1>(PhantomData<R>);
+
+/// The member `s = 0` of the [family](Family): for left-invariant systems the reduced step (6.5) of the paper.
+pub type SymplecticEulerA<R = Exponential> = Family<R, 0, 1>;
+/// The member `s = ½` of the [family](Family), symmetric and of order 2 for every system.
+pub type Midpoint<R = Exponential> = Family<R, 1, 2>;
+/// The member `s = 1` of the [family](Family), the adjoint of [`SymplecticEulerA`].
+pub type SymplecticEulerB<R = Exponential> = Family<R, 1, 1>;
+
+/// Half a step with [`SymplecticEulerA`], then half a step with its adjoint [`SymplecticEulerB`]: symmetric, of order 2, and
+/// symplectic as they are. A potential on the group acts at both ends of the step, outside of the equations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StormerVerlet<R = Exponential>(PhantomData<R>);
