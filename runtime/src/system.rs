@@ -157,6 +157,12 @@ pub trait System: Sized {
     fn energy(&self, state: &Self::State) -> Self::Scalar {
         self.energy_at(state, Self::Scalar::of(0.0))
     }
+    /// The body velocity `∂h/∂μ` at a time, of all factors one after the other: `𝕀⁻¹ μ` for a mechanical system.
+    fn velocity_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Momentum;
+    /// The body velocity at time 0; the same at all times unless the description names the time `t`.
+    fn velocity(&self, state: &Self::State) -> Self::Momentum {
+        self.velocity_at(state, Self::Scalar::of(0.0))
+    }
     /// The Casimirs, in the order of [`CASIMIRS`](Self::CASIMIRS).
     fn casimirs(&self, state: &Self::State) -> Self::Casimirs;
     /// The momentum in space coordinates, `Ad*_{g⁻¹} μ`: constant if nothing acts on the system.

@@ -81,6 +81,10 @@ impl System for Body {
         0.5 * state.momentum.dot(&state.momentum.component_div(&self.inertia))
     }
 
+    fn velocity_at(&self, state: &BodyState, _: f64) -> Vector3<f64> {
+        state.momentum.component_div(&self.inertia)
+    }
+
     fn casimirs(&self, state: &BodyState) -> [f64; 1] {
         [state.momentum.norm_squared()]
     }
@@ -301,6 +305,10 @@ impl System for Oscillator {
     fn energy_at(&self, &OscillatorState { position, momentum }: &OscillatorState, time: f64) -> f64 {
         0.5 * momentum * momentum / self.mass + 0.5 * self.stiffness * position * position
             - self.drive * time.sin() * position
+    }
+
+    fn velocity_at(&self, state: &OscillatorState, _: f64) -> f64 {
+        state.momentum / self.mass
     }
 
     fn casimirs(&self, _: &OscillatorState) -> [f64; 0] {
