@@ -213,3 +213,101 @@ where
 {
     type Method = Composition<C, <S as Discretized<M>>::Method>;
 }
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::method::Halves;
+    use crate::retraction::Exponential;
+    use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+    use crate::stepper::Stepper;
+    use crate::system::System;
+    use crate::test_system::{Oscillator, OscillatorState};
+
+    /// `q' = t` by the midpoint rule, without error: what stages of wrong times give is not `½ t²`.
+    #[derive(Clone)]
+    struct Clock(f64);
+
+    impl Method for Clock {
+        type Scalar = f64;
+        type Parameters = [f64; 0];
+        type State = [f64; 1];
+        type Control = [f64; 0];
+
+        fn new(_: &[f64; 0], step: f64) -> Self {
+            Self(step)
+        }
+
+        fn advance(
+            &mut self,
+            &[q]: &[f64; 1],
+            time: f64,
+            _: &[f64; 0],
+            _: bool,
+        ) -> Result<([f64; 1], StepReport), StepError> {
+            let step = self.0;
+            Ok(([q + step * (time + 0.5 * step)], StepReport { iterations: 0, residual: 0.0 }))
+        }
+    }
+
+    fn integrates_the_time<M>()
+    where
+        M: Method<Scalar = f64, Parameters = [f64; 0], State = [f64; 1], Control = [f64; 0]>,
+    {
+        let (start, step) = (3.0, 0.75);
+        let ([q], _) = M::new(&[], step).advance(&[0.0], start, &[], false).expect("explicit");
+        let end: f64 = start + step;
+        let exact = 0.5 * (end * end - start * start);
+        assert!((q - exact).abs() < 1e-14 * exact, "{q} instead of {exact}");
+    }
+
+    #[test]
+    fn stages_start_when_the_ones_before_them_end() {
+        integrates_the_time::<Clock>();
+        integrates_the_time::<Halves<Clock, Clock>>();
+        integrates_the_time::<Composition<Suzuki4, Clock>>();
+        integrates_the_time::<Composition<KahanLi6, Halves<Clock, Clock>>>();
+        integrates_the_time::<Composition<KahanLi8, Clock>>();
+        integrates_the_time::<Composition<SofroniouSpaletta10, Composition<Suzuki4, Clock>>>();
+    }
+
+    const DRIVEN: Oscillator = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
+
+    /// The distance from the exact motion at time 6 after so many steps.
+    fn error<M>(steps: u32) -> f64
+    where
+        Oscillator: Discretized<M>,
+    {
+        let mut state = OscillatorState::REST;
+        let mut stepper: Stepper<_, M> = DRIVEN.stepper(6.0 / f64::from(steps)).expect("valid");
+        for _ in 0..steps {
+            stepper.step(&mut state).expect("explicit");
+        }
+        state.distance(&DRIVEN.exact(6.0))
+    }
+
+    /// The order between steps and steps half as long, three times.
+    fn assert_order<M>(order: f64, steps: u32)
+    where
+        Oscillator: Discretized<M>,
+    {
+        let errors = [1, 2, 4].map(|times| error::<M>(times * steps));
+        for pair in errors.windows(2) {
+            let measured = (pair[0] / pair[1]).log2();
+            assert!((measured - order).abs() < 0.2, "order {measured} instead of {order}: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn a_driven_system_has_the_order_of_its_scheme() {
+        assert_order::<SymplecticEulerA>(1.0, 400);
+        assert_order::<SymplecticEulerB>(1.0, 400);
+        assert_order::<StormerVerlet>(2.0, 40);
+        assert_order::<Exponential>(2.0, 40);
+        assert_order::<Order4<StormerVerlet>>(4.0, 20);
+        assert_order::<Order6<Exponential>>(6.0, 10);
+        assert_order::<Order8<Exponential>>(8.0, 8);
+        // and not that of a composition of symmetric ones
+        assert_order::<Order4<SymplecticEulerA>>(1.0, 400);
+    }
+}

@@ -134,3 +134,57 @@ where
 fn finite<T: Real>(components: &[T]) -> bool {
     components.iter().all(|x| x.is_finite())
 }
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+
+    /// Goes nowhere, and fails after the time in its control.
+    #[derive(Clone)]
+    struct Half {
+        /// Whether it was told, the last time, that it knows the state.
+        known: bool,
+    }
+
+    impl Method for Half {
+        type Scalar = f64;
+        type Parameters = [f64; 0];
+        type State = [f64; 0];
+        type Control = [f64; 1];
+
+        fn new(_: &[f64; 0], _: f64) -> Self {
+            Self { known: false }
+        }
+
+        fn advance(
+            &mut self,
+            _: &[f64; 0],
+            time: f64,
+            &[limit]: &[f64; 1],
+            known: bool,
+        ) -> Result<([f64; 0], StepReport), StepError> {
+            self.known = known;
+            if time > limit {
+                return Err(StepError::OutsideDomain);
+            }
+            Ok(([], StepReport { iterations: 1, residual: time }))
+        }
+    }
+
+    #[test]
+    fn halves_remember_whole_steps_only() {
+        let mut halves = Halves::<Half, Half>::new(&[], 2.0);
+        let mut advance = |limit: f64| {
+            let report = halves.advance(&[], 3.0, &[limit], true).map(|(_, report)| report);
+            (report, [halves.first.known, halves.second.known])
+        };
+        let solved = Ok(StepReport { iterations: 2, residual: 4.0 });
+        // nothing to remember yet
+        assert_eq!(advance(9.0), (solved, [false, false]));
+        assert_eq!(advance(9.0), (solved, [true, true]));
+        // the second half fails: what the first one remembers is of another step
+        assert_eq!(advance(3.5), (Err(StepError::OutsideDomain), [true, true]));
+        assert_eq!(advance(9.0), (solved, [false, false]));
+        assert_eq!(advance(9.0), (solved, [true, true]));
+    }
+}

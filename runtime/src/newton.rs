@@ -125,3 +125,58 @@ fn largest<T: Real>(components: &[T]) -> f64 {
     }
     largest
 }
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use core::sync::atomic::{AtomicU32, Ordering};
+
+    static EVALUATIONS: AtomicU32 = AtomicU32::new(0);
+
+    /// Has no unknown, and counts how often it is evaluated.
+    #[derive(Clone, Copy)]
+    struct Explicit;
+
+    impl Kernel<f64> for Explicit {
+        type Parameters = [f64; 0];
+        type State = [f64; 1];
+        type Control = [f64; 0];
+        type Unknown = [f64; 0];
+        type Step = ();
+        type Iterate = u32;
+
+        fn new(_: &[f64; 0], _: f64) -> Self {
+            Self
+        }
+
+        fn begin(&self, _: &[f64; 1], _: f64, _: &[f64; 0]) {}
+
+        fn start(&self, _: &[f64; 1], _: &()) -> [f64; 0] {
+            []
+        }
+
+        fn evaluate(&self, _: &[f64; 1], _: &(), _: &[f64; 0]) -> Evaluation<[f64; 0], u32> {
+            let iterate = EVALUATIONS.fetch_add(1, Ordering::Relaxed);
+            Evaluation { residual: [], right: [], iterate }
+        }
+
+        fn correction(&self, _: &[f64; 1], _: &(), _: &[f64; 0], _: &Evaluation<[f64; 0], u32>) -> [f64; 0] {
+            unreachable!("nothing to correct")
+        }
+
+        fn domain(&self, _: &[f64; 0], _: &Evaluation<[f64; 0], u32>) -> f64 {
+            1.0
+        }
+
+        fn finish(&self, state: &[f64; 1], _: &(), _: &[f64; 0], _: &Evaluation<[f64; 0], u32>) -> [f64; 1] {
+            *state
+        }
+    }
+
+    #[test]
+    fn without_an_unknown_the_equation_is_evaluated_once() {
+        let solution = solve(&Explicit, &[1.0], &(), []).expect("nothing to solve");
+        assert_eq!((solution.iterations, solution.residual), (0, 0.0));
+        assert_eq!((solution.evaluation.iterate, EVALUATIONS.load(Ordering::Relaxed)), (0, 1));
+    }
+}

@@ -255,8 +255,11 @@ impl<S: Discretized<M>, M, O, C> fmt::Debug for Run<'_, S, M, O, C> {
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
+    use crate::composition::Order4;
+    use crate::observe::{Invariants, Record};
     use crate::retraction::Cayley;
-    use crate::test_system::{Body, BodyState};
+    use crate::retraction::Exponential;
+    use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};
     use std::vec::Vec;
 
@@ -355,5 +358,120 @@ mod tests {
         assert_eq!(std::format!("{error}"), "step 1, from time 2, could not be taken");
         let source = core::error::Error::source(&error).expect("a cause");
         assert_eq!(std::format!("{source}"), "the state, its time or a control is not finite");
+    }
+
+    const DRIVEN: Oscillator = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
+
+    #[test]
+    fn a_controller_is_asked_before_each_step() {
+        let damp = |state: &OscillatorState, time: f64| OscillatorControl {
+            force: -0.8 * state.momentum - 0.7 * time.sin(),
+        };
+        let begin = OscillatorState { position: 1.0, momentum: 0.0 };
+        let mut asked = Vec::new();
+        let mut shown = Vec::new();
+        let mut record = Record::every(1);
+        let mut state = begin.clone();
+        let mut stepper = DRIVEN.stepper::<Order4<Exponential>>(0.1).expect("valid");
+        Run::new(&mut stepper, &mut state)
+            .starting_at(2.0)
+            .controlled_by(|state, time| {
+                asked.push((time, damp(state, time)));
+                damp(state, time)
+            })
+            .observe(&mut record)
+            .each(|tick| shown.push(tick.control.cloned()))
+            .steps(100)
+            .expect("explicit");
+
+        // what held over the step to a tick is what was asked for at the tick before
+        assert_eq!(shown[0], None);
+        let held: Vec<_> = asked.iter().map(|(_, control)| Some(control.clone())).collect();
+        assert_eq!(shown[1..], held);
+        let from: Vec<_> = record.iter().take(100).map(|(time, state)| (time, damp(state, time))).collect();
+        assert_eq!(asked, from);
+
+        // by hand
+        let mut by_hand = begin.clone();
+        let mut stepper = DRIVEN.stepper::<Order4<Exponential>>(0.1).expect("valid");
+        stepper.set_time(2.0);
+        for _ in 0..100 {
+            let control = damp(&by_hand, stepper.time());
+            stepper.step_with(&mut by_hand, &control).expect("explicit");
+        }
+        assert_eq!(state, by_hand);
+        assert_eq!(stepper.time(), 12.0);
+
+        // it has been damped, and the drive compensated
+        assert!(state.distance(&OscillatorState::REST) < 0.1, "{state:?}");
+    }
+
+    #[test]
+    fn without_a_controller_controls_are_zero() {
+        let mut controls = Vec::new();
+        let mut state = OscillatorState::REST;
+        let mut stepper = DRIVEN.stepper::<Exponential>(0.1).expect("valid");
+        Run::new(&mut stepper, &mut state)
+            .each(|tick| controls.push(tick.control.cloned()))
+            .steps(2)
+            .expect("explicit");
+        let zero = Some(OscillatorControl { force: 0.0 });
+        assert_eq!(controls, [None, zero.clone(), zero]);
+    }
+
+    #[test]
+    fn the_system_sees_the_time_of_the_ticks() {
+        let mut state = OscillatorState::REST;
+        let mut stepper = DRIVEN.stepper::<Order4<Exponential>>(0.01).expect("valid");
+        stepper.set_time(77.0);
+        // a run without a start starts at 0, whatever has been before
+        Run::new(&mut stepper, &mut state)
+            .each(|tick| assert!(tick.state.distance(&DRIVEN.exact(tick.time)) < 1e-8))
+            .steps(200)
+            .expect("explicit");
+        assert_eq!(stepper.time(), 2.0);
+        // and this one goes on
+        let time = stepper.time();
+        Run::new(&mut stepper, &mut state)
+            .starting_at(time)
+            .each(|tick| assert!(tick.state.distance(&DRIVEN.exact(tick.time)) < 1e-8))
+            .steps(200)
+            .expect("explicit");
+        assert_eq!(stepper.time(), 4.0);
+    }
+
+    #[test]
+    fn energy_is_measured_at_the_time_of_the_tick() {
+        let mut largest = 0.0_f64;
+        let mut invariants = Invariants::new();
+        let begin = OscillatorState { position: 1.0, momentum: 0.0 };
+        let initially = DRIVEN.energy_at(&begin, 2.0);
+        let mut state = begin;
+        let mut stepper = DRIVEN.stepper::<Exponential>(0.1).expect("valid");
+        Run::new(&mut stepper, &mut state)
+            .starting_at(2.0)
+            .observe(&mut invariants)
+            .each(|tick| {
+                largest = largest.max((DRIVEN.energy_at(tick.state, tick.time) - initially).abs());
+            })
+            .steps(50)
+            .expect("explicit");
+        assert_eq!(invariants.initial_energy(), Some(initially));
+        assert_eq!(invariants.energy_error(), largest);
+    }
+
+    #[test]
+    fn a_control_that_is_not_finite_ends_the_run_where_it_is() {
+        let mut state = OscillatorState::REST;
+        let mut stepper = DRIVEN.stepper::<Exponential>(0.5).expect("valid");
+        let mut last = state.clone();
+        let error = Run::new(&mut stepper, &mut state)
+            .starting_at(1.0)
+            .controlled_by(|_, time| OscillatorControl { force: if time > 2.0 { f64::NAN } else { 1.0 } })
+            .each(|tick| last = tick.state.clone())
+            .steps(10)
+            .expect_err("not a number");
+        assert_eq!((error.step, error.time, error.source), (4, 2.5, StepError::NotFinite));
+        assert_eq!((state, stepper.time()), (last, 2.5));
     }
 }

@@ -138,3 +138,152 @@ impl<S: Discretized<M>, M> fmt::Debug for Stepper<S, M> {
             .finish_non_exhaustive()
     }
 }
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::composition::Order6;
+    use crate::retraction::{Cayley, Exponential};
+    use crate::scheme::{StormerVerlet, SymplecticEulerA};
+    use crate::system::{NoControl, System};
+    use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
+    use nalgebra::{UnitQuaternion, Vector3};
+
+    const DRIVEN: Oscillator = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
+    const START: OscillatorState = OscillatorState { position: 0.3, momentum: -0.2 };
+
+    #[test]
+    fn an_explicit_step_is_reported_as_solved() {
+        let mut state = START;
+        let mut stepper = DRIVEN.stepper::<StormerVerlet>(0.1).expect("valid");
+        let report = stepper.step(&mut state).expect("explicit");
+        assert_eq!(report, StepReport { iterations: 0, residual: 0.0 });
+        assert_ne!(state, START);
+    }
+
+    /// Forth and, with the controls in reverse, back.
+    fn comes_back<M>()
+    where
+        Oscillator: Discretized<M>,
+    {
+        let control = |k: u32| OscillatorControl { force: f64::from(k % 7) - 2.5 };
+        let mut state = START;
+        let mut there: Stepper<_, M> = DRIVEN.stepper(0.05).expect("valid");
+        there.set_time(1.25);
+        for k in 0..900 {
+            there.step_with(&mut state, &control(k)).expect("explicit");
+        }
+        assert!(state.distance(&START) > 0.1, "{state:?}");
+        let mut back: Stepper<_, M> = DRIVEN.stepper(-0.05).expect("valid");
+        back.set_time(there.time());
+        for k in (0..900).rev() {
+            back.step_with(&mut state, &control(k)).expect("explicit");
+        }
+        assert!(state.distance(&START) < 1e-12, "{state:?}");
+        assert!((back.time() - 1.25).abs() < 1e-13);
+    }
+
+    #[test]
+    fn symmetric_steps_are_undone() {
+        comes_back::<StormerVerlet>();
+        comes_back::<Exponential>();
+        comes_back::<Order6<Exponential>>();
+    }
+
+    #[test]
+    fn time_counts_steps_and_does_not_drift() {
+        let mut state = START;
+        let mut stepper = DRIVEN.stepper::<StormerVerlet>(0.1).expect("valid");
+        assert_eq!(stepper.time(), 0.0);
+        stepper.set_time(5.0);
+        for _ in 0..1000 {
+            stepper.step(&mut state).expect("explicit");
+        }
+        assert_eq!(stepper.time(), 105.0);
+        assert_eq!(stepper.clone().time(), 105.0);
+        stepper.set_time(-1.0);
+        assert_eq!(stepper.time(), -1.0);
+        stepper.step(&mut state).expect("explicit");
+        assert_eq!(stepper.time(), -0.9);
+    }
+
+    #[test]
+    fn a_step_depends_on_time_and_control() {
+        let after = |time: f64, force: Option<f64>| {
+            let mut state = START;
+            let mut stepper = DRIVEN.stepper::<SymplecticEulerA>(0.5).expect("valid");
+            stepper.set_time(time);
+            match force {
+                Some(force) => stepper.step_with(&mut state, &OscillatorControl { force }),
+                None => stepper.step(&mut state),
+            }
+            .expect("explicit");
+            state.momentum
+        };
+        let expected = |time: f64, force: f64| -0.2 + 0.5 * (0.7 * time.sin() - 4.0 * 0.3 + force);
+        for (time, force) in [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0), (-20.0, -1.0)] {
+            let (is, should_be): (f64, f64) = (after(time, Some(force)), expected(time, force));
+            assert!((is - should_be).abs() < 1e-15, "{is} instead of {should_be}");
+        }
+        assert_eq!(after(1.0, None), after(1.0, Some(0.0)));
+    }
+
+    #[test]
+    fn an_error_leaves_state_and_time() {
+        let mut state = START;
+        let mut stepper = DRIVEN.stepper::<Order6<Exponential>>(0.25).expect("valid");
+        stepper.step(&mut state).expect("explicit");
+        let (before, time) = (state.clone(), stepper.time());
+        for force in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {
+            let report = stepper.step_with(&mut state, &OscillatorControl { force });
+            assert_eq!(report, Err(StepError::NotFinite));
+            assert_eq!((&state, stepper.time()), (&before, time));
+        }
+        stepper.set_time(f64::INFINITY);
+        assert_eq!(stepper.step(&mut state), Err(StepError::NotFinite));
+        assert_eq!((&state, stepper.time()), (&before, f64::INFINITY));
+
+        // and what comes next is as if nothing had been
+        stepper.set_time(time);
+        stepper.step(&mut state).expect("explicit");
+        let mut undisturbed = START;
+        let mut stepper = DRIVEN.stepper::<Order6<Exponential>>(0.25).expect("valid");
+        for _ in 0..2 {
+            stepper.step(&mut undisturbed).expect("explicit");
+        }
+        assert_eq!(state, undisturbed);
+    }
+
+    #[test]
+    fn what_is_off_its_group_is_refused() {
+        let body = Body { inertia: Vector3::new(1.0, 2.0, 3.0) };
+        let attitude = UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(1.5, 0.0, 0.0, 0.0));
+        let mut state = BodyState { attitude, momentum: Vector3::x() };
+        let mut stepper = body.stepper::<Cayley>(0.1).expect("valid");
+        let error = stepper.step_with(&mut state, &NoControl::default()).expect_err("too long");
+        assert_eq!(error, StepError::NotOnGroup { deviation: 0.5 });
+        assert_eq!(stepper.time(), 0.0);
+        assert_eq!(
+            std::format!("{error}"),
+            "a rotation of the state is not of unit length: its length differs from 1 by 5e-1"
+        );
+    }
+
+    /// In generic code a bare retraction is a scheme like any other.
+    #[test]
+    fn a_bare_retraction_is_the_standard_scheme() {
+        fn step<S: Discretized<M>, M>(system: &S, mut state: S::State) -> S::State {
+            let mut stepper = system.stepper::<M>(S::Scalar::of(0.1)).expect("valid");
+            stepper.step(&mut state).expect("solvable");
+            state
+        }
+        let body = Body { inertia: Vector3::new(1.0, 2.0, 3.0) };
+        let state =
+            BodyState { attitude: UnitQuaternion::identity(), momentum: Vector3::new(0.3, -0.5, 0.8) };
+        assert_eq!(
+            step::<_, Cayley>(&body, state.clone()),
+            step::<_, SymplecticEulerA<Cayley>>(&body, state)
+        );
+        assert_eq!(step::<_, Exponential>(&DRIVEN, START), step::<_, StormerVerlet>(&DRIVEN, START));
+    }
+}

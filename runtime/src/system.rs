@@ -348,3 +348,73 @@ impl<T: RealField + Copy> Stored<T, 4> for Isometry2<T> {
         self.rotation.deviation(zero)
     }
 }
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+    use crate::test_system::{Oscillator, OscillatorControl, OscillatorState};
+    use nalgebra::{Matrix2, Vector2, Vector3};
+
+    /// There and back, both ways.
+    fn round_trip<V, const N: usize>(value: V, scalars: [f64; N], deviation: f64)
+    where
+        V: Stored<f64, N> + PartialEq + fmt::Debug,
+    {
+        assert_eq!(value.to_array(), scalars);
+        let back = V::from_array(scalars);
+        assert_eq!((back.to_array(), &back), (scalars, &value));
+        let is = value.deviation(0.0);
+        assert!((is - deviation).abs() < 1e-15, "{is} instead of {deviation}");
+    }
+
+    #[test]
+    fn stored_values_survive_the_array() {
+        round_trip(2.5, [2.5], 0.0);
+        round_trip(Vector2::new(1.0, 2.0), [1.0, 2.0], 0.0);
+        round_trip(Matrix2::new(1.0, 2.0, 3.0, 4.0), [1.0, 2.0, 3.0, 4.0], 0.0);
+
+        let turn = UnitComplex::new_unchecked(Complex::new(0.6, -0.8));
+        let place = Translation2::new(5.0, 7.0);
+        round_trip(turn, [0.6, -0.8], 0.0);
+        round_trip(Isometry2::from_parts(place, turn), [0.6, -0.8, 5.0, 7.0], 0.0);
+        let long = UnitComplex::new_unchecked(Complex::new(3.0, 4.0));
+        round_trip(long, [3.0, 4.0], 4.0);
+        round_trip(Isometry2::from_parts(place, long), [3.0, 4.0, 5.0, 7.0], 4.0);
+
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(0.1, 0.7, -0.1, 0.7));
+        let place = Translation3::new(5.0, 7.0, -2.0);
+        round_trip(turn, [0.1, 0.7, -0.1, 0.7], 0.0);
+        round_trip(Isometry3::from_parts(place, turn), [0.1, 0.7, -0.1, 0.7, 5.0, 7.0, -2.0], 0.0);
+        let short = UnitQuaternion::new_unchecked(Quaternion::new(0.5, 0.0, 0.0, 0.0));
+        round_trip(short, [0.5, 0.0, 0.0, 0.0], 0.5);
+        round_trip(Isometry3::from_parts(place, short), [0.5, 0.0, 0.0, 0.0, 5.0, 7.0, -2.0], 0.5);
+    }
+
+    #[test]
+    fn an_isometry_is_stored_as_what_it_does() {
+        let isometry = Isometry3::new(Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.3, -0.2, 0.9));
+        let [w, i, j, k, x, y, z] = isometry.to_array();
+        let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+        let point = nalgebra::Point3::new(0.2, 0.5, -0.4);
+        let moved = rotation * point + Vector3::new(x, y, z);
+        assert!((moved - isometry * point).norm() < 1e-15);
+    }
+
+    #[test]
+    fn controls_default_to_zero() {
+        assert_eq!(OscillatorControl::default().to_components(), [0.0]);
+        assert_eq!(OscillatorControl::from_components(&[2.0]), OscillatorControl { force: 2.0 });
+        assert_eq!(NoControl::<f32>::default().to_components(), []);
+        assert_eq!(NoControl::<f32>::from_components(&[]), NoControl::default());
+        assert_eq!(std::format!("{:?}", NoControl::<f64>::default()), "NoControl");
+        assert_eq!(size_of::<NoControl<f64>>(), 0);
+    }
+
+    #[test]
+    fn energy_without_a_time_is_that_of_time_0() {
+        let system = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
+        let state = OscillatorState { position: 1.0, momentum: 3.0 };
+        assert_eq!(system.energy(&state), 5.0);
+        assert_eq!(system.energy_at(&state, 2.0), 5.0 - 0.7 * 2.0_f64.sin());
+    }
+}
