@@ -46,6 +46,8 @@ pub trait Scalar:
     fn powf(self, exponent: Self) -> Self;
     /// The angle of the point `(x, self)`.
     fn atan2(self, x: Self) -> Self;
+    /// The lesser of two numbers.
+    fn min(self, other: Self) -> Self;
     /// The Stumpff functions `c_0(self), …, c_{N−1}(self)`: see [`stumpff`](crate::stumpff).
     fn stumpff<const N: usize>(self) -> [Self; N];
 }
@@ -72,6 +74,10 @@ impl<T: RealField + Copy> Scalar for T {
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         RealField::atan2(self, x)
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        RealField::min(self, other)
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
