@@ -7,6 +7,7 @@ use syn::ext::IdentExt;
 
 use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::{self, Group};
+use crate::method::Rule;
 use crate::parse::{Attribute, Factor, GROUP, Inertia, Item, Shape};
 
 /// A description, seen as a whole.
@@ -117,6 +118,12 @@ fn hamiltonian_says_all(subject: &Subject<'_>, diagnostics: &mut Diagnostics) {
         diagnostics.push(
             hamiltonian,
             "the Hamiltonian is the whole energy; add the potential to it, or leave it out",
+        );
+    }
+    if subject.attribute.methods.contains(&Rule::TangentLift) {
+        diagnostics.push(
+            hamiltonian,
+            "the tangent lift is made from an inertia; leave out `TangentLift`, or the Hamiltonian",
         );
     }
     for (_, mark) in subject.inertias() {

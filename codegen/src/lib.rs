@@ -14,6 +14,7 @@ pub mod check;
 pub mod diagnostics;
 pub mod emit;
 pub mod expr;
+pub mod geometry;
 pub mod group;
 pub mod kernel;
 pub mod language;
@@ -29,7 +30,7 @@ use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
 use kernel::Kernel;
-use method::{Member, Scheme, family};
+use method::{Member, Rule, Scheme};
 use model::System;
 use parse::{Attribute, Item};
 
@@ -71,7 +72,7 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let kernels = schemes(&system, &attribute.methods)
         .into_iter()
         .map(|scheme| {
-            let step = family::step(&arena, &system, scheme.retraction, scheme.member);
+            let step = scheme.step(&arena, &system);
             (scheme, Kernel::new(&arena, &step))
         })
         .collect();
@@ -81,15 +82,15 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     Some(emit::expansion(&arena, &system, &item.declaration, &names, kernels))
 }
 
-/// What is generated: the members of the family that the bare retractions stand for, and those asked for.
-fn schemes(system: &System<'_>, asked: &[Member]) -> Vec<Scheme> {
-    let mut members = vec![Member::SYMPLECTIC_EULER_A];
+/// What is generated: the members of the family that the bare retractions stand for, and what is asked for.
+fn schemes(system: &System<'_>, asked: &[Rule]) -> Vec<Scheme> {
+    let mut rules = vec![Rule::Family(Member::SYMPLECTIC_EULER_A)];
     if !system.is_left_invariant() {
-        members.push(Member::SYMPLECTIC_EULER_B);
+        rules.push(Rule::Family(Member::SYMPLECTIC_EULER_B));
     }
-    members.extend(asked);
-    members.sort_unstable();
-    members.dedup();
-    let with = |retraction| members.iter().map(move |&member| Scheme { retraction, member });
+    rules.extend(asked);
+    rules.sort_unstable();
+    rules.dedup();
+    let with = |retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
     Retraction::ALL.into_iter().flat_map(with).collect()
 }

@@ -25,6 +25,8 @@ pub struct System<'a> {
     pub controls: Vec<Part<'a>>,
     /// The time.
     pub time: Expr<'a>,
+    /// On which side the groups act.
+    pub side: Side,
     /// The energy.
     pub hamiltonian: Hamiltonian<'a>,
     /// The fields marked as inertia.
@@ -33,6 +35,42 @@ pub struct System<'a> {
     pub sources: Sources,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
+}
+
+/// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// In the body: `g' = g ξ`, for left-invariant energies.
+    Left,
+    /// In space: `g' = ξ g`, for right-invariant energies.
+    Right,
+}
+
+impl Side {
+    /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and momentum
+    /// `−μ`, so that in all that is linear in the momentum the velocity changes its sign.
+    pub fn sign(self) -> i64 {
+        match self {
+            Self::Left => 1,
+            Self::Right => -1,
+        }
+    }
+
+    /// `g x` or `x g`
+    pub fn compose<'a>(self, group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
+        match self {
+            Self::Left => group.compose(g, x),
+            Self::Right => group.compose(x, g),
+        }
+    }
+
+    /// `in body coordinates` or `in space coordinates`
+    pub fn coordinates(self) -> &'static str {
+        match self {
+            Self::Left => "in body coordinates",
+            Self::Right => "in space coordinates",
+        }
+    }
 }
 
 /// One factor of the configuration's group.
@@ -249,6 +287,7 @@ impl<'a> System<'a> {
             constants: scope.constants,
             controls,
             time,
+            side: if attribute.right { Side::Right } else { Side::Left },
             hamiltonian,
             inertias,
             sources,
@@ -309,7 +348,7 @@ impl<'a> System<'a> {
                 doc: if group.is_linear() {
                     "Momentum.".to_owned()
                 } else {
-                    "Momentum, in body coordinates.".to_owned()
+                    format!("Momentum, {}.", self.side.coordinates())
                 },
             });
         }
@@ -322,13 +361,25 @@ impl<'a> System<'a> {
                 suffixes: suffixes(space.coordinates()),
                 symbols: advected.value.symbols(),
                 value: advected.value.clone(),
-                doc: format!(
-                    "Advected parameter `{}`, fixed in space, seen in body coordinates.",
-                    advected.name
-                ),
+                doc: match self.side {
+                    Side::Left => {
+                        format!(
+                            "Advected parameter `{}`, fixed in space, seen in body coordinates.",
+                            advected.name
+                        )
+                    }
+                    Side::Right => {
+                        format!("Advected parameter `{}`, fixed in the body, seen in space.", advected.name)
+                    }
+                },
             });
         }
         parts
+    }
+
+    /// The advected parameters in the order declared: factor, and place in it.
+    pub fn advected_places(&self) -> impl Iterator<Item = (&Factor<'a>, usize)> {
+        self.advected.iter().map(|&(factor, place)| (&self.factors[factor], place))
     }
 
     /// All momenta, one after the other.
@@ -457,6 +508,18 @@ impl<'a> System<'a> {
                 advected: &advected,
             });
             let mut change = equations.momentum.join(" + ").replace("∂V", &format!("∂{energy}"));
+            let mut equations = equations;
+            if self.side == Side::Right && !factor.algebra.group.is_linear() {
+                // inversion changes the sign of the velocity
+                let velocity = velocity_name(&factor.momentum_name);
+                equations.configuration = format!("{name}' = hat({velocity}) {name}");
+                change = format!("−({change})");
+                for line in &mut equations.advected {
+                    if let Some((left, right)) = line.split_once(" = ") {
+                        *line = format!("{left} = −({right})");
+                    }
+                }
+            }
             if self.depends_on_configuration(factor) {
                 change = if change.is_empty() {
                     format!("−∂{energy}/∂{name}")

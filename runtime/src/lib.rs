@@ -51,6 +51,7 @@ extern crate self as coadjoint;
 pub mod composition;
 pub mod error;
 pub mod generic;
+pub mod geometry;
 mod inertia;
 pub mod kernel;
 mod literals;
@@ -74,7 +75,9 @@ pub use nalgebra;
 pub use observe::Observer;
 pub use retraction::{Cayley, Exponential};
 pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
-pub use scheme::{Family, Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+pub use scheme::{
+    Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
+};
 pub use stepper::{StepReport, Stepper};
 pub use system::{Control, Discretized, NoControl, State, System};
 
@@ -82,10 +85,11 @@ pub use system::{Control, Discretized, NoControl, State, System};
 #[doc(hidden)]
 pub mod __private {
     pub use crate::error::ParameterError;
+    pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
     pub use crate::kernel::{Evaluation, Kernel};
     pub use crate::scalar::Scalar;
-    pub use crate::scheme::{Family, StormerVerlet};
+    pub use crate::scheme::{Family, StormerVerlet, TangentLift};
     pub use crate::system::{Control, Generated, NoControl, Quantity, State, Stored, System};
     pub use nalgebra;
     pub use serde;

@@ -1,6 +1,7 @@
 //! What takes a step: one solved equation, or several steps composed.
 
 use crate::error::StepError;
+use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
 use crate::newton;
 use crate::scalar::{Real, Scalar};
@@ -127,6 +128,51 @@ where
             residual: first.residual.max(second.residual),
         };
         Ok((next, report))
+    }
+}
+
+/// A method between whose steps the momentum is carried in space coordinates.
+pub struct Carried<S: Isolated, B> {
+    base: B,
+    /// The momentum, if a step has been taken.
+    spatial: Option<S::Spatial>,
+}
+
+impl<S: Isolated, B: Clone> Clone for Carried<S, B> {
+    fn clone(&self) -> Self {
+        Self { base: self.base.clone(), spatial: self.spatial }
+    }
+}
+
+impl<S, B> Method for Carried<S, B>
+where
+    S: Isolated,
+    B: Method<Scalar = S::Scalar, State = S::StateComponents<S::Scalar>>,
+{
+    type Scalar = B::Scalar;
+    type Parameters = B::Parameters;
+    type State = B::State;
+    type Control = B::Control;
+
+    fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
+        Self { base: B::new(parameters, step), spatial: None }
+    }
+
+    #[inline]
+    fn advance(
+        &mut self,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        known: bool,
+    ) -> Result<(B::State, StepReport), StepError> {
+        let spatial = match self.spatial {
+            Some(spatial) if known => spatial,
+            _ => S::in_space(state),
+        };
+        let (next, report) = self.base.advance(state, time, control, known)?;
+        self.spatial = Some(spatial);
+        Ok((S::in_body(&next, &spatial), report))
     }
 }
 

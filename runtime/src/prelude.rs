@@ -8,7 +8,9 @@ pub use crate::observe::Record;
 pub use crate::observe::{Every, Invariants, Observer};
 pub use crate::retraction::{Cayley, Exponential};
 pub use crate::run::{Run, RunError, RunReport, Tick};
-pub use crate::scheme::{Family, Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+pub use crate::scheme::{
+    Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
+};
 pub use crate::stepper::{StepReport, Stepper};
 pub use crate::system::{Control, Discretized, NoControl, State, System};
 pub use crate::{matrix, vector};

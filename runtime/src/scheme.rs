@@ -57,6 +57,26 @@ pub type Midpoint<R = Exponential> = Family<R, 1, 2>;
 /// The member `s = 1` of the [family](Family), the adjoint of [`SymplecticEulerA`].
 pub type SymplecticEulerB<R = Exponential> = Family<R, 1, 1>;
 
+/// The tangent lift (5.7), the step of the Lagrangian side, for systems with an inertia: with the velocity `ξ = 𝕀⁻¹μ` and its change
+/// `ξ'` along the motion,
+///
+/// ```text
+/// g_{k+1} = g_k τ(hξ),   ξ_{k+1} = ξ + dL τ_{hξ}(h ξ')
+/// ```
+///
+/// Explicit, and the configuration stays on its group and advected parameters on their orbits. Of order 1, not symplectic, and no
+/// Poisson map: energy and momentum drift. To compare with, not to compute with. Asked for with `methods(TangentLift)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TangentLift<R = Exponential>(PhantomData<R>);
+
+/// The scheme `M` carrying the momentum in space coordinates, (6.6) and (6.9) of the paper, for systems on which nothing
+/// [acts](crate::geometry::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it.
+///
+/// The map is that of `M` up to roundoff, a Poisson map as it is. The stepper carries the momentum for as long as the states it is
+/// given are those that it led to; another state starts anew from its body momentum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RightLift<M = SymplecticEulerA>(PhantomData<M>);
+
 /// Half a step with [`SymplecticEulerA`], then half a step with its adjoint [`SymplecticEulerB`]: symmetric, of order 2, and
 /// symplectic as they are. A potential on the group acts at both ends of the step, outside of the equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -9,11 +9,12 @@ use nalgebra::{
 };
 
 use crate::error::ParameterError;
+use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
-use crate::method::{Halves, Method, OneStep};
+use crate::method::{Carried, Halves, Method, OneStep};
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Real, Scalar};
-use crate::scheme::{Family, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
 use crate::stepper::Stepper;
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
@@ -229,6 +230,17 @@ where
         <S as Discretized<SymplecticEulerA<R>>>::Method,
         <S as Discretized<SymplecticEulerB<R>>>::Method,
     >;
+}
+
+impl<S: Generated<TangentLift<R>>, R> Discretized<TangentLift<R>> for S {
+    type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
+}
+
+impl<S, M> Discretized<RightLift<M>> for S
+where
+    S: Isolated + Discretized<M>,
+{
+    type Method = Carried<S, <S as Discretized<M>>::Method>;
 }
 
 impl<S> Discretized<Exponential> for S

@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::docs;
 use crate::expr::{Function, Number};
 use crate::kernel::{Kernel, Section, Statement, SymbolNames, Term};
-use crate::method::Scheme;
+use crate::method::{Rule, Scheme};
 use crate::model::System;
 
 /// Where the values of a kernel's arrays have their names from.
@@ -70,10 +70,14 @@ pub(super) fn kernel(
 ) -> TokenStream {
     let retraction = format_ident!("{}", scheme.retraction.name());
     let name = format_ident!("{system}{}", scheme.name());
-    let (numerator, denominator) = (
-        Literal::u32_unsuffixed(scheme.member.numerator),
-        Literal::u32_unsuffixed(scheme.member.denominator),
-    );
+    let marker = match scheme.rule {
+        Rule::Family(member) => {
+            let (n, d) = (member.numerator, member.denominator);
+            let (n, d) = (Literal::u32_unsuffixed(n), Literal::u32_unsuffixed(d));
+            quote! { #private::Family<#coadjoint::#retraction, #n, #d> }
+        }
+        Rule::TangentLift => quote! { #private::TangentLift<#coadjoint::#retraction> },
+    };
     let controls = size(layout.control.len());
     let count = kernel.unknown.len();
     let (parameters, state, unknown) = (size(layout.parameters.len()), size(layout.state.len()), size(count));
@@ -140,7 +144,7 @@ pub(super) fn kernel(
             #constants
 
             #[automatically_derived]
-            impl #private::Generated<#private::Family<#coadjoint::#retraction, #numerator, #denominator>> for #system {
+            impl #private::Generated<#marker> for #system {
                 type Kernel<T: #private::Scalar> = #name<T>;
             }
 
@@ -224,31 +228,31 @@ pub(super) fn kernel(
     }
 }
 
-/// A free function of parameters and, if it is given one, a state at a time:
+/// A free function of arrays and, where its name is given, the time:
 /// `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S], time: T) -> [T; N] { … }`
 pub(super) fn function(
     name: &str,
     private: &TokenStream,
     section: &Section,
-    layout: &Layout,
-    takes_state: bool,
+    arrays: &[(&str, Vec<String>)],
+    time: Option<&str>,
 ) -> TokenStream {
     let name = format_ident!("{name}");
-    let (parameters, state) = (size(layout.parameters.len()), size(layout.state.len()));
     let count = size(section.results.len());
-    let unpack = [
-        unpack_array("parameters", &layout.parameters, section),
-        unpack_array("state", &layout.state, section),
-    ];
+    let arguments = arrays.iter().map(|(array, names)| {
+        let (array, n) = (format_ident!("{array}"), size(names.len()));
+        quote! { #array: &[T; #n] }
+    });
+    let unpack = arrays.iter().map(|(array, names)| unpack_array(array, names, section));
+    let unpack_time = time.map(|name| unpack_time(name, section));
+    let time = time.map(|_| quote! { , time: T });
     let statements = section.statements.iter().map(statement);
     let results = section.results.iter().map(term);
-    let time = takes_state.then(|| unpack_time(layout, section));
-    let state = takes_state.then(|| quote! { state: &[T; #state], time: T });
     quote! {
         #[inline]
-        fn #name<T: #private::Scalar>(parameters: &[T; #parameters], #state) -> [T; #count] {
+        fn #name<T: #private::Scalar>(#(#arguments),* #time) -> [T; #count] {
             #(#unpack)*
-            #time
+            #unpack_time
             #(#statements)*
             [#(#results),*]
         }
@@ -305,7 +309,7 @@ impl Inputs<'_> {
         let constants = fields(quote! { #name }, &kernel.constants, quote! { *self });
         let state = unpack_array("state", &layout.state, section);
         if is(&kernel.begin) {
-            let time = unpack_time(layout, section);
+            let time = unpack_time(&layout.time, section);
             let control = unpack_array("control", &layout.control, section);
             return quote! { #constants #state #time #control };
         }
@@ -324,11 +328,11 @@ impl Inputs<'_> {
 }
 
 /// `let t = time;`
-fn unpack_time(layout: &Layout, section: &Section) -> TokenStream {
-    if !section.inputs.contains(&layout.time) {
+fn unpack_time(name: &str, section: &Section) -> TokenStream {
+    if !section.inputs.iter().any(|input| input == name) {
         return quote! {};
     }
-    let name = local(&layout.time);
+    let name = local(name);
     quote! { let #name = time; }
 }
 

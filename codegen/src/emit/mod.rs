@@ -2,6 +2,7 @@
 
 mod docs;
 mod expressions;
+mod geometry;
 mod kernel;
 mod state;
 mod system;
@@ -73,6 +74,8 @@ pub struct Expansion {
     pub expressions: TokenStream,
     /// The `System` implementation.
     pub system: TokenStream,
+    /// The `Geometry` implementation.
+    pub geometry: TokenStream,
     /// Each step: its intermediate representation and its code.
     pub steps: Vec<StepExpansion>,
 }
@@ -90,9 +93,9 @@ pub struct StepExpansion {
 impl Expansion {
     /// All of it.
     pub fn into_tokens(self) -> TokenStream {
-        let Self { declaration, state, expressions, system, steps } = self;
+        let Self { declaration, state, expressions, system, geometry, steps } = self;
         let steps = steps.into_iter().map(|step| step.tokens);
-        quote! { #declaration #state #expressions #system #(#steps)* }
+        quote! { #declaration #state #expressions #system #geometry #(#steps)* }
     }
 }
 
@@ -119,6 +122,7 @@ pub fn expansion<'a>(
         state: state::state(system, names),
         expressions: expressions::expressions(system, names),
         system: system::system(arena, system, names),
+        geometry: geometry::geometry(arena, system, names),
         steps,
     }
 }
@@ -172,7 +176,7 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
         String::new(),
         "# Derived".to_owned(),
         String::new(),
-        format!("State: [`{}`]. Equations of motion, in body coordinates:", names.state),
+        format!("State: [`{}`]. Equations of motion, {}:", names.state, system.side.coordinates()),
         String::new(),
         "```text".to_owned(),
     ];

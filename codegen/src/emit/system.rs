@@ -9,7 +9,7 @@ use super::state::{Conversion, arrays};
 use super::{Names, docs, quantity};
 use crate::expr::{Arena, Vector};
 use crate::kernel;
-use crate::model::{InertiaShape, System};
+use crate::model::{InertiaShape, Side, System};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> TokenStream {
@@ -46,17 +46,22 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let casimir_count = array_size(casimirs.len());
     let casimir_values = Vector(casimirs.iter().map(|&(_, value)| value).collect());
 
-    let spatial = system
-        .factors
-        .iter()
-        .flat_map(|factor| factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0);
+    let spatial = system.factors.iter().flat_map(|factor| match system.side {
+        Side::Left => factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0,
+        Side::Right => factor.momentum.0.clone(),
+    });
     let spatial = Vector(spatial.collect());
     let dimension = array_size(system.dimension());
     let momentum_type = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
     let emitted = |name: &str, outputs: &Vector<'a>, takes_state: bool| {
         let (section, symbols) = kernel::function(arena, outputs);
         let doc = docs::line(&format!("{}.", section.operations()));
-        let function = function(name, private, &section, &Layout::new(system, &symbols), takes_state);
+        let Layout { parameters, state, time, .. } = Layout::new(system, &symbols);
+        let mut arrays = vec![("parameters", parameters)];
+        if takes_state {
+            arrays.push(("state", state));
+        }
+        let function = function(name, private, &section, &arrays, takes_state.then_some(time.as_str()));
         quote! { #doc #function }
     };
     let energy = emitted("energy", &Vector(vec![system.energy()]), true);

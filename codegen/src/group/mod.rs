@@ -10,6 +10,7 @@ pub use semidirect::{Element, Semidirect};
 pub use so3::SO3;
 
 use crate::expr::{Arena, Expr, Vector, gradient};
+use crate::model::Side;
 
 /// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`, `τ(−ξ) = τ(ξ)⁻¹`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -180,12 +181,17 @@ pub fn catalogue() -> &'static [&'static dyn Group] {
     &[&SO3]
 }
 
-/// The left-trivialized derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`: an
-/// element of the dual of the algebra, the same for every `τ`.
-pub(crate) fn body_gradient<'a>(group: &dyn Group, g: &Vector<'a>, df: &Vector<'a>) -> Vector<'a> {
+/// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as
+/// `side` says: an element of the dual of the algebra, the same for every `τ`.
+pub(crate) fn trivialized_gradient<'a>(
+    group: &dyn Group,
+    side: Side,
+    g: &Vector<'a>,
+    df: &Vector<'a>,
+) -> Vector<'a> {
     let arena = df.0[0].arena();
     let delta = placeholders(arena, "d", group.dimension());
-    let moved = group.compose(g, &group.retract(Retraction::Exponential, &delta));
+    let moved = side.compose(group, g, &group.retract(Retraction::Exponential, &delta));
     let symbols = delta.symbols();
     let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
     gradient(df.dot(&moved), &symbols).substitute(&zero)

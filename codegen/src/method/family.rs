@@ -16,6 +16,9 @@
 //! Casimirs, is its own adjoint, and has order 2; with a potential on the group every member is symplectic, the adjoint of `s` is
 //! `1 − s`, and the order is 1 but for `s = ½`.
 //!
+//! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum `−m`: `η` changes
+//! its sign in all that is linear in `m`, and turns stand on the other side of `g`.
+//!
 //! Four facts shape what is emitted:
 //!
 //! * `(dR τ_{−x})* Ad*_{τ(x)} m = (dR τ_x)* m`, so that the second part of `m̄` is `s (dR τ_{sη})* m_k`.
@@ -29,7 +32,7 @@
 use super::elimination::{Eliminated, Equation, eliminate};
 use super::{Member, Step, step_symbol};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
-use crate::group::{Element, Retraction, body_gradient};
+use crate::group::{Element, Retraction, trivialized_gradient};
 use crate::model::{Factor, Hamiltonian, System, plain};
 
 /// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
@@ -84,7 +87,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         let kick = kick(system, factor, &intermediate)
             .map(|kick| kick.scale(t).hold().named(&format!("{prefix}kick"), axes));
 
-        let eta = Element { base: y.clone(), spaces: w };
+        let eta = Element { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
         let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
         let m = Element {
             base: factor.momentum.clone(),
@@ -106,7 +109,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
         let turn = algebra.group.retract(retraction, y_late).hold();
         let turn = turn.named(&format!("{prefix}turn"), algebra.group.coordinates());
-        let moved = algebra.group.compose(&motion.g_bar, &turn).hold();
+        let moved = system.side.compose(algebra.group, &motion.g_bar, &turn).hold();
         let moved = moved.named(&format!("{}_moved", plain(&factor.name)), algebra.group.coordinates());
         let g_next = algebra.group.normalize(&moved);
 
@@ -167,14 +170,16 @@ impl<'a> Motion<'a> {
             Vector(group.axes().iter().map(symbol).collect())
         };
         let (y, mean) = (symbols("eta"), symbols("mu"));
+        let sign = arena.number(system.side.sign());
         let (y_early, y_late) = (y.scale(early), y.scale(late));
+        let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
         let a: Vec<Vector<'a>> = factor.advected.iter().map(|a| a.value.clone()).collect();
-        let before = algebra.d_right_dual_spaces(retraction, &y_early, &a);
+        let before = algebra.d_right_dual_spaces(retraction, &x_early, &a);
         let a_minus: Vec<_> = {
-            let change = algebra.coadjoint_spaces(&y_early, &before);
+            let change = algebra.coadjoint_spaces(&x_early, &before);
             a.iter().zip(&change).map(|(a, change)| a + change).collect()
         };
-        let after = algebra.d_right_dual_spaces(retraction, &y_late, &a_minus);
+        let after = algebra.d_right_dual_spaces(retraction, &x_late, &a_minus);
         let a_bar = after
             .iter()
             .zip(&before)
@@ -182,7 +187,7 @@ impl<'a> Motion<'a> {
             .collect();
         let turn = group.retract(retraction, &y_early).hold();
         let turn = turn.named(&format!("{prefix}turn_early"), group.coordinates());
-        let g_bar = group.compose(&factor.configuration, &turn).hold();
+        let g_bar = system.side.compose(group, &factor.configuration, &turn).hold();
         let g_bar = g_bar.named(&format!("{}_mean", plain(&factor.name)), group.coordinates());
         Self { prefix, y, y_late, mean, a_bar, g_bar }
     }
@@ -222,7 +227,7 @@ fn kick<'a>(
 ) -> Option<Vector<'a>> {
     let potential = system.depends_on_configuration(factor).then(|| {
         let df = gradient(system.potential(), &factor.configuration.symbols());
-        -&body_gradient(factor.algebra.group, &factor.configuration, &df)
+        -&trivialized_gradient(factor.algebra.group, system.side, &factor.configuration, &df)
     });
     let both = match (potential, &factor.force) {
         (Some(potential), Some(force)) => &potential + force,

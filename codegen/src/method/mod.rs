@@ -2,9 +2,11 @@
 
 pub mod elimination;
 pub mod family;
+pub mod tangent_lift;
 
 use crate::expr::{Arena, Expr, Number, Symbol, Vector};
 use crate::group::Retraction;
+use crate::model::System;
 
 /// One step: solve `left(x) = right(x)` for the unknown `x`, then update the state.
 pub struct Step<'a> {
@@ -26,27 +28,50 @@ pub struct Step<'a> {
     pub next: Vector<'a>,
 }
 
-/// A member of the family with a retraction.
+/// What a step is made by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Rule {
+    /// A member of the [`family`].
+    Family(Member),
+    /// The [tangent lift](tangent_lift).
+    TangentLift,
+}
+
+/// A rule with a retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Scheme {
     /// The retraction `τ`.
     pub retraction: Retraction,
-    /// The parameter `s`.
-    pub member: Member,
+    /// What makes the step.
+    pub rule: Rule,
 }
 
 impl Scheme {
     /// Its name in generated code: `ExponentialMidpoint`; the retraction's alone for the first member.
     pub fn name(self) -> String {
-        match self.member {
-            Member::SYMPLECTIC_EULER_A => self.retraction.name().to_owned(),
-            member => format!("{}{}", self.retraction.name(), member.name()),
+        let retraction = self.retraction.name();
+        match self.rule {
+            Rule::Family(Member::SYMPLECTIC_EULER_A) => retraction.to_owned(),
+            Rule::Family(member) => format!("{retraction}{}", member.name()),
+            Rule::TangentLift => format!("{retraction}TangentLift"),
+        }
+    }
+
+    /// The step that it makes of a system.
+    pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
+        match self.rule {
+            Rule::Family(member) => family::step(arena, system, self.retraction, member),
+            Rule::TangentLift => tangent_lift::step(arena, system, self.retraction),
         }
     }
 
     /// Its type in the runtime, as users write it: `Midpoint<Cayley>`.
     pub fn type_name(self) -> String {
-        let Self { retraction, member } = self;
+        let Self { retraction, rule } = self;
+        let member = match rule {
+            Rule::Family(member) => member,
+            Rule::TangentLift => return format!("TangentLift<{}>", retraction.name()),
+        };
         match Member::NAMED.iter().find(|&&(_, named)| named == member) {
             Some((name, _)) => format!("{name}<{}>", retraction.name()),
             None => format!("Family<{}, {}, {}>", retraction.name(), member.numerator, member.denominator),

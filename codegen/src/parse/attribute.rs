@@ -9,7 +9,7 @@ use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
 use crate::diagnostics::{Diagnostics, list, suggestion};
-use crate::method::Member;
+use crate::method::{Member, Rule};
 
 /// A key of the attribute: how it is called and how it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,13 +33,15 @@ pub const HAMILTONIAN: Key =
 pub const CONTROL: Key = Key { name: "control", example: "control(moment: R3, thrust: f64)" };
 /// What acts on the momentum beside the potential.
 pub const FORCE: Key = Key { name: "force", example: "force = moment - friction * momentum" };
+/// On which side the group acts.
+pub const INVARIANCE: Key = Key { name: "invariance", example: "invariance = right" };
 /// The members of the family of steps to generate beside those that are always there.
 pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
 /// Where the runtime crate is found.
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-const KEYS: [Key; 8] = [GROUP, ADVECTED, POTENTIAL, HAMILTONIAN, CONTROL, FORCE, METHODS, CRATE];
+const KEYS: [Key; 9] = [GROUP, ADVECTED, POTENTIAL, HAMILTONIAN, CONTROL, FORCE, INVARIANCE, METHODS, CRATE];
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
 #[derive(Debug, Default)]
@@ -56,8 +58,10 @@ pub struct Attribute {
     pub controls: Vec<Control>,
     /// `force = …` or `force(attitude = …, …)`
     pub forces: Vec<Force>,
+    /// `invariance = right`
+    pub right: bool,
     /// `methods(Midpoint, …)`
-    pub methods: Vec<Member>,
+    pub methods: Vec<Rule>,
     /// `crate = …`
     pub krate: Option<syn::Path>,
     /// The keys that were there, whether or not their values could be read.
@@ -168,6 +172,7 @@ impl Attribute {
             CONTROL => declarations(&value, &key, known, diagnostics, control, |control| &control.name)
                 .map(|list| target.controls = list),
             FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
+            INVARIANCE => invariance(&value, diagnostics).map(|right| target.right = right),
             METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
             _ => crate_path(&value, diagnostics).map(|path| target.krate = path),
         };
@@ -265,8 +270,19 @@ fn force(input: ParseStream<'_>) -> syn::Result<Force> {
     Ok(Force { factor: Some(factor), value: input.parse()? })
 }
 
+/// `= left` or `= right`
+fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<bool> {
+    let side: Option<Ident> =
+        equals(input, INVARIANCE, diagnostics).map_err(|error| with_example(error, INVARIANCE))?;
+    match side.as_ref().map(ToString::to_string).as_deref() {
+        None | Some("left") => Ok(false),
+        Some("right") => Ok(true),
+        Some(_) => Err(syn::Error::new_spanned(side, "a system is `left`- or `right`-invariant")),
+    }
+}
+
 /// `(Midpoint, SymplecticEulerB, Family(1, 4))`
-fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Member>> {
+fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Rule>> {
     let named = entries(input, key, METHODS, diagnostics, method, |_| None)?;
     let mut members = Vec::new();
     for member in named {
@@ -278,7 +294,7 @@ fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -
 }
 
 /// `Midpoint` or `Family(1, 4)`
-fn method(input: ParseStream<'_>) -> syn::Result<Member> {
+fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
     let name: Ident = input
         .parse()
         .map_err(|error| syn::Error::new(error.span(), "expected a method, such as `Midpoint`"))?;
@@ -289,18 +305,21 @@ fn method(input: ParseStream<'_>) -> syn::Result<Member> {
         content.parse::<Token![,]>()?;
         let denominator: LitInt = content.parse()?;
         let member = Member::new(numerator.base10_parse()?, denominator.base10_parse()?);
-        return member.ok_or_else(|| {
+        return member.map(Rule::Family).ok_or_else(|| {
             let message =
                 "the parameter s of a method is a fraction between 0 and 1: `Family(1, 4)` is s = 1/4";
             syn::Error::new_spanned(&name, message)
         });
     }
-    Member::named(&name.to_string()).ok_or_else(|| {
+    if name == "TangentLift" {
+        return Ok(Rule::TangentLift);
+    }
+    Member::named(&name.to_string()).map(Rule::Family).ok_or_else(|| {
         let known = Member::NAMED.map(|(name, _)| name);
-        let all = list(known.iter().copied().chain(["Family(numerator, denominator)"]));
+        let all = list(known.iter().copied().chain(["Family(numerator, denominator)", "TangentLift"]));
         let guess = suggestion(&name.to_string(), &known);
         let always = match name.to_string().as_str() {
-            "Exponential" | "Cayley" | "StormerVerlet" => "; this one needs not be asked for",
+            "Exponential" | "Cayley" | "StormerVerlet" | "RightLift" => "; this one needs not be asked for",
             _ => guess.as_str(),
         };
         syn::Error::new_spanned(

@@ -1,0 +1,70 @@
+//! The geometry of the states: displacements in local coordinates, the Poisson structure, and the motion as a vector field.
+//!
+//! A tangent vector at a state has, in the order of the state's parts, `δ` for a configuration — the displaced one is `g τ(δ)`, or
+//! `τ(δ) g` where `invariance = right` — and the change of a momentum or an advected parameter.
+//!
+//! Integrators that know nothing of the structure, certificates and linearizations work with these; a
+//! [stepper](crate::stepper::Stepper) needs none of them.
+
+use crate::kernel::Components;
+use crate::scalar::Scalar;
+use crate::system::System;
+
+/// A retraction as a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    /// [`Exponential`](crate::retraction::Exponential)
+    Exponential,
+    /// [`Cayley`](crate::retraction::Cayley)
+    Cayley,
+}
+
+/// The local coordinates and the Poisson structure of a system's states. Implemented by the macro.
+pub trait Geometry: System {
+    /// A tangent or a cotangent vector.
+    type Tangent: Components<Self::Scalar>;
+
+    /// The state displaced by a tangent vector.
+    fn displace(&self, state: &Self::State, map: Map, by: &Self::Tangent) -> Self::State;
+
+    /// The differential `dh` of the energy at a time: its derivative along each component of a tangent vector.
+    fn differential(&self, state: &Self::State, time: Self::Scalar) -> Self::Tangent;
+
+    /// The Hamiltonian vector `P(x) α` of a covector `α`: with `α = dh` the motion that the energy `h` makes,
+    /// `g' = g ξ`, `(μ, a)' = ad*_(ξ, w) (μ, a) − (∂h/∂g, 0)`, `ξ = ∂h/∂μ`, `w = ∂h/∂a`.
+    fn hamiltonian_vector(&self, state: &Self::State, covector: &Self::Tangent) -> Self::Tangent;
+
+    /// The forces, as a tangent vector.
+    fn force(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control) -> Self::Tangent;
+
+    /// The motion: the Hamiltonian vector of the energy, and the forces.
+    fn motion(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control) -> Self::Tangent {
+        let mut motion = self.hamiltonian_vector(state, &self.differential(state, time));
+        let force = self.force(state, time, control);
+        for (component, force) in motion.as_mut().iter_mut().zip(force.as_ref()) {
+            *component = *component + *force;
+        }
+        motion
+    }
+}
+
+/// A system on which nothing acts: left-invariant, without advected parameters and forces, so that its momentum is constant in
+/// space. Implemented by the macro.
+pub trait Isolated: System {
+    /// The momentum in space coordinates.
+    type Spatial: Components<Self::Scalar>;
+    /// The momentum of a state, `Ad*_{g⁻¹} μ`.
+    fn in_space(state: &Self::StateComponents<Self::Scalar>) -> Self::Spatial;
+    /// The state with the body momentum `Ad*_g π` that belongs to a momentum in space.
+    fn in_body(
+        state: &Self::StateComponents<Self::Scalar>,
+        spatial: &Self::Spatial,
+    ) -> Self::StateComponents<Self::Scalar>;
+}
+
+/// A tangent vector of zeros.
+pub fn zero<G: Geometry>(like: &G::Tangent) -> G::Tangent {
+    let mut zero = *like;
+    zero.as_mut().iter_mut().for_each(|component| *component = G::Scalar::of(0.0));
+    zero
+}
