@@ -61,7 +61,13 @@ pub trait Kernel<T: Scalar>: Copy {
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown;
     /// Positive inside the retraction's domain, zero on its edge.
-    fn domain(&self, unknown: &Self::Unknown, evaluation: &Evaluation<Self::Unknown, Self::Iterate>) -> T;
+    fn domain(
+        &self,
+        state: &Self::State,
+        step: &Self::Step,
+        unknown: &Self::Unknown,
+        evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
+    ) -> T;
     /// The state after the step, from the solution of the equation.
     fn finish(
         &self,

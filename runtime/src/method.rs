@@ -71,7 +71,7 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
             _ => self.kernel.start(state, &begun),
         };
         let solution = newton::solve(&self.kernel, state, &begun, start)?;
-        if !(self.kernel.domain(&solution.unknown, &solution.evaluation) > T::of(0.0)) {
+        if !(self.kernel.domain(state, &begun, &solution.unknown, &solution.evaluation) > T::of(0.0)) {
             return Err(StepError::OutsideDomain);
         }
         let next = self.kernel.finish(state, &begun, &solution.unknown, &solution.evaluation);

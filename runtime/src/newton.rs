@@ -164,7 +164,13 @@ mod tests {
             unreachable!("nothing to correct")
         }
 
-        fn domain(&self, _: &[f64; 0], _: &Evaluation<[f64; 0], u32>) -> f64 {
+        fn domain(
+            &self,
+            _: &Self::State,
+            _: &Self::Step,
+            _: &[f64; 0],
+            _: &Evaluation<[f64; 0], u32>,
+        ) -> f64 {
             1.0
         }
 

@@ -158,7 +158,7 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         ]
     }
 
-    fn domain(&self, _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
+    fn domain(&self, _: &Self::State, _: &Self::Step, _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
         T::of(1.0)
     }
 
@@ -379,7 +379,7 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
         []
     }
 
-    fn domain(&self, _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> T {
+    fn domain(&self, _: &Self::State, _: &Self::Step, _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> T {
         T::of(1.0)
     }
 

@@ -206,7 +206,13 @@ pub(super) fn kernel(
 
                 #domain_doc
                 #[inline(always)]
-                fn domain(&self, unknown: &[T; #unknown], evaluation: &Evaluation<[T; #unknown], Iterate<T>>) -> T {
+                fn domain(
+                    &self,
+                    state: &[T; #state],
+                    step: &Step<T>,
+                    unknown: &[T; #unknown],
+                    evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
+                ) -> T {
                     #domain
                 }
 
