@@ -3,10 +3,19 @@
 //! A group states its closed forms as symbolic expressions; everything else is derived from them. Each typed-in form is
 //! tested against its definition (power series, matrix products, differences).
 
+mod euclidean;
+mod rigid;
+mod se2;
+mod se3;
 mod semidirect;
+mod so2;
 mod so3;
 
+pub use euclidean::R;
+pub use se2::SE2;
+pub use se3::SE3;
 pub use semidirect::{Element, Semidirect};
+pub use so2::SO2;
 pub use so3::SO3;
 
 use crate::expr::{Arena, Expr, Vector, gradient};
@@ -178,7 +187,7 @@ pub struct Translation<'a> {
 
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
-    &[&SO3]
+    &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3]
 }
 
 /// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as

@@ -115,6 +115,11 @@ impl Semidirect {
         }
     }
 
+    /// `J(p, a)` for one of the spaces, with `J(p, a) · y = a · ρ_y p`.
+    pub(super) fn momentum_map<'a>(&self, space: usize, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+        momentum_map(self.spaces[space], p, a)
+    }
+
     /// `ad*_(x,w) (m, a)`: the dual of the bracket `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
     pub fn coadjoint<'a>(&self, xi: &Element<'a>, mu: &Element<'a>) -> Element<'a> {
         let y = placeholders(mu.base.0[0].arena(), "y", xi.base.len());

@@ -1,0 +1,114 @@
+//! R(n), translations of Euclidean space.
+//!
+//! * Algebra: `Rⁿ` itself; bracket and `ad*` zero.
+//! * Storage: the vector; `g' = ξ`.
+//! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
+
+use super::{EquationNames, Equations, Group, Named, Representation, Retraction};
+use crate::expr::{Expr, Vector};
+
+/// Translations of the Euclidean space of this dimension, 1 to 6.
+pub struct R(pub usize);
+
+/// For each dimension: the group's name and the type that vectors are stored as.
+const NAMES: [(&str, &str); 6] = [
+    ("R1", "Vector1"),
+    ("R2", "Vector2"),
+    ("R3", "Vector3"),
+    ("R4", "Vector4"),
+    ("R5", "Vector5"),
+    ("R6", "Vector6"),
+];
+
+/// nalgebra's names of components.
+const AXES: &[&str] = &["x", "y", "z", "w", "a", "b"];
+
+impl Group for R {
+    fn name(&self) -> &'static str {
+        NAMES[self.0 - 1].0
+    }
+
+    fn conventions(&self) -> &'static str {
+        "position and momentum in fixed Cartesian coordinates"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "position"
+    }
+
+    fn configuration_type(&self) -> &'static str {
+        NAMES[self.0 - 1].1
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &AXES[..self.0]
+    }
+
+    fn momentum_type(&self) -> &'static str {
+        NAMES[self.0 - 1].1
+    }
+
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, velocity, .. } = names;
+        Equations {
+            configuration: format!("{configuration}' = {velocity}"),
+            momentum: Vec::new(),
+            advected: Vec::new(),
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        self.0
+    }
+
+    fn axes(&self) -> &'static [&'static str] {
+        &AXES[..self.0]
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, _: &Vector<'a>) -> Vector<'a> {
+        Vector::zeros(x.0[0].arena(), self.0)
+    }
+
+    fn retract<'a>(&self, _: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        x.clone()
+    }
+
+    fn d_right_dual<'a>(&self, _: Retraction, _: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        m.clone()
+    }
+
+    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Option<Expr<'a>> {
+        None
+    }
+
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        g + h
+    }
+
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        -g
+    }
+
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        g.clone()
+    }
+
+    fn to_space<'a>(&self, _: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        m.clone()
+    }
+
+    fn representations(&self) -> &'static [&'static dyn Representation] {
+        &[]
+    }
+
+    /// All of the momentum: the bracket is zero.
+    fn casimirs<'a>(&self, momentum: Option<&Named<'_, 'a>>, _: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)> {
+        let Some(momentum) = momentum else { return Vec::new() };
+        let named = |(axis, component): (&&str, Expr<'a>)| (format!("{}.{axis}", momentum.name), component);
+        self.axes().iter().zip(momentum.value.iter()).map(named).collect()
+    }
+
+    fn is_linear(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,137 @@
+//! SE(2), rigid motions of the plane.
+//!
+//! Coordinates of the algebra: angular, then linear velocity, both in body coordinates; the dual likewise. Storage: the rotation's
+//! coordinates, then the translation from space origin to body origin, in space coordinates. The formulas are those of
+//! [`rigid`](super::rigid).
+
+use super::rigid::Rigid;
+use super::so2::{Plane, SO2, inner_products};
+use super::{
+    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction, Semidirect,
+};
+use crate::expr::{Expr, Number, Vector};
+
+/// Rigid motions of the plane.
+pub struct SE2;
+
+fn rigid() -> Rigid {
+    Rigid(Semidirect { group: &SO2, spaces: vec![&Plane(1)] })
+}
+
+impl Group for SE2 {
+    fn name(&self) -> &'static str {
+        "SE2"
+    }
+
+    fn conventions(&self) -> &'static str {
+        "pose: isometry from body to space coordinates; momentum: angular momentum first, then linear, in body coordinates"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "pose"
+    }
+
+    fn configuration_type(&self) -> &'static str {
+        "Isometry2"
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &["re", "im", "px", "py"]
+    }
+
+    fn momentum_type(&self) -> &'static str {
+        "Vector3"
+    }
+
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, momentum, velocity, advected } = names;
+        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
+        terms.extend(advected.iter().map(|a| format!("{a} × ∂V/∂{a}")));
+        Equations {
+            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
+            momentum: terms,
+            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn axes(&self) -> &'static [&'static str] {
+        &["x", "y", "z"]
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        rigid().bracket(x, y)
+    }
+
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        rigid().retract(retraction, x)
+    }
+
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        rigid().d_right_dual(retraction, x, m)
+    }
+
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+        match retraction {
+            // dR exp is singular at a full turn
+            Retraction::Exponential => {
+                let edge = x.0[0].arena().number(Number::Float(std::f64::consts::TAU.powi(2)));
+                Some(edge - x.0[0] * x.0[0])
+            }
+            Retraction::Cayley => None,
+        }
+    }
+
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        rigid().compose(g, h)
+    }
+
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        rigid().inverse(g)
+    }
+
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        rigid().normalize(g)
+    }
+
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        rigid().to_space(g, m)
+    }
+
+    fn representations(&self) -> &'static [&'static dyn Representation] {
+        &[&Plane(3)]
+    }
+
+    /// The linear momentum's square; with advected vectors their inner products.
+    fn casimirs<'a>(
+        &self,
+        momentum: Option<&Named<'_, 'a>>,
+        advected: &[Named<'_, 'a>],
+    ) -> Vec<(String, Expr<'a>)> {
+        let (Some(momentum), []) = (momentum, advected) else { return inner_products(advected) };
+        let parts = rigid().split(momentum.value);
+        let linear = &parts.spaces[0];
+        vec![(format!("|{}.linear|²", momentum.name), linear.dot(linear))]
+    }
+
+    fn components(&self) -> &'static [Component] {
+        COMPONENTS
+    }
+}
+
+/// The fields of an isometry.
+static COMPONENTS: &[Component] = &[
+    Component {
+        name: "rotation",
+        called: false,
+        of: |g| ComponentValue::Element(&SO2, Vector(g.0[..2].to_vec())),
+    },
+    Component {
+        name: "translation",
+        called: false,
+        of: |g| ComponentValue::Vector(Vector(g.0[2..].to_vec())),
+    },
+];

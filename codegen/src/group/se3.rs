@@ -1,0 +1,173 @@
+//! SE(3), rigid motions of space.
+//!
+//! Coordinates of the algebra: angular, then linear velocity, both in body coordinates; the dual likewise. Storage: the rotation's
+//! coordinates, then the translation from space origin to body origin, in space coordinates. The formulas are those of
+//! [`rigid`](super::rigid).
+
+use super::rigid::Rigid;
+use super::so2::inner_products;
+use super::so3::{SO3, Space};
+use super::{
+    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
+    Semidirect, Translation,
+};
+use crate::expr::{Expr, Vector};
+
+/// Rigid motions of space.
+pub struct SE3;
+
+fn rigid() -> Rigid {
+    Rigid(Semidirect { group: &SO3, spaces: vec![&Space] })
+}
+
+impl Group for SE3 {
+    fn name(&self) -> &'static str {
+        "SE3"
+    }
+
+    fn conventions(&self) -> &'static str {
+        "pose: isometry from body to space coordinates; momentum: angular part first, then linear, both in body coordinates"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "pose"
+    }
+
+    fn configuration_type(&self) -> &'static str {
+        "Isometry3"
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &["w", "x", "y", "z", "px", "py", "pz"]
+    }
+
+    fn momentum_type(&self) -> &'static str {
+        "Vector6"
+    }
+
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, momentum, velocity, advected } = names;
+        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
+        terms.extend(advected.iter().map(|a| format!("{a} × ∂V/∂{a}")));
+        Equations {
+            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
+            momentum: terms,
+            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        6
+    }
+
+    fn axes(&self) -> &'static [&'static str] {
+        &["x", "y", "z", "w", "a", "b"]
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        rigid().bracket(x, y)
+    }
+
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        rigid().retract(retraction, x)
+    }
+
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        rigid().d_right_dual(retraction, x, m)
+    }
+
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+        SO3.domain(retraction, &rigid().split(x).base)
+    }
+
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        rigid().compose(g, h)
+    }
+
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        rigid().inverse(g)
+    }
+
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        rigid().normalize(g)
+    }
+
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        rigid().to_space(g, m)
+    }
+
+    fn representations(&self) -> &'static [&'static dyn Representation] {
+        &[&Turned]
+    }
+
+    /// The linear momentum's square, and its product with the angular momentum; with advected vectors their inner products.
+    fn casimirs<'a>(
+        &self,
+        momentum: Option<&Named<'_, 'a>>,
+        advected: &[Named<'_, 'a>],
+    ) -> Vec<(String, Expr<'a>)> {
+        let (Some(momentum), []) = (momentum, advected) else { return inner_products(advected) };
+        let parts = rigid().split(momentum.value);
+        let linear = &parts.spaces[0];
+        vec![
+            (format!("|{}.linear|²", momentum.name), linear.dot(linear)),
+            (format!("{0}.angular·{0}.linear", momentum.name), parts.base.dot(linear)),
+        ]
+    }
+
+    fn components(&self) -> &'static [Component] {
+        COMPONENTS
+    }
+}
+
+/// The fields of an isometry.
+static COMPONENTS: &[Component] = &[
+    Component {
+        name: "rotation",
+        called: false,
+        of: |g| ComponentValue::Element(&SO3, Vector(g.0[..4].to_vec())),
+    },
+    Component {
+        name: "translation",
+        called: false,
+        of: |g| ComponentValue::Vector(Vector(g.0[4..].to_vec())),
+    },
+];
+
+/// R³ with the rotations of the motions acting on it: directions, which translations leave alone.
+struct Turned;
+
+impl Representation for Turned {
+    fn name(&self) -> &'static str {
+        Space.name()
+    }
+
+    fn type_name(&self) -> &'static str {
+        Space.type_name()
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        Space.coordinates()
+    }
+
+    fn algebra_dimension(&self) -> usize {
+        6
+    }
+
+    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        Space.act(&rigid().split(x).base, v)
+    }
+
+    /// That of the rotations; but with the motions it is no tangent group.
+    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        Translation { tangent: false, ..Space.translation(retraction, &rigid().split(x).base, w) }
+    }
+
+    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        Space.turn(&Vector(g.0[..4].to_vec()), v)
+    }
+
+    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        Space.transport(retraction, &rigid().split(x).base, v)
+    }
+}

@@ -1,0 +1,208 @@
+//! SO(2), the circle: rotations of the plane.
+//!
+//! * Algebra: `so(2) ≅ R` by `hat(x) = x J`, `J = (0 −1; 1 0)`; bracket and `ad*` zero.
+//! * Storage: the unit complex number `re, im`, cosine and sine of the angle; `g' = ξ i g`.
+//! * `exp x = cos x + i sin x`, in the Stumpff functions of `x²`; `cay x = (1 + i x/2)² / (1 + x²/4)`.
+//!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
+
+use super::{
+    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
+    Translation,
+};
+use crate::expr::{Expr, Number, Vector};
+
+/// Rotations of the plane.
+pub struct SO2;
+
+/// `1/(1 + x²/4)`
+fn shared(x: Expr<'_>) -> Expr<'_> {
+    ((x * x).scale(Number::ratio(1, 4)) + 1).recip()
+}
+
+/// `a v + b J v`
+fn complex<'a>(a: Expr<'a>, b: Expr<'a>, v: &Vector<'a>) -> Vector<'a> {
+    let (x, y) = (v.0[0], v.0[1]);
+    Vector(vec![a * x - b * y, b * x + a * y])
+}
+
+impl Group for SO2 {
+    fn name(&self) -> &'static str {
+        "SO2"
+    }
+
+    fn conventions(&self) -> &'static str {
+        "angle: unit complex number, counted from the x towards the y axis; one angular momentum"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "angle"
+    }
+
+    fn configuration_type(&self) -> &'static str {
+        "UnitComplex"
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &["re", "im"]
+    }
+
+    fn momentum_type(&self) -> &'static str {
+        "Vector1"
+    }
+
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, velocity, advected, .. } = names;
+        Equations {
+            configuration: format!("{configuration}' = {configuration} i {velocity}"),
+            momentum: advected.iter().map(|a| format!("{a} × ∂V/∂{a}")).collect(),
+            advected: advected.iter().map(|a| format!("{a}' = −{velocity} J {a}")).collect(),
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        1
+    }
+
+    /// The one component of a `Vector1`.
+    fn axes(&self) -> &'static [&'static str] {
+        &["x"]
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, _: &Vector<'a>) -> Vector<'a> {
+        Vector::zeros(x.0[0].arena(), 1)
+    }
+
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        let x = x.0[0];
+        let squared = x * x;
+        match retraction {
+            Retraction::Exponential => Vector(vec![squared.stumpff(0), x * squared.stumpff(1)]),
+            Retraction::Cayley => {
+                let shared = shared(x);
+                Vector(vec![shared.scale(2) - 1, x * shared])
+            }
+        }
+    }
+
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match retraction {
+            Retraction::Exponential => m.clone(),
+            Retraction::Cayley => m.scale(shared(x.0[0])),
+        }
+    }
+
+    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Option<Expr<'a>> {
+        None
+    }
+
+    /// The complex product.
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        complex(g.0[0], g.0[1], h)
+    }
+
+    /// The conjugate.
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        Vector(vec![g.0[0], -g.0[1]])
+    }
+
+    /// One Newton step of `|g|² = 1`: exact to rounding when `|g|` is off by rounding.
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        let correction = (g.dot(g) - 1) / 2;
+        g - &g.scale(correction)
+    }
+
+    fn to_space<'a>(&self, _: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        m.clone()
+    }
+
+    fn representations(&self) -> &'static [&'static dyn Representation] {
+        &[&Plane(1)]
+    }
+
+    /// Without vectors the momentum; all `Γᵢ·Γⱼ`, and for two vectors or more that is all.
+    fn casimirs<'a>(
+        &self,
+        momentum: Option<&Named<'_, 'a>>,
+        advected: &[Named<'_, 'a>],
+    ) -> Vec<(String, Expr<'a>)> {
+        match (momentum, advected) {
+            (Some(momentum), []) => vec![(momentum.name.to_owned(), momentum.value.0[0])],
+            _ => inner_products(advected),
+        }
+    }
+
+    fn components(&self) -> &'static [Component] {
+        COMPONENTS
+    }
+}
+
+/// All `|Γᵢ|²` and `Γᵢ·Γⱼ`.
+pub(super) fn inner_products<'a>(advected: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)> {
+    let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
+    let product =
+        |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
+    let mut casimirs: Vec<_> = advected.iter().map(norm).collect();
+    for (i, a) in advected.iter().enumerate() {
+        casimirs.extend(advected[i + 1..].iter().map(|b| product(a, b)));
+    }
+    casimirs
+}
+
+/// The fields of a complex number, and nalgebra's methods for cosine and sine.
+static COMPONENTS: &[Component] = &[
+    Component { name: "re", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
+    Component { name: "im", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
+    Component { name: "cos_angle", called: true, of: |g| ComponentValue::Scalar(g.0[0]) },
+    Component { name: "sin_angle", called: true, of: |g| ComponentValue::Scalar(g.0[1]) },
+];
+
+/// The plane with the rotations acting on it, `ρ_x v = x J v`; under a group of so many dimensions whose first is the rotation.
+pub(super) struct Plane(pub(super) usize);
+
+impl Representation for Plane {
+    fn name(&self) -> &'static str {
+        "R2"
+    }
+
+    fn type_name(&self) -> &'static str {
+        "Vector2"
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        &["x", "y"]
+    }
+
+    fn algebra_dimension(&self) -> usize {
+        self.0
+    }
+
+    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        complex(x.0[0].arena().zero(), x.0[0], v)
+    }
+
+    /// `φ₁(xJ) = c₁ + c₂ x J` in the Stumpff functions of `x²`
+    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        let x = x.0[0];
+        let squared = x * x;
+        match retraction {
+            Retraction::Exponential => Translation {
+                fixed: complex(squared.stumpff(1), x * squared.stumpff(2), w),
+                carried: Vector::zeros(x.arena(), 2),
+                tangent: false,
+            },
+            Retraction::Cayley => {
+                let half = w.map(|component| component / 2);
+                Translation { fixed: half.clone(), carried: half, tangent: false }
+            }
+        }
+    }
+
+    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        complex(g.0[0], g.0[1], v)
+    }
+
+    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let turn = SO2.retract(retraction, &Vector(vec![x.0[0]]));
+        self.turn(&turn, v)
+    }
+}
