@@ -1,5 +1,7 @@
 //! A described system as plain symbolic data: what methods and emitters work from.
 
+use std::cell::OnceCell;
+
 use proc_macro2::Ident;
 use quote::{ToTokens, format_ident};
 use syn::ext::IdentExt;
@@ -7,7 +9,7 @@ use syn::ext::IdentExt;
 use crate::check;
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector, gradient};
-use crate::group::{EquationNames, Group, Named, Representation, Semidirect};
+use crate::group::{EquationNames, Group, Named, Representation, Semidirect, trivialized_gradient};
 use crate::language::{Constant, Scope, Value, lower_scalar, lower_vector};
 use crate::parse::{Attribute, Inertia, Item, Shape};
 
@@ -91,6 +93,8 @@ pub struct Factor<'a> {
     pub advected: Vec<Advected<'a>>,
     /// The body force on the momentum, in all that a description names.
     pub force: Option<Vector<'a>>,
+    /// What changes the momentum beside the bracket, once it has been worked out.
+    kick: OnceCell<Option<Vector<'a>>>,
 }
 
 /// An advected parameter.
@@ -431,6 +435,21 @@ impl<'a> System<'a> {
         self.potential().depends_on(&factor.configuration.symbols())
     }
 
+    /// `−T*L_g ∂h/∂g + F`, what changes the momentum of a factor beside the bracket, if anything does.
+    pub fn kick<'s>(&self, factor: &'s Factor<'a>) -> Option<&'s Vector<'a>> {
+        let work_out = || {
+            let potential = self.depends_on_configuration(factor).then(|| {
+                let df = gradient(self.potential(), &factor.configuration.symbols());
+                -&trivialized_gradient(factor.algebra.group, self.side, &factor.configuration, &df)
+            });
+            match (potential, &factor.force) {
+                (Some(potential), Some(force)) => Some(&potential + force),
+                (potential, force) => potential.or_else(|| force.clone()),
+            }
+        };
+        factor.kick.get_or_init(work_out).as_ref()
+    }
+
     /// Whether the energy is an invariant of the motion: no force acts and the time has no part in it.
     pub fn is_autonomous(&self) -> bool {
         let free = self.factors.iter().all(|factor| factor.force.is_none());
@@ -624,6 +643,7 @@ fn factors<'a>(
             velocity,
             advected: Vec::new(),
             force: None,
+            kick: OnceCell::new(),
         }));
     }
     let whole = !factors.is_empty();

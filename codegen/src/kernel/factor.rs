@@ -34,6 +34,11 @@ impl<'a> Factoring<'a> {
         self.arena.expr(id)
     }
 
+    /// What has become of a node; itself, if it was not met.
+    pub(super) fn known(&self, id: Id) -> Id {
+        self.known.get(&id).copied().unwrap_or(id)
+    }
+
     fn visit(&mut self, id: Id) -> Id {
         if let Some(&known) = self.known.get(&id) {
             return known;

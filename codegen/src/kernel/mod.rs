@@ -142,7 +142,7 @@ impl Kernel {
             let signed: Vec<Signed> = group.iter().map(|expr| plan.plan(factoring.of(expr))).collect();
             signed
         });
-        names.carry_over(arena, &mut factoring, &plan);
+        names.carry_over(arena, &factoring, &plan);
         let [start, left, right, correction, domain, next] = planned;
         let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
         plan.share_pairs();

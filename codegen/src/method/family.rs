@@ -32,7 +32,7 @@
 use super::elimination::{Eliminated, Equation, eliminate};
 use super::{Member, Step, step_symbol};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
-use crate::group::{Element, Retraction, trivialized_gradient};
+use crate::group::{Element, Retraction};
 use crate::model::{Factor, Hamiltonian, System, plain};
 
 /// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
@@ -84,8 +84,9 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         for ((advected, space), w) in factor.advected.iter().zip(&algebra.spaces).zip(&w) {
             w.named(&format!("{}_kick", advected.name), space.coordinates());
         }
-        let kick = kick(system, factor, &intermediate)
-            .map(|kick| kick.scale(t).hold().named(&format!("{prefix}kick"), axes));
+        let kick = system
+            .kick(factor)
+            .map(|kick| kick.substitute(&intermediate).scale(t).hold().named(&format!("{prefix}kick"), axes));
 
         let eta = Element { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
         let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
@@ -217,25 +218,6 @@ fn at_intermediate_point<'a>(
     }
     is(&Vector(vec![system.time]), &mut std::iter::once(system.time + later));
     there
-}
-
-/// `−T*L_ḡ ∂h/∂g + F`, if there is any.
-fn kick<'a>(
-    system: &System<'a>,
-    factor: &Factor<'a>,
-    intermediate: &[(Symbol, Expr<'a>)],
-) -> Option<Vector<'a>> {
-    let potential = system.depends_on_configuration(factor).then(|| {
-        let df = gradient(system.potential(), &factor.configuration.symbols());
-        -&trivialized_gradient(factor.algebra.group, system.side, &factor.configuration, &df)
-    });
-    let both = match (potential, &factor.force) {
-        (Some(potential), Some(force)) => &potential + force,
-        (Some(potential), None) => potential,
-        (None, Some(force)) => force.clone(),
-        (None, None) => return None,
-    };
-    Some(both.substitute(intermediate))
 }
 
 /// `𝕀 y / t = μ̄` for each block of factors that an inertia couples; or `y = t ∂h/∂μ` and `μ̄ = …`.

@@ -32,13 +32,12 @@ impl Namer {
     pub(in crate::kernel) fn carry_over<'a>(
         &mut self,
         arena: &'a Arena,
-        factoring: &mut Factoring<'a>,
+        factoring: &Factoring<'a>,
         plan: &Plan<'a>,
     ) {
         for (id, name) in arena.roles() {
-            let factored = factoring.of(arena.expr(id));
             // the name is for the value, not for its negative
-            if let Some(signed) = plan.planned(factored.id())
+            if let Some(signed) = plan.planned(factoring.known(id))
                 && !signed.negative
                 && !plan.operation(signed.op).is_leaf()
             {
