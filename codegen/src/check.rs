@@ -317,7 +317,7 @@ fn names_are_distinct(subject: &Subject<'_>, diagnostics: &mut Diagnostics) {
     for (i, (name, what)) in declared.iter().enumerate() {
         if subject.field_names().any(|field| field == *name) {
             let message = format!(
-                "`{name}` is also a field of `{}`; {what} is no parameter and needs a name of its own",
+                "`{name}` is also a field of `{}`; {what} needs a name of its own",
                 subject.item.name
             );
             diagnostics.push(name, message);

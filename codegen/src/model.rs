@@ -612,11 +612,12 @@ fn factors<'a>(
     names: &mut Names,
 ) -> (Vec<Option<Factor<'a>>>, bool) {
     let mut factors = Vec::new();
+    if attribute.factors.is_empty() {
+        define_unknown(scope, None);
+    }
     for declared in &attribute.factors {
         let Some(group) = check::group(&declared.group) else {
-            if let Some(name) = &declared.name {
-                scope.define_unknown(plain(name));
-            }
+            define_unknown(scope, declared.name.as_ref());
             factors.push(None);
             continue;
         };
@@ -648,6 +649,25 @@ fn factors<'a>(
     }
     let whole = !factors.is_empty();
     (factors, whole)
+}
+
+/// Defines what a factor is called, or may be called if it has no name of its own, whose group is not known: using these names is
+/// no further error.
+fn define_unknown(scope: &mut Scope<'_>, factor: Option<&Ident>) {
+    let momentum = match factor {
+        Some(name) => {
+            scope.define_unknown(plain(name));
+            format!("{}_momentum", plain(name))
+        }
+        None => {
+            for group in crate::group::catalogue() {
+                scope.define_unknown(group.configuration_name());
+            }
+            "momentum".to_owned()
+        }
+    };
+    scope.define_unknown(momentum.replace("momentum", "velocity"));
+    scope.define_unknown(momentum);
 }
 
 /// Gives the advected parameters to the factors that act on them; `None` in place of those on which none does.

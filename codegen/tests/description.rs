@@ -1,7 +1,9 @@
 //! Reading the attribute and the struct, and the rules between them.
 
-use coadjoint_codegen::check::{self, GroupFacts};
+use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
+use coadjoint_codegen::expr::Arena;
+use coadjoint_codegen::model::System;
 use coadjoint_codegen::parse::{
     ADVECTED, Attribute, GROUP, Item, POTENTIAL, ScalarType, Shape, without_helpers,
 };
@@ -55,7 +57,8 @@ fn a_whole_attribute() {
          crate = my::coadjoint,",
         &[],
     );
-    assert_eq!(attribute.group.as_ref().expect("a group"), "SO3");
+    let [factor] = &attribute.factors[..] else { panic!("one group") };
+    assert!(factor.name.is_none() && factor.group == "SO3");
     assert_eq!(advected(&attribute), ["gamma: R3", "delta: R3"]);
     let potential = attribute.potential.as_ref().expect("a potential");
     assert_eq!(quote!(#potential).to_string(), quote!(weight * gamma.dot(&chi) + f(1, 2)).to_string());
@@ -67,7 +70,7 @@ fn a_whole_attribute() {
 #[test]
 fn nothing_is_an_attribute_too() {
     let attribute = attribute("", &[]);
-    assert!(attribute.group.is_none() && attribute.potential.is_none() && !attribute.has(GROUP));
+    assert!(attribute.factors.is_empty() && attribute.potential.is_none() && !attribute.has(GROUP));
     assert!(attribute.advected.is_empty());
 }
 
@@ -78,7 +81,10 @@ fn keys() {
     assert!(read.potential.is_some());
     attribute(
         "colour = red",
-        &[("colour", "there is no key `colour`; known: `group`, `advected`, `potential` and `crate`")],
+        &[(
+            "colour",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `control`, `force`, `invariance`, `methods` and `crate`",
+        )],
     );
     attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);
     attribute("3, group = SO3", &[("3", "expected a key, such as `group = SO3`")]);
@@ -96,11 +102,11 @@ fn values() {
         ],
     );
     assert!(read.has(GROUP) && read.has(ADVECTED));
-    attribute("group(SO3)", &[("(", "expected `=`; write `group = SO3`")]);
+    attribute("group(SO3)", &[("SO3", "`SO3` needs the group it moves on; write `SO3: SO3`")]);
     attribute("group = 3, potential = 1.0", &[("3", "expected identifier; write `group = SO3`")]);
     attribute("advected = gamma", &[("=", "expected parentheses; write")]);
     attribute("advected[gamma: R3]", &[("[", "expected parentheses; write")]);
-    attribute("advected()", &[("advected", "`advected` names no parameter; write")]);
+    attribute("advected()", &[("advected", "`advected` names nothing; write")]);
     attribute("potential == a", &[("=", "expected `=`; write")]);
     attribute(
         "crate = \"my::path\"",
@@ -108,7 +114,9 @@ fn values() {
     );
     attribute("crate = ", &[("=", "`crate` has no value; write `crate = path::to::coadjoint`")]);
     attribute("crate: a", &[(":", "expected `=`; write `crate = path::to::coadjoint`")]);
-    attribute("group = SO(3)", &[("SO(3)", "write the name of the group in one word: `SO3`")]);
+    let read = attribute("group = SO(3)", &[]);
+    assert_eq!(read.factors[0].group, "SO3");
+    attribute("group = SO(n)", &[("SO", "write the name of the group in one word, such as `SO3`")]);
     attribute(
         "crate = a::<b>",
         &[("<", "expected path segment after `::`; write `crate = path::to::coadjoint`")],
@@ -126,7 +134,7 @@ fn commas() {
         ],
     );
     assert_eq!(advected(&read), ["gamma: R3", "delta: R3"]);
-    assert!(read.group.is_some() && read.potential.is_some());
+    assert!(!read.factors.is_empty() && read.potential.is_some());
     let read = attribute(
         "group = SO3 SO2, potential = a b c, advected(gamma: R3)",
         &[("SO2", "expected a comma before this"), ("b", "expected a comma before this")],
@@ -139,20 +147,20 @@ fn advected_parameters() {
     let read = attribute(
         "advected(gamma: R3, gamma: R3, delta, : R3, eta: 3, zeta: R3), group = SO3",
         &[
-            ("gamma", "two advected parameters are called `gamma`"),
+            ("gamma", "`gamma` is named twice in `advected`"),
             ("delta", "`delta` needs the space it lives in; write `delta: R3`"),
             (":", "expected a name; an advected parameter is written `gamma: R3`"),
             ("3", "expected a space; an advected parameter is written `gamma: R3`"),
         ],
     );
     assert_eq!(advected(&read), ["gamma: R3", "zeta: R3"]);
-    assert!(read.group.is_some());
+    assert!(!read.factors.is_empty());
 }
 
 #[test]
 fn problems_inside_an_expression_end_with_it() {
     let read = attribute("potential = a.dot(1 2) + , group = SO3", &[("2", "expected `,`")]);
-    assert!(read.group.is_some() && read.potential.is_none() && read.has(POTENTIAL));
+    assert!(!read.factors.is_empty() && read.potential.is_none() && read.has(POTENTIAL));
     attribute(
         "potential = (a + ) * 2.0, grup = SO3",
         &[(")", "unexpected end of input, expected an expression"), ("grup", "there is no key `grup`")],
@@ -222,9 +230,9 @@ fn fields() {
         &[("#[cfg(unix)]", "the parameters of a system cannot depend on `cfg`")],
     );
     item(
-        "struct A { #[inertia(body)] a: f64, #[inertia] #[inertia] b: f64 }",
+        "struct A { #[inertia()] a: f64, #[inertia] #[inertia] b: f64 }",
         &[
-            ("#[inertia(body)]", "`#[inertia]` takes no arguments"),
+            ("#[inertia()]", "`#[inertia(…)]` names the factors that it is the inertia of"),
             ("#[inertia]", "`#[inertia]` is given twice; once is enough"),
         ],
     );
@@ -237,11 +245,12 @@ fn helpers_are_removed_from_what_cannot_be_read() {
     assert_eq!(without_helpers(tokens("enum A {}")).to_string(), "enum A { }");
 }
 
-fn catalogue() -> Vec<GroupFacts> {
-    vec![
-        GroupFacts { name: "SO3", dimension: 3, spaces: vec![("R3", 3)] },
-        GroupFacts { name: "SE2", dimension: 3, spaces: vec![("R2", 2), ("R3", 3)] },
-    ]
+/// Everything that is wrong with a description as a whole.
+fn problems(attribute: &Attribute, item: &Item) -> Diagnostics {
+    let mut found = Diagnostics::new();
+    check::structure(attribute, item, &mut found);
+    System::build(&Arena::new(), attribute, item, &mut found);
+    found
 }
 
 /// Asserts the rules that a description breaks.
@@ -252,9 +261,7 @@ fn breaks(attribute: &str, item: &str, expected: &[(&str, &str)]) {
     let text = item;
     let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
     assert!(diagnostics.is_empty() || text.contains("Broken"), "{text}");
-    let mut found = Diagnostics::new();
-    check::structure(&attribute, &item, &catalogue(), &mut found);
-    check::potential(&attribute, &item, &catalogue(), &mut found);
+    let found = problems(&attribute, &item);
     compare(text, &told(found), expected);
 }
 
@@ -273,18 +280,22 @@ fn a_sound_description_breaks_no_rule() {
 #[test]
 fn rules() {
     let body = "struct Body { #[inertia] j: Vector3<f64> }";
-    breaks("group = SO4", body, &[("SO4", "there is no group `SO4`; did you mean `SO3`?")]);
-    breaks("group = Circle", body, &[("Circle", "there is no group `Circle`; known: `SO3` and `SE2`")]);
+    breaks("group = SO4", body, &[("SO4", "there is no group `SO4`; did you mean `SO2`?")]);
+    breaks("group = Circle", body, &[("Circle", "there is no group `Circle`; known: `R1`")]);
     breaks(
         "group = SO3, advected(p: R2)",
         body,
-        &[("R2", "SO3 does not act on a space `R2`; did you mean `R3`?")],
+        &[("R2", "`SO3` does not act on a space `R2`; did you mean `R3`?")],
     );
-    breaks("group = SO3, advected(p: Q7)", body, &[("Q7", "SO3 does not act on a space `Q7`; known: `R3`")]);
+    breaks(
+        "group = SO3, advected(p: Q7)",
+        body,
+        &[("Q7", "`SO3` does not act on a space `Q7`; known: `R3`")],
+    );
     breaks(
         "group = SO3, advected(j: R3)",
         body,
-        &[("j", "`j` is also a field of `Body`; the advected parameter")],
+        &[("j", "`j` is also a field of `Body`; an advected parameter needs a name")],
     );
     breaks(
         "group = SO3",
@@ -304,7 +315,7 @@ fn rules() {
         "struct Body { #[inertia] j: Matrix2x3<f64> }",
         &[(
             "Matrix2x3<f64>",
-            "SO3 has dimension 3, so its inertia is a vector of 3 (principal moments), a 3×3 matrix or a scalar, but this \
+            "`SO3` has dimension 3, so its inertia is a vector of 3 (principal moments), a 3×3 matrix or a scalar, but this \
          is a 2×3 matrix",
         )],
     );
@@ -312,10 +323,162 @@ fn rules() {
         "group = SO3, advected(attitude: R3)",
         "struct Body { #[inertia] momentum: f64, __a: f64 }",
         &[
-            ("momentum", "`momentum` is the momentum of every system; choose another name"),
+            ("momentum", "`momentum` is the momentum of this system; choose another name"),
             ("__a", "names that begin with `__` belong to the generated code"),
-            ("attitude", "`attitude` is the configuration of every system; choose another name"),
+            ("attitude", "`attitude` is the configuration of this system; choose another name"),
         ],
+    );
+}
+
+#[test]
+fn factors() {
+    let pair = "struct Pair { #[inertia(first)] j: Vector3<f64>, #[inertia(second)] m: f64 }";
+    breaks("group(first: SO3, second: R3)", pair, &[]);
+    breaks("group(first: SO3, second: R(3))", pair, &[]);
+    breaks("group(first: SO3, second: R3)", "struct Pair { #[inertia] j: SMatrix<f64, 6, 6> }", &[]);
+    breaks(
+        "group(first: SO3, second: R3)",
+        "struct Pair { #[inertia(first)] j: f64, #[inertia(frist)] k: f64 }",
+        &[
+            ("frist", "there is no factor `frist` of the group; did you mean `first`?"),
+            ("Pair", "`second` has no inertia; mark one field with `#[inertia(second)]`"),
+        ],
+    );
+    breaks(
+        "group(first: SO3, second: R3)",
+        "struct Pair { #[inertia] j: f64, #[inertia(second)] k: f64 }",
+        &[("inertia", "`second` has several inertias, `j` and `k`")],
+    );
+    breaks(
+        "group(first: SO3, second: R3)",
+        "struct Pair { #[inertia] j: Vector3<f64> }",
+        &[("Vector3<f64>", "`SO3` and `R3` together have dimension 6, so its inertia is a vector of 6")],
+    );
+    breaks(
+        "group(first: SO3, second: SO3), advected(gamma: R3)",
+        pair,
+        &[("R3", "which factor acts on `gamma`, first or second? Write `gamma: first::R3`")],
+    );
+    breaks("group(first: SO3, second: SO3), advected(gamma: second::R3)", pair, &[]);
+    breaks(
+        "group(first: SO3, second: SO3), advected(gamma: third::R3)",
+        pair,
+        &[("third", "there is no factor `third`")],
+    );
+    breaks(
+        "group(first: SO3, second: R3), advected(first: R3)",
+        pair,
+        &[("first", "`first` is also a factor of the group")],
+    );
+    attribute("group(a: SO3, a: R3)", &[("a", "`a` is named twice in `group`")]);
+}
+
+#[test]
+fn energies_forces_and_controls() {
+    let body = "struct Body { #[inertia] j: f64 }";
+    let bare = "struct Body { j: f64 }";
+    breaks("group = SO3, hamiltonian = momentum.norm_squared() / j", bare, &[]);
+    breaks(
+        "group = SO3, hamiltonian = momentum.x, potential = j",
+        body,
+        &[
+            ("momentum.x", "the Hamiltonian is the whole energy"),
+            ("inertia", "the Hamiltonian says how the energy depends on the momentum"),
+        ],
+    );
+    breaks(
+        "group = SO3, potential = j * momentum.x + velocity.y + u, control(u: f64)",
+        body,
+        &[
+            ("momentum", "a potential does not depend on the momentum; an energy that does is written"),
+            ("velocity", "a potential does not depend on the velocity"),
+            ("u", "an energy does not depend on controls; they act through `force`"),
+        ],
+    );
+    breaks(
+        "group = SO3, hamiltonian = velocity.x",
+        bare,
+        &[("velocity", "an energy is a function of the momentum; write it in `momentum`")],
+    );
+    breaks("group = SO3, control(u: R3, w: f64), force = u - j * velocity + w * momentum", body, &[]);
+    breaks(
+        "group = SO3, force = j",
+        body,
+        &[("j", "this force must be a vector of 3, but this is a scalar")],
+    );
+    breaks("group = SO2, force = j * angle.sin_angle()", body, &[]);
+    breaks(
+        "group(a: SO3, b: R3), force = a_momentum, force(c = b)",
+        "struct Broken { #[inertia] j: f64 }",
+        &[("a_momentum", "on what does this force act? Write `force(a = …)`")],
+    );
+    breaks("group(a: SO3, b: R3), force(c = b)", body, &[("c", "there is no factor `c` to act on")]);
+    breaks(
+        "group = SO3, control(u: f32)",
+        body,
+        &[("f32", "this is made of `f32`, but the system of `f64`")],
+    );
+    breaks(
+        "group = SO3, control(j: f64)",
+        body,
+        &[("j", "`j` is also a field of `Body`; a control needs a name of its own")],
+    );
+    breaks(
+        "group = SO3, hamiltonian = momentum.x, methods(TangentLift)",
+        bare,
+        &[("momentum.x", "the tangent lift is made from an inertia")],
+    );
+    attribute("control(u: String)", &[("String", "`u` cannot be of this type; a control is a number")]);
+    attribute(
+        "methods(Midpiont)",
+        &[("Midpiont", "there is no method `Midpiont` to ask for; did you mean `Midpoint`?")],
+    );
+    attribute(
+        "methods(Cayley)",
+        &[("Cayley", "there is no method `Cayley` to ask for; this one needs not be asked for")],
+    );
+    attribute(
+        "methods(Family(3, 2))",
+        &[("Family", "the parameter s of a method is a fraction between 0 and 1")],
+    );
+    attribute("invariance = up", &[("up", "a system is `left`- or `right`-invariant")]);
+}
+
+#[test]
+fn configurations_in_expressions() {
+    let body = "struct Body { #[inertia] j: f64 }";
+    breaks("group = SO3, potential = (attitude.inverse() * Vector3::z()).x + attitude.w", body, &[]);
+    breaks(
+        "group = SE3, potential = pose.translation.x + (pose * Vector3::x()).dot(&(pose.rotation * Vector3::y()))",
+        body,
+        &[],
+    );
+    breaks("group = SO2, potential = angle.cos_angle() * j", body, &[]);
+    breaks("group = R3, potential = position.norm().ln() * t.sin()", body, &[]);
+    breaks(
+        "group = SO3, potential = attitude.x",
+        body,
+        &[("x", "an element of SO3 has no component `x`, but `w`, `i`, `j` and `k`")],
+    );
+    breaks(
+        "group = SO2, potential = angle.cos_angle",
+        body,
+        &[("cos_angle", "`cos_angle` is a method: write `.cos_angle()`")],
+    );
+    breaks(
+        "group = SO3, potential = attitude.angle()",
+        body,
+        &[("angle", "an element of SO3 has no method `angle` here")],
+    );
+    breaks(
+        "group = SO3, potential = (attitude * j).x",
+        body,
+        &[("*", "an element of SO3 cannot be multiplied by a scalar")],
+    );
+    breaks(
+        "group = SO3, potential = attitude",
+        body,
+        &[("attitude", "the potential must be a scalar, but this is an element of SO3")],
     );
 }
 
@@ -338,7 +501,7 @@ fn the_potential_is_looked_at_whatever_else_is_wrong() {
     breaks(
         "group = SO3, advected(gamma: R9), potential = weight * gamma.z",
         body,
-        &[("R9", "SO3 does not act")],
+        &[("R9", "`SO3` does not act")],
     );
 }
 
@@ -348,9 +511,7 @@ fn what_could_not_be_read_is_not_missing() {
     let mut ignored = Diagnostics::new();
     let attribute = Attribute::parse(tokens("group = 3"), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
-    let mut found = Diagnostics::new();
-    check::structure(&attribute, &item, &catalogue(), &mut found);
-    check::potential(&attribute, &item, &catalogue(), &mut found);
+    let found = problems(&attribute, &item);
     assert!(found.is_empty());
 }
 
@@ -359,9 +520,7 @@ fn a_missing_group_is_reported_once() {
     let mut ignored = Diagnostics::new();
     let attribute = Attribute::parse(TokenStream::new(), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
-    let mut found = Diagnostics::new();
-    check::structure(&attribute, &item, &catalogue(), &mut found);
-    check::potential(&attribute, &item, &catalogue(), &mut found);
+    let found = problems(&attribute, &item);
     let [(_, message)] = &told(found)[..] else { panic!("one problem") };
     assert!(
         message.starts_with(

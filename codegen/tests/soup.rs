@@ -1,9 +1,10 @@
 //! No input brings the front end down: token soup, half-sensible expressions, absurd nesting.
 
-use coadjoint_codegen::check::{self, GroupFacts};
+use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
+use coadjoint_codegen::model::System;
 use coadjoint_codegen::parse::{Attribute, Item, Shape, without_helpers};
 use proc_macro2::TokenStream;
 
@@ -193,21 +194,14 @@ impl Random {
     }
 }
 
-fn catalogue() -> Vec<GroupFacts> {
-    vec![
-        GroupFacts { name: "SO3", dimension: 3, spaces: vec![("R3", 3)] },
-        GroupFacts { name: "SE2", dimension: 3, spaces: vec![("R2", 2), ("R3", 3)] },
-    ]
-}
-
 /// Runs the whole front end.
 fn read(attribute: TokenStream, item: TokenStream) {
     let mut diagnostics = Diagnostics::new();
     let attribute = Attribute::parse(attribute, &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
-        check::structure(&attribute, &item, &catalogue(), &mut diagnostics);
-        check::potential(&attribute, &item, &catalogue(), &mut diagnostics);
+        check::structure(&attribute, &item, &mut diagnostics);
+        System::build(&Arena::new(), &attribute, &item, &mut diagnostics);
     }
     if let Some(potential) = &attribute.potential {
         let (arena, mut scope) = (Arena::new(), Scope::new());

@@ -353,7 +353,7 @@ mod fields {
         drive(&system, &AwkwardState { momentum: vector![1.0, 2.0, 3.0], ..state });
         let expected = 0.5 * 0.5 + 0.25 * 1.21 + 30.0 + 0.75 * 1.2 * 1.6 + 1.5 * (0.56 + 0.75 + 0.96);
         assert!((system.energy(&state) - expected).abs() < 1e-13);
-        assert!((system.potential(&state.state, &state.r#type, &state.eta) - expected).abs() < 1e-13);
+        assert!((system.potential(&state) - expected).abs() < 1e-13);
     }
 
     /// A raw identifier is a way to write a name, not part of it.
@@ -720,7 +720,7 @@ mod potentials {
                             $gamma: random.vector(),
                             $beta: random.vector(),
                         };
-                        let potential = system.potential(&state.$gamma, &state.$beta);
+                        let potential = system.potential(&state);
                         let kinetic = state.momentum.norm_squared() / (2.0 * system.inertia);
                         let defect = (system.energy(&state) - kinetic - potential).abs();
                         assert!(

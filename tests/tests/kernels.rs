@@ -1,9 +1,9 @@
 //! Straight-line code against the expressions it was made from: factoring, sharing, staging and naming change no value.
 
-use coadjoint_codegen::expr::{Arena, Expr, Number, Stage, Symbol, Vector};
+use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::kernel::{self, Kernel};
-use coadjoint_codegen::method::{Step, lie_poisson, step_symbol};
+use coadjoint_codegen::method::{Member, Step, family, step_symbol};
 use coadjoint_tests::precise::descriptions::{random_point, rigid_bodies};
 use coadjoint_tests::precise::formula::Point;
 use coadjoint_tests::precise::interpreter::{Inputs, Scope, Stages, run, stages};
@@ -59,7 +59,7 @@ fn a_value_that_occurs_twice_in_a_sum_counts_twice() {
     assert!(difference < Real::ten_to(-75), "{difference:?}");
 }
 
-/// A step of random expressions in two parameters and the step size, two coordinates of the state, and the unknowns.
+/// A step of random expressions in two parameters and the step size, two coordinates of the state (of which the second is given like a control, at the beginning of a step only), and the unknowns.
 #[derive(Clone, Debug)]
 struct RandomStep {
     unknowns: usize,
@@ -67,7 +67,7 @@ struct RandomStep {
     start: Forest,
     /// Of everything: left, right and two more for the next state.
     equations: Forest,
-    /// Of parameters and the unknown: one.
+    /// Of everything: one.
     domain: Forest,
 }
 
@@ -80,7 +80,7 @@ fn random_steps() -> BoxedStrategy<(RandomStep, Column)> {
         let all = PARAMETERS + STATE + unknowns;
         let start = forests(PARAMETERS + STATE, 1, unknowns);
         let equations = forests(all, 2, 2 * unknowns + STATE);
-        let domain = forests(PARAMETERS + unknowns, 1, 1);
+        let domain = forests(all, 1, 1);
         (start, equations, domain, numbers(all)).prop_map(move |(start, equations, domain, x)| {
             (RandomStep { unknowns, start, equations, domain }, x)
         })
@@ -110,7 +110,7 @@ impl RandomStep {
         let equations = self.equations.build(&[early.clone(), state.clone(), unknown.clone()].concat());
         let (left, rest) = equations.split_at(self.unknowns);
         let (right, next) = rest.split_at(self.unknowns);
-        let domain = self.domain.build(&[early.clone(), unknown.clone()].concat());
+        let domain = self.domain.build(&[early.clone(), state.clone(), unknown.clone()].concat());
         // a plain linear part makes most Jacobians regular
         let left = left.iter().zip(&unknown).map(|(&left, &x)| left + x * 4).collect();
         let step = Step {
@@ -119,7 +119,8 @@ impl RandomStep {
             start: Vector(start),
             left: Vector(left),
             right: Vector(right.to_vec()),
-            domain: domain.first().copied(),
+            given: Vector(state[STATE - 1..].to_vec()).symbols(),
+            domain,
             next: Vector(next.to_vec()),
         };
         Symbolic { step, parameters: Vector(parameters).symbols(), state: Vector(state).symbols() }
@@ -133,10 +134,12 @@ fn run_kernel(kernel: &Kernel, symbolic: &Symbolic<'_>, point: &Point) -> Stages
         (names, point.get(symbols))
     };
     let Symbolic { step, parameters, state } = symbolic;
+    let state: Vec<Symbol> = state.iter().copied().filter(|symbol| !step.given.contains(symbol)).collect();
     let inputs = Inputs {
         parameters: named(parameters),
         h: point.scalar(step.h),
-        state: named(state),
+        state: named(&state),
+        given: named(&step.given),
         unknown: point.get(&step.unknown.symbols()),
     };
     stages(kernel, &inputs)
@@ -151,7 +154,7 @@ fn deviation(stages: &Stages, step: &Step<'_>, point: &Point) -> (Real, Option<R
         vec![point.vector(&step.start), residual(point), point.vector(&step.right), point.vector(&step.next)];
     let margin = Column(stages.margin.iter().cloned().collect());
     computed.push(&margin);
-    direct.push(point.vector(&Vector(step.domain.into_iter().collect())));
+    direct.push(point.vector(&Vector(step.domain.clone())));
     let values = relative(&Column::stack(computed), &Column::stack(&direct));
 
     let unknown = step.unknown.symbols();
@@ -202,12 +205,12 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
     let mut worst = (Real::from(0), Real::from(0));
     for (seed, description) in (0..).zip(rigid_bodies()) {
         for (retraction, s) in
-            Retraction::ALL.into_iter().flat_map(|r| [(r, Number::ZERO), (r, Number::ratio(1, 2))])
+            Retraction::ALL.into_iter().flat_map(|r| [(r, Member::SYMPLECTIC_EULER_A), (r, Member::MIDPOINT)])
         {
-            let what = format!("{}, {}, s = {s}", description.name, retraction.name());
+            let what = format!("{}, {}, s = {}", description.name, retraction.name(), s.s());
             let arena = Arena::new();
             let system = description.system(&arena);
-            let step = lie_poisson::step(&arena, &system, retraction, s);
+            let step = family::step(&arena, &system, retraction, s);
             let kernel = Kernel::new(&arena, &step);
             let mut point = random_point(&system, seed);
             point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));

@@ -1,10 +1,10 @@
 //! The family of steps against its definition and its theorems, with 77 digits: for every system, retraction and `s` the step is
 //! a Poisson map that keeps all Casimirs, is its own adjoint and has order 2.
 
-use coadjoint_codegen::expr::{Arena, Number, Symbol, Vector, gradient};
-use coadjoint_codegen::group::{Named, Retraction};
-use coadjoint_codegen::method::{Step, lie_poisson};
-use coadjoint_codegen::model::System;
+use coadjoint_codegen::expr::{Arena, Symbol, Vector, gradient};
+use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::method::{self, Step, family};
+use coadjoint_codegen::model::{Factor, Hamiltonian, System};
 use coadjoint_tests::precise::definition::{SemidirectMatrices, realization};
 use coadjoint_tests::precise::descriptions::{Description, random_point, rigid_bodies};
 use coadjoint_tests::precise::formula::{Formula, Point};
@@ -17,8 +17,8 @@ use coadjoint_tests::precise::residuals::Residuals;
 const EXACT: f64 = 2e-76;
 
 /// The members of the family that are tested.
-fn parameters() -> [Number; 4] {
-    [Number::ZERO, Number::ratio(1, 2), Number::ONE, Number::ratio(3, 10)]
+fn parameters() -> [method::Member; 4] {
+    [(0, 1), (1, 2), (1, 1), (3, 10)].map(|(n, d)| method::Member::new(n, d).expect("between 0 and 1"))
 }
 
 /// A system with numbers for its parameters and state.
@@ -34,16 +34,21 @@ struct Subject<'a> {
 
 impl<'a> Subject<'a> {
     fn new(system: &'a System<'a>, seed: u64) -> Self {
-        let advected = system.advected_values();
-        let momentum: Vec<Symbol> =
-            system.momentum.symbols().into_iter().chain(advected.iter().flat_map(Vector::symbols)).collect();
+        let factor = &system.factors[0];
+        let advected = factor.advected.iter().flat_map(|advected| advected.value.symbols());
+        let momentum: Vec<Symbol> = factor.momentum.symbols().into_iter().chain(advected).collect();
         Self {
             system,
-            matrices: SemidirectMatrices::new(&system.algebra),
+            matrices: SemidirectMatrices::new(&factor.algebra),
             point: random_point(system, seed),
             velocity: gradient(system.energy(), &momentum),
             momentum,
         }
+    }
+
+    /// The one factor.
+    fn factor(&self) -> &'a Factor<'a> {
+        &self.system.factors[0]
     }
 
     /// The initial momentum.
@@ -133,9 +138,9 @@ fn for_each_member(check: impl Fn(&Member<'_, '_>, &mut Residuals)) {
 fn members(subject: &Subject<'_>, mut check: impl FnMut(&Member<'_, '_>)) {
     for retraction in Retraction::ALL {
         for s in parameters() {
-            let arena = subject.system.potential.arena();
-            let step = lie_poisson::step(arena, subject.system, retraction, s);
-            let s = subject.point.scalar(arena.number(s));
+            let arena = subject.system.time.arena();
+            let step = family::step(arena, subject.system, retraction, s);
+            let s = subject.point.scalar(arena.number(s.s()));
             check(&Member { subject, retraction, s, solver: Solver::new(&step), step: &step });
         }
     }
@@ -149,17 +154,20 @@ fn tenth() -> Real {
 fn energy_and_velocity_are_those_of_the_inertia() {
     for_each_system(|_, subject, residuals| {
         let system = subject.system;
-        let n = system.inertia.rows;
-        let value = |i: usize, j: usize| subject.point.scalar(system.inertia.at(i, j));
+        let Hamiltonian::Mechanical { inertia, potential } = &system.hamiltonian else {
+            panic!("rigid bodies have an inertia")
+        };
+        let n = inertia.rows;
+        let value = |i: usize, j: usize| subject.point.scalar(inertia.at(i, j));
         let inertia = Matrix::from_fn(n, n, value);
         assert_eq!(inertia, inertia.transpose());
-        let m = subject.point.get(&system.momentum.symbols());
+        let m = subject.point.get(&system.momentum().symbols());
         let velocity = inertia.solve(&m);
-        let by_system = subject.point.vector(&system.velocity(&system.momentum));
+        let by_system = subject.point.vector(&system.velocity(&system.momentum()));
         residuals.agree("velocity = 𝕀⁻¹ μ", &by_system, &velocity, EXACT);
         let derivative = subject.velocity(&subject.start()).part(0, n);
         residuals.agree("∂h/∂μ = 𝕀⁻¹ μ", &derivative, &velocity, EXACT);
-        let kinetic = subject.point.scalar(system.energy() - system.potential);
+        let kinetic = subject.point.scalar(system.energy() - *potential);
         residuals.vanish("h − V = ½ μ·𝕀⁻¹μ", &(kinetic - m.dot(&velocity) / Real::from(2)), EXACT);
     });
 }
@@ -200,8 +208,8 @@ fn steps_solve_their_definition() {
         let moved = matrices.coadjoint(&matrices.retract(*retraction, &eta.scale(&late)), &carried(&eta));
         residuals.agree("m' = Ad*_{τ((1−s)η)} m⁻", &member.momentum(&next), &moved, EXACT);
 
-        let realization = realization(subject.system.algebra.group);
-        let configuration = subject.system.configuration.symbols();
+        let realization = realization(subject.factor().algebra.group);
+        let configuration = subject.factor().configuration.symbols();
         let g = realization.matrix(&subject.point.get(&configuration));
         let turn = |part: &Real| {
             let hat = realization.hat(&y.scale(part));
@@ -219,10 +227,7 @@ fn steps_solve_their_definition() {
 #[test]
 fn steps_keep_all_casimirs() {
     for_each_member(|member, residuals| {
-        let system = member.subject.system;
-        let advected: Vec<_> = system.advected.iter().map(|(name, value)| Named { name, value }).collect();
-        let momentum = Named { name: "momentum", value: &system.momentum };
-        let casimirs = system.algebra.group.casimirs(&momentum, &advected);
+        let casimirs = member.subject.system.casimirs();
         let casimirs = Vector(casimirs.into_iter().map(|(_, casimir)| casimir).collect());
         let at = |m: &Column| member.at(&tenth(), m).vector(&casimirs);
         let start = member.subject.start();
@@ -234,11 +239,11 @@ fn steps_keep_all_casimirs() {
 #[test]
 fn steps_without_a_potential_keep_the_momentum_in_space() {
     for_each_member(|member, residuals| {
-        let system = member.subject.system;
-        if !system.advected.is_empty() {
+        let factor = member.subject.factor();
+        if !factor.advected.is_empty() {
             return;
         }
-        let (group, configuration) = (system.algebra.group, system.configuration.symbols());
+        let (group, configuration) = (factor.algebra.group, factor.configuration.symbols());
         let arena = Arena::new();
         let to_space =
             Formula::new(&arena, [configuration.len(), group.dimension()], |[g, m]| group.to_space(&g, &m));

@@ -44,7 +44,7 @@ fn beside(description: &str, output: &str) -> String {
 /// The code of one step.
 fn step(description: &str, retraction: Retraction) -> TokenStream {
     let steps = expansion(description).steps;
-    let step = steps.into_iter().find(|step| step.retraction == retraction);
+    let step = steps.into_iter().find(|step| step.scheme.retraction == retraction);
     step.expect("a step with this retraction").tokens
 }
 
@@ -81,8 +81,8 @@ fn steps_of_the_heavy_top() {
 #[test]
 fn the_heavy_top_as_a_system() {
     let input = description(HEAVY_TOP);
-    let Expansion { declaration, state, potential, system, .. } = expansion(input);
-    let output = pretty(quote! { #declaration #state #potential #system });
+    let Expansion { declaration, state, expressions, system, .. } = expansion(input);
+    let output = pretty(quote! { #declaration #state #expressions #system });
     assert_snapshot("heavy_top_system", &beside(input, &output));
 }
 
@@ -91,6 +91,6 @@ fn the_heavy_top_as_a_system() {
 fn the_kernel_of_the_free_rigid_body() {
     let input = description(FREE_RIGID_BODY);
     let steps = expansion(input).steps;
-    let step = steps.iter().find(|step| step.retraction == Retraction::Cayley).expect("a Cayley step");
+    let step = steps.iter().find(|step| step.scheme.retraction == Retraction::Cayley).expect("a Cayley step");
     assert_snapshot("free_rigid_body_cayley_kernel", &beside(input, &step.kernel.to_string()));
 }

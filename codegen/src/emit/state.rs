@@ -37,7 +37,14 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
     });
     let deviation = quote! {
         fn deviation(&self) -> #scalar {
-            [#(#deviations),*].into_iter().fold(0.0, |largest, off| if off > largest { off } else { largest })
+            let mut largest = 0.0;
+            #(
+                let off = #deviations;
+                if off > largest {
+                    largest = off;
+                }
+            )*
+            largest
         }
     };
     let state = record(state, &lines, &parts, format_ident!("State"), &quote! {}, &deviation, names);

@@ -206,6 +206,19 @@ pub(crate) fn trivialized_gradient<'a>(
     gradient(df.dot(&moved), &symbols).substitute(&zero)
 }
 
+/// What rotations keep of vectors in a space of dimension `leading + 1`: all lengths, and the inner products with the first
+/// `leading` vectors, on which those of the others depend.
+pub(crate) fn inner_products<'a>(vectors: &[Named<'_, 'a>], leading: usize) -> Vec<(String, Expr<'a>)> {
+    let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
+    let product =
+        |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
+    let mut kept: Vec<_> = vectors.iter().map(norm).collect();
+    for (i, a) in vectors.iter().take(leading).enumerate() {
+        kept.extend(vectors[i + 1..].iter().map(|b| product(a, b)));
+    }
+    kept
+}
+
 /// Symbols to differentiate by, when a formula's argument is not itself a symbol.
 pub(crate) fn placeholders<'a>(arena: &'a Arena, name: &str, dimension: usize) -> Vector<'a> {
     use crate::expr::Stage;

@@ -5,9 +5,10 @@
 //! [`rigid`](super::rigid).
 
 use super::rigid::Rigid;
-use super::so2::{Plane, SO2, inner_products};
+use super::so2::{Plane, SO2};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction, Semidirect,
+    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
+    Semidirect, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -105,16 +106,19 @@ impl Group for SE2 {
         &[&Plane(3)]
     }
 
-    /// The linear momentum's square; with advected vectors their inner products.
+    /// The linear momentum is one more vector that the rotations turn: lengths and inner products.
     fn casimirs<'a>(
         &self,
         momentum: Option<&Named<'_, 'a>>,
         advected: &[Named<'_, 'a>],
     ) -> Vec<(String, Expr<'a>)> {
-        let (Some(momentum), []) = (momentum, advected) else { return inner_products(advected) };
+        let Some(momentum) = momentum else { return inner_products(advected, 1) };
         let parts = rigid().split(momentum.value);
-        let linear = &parts.spaces[0];
-        vec![(format!("|{}.linear|²", momentum.name), linear.dot(linear))]
+        let name = format!("{}.linear", momentum.name);
+        let linear = Named { name: &name, value: &parts.spaces[0] };
+        let mut vectors = vec![linear];
+        vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));
+        inner_products(&vectors, 1)
     }
 
     fn components(&self) -> &'static [Component] {

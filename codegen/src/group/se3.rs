@@ -5,11 +5,10 @@
 //! [`rigid`](super::rigid).
 
 use super::rigid::Rigid;
-use super::so2::inner_products;
 use super::so3::{SO3, Space};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, Translation,
+    Semidirect, Translation, inner_products,
 };
 use crate::expr::{Expr, Vector};
 
@@ -100,19 +99,25 @@ impl Group for SE3 {
         &[&Turned]
     }
 
-    /// The linear momentum's square, and its product with the angular momentum; with advected vectors their inner products.
+    /// The linear momentum is one more vector that the rotations turn: lengths and inner products; without advected vectors also its
+    /// product with the angular momentum.
     fn casimirs<'a>(
         &self,
         momentum: Option<&Named<'_, 'a>>,
         advected: &[Named<'_, 'a>],
     ) -> Vec<(String, Expr<'a>)> {
-        let (Some(momentum), []) = (momentum, advected) else { return inner_products(advected) };
+        let Some(momentum) = momentum else { return inner_products(advected, 2) };
         let parts = rigid().split(momentum.value);
-        let linear = &parts.spaces[0];
-        vec![
-            (format!("|{}.linear|²", momentum.name), linear.dot(linear)),
-            (format!("{0}.angular·{0}.linear", momentum.name), parts.base.dot(linear)),
-        ]
+        let name = format!("{}.linear", momentum.name);
+        let linear = Named { name: &name, value: &parts.spaces[0] };
+        let mut vectors = vec![linear];
+        vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));
+        let mut casimirs = inner_products(&vectors, 2);
+        if advected.is_empty() {
+            casimirs
+                .push((format!("{0}.angular·{0}.linear", momentum.name), parts.base.dot(&parts.spaces[0])));
+        }
+        casimirs
     }
 
     fn components(&self) -> &'static [Component] {

@@ -7,7 +7,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Translation,
+    Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -119,7 +119,7 @@ impl Group for SO2 {
         &[&Plane(1)]
     }
 
-    /// Without vectors the momentum; all `Γᵢ·Γⱼ`, and for two vectors or more that is all.
+    /// Without vectors the momentum; with vectors their lengths and the angles between them.
     fn casimirs<'a>(
         &self,
         momentum: Option<&Named<'_, 'a>>,
@@ -127,25 +127,13 @@ impl Group for SO2 {
     ) -> Vec<(String, Expr<'a>)> {
         match (momentum, advected) {
             (Some(momentum), []) => vec![(momentum.name.to_owned(), momentum.value.0[0])],
-            _ => inner_products(advected),
+            _ => inner_products(advected, 1),
         }
     }
 
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }
-}
-
-/// All `|Γᵢ|²` and `Γᵢ·Γⱼ`.
-pub(super) fn inner_products<'a>(advected: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)> {
-    let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
-    let product =
-        |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
-    let mut casimirs: Vec<_> = advected.iter().map(norm).collect();
-    for (i, a) in advected.iter().enumerate() {
-        casimirs.extend(advected[i + 1..].iter().map(|b| product(a, b)));
-    }
-    casimirs
 }
 
 /// The fields of a complex number, and nalgebra's methods for cosine and sine.

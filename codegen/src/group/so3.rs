@@ -9,7 +9,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Translation,
+    Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -143,22 +143,20 @@ impl Group for SO3 {
         &[&Space]
     }
 
-    /// For `k` vectors: all `Γᵢ·Γⱼ`, and for one vector also `Π·Γ`; without vectors `|Π|²`.
+    /// For `k` vectors: the `Γᵢ·Γⱼ`, and for one vector also `Π·Γ`; without vectors `|Π|²`.
     fn casimirs<'a>(
         &self,
         momentum: Option<&Named<'_, 'a>>,
         advected: &[Named<'_, 'a>],
     ) -> Vec<(String, Expr<'a>)> {
-        let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
-        let product =
-            |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
-        let mut casimirs: Vec<_> = advected.iter().map(norm).collect();
-        for (i, a) in advected.iter().enumerate() {
-            casimirs.extend(advected[i + 1..].iter().map(|b| product(a, b)));
-        }
+        let mut casimirs = inner_products(advected, 2);
         match (momentum, advected) {
-            (Some(momentum), []) => casimirs.push(norm(momentum)),
-            (Some(momentum), [one]) => casimirs.push(product(momentum, one)),
+            (Some(momentum), []) => {
+                casimirs.push((format!("|{}|²", momentum.name), momentum.value.dot(momentum.value)));
+            }
+            (Some(momentum), [one]) => {
+                casimirs.push((format!("{}·{}", momentum.name, one.name), momentum.value.dot(one.value)));
+            }
             _ => {}
         }
         casimirs

@@ -24,6 +24,10 @@ pub trait Realization {
 pub fn realization(group: &dyn Group) -> &'static dyn Realization {
     match group.name() {
         "SO3" => &Rotations,
+        "SO2" => &PlaneRotations,
+        "SE3" => &Motions { rotations: &Rotations, dimension: 3, angular: 3, stored: 4 },
+        "SE2" => &Motions { rotations: &PlaneRotations, dimension: 2, angular: 1, stored: 2 },
+        "R1" | "R2" | "R3" | "R4" | "R5" | "R6" => &Translations,
         other => panic!("give {other} its definition by matrices"),
     }
 }
@@ -63,6 +67,111 @@ impl Realization for Rotations {
             "R3" => self.hat(x),
             other => panic!("give {other} its definition by matrices"),
         }
+    }
+}
+
+/// SO(2): rotation matrices of the plane, stored as unit complex numbers.
+struct PlaneRotations;
+
+impl Realization for PlaneRotations {
+    fn hat(&self, x: &Column) -> Matrix {
+        let zero = || Real::from(0);
+        Matrix::from_rows([[zero(), -&x[0]], [x[0].clone(), zero()]])
+    }
+
+    fn vee(&self, m: &Matrix) -> Column {
+        Column(vec![m.at(1, 0).clone()])
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        Matrix::from_rows([[g[0].clone(), -&g[1]], [g[1].clone(), g[0].clone()]])
+    }
+
+    fn defect(&self, g: &Column) -> Column {
+        Column(vec![g.dot(g) - Real::from(1)])
+    }
+
+    fn representation(&self, name: &str, x: &Column) -> Matrix {
+        match name {
+            "R2" => self.hat(x),
+            other => panic!("give {other} its definition by matrices"),
+        }
+    }
+}
+
+/// R(n): `[[1, p], [0, 1]]`.
+struct Translations;
+
+/// `[[block, column], [0, corner]]`
+fn bordered(block: &Matrix, column: &Column, corner: i64) -> Matrix {
+    let n = column.len();
+    Matrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
+        (true, true) => block.at(i, j).clone(),
+        (true, false) => column[i].clone(),
+        (false, true) => Real::from(0),
+        (false, false) => Real::from(corner),
+    })
+}
+
+impl Realization for Translations {
+    fn hat(&self, x: &Column) -> Matrix {
+        let zero = Matrix::from_fn(x.len(), x.len(), |_, _| Real::from(0));
+        bordered(&zero, x, 0)
+    }
+
+    fn vee(&self, m: &Matrix) -> Column {
+        let n = m.rows() - 1;
+        Column((0..n).map(|i| m.at(i, n).clone()).collect())
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        bordered(&Matrix::identity(g.len()), g, 1)
+    }
+
+    fn defect(&self, _: &Column) -> Column {
+        Column(vec![Real::from(0)])
+    }
+
+    fn representation(&self, name: &str, _: &Column) -> Matrix {
+        panic!("give {name} its definition by matrices")
+    }
+}
+
+/// SE(n): `[[R, p], [0, 1]]`.
+struct Motions {
+    rotations: &'static dyn Realization,
+    dimension: usize,
+    /// Coordinates of the rotations' algebra.
+    angular: usize,
+    /// Stored coordinates of a rotation.
+    stored: usize,
+}
+
+impl Realization for Motions {
+    fn hat(&self, x: &Column) -> Matrix {
+        let angular = self.rotations.hat(&x.part(0, self.angular));
+        bordered(&angular, &x.part(self.angular, self.dimension), 0)
+    }
+
+    fn vee(&self, m: &Matrix) -> Column {
+        let n = self.dimension;
+        let block = Matrix::from_fn(n, n, |i, j| m.at(i, j).clone());
+        let linear = Column((0..n).map(|i| m.at(i, n).clone()).collect());
+        Column::stack([&self.rotations.vee(&block), &linear])
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        let rotation = self.rotations.matrix(&g.part(0, self.stored));
+        bordered(&rotation, &g.part(self.stored, self.dimension), 1)
+    }
+
+    fn defect(&self, g: &Column) -> Column {
+        self.rotations.defect(&g.part(0, self.stored))
+    }
+
+    /// Directions: translations leave them alone.
+    fn representation(&self, name: &str, x: &Column) -> Matrix {
+        self.rotations.representation(name, &x.part(0, self.angular))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::Arena;
-use coadjoint_codegen::group::{self, Retraction};
-use coadjoint_codegen::model::{InertiaShape, System};
+use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::model::{Hamiltonian, InertiaShape, System};
 use coadjoint_codegen::parse::{Attribute, Item};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -64,11 +64,8 @@ impl Description {
     pub fn system<'a>(&self, arena: &'a Arena) -> System<'a> {
         let mut diagnostics = Diagnostics::new();
         let attribute = Attribute::parse(self.attribute.clone(), &mut diagnostics);
-        let system = Item::parse(self.item.clone(), &mut diagnostics).and_then(|item| {
-            let name = attribute.group.as_ref()?;
-            let group = group::catalogue().iter().copied().find(|group| name == group.name())?;
-            System::build(arena, &attribute, &item, group, &mut diagnostics)
-        });
+        let system = Item::parse(self.item.clone(), &mut diagnostics)
+            .and_then(|item| System::build(arena, &attribute, &item, &mut diagnostics));
         diagnostics.finish().expect("the descriptions have no problems");
         system.expect("a description without problems is a system")
     }
@@ -78,17 +75,18 @@ impl Description {
 pub fn random_point(system: &System<'_>, seed: u64) -> Point {
     let random = &mut Random::new(seed);
     let mut point = Point::default();
-    for symbols in [system.parameter_symbols(), system.state_symbols()] {
+    let given = [system.time_symbol(), system.control_symbols()].concat();
+    for symbols in [system.parameter_symbols(), system.state_symbols(), given] {
         point.set(&symbols, &Column::random(symbols.len(), random));
     }
 
     // dominated by a diagonal of distinct moments, hence positive definite
-    for i in 0..system.inertia.rows {
+    let Hamiltonian::Mechanical { inertia, .. } = &system.hamiltonian else { return point };
+    for i in 0..inertia.rows {
         for j in 0..=i {
-            let symbol = system.inertia.at(i, j).as_symbol();
-            let Some(symbol) =
-                symbol.filter(|_| i == j || system.inertia_field.shape == InertiaShape::Matrix)
-            else {
+            let symbol = inertia.at(i, j).as_symbol();
+            let matrix = system.inertias.iter().all(|field| field.shape == InertiaShape::Matrix);
+            let Some(symbol) = symbol.filter(|_| i == j || matrix) else {
                 continue;
             };
             let scattered = point.value(symbol) / Real::from(4);
@@ -97,10 +95,12 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
         }
     }
 
-    let group = system.algebra.group;
-    let arena = Arena::new();
-    let retract = Formula::new(&arena, [group.dimension()], |[x]| group.retract(Retraction::Cayley, &x));
-    let g = retract.at([&Column::random(group.dimension(), random)]);
-    point.set(&system.configuration.symbols(), &g);
+    for factor in &system.factors {
+        let group = factor.algebra.group;
+        let arena = Arena::new();
+        let retract = Formula::new(&arena, [group.dimension()], |[x]| group.retract(Retraction::Cayley, &x));
+        let g = retract.at([&Column::random(group.dimension(), random)]);
+        point.set(&factor.configuration.symbols(), &g);
+    }
     point
 }

@@ -121,6 +121,8 @@ pub struct Inputs {
     pub h: Real,
     /// The state's names and values.
     pub state: (Vec<String>, Column),
+    /// The names and values of what only the beginning of a step is given: time and controls.
+    pub given: (Vec<String>, Column),
     /// The values of the unknown, known by the kernel's own names.
     pub unknown: Column,
 }
@@ -135,14 +137,16 @@ pub fn stages(kernel: &Kernel, inputs: &Inputs) -> Stages {
     let mut parameters = scope(&inputs.parameters.0, &inputs.parameters.1);
     parameters.define(&kernel.h, &Column(kernel.h.iter().map(|_| inputs.h.clone()).collect()));
     let state = scope(&inputs.state.0, &inputs.state.1);
+    let given = scope(&inputs.given.0, &inputs.given.1);
     let unknown = scope(&kernel.unknown, &inputs.unknown);
 
     let constants = run(&kernel.new, &parameters).1.only(&kernel.constants);
     let seen = constants.and(&state);
+    let step = run(&kernel.begin, &seen.and(&given)).1.only(&kernel.step);
+    let seen = seen.and(&step);
     let (start, _) = run(&kernel.start, &seen);
-    let step = run(&kernel.begin, &seen).1.only(&kernel.step);
 
-    let seen = seen.and(&step).and(&unknown);
+    let seen = seen.and(&unknown);
     let (evaluation, all) = run(&kernel.evaluate, &seen);
     let (residual, right) = (evaluation.part(0, start.len()), evaluation.part(start.len(), start.len()));
     let iterate = all.only(&kernel.iterate).and(&scope(&kernel.residual, &residual));
@@ -150,7 +154,6 @@ pub fn stages(kernel: &Kernel, inputs: &Inputs) -> Stages {
     let seen = seen.and(&iterate);
     let (correction, _) = run(&kernel.correction, &seen);
     let (next, _) = run(&kernel.finish, &seen);
-    // the domain is a matter of the unknown
-    let (margin, _) = run(&kernel.domain, &constants.and(&unknown).and(&iterate));
+    let (margin, _) = run(&kernel.domain, &seen);
     Stages { start, residual, right, correction, margin: margin.0.into_iter().next(), next }
 }
