@@ -59,7 +59,8 @@ fn a_value_that_occurs_twice_in_a_sum_counts_twice() {
     assert!(difference < Real::ten_to(-75), "{difference:?}");
 }
 
-/// A step of random expressions in two parameters and the step size, two coordinates of the state (of which the second is given like a control, at the beginning of a step only), and the unknowns.
+/// A step of random expressions in two parameters and the step size, two coordinates of the state, and the unknowns. The second
+/// coordinate of the state is given as controls are: at the beginning of a step only.
 #[derive(Clone, Debug)]
 struct RandomStep {
     unknowns: usize,
@@ -184,11 +185,9 @@ fn corrections_of_random_steps_solve_the_linearized_equation() {
 }
 
 fn deviation_of_random(random: &RandomStep, x: &Column) -> Option<(Real, Option<Real>)> {
-    let (early, late) = (x.part(0, PARAMETERS + STATE), x.part(PARAMETERS + STATE, random.unknowns));
-    let parameters = x.part(0, PARAMETERS);
-    random.start.values(&early)?;
+    random.start.values(&x.part(0, PARAMETERS + STATE))?;
     random.equations.values(x)?;
-    random.domain.values(&Column::stack([&parameters, &late]))?;
+    random.domain.values(x)?;
 
     let arena = Arena::new();
     let symbolic = random.build(&arena);
