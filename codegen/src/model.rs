@@ -242,11 +242,6 @@ impl<'a> System<'a> {
         let time = arena.symbol("t", Stage::Step);
         scope.define("t", Value::Scalar(time));
 
-        let mut sources = Sources {
-            potential: attribute.potential.clone(),
-            hamiltonian: attribute.hamiltonian.clone(),
-            forces: Vec::new(),
-        };
         let mut lower = |what: &str, source: &Option<syn::Expr>, scope: &mut Scope<'a>| {
             source.as_ref().and_then(|source| lower_scalar(what, source, scope, arena, diagnostics))
         };
@@ -255,6 +250,12 @@ impl<'a> System<'a> {
         scope.withhold(names.withheld_from_hamiltonians());
         let hamiltonian = lower("the Hamiltonian", &attribute.hamiltonian, &mut scope);
         scope.withhold(Vec::new());
+        // what has no meaning, which was reported, is not shown to rustc
+        let mut sources = Sources {
+            potential: attribute.potential.clone().filter(|_| potential.is_some()),
+            hamiltonian: attribute.hamiltonian.clone().filter(|_| hamiltonian.is_some()),
+            forces: Vec::new(),
+        };
         for force in &attribute.forces {
             let target = factors.iter().position(|factor: &Option<Factor<'a>>| {
                 factor.as_ref().is_some_and(|factor| {

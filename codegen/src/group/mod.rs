@@ -10,6 +10,7 @@ mod se3;
 mod semidirect;
 mod so2;
 mod so3;
+mod su2;
 
 pub use euclidean::R;
 pub use se2::SE2;
@@ -17,6 +18,7 @@ pub use se3::SE3;
 pub use semidirect::{Element, Semidirect};
 pub use so2::SO2;
 pub use so3::SO3;
+pub use su2::SU2;
 
 use crate::expr::{Arena, Expr, Vector, gradient};
 use crate::model::Side;
@@ -187,7 +189,7 @@ pub struct Translation<'a> {
 
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
-    &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3]
+    &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2]
 }
 
 /// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as

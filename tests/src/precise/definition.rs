@@ -25,6 +25,7 @@ pub fn realization(group: &dyn Group) -> &'static dyn Realization {
     match group.name() {
         "SO3" => &Rotations,
         "SO2" => &PlaneRotations,
+        "SU2" => &Quaternions,
         "SE3" => &Motions { rotations: &Rotations, dimension: 3, angular: 3, stored: 4 },
         "SE2" => &Motions { rotations: &PlaneRotations, dimension: 2, angular: 1, stored: 2 },
         "R1" | "R2" | "R3" | "R4" | "R5" | "R6" => &Translations,
@@ -96,6 +97,38 @@ impl Realization for PlaneRotations {
             "R2" => self.hat(x),
             other => panic!("give {other} its definition by matrices"),
         }
+    }
+}
+
+/// SU(2): quaternions as the matrices of their multiplication from the left.
+struct Quaternions;
+
+impl Realization for Quaternions {
+    fn hat(&self, x: &Column) -> Matrix {
+        let half = |i: usize| &x[i] / Real::from(2);
+        self.matrix(&Column(vec![Real::from(0), half(0), half(1), half(2)]))
+    }
+
+    fn vee(&self, m: &Matrix) -> Column {
+        Column((1..4).map(|i| m.at(i, 0) * Real::from(2)).collect())
+    }
+
+    fn matrix(&self, q: &Column) -> Matrix {
+        let [w, x, y, z] = std::array::from_fn(|i| q[i].clone());
+        Matrix::from_rows([
+            [w.clone(), -&x, -&y, -&z],
+            [x.clone(), w.clone(), -&z, y.clone()],
+            [y.clone(), z.clone(), w.clone(), -&x],
+            [z, -&y, x, w],
+        ])
+    }
+
+    fn defect(&self, q: &Column) -> Column {
+        Column(vec![q.dot(q) - Real::from(1)])
+    }
+
+    fn representation(&self, name: &str, _: &Column) -> Matrix {
+        panic!("give {name} its definition by matrices")
     }
 }
 

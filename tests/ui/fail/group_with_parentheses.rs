@@ -1,6 +1,6 @@
 use coadjoint::prelude::*;
 
-#[lie_poisson_system(group = SO(3))]
+#[lie_poisson_system(group = SO(n))]
 pub struct Body {
     #[inertia]
     pub inertia: Vector3<f64>,

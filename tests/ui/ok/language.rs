@@ -44,6 +44,21 @@ struct Raw {
     r#type: f64,
 }
 
+// factors, configurations, controls, velocities and the time
+#[lie_poisson_system(
+    group(first: SO3, spot: R(2)),
+    advected(gamma: first::R3),
+    potential = (first * gamma).z * spot.x + first.inverse().transform_vector(&gamma).y * t.cos(),
+    control(push: R2, gain: f64),
+    force(spot = gain * push - t * spot_velocity, first = gain * first_momentum.cross(&gamma)),
+)]
+struct Pair {
+    #[inertia(first)]
+    inertia: f64,
+    #[inertia(spot)]
+    mass: f64,
+}
+
 fn main() {
     let top = Top {
         inertia: Matrix3::from_diagonal(&vector![1.0, 2.0, 3.0]),
@@ -60,8 +75,21 @@ fn main() {
         delta,
     };
     // at rest, the energy is the potential: as derived, and as rustc compiled it
-    let difference = top.energy(&state) - top.potential(&gamma, &delta);
+    let difference = top.energy(&state) - top.potential(&state);
     assert!(difference.abs() < 1e-14, "{difference}");
     FreeBody { inertia: vector![1.0, 2.0, 3.0] }.stepper::<Cayley>(0.1).expect("a body");
-    assert_eq!(Raw { inertia: 1.0, r#type: 2.0 }.potential(&Vector3::z()), 2.0);
+    let raw = Raw { inertia: 1.0, r#type: 2.0 };
+    let state =
+        RawState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros(), gamma: Vector3::z() };
+    assert_eq!(raw.potential(&state), 2.0);
+    let pair = PairState {
+        first: UnitQuaternion::from_euler_angles(0.1, 0.2, 0.3),
+        first_momentum: Vector3::x(),
+        spot: vector![0.1, 0.2],
+        spot_momentum: vector![0.3, 0.4],
+        gamma: Vector3::y(),
+    };
+    let control = PairControl { push: vector![1.0, 2.0], gain: 3.0 };
+    let push = Pair { inertia: 1.0, mass: 2.0 }.force_spot(&pair, &control, 0.5);
+    assert!((push - (vector![1.0, 2.0] * 3.0 - vector![0.15, 0.2] * 0.5)).norm() < 1e-15, "{push}");
 }

@@ -1,0 +1,127 @@
+//! SU(2), unit quaternions: the double cover of the rotations of space, as spins see it.
+//!
+//! * Algebra: `su(2) ≅ R³`, `x` standing for the pure quaternion `x/2`, which is `−i x·σ/2`; bracket `[x, y] = x × y`, `ad*_x m = m × x`.
+//! * Storage: the unit quaternion `w, x, y, z` itself, of which `q` and `−q` are different elements; `g' = g (0, ξ)/2`.
+//! * `exp x = (c₀(z/4), c₁(z/4) x/2)` with `z = |x|²`, as for [`SO3`](super::SO3). The Cayley map is that of the quaternions, not of the
+//!   rotation matrices: with `a = x/4`, `cay x = (1 − a)⁻¹(1 + a) = (1 − |a|², 2a)/(1 + |a|²)`, and
+//!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
+
+use super::so3::SO3;
+use super::{Component, EquationNames, Equations, Group, Named, Representation, Retraction};
+use crate::expr::{Expr, Number, Vector};
+
+/// Unit quaternions.
+pub struct SU2;
+
+/// `a = x/4` and `|a|²`
+fn quarter<'a>(x: &Vector<'a>) -> (Vector<'a>, Expr<'a>) {
+    let a = x.scale(x.0[0].arena().number(Number::ratio(1, 4)));
+    let squared = x.dot(x).scale(Number::ratio(1, 16));
+    (a, squared)
+}
+
+impl Group for SU2 {
+    fn name(&self) -> &'static str {
+        "SU2"
+    }
+
+    fn conventions(&self) -> &'static str {
+        "spin: unit quaternion, not identified with its negative; momentum and velocity: body coordinates"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "spin"
+    }
+
+    fn configuration_type(&self) -> &'static str {
+        SO3.configuration_type()
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        SO3.coordinates()
+    }
+
+    fn momentum_type(&self) -> &'static str {
+        SO3.momentum_type()
+    }
+
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        SO3.equations(names)
+    }
+
+    fn dimension(&self) -> usize {
+        3
+    }
+
+    fn axes(&self) -> &'static [&'static str] {
+        SO3.axes()
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        x.cross(y)
+    }
+
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        match retraction {
+            Retraction::Exponential => SO3.retract(retraction, x),
+            Retraction::Cayley => {
+                let (a, squared) = quarter(x);
+                let shared = (squared + 1).recip();
+                let mut quaternion = vec![shared.scale(2) - 1];
+                quaternion.extend(a.scale(shared.scale(2)).iter());
+                Vector(quaternion)
+            }
+        }
+    }
+
+    /// The transpose turns `a` into `−a`.
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match retraction {
+            Retraction::Exponential => SO3.d_right_dual(retraction, x, m),
+            Retraction::Cayley => {
+                let (a, squared) = quarter(x);
+                let two = squared.arena().number(2);
+                let shared = (squared + 1).recip();
+                let turned = &m.scale(-squared + 1) - &a.cross(m).scale(two);
+                (&turned + &a.scale(a.dot(m).scale(2))).scale(shared * shared)
+            }
+        }
+    }
+
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+        SO3.domain(retraction, x)
+    }
+
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        SO3.compose(g, h)
+    }
+
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        SO3.inverse(g)
+    }
+
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        SO3.normalize(g)
+    }
+
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        SO3.to_space(g, m)
+    }
+
+    /// None: the Cayley map of the quaternions turns space otherwise than that of the rotation matrices does.
+    fn representations(&self) -> &'static [&'static dyn Representation] {
+        &[]
+    }
+
+    fn casimirs<'a>(
+        &self,
+        momentum: Option<&Named<'_, 'a>>,
+        advected: &[Named<'_, 'a>],
+    ) -> Vec<(String, Expr<'a>)> {
+        SO3.casimirs(momentum, advected)
+    }
+
+    fn components(&self) -> &'static [Component] {
+        SO3.components()
+    }
+}
