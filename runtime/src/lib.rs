@@ -48,6 +48,8 @@
 // The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
 extern crate self as coadjoint;
 
+#[cfg(feature = "std")]
+pub mod certify;
 pub mod composition;
 pub mod error;
 pub mod generic;
@@ -69,6 +71,8 @@ pub mod system;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
 
+#[cfg(feature = "std")]
+pub use certify::certify;
 pub use coadjoint_macros::lie_poisson_system;
 pub use error::{ParameterError, StepError};
 pub use nalgebra;

@@ -141,6 +141,11 @@ pub trait System: Sized {
     const CASIMIRS: &'static [&'static str];
     /// Whether the Hamiltonian does not depend on time and no force acts: then energy is an invariant of the motion.
     const AUTONOMOUS: bool;
+    /// Whether momentum and advected parameters alone have a part in the motion: no force acts, and the Hamiltonian depends neither
+    /// on the configuration nor on time.
+    const INVARIANT: bool;
+    /// Whether a force acts: then neither the motion nor a step is symplectic.
+    const FORCED: bool;
 
     /// The parameters as a flat array.
     fn to_parameters(&self) -> Self::Parameters<Self::Scalar>;

@@ -63,6 +63,8 @@ impl System for Body {
         &[Quantity { name: "inertia", components: &["x", "y", "z"], doc: "" }];
     const CASIMIRS: &'static [&'static str] = &["|momentum|²"];
     const AUTONOMOUS: bool = true;
+    const INVARIANT: bool = true;
+    const FORCED: bool = false;
 
     fn to_parameters(&self) -> [f64; 3] {
         self.inertia.into()
@@ -289,6 +291,8 @@ impl System for Oscillator {
     ];
     const CASIMIRS: &'static [&'static str] = &[];
     const AUTONOMOUS: bool = false;
+    const INVARIANT: bool = false;
+    const FORCED: bool = true;
 
     fn to_parameters(&self) -> [f64; 3] {
         [self.mass, self.stiffness, self.drive]

@@ -36,6 +36,8 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
         false => quote! { #private::StormerVerlet<R> },
     };
     let autonomous = system.is_autonomous();
+    let invariant = system.is_left_invariant();
+    let forced = system.factors.iter().any(|factor| factor.force.is_some());
     let quantities = system
         .parameters
         .iter()
@@ -124,6 +126,8 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
                 const PARAMETERS: &'static [#private::Quantity] = &[#(#quantities),*];
                 const CASIMIRS: &'static [&'static ::core::primitive::str] = &[#(#casimir_names),*];
                 const AUTONOMOUS: ::core::primitive::bool = #autonomous;
+                const INVARIANT: ::core::primitive::bool = #invariant;
+                const FORCED: ::core::primitive::bool = #forced;
 
                 fn to_parameters(&self) -> [#scalar; #size] {
                     #(#take)*

@@ -1,0 +1,160 @@
+//! What schemes claim of their steps.
+
+use serde::Serialize;
+
+use super::definition::Walk;
+use super::probe::Probe;
+use crate::composition::{Coefficients, Composed};
+use crate::geometry::{Geometry, Map};
+use crate::retraction::{Cayley, Exponential};
+use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
+use crate::system::{Generated, System};
+
+/// Which of a system's Casimirs a step keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Kept {
+    /// All of them.
+    All,
+    /// Those that are functions of advected parameters alone.
+    Advected,
+    /// None.
+    None,
+}
+
+/// What a scheme claims of its steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Claim {
+    /// The order.
+    pub order: u32,
+    /// Whether the step `−h` undoes the step `h`.
+    pub symmetric: bool,
+    /// Whether steps keep the Poisson structure, on the cotangent bundle the symplectic form.
+    pub poisson: bool,
+    /// What they keep of the Casimirs.
+    pub casimirs: Kept,
+}
+
+impl Claim {
+    /// What the member `s = N/D` of the family claims.
+    const fn family<S: System>(numerator: u32, denominator: u32) -> Self {
+        let even = S::INVARIANT || 2 * numerator == denominator;
+        Self { order: if even { 2 } else { 1 }, symmetric: even, poisson: !S::FORCED, casimirs: Kept::All }
+    }
+
+    /// What a composition with coefficients of this order claims.
+    const fn composed(self, order: u32) -> Self {
+        let rises = self.symmetric && self.order == 2;
+        Self { order: if rises { order } else { self.order }, ..self }
+    }
+}
+
+/// A scheme that says what its steps claim for the system `S`, to be [certified](super::certify).
+pub trait Claims<S: Geometry<Scalar = f64>> {
+    /// The claims.
+    const CLAIM: Claim;
+
+    /// Takes the same step from its definition; `false` if there is none to compare with.
+    fn walk(_walk: &mut Walk<'_, S>, _step: f64) -> bool {
+        false
+    }
+
+    /// Shows the kernels that the step is made of.
+    fn kernels(_probe: &mut Probe<'_, S>, _step: f64) {}
+}
+
+/// A retraction of the catalogue.
+pub trait Retraction {
+    /// It, as a value.
+    const MAP: Map;
+}
+
+macro_rules! retraction {
+    ($($name:ident),*) => {
+        $(impl Retraction for $name {
+            const MAP: Map = Map::$name;
+        }
+
+        impl<S> Claims<S> for $name
+        where
+            S: Geometry<Scalar = f64>,
+            S::Standard<$name>: Claims<S>,
+        {
+            const CLAIM: Claim = <S::Standard<$name> as Claims<S>>::CLAIM;
+
+            fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+                <S::Standard<$name> as Claims<S>>::walk(walk, step)
+            }
+
+            fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+                <S::Standard<$name> as Claims<S>>::kernels(probe, step);
+            }
+        })*
+    };
+}
+retraction!(Exponential, Cayley);
+
+impl<S, R, const N: u32, const D: u32> Claims<S> for Family<R, N, D>
+where
+    S: Geometry<Scalar = f64> + Generated<Self>,
+    R: Retraction,
+{
+    const CLAIM: Claim = Claim::family::<S>(N, D);
+
+    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+        walk.family(R::MAP, f64::from(N) / f64::from(D), step);
+        true
+    }
+
+    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+        probe.kernel::<<S as Generated<Self>>::Kernel<f64>>(step);
+    }
+}
+
+impl<S, R> Claims<S> for StormerVerlet<R>
+where
+    S: Geometry<Scalar = f64>,
+    SymplecticEulerA<R>: Claims<S>,
+    SymplecticEulerB<R>: Claims<S>,
+{
+    // half of the first member, then half of its adjoint
+    const CLAIM: Claim = Claim { order: 2, symmetric: true, ..SymplecticEulerA::<R>::CLAIM };
+
+    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+        SymplecticEulerA::<R>::walk(walk, 0.5 * step) && SymplecticEulerB::<R>::walk(walk, 0.5 * step)
+    }
+
+    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+        SymplecticEulerA::<R>::kernels(probe, 0.5 * step);
+        SymplecticEulerB::<R>::kernels(probe, 0.5 * step);
+    }
+}
+
+impl<S: Geometry<Scalar = f64>, R> Claims<S> for TangentLift<R> {
+    const CLAIM: Claim = Claim { order: 1, symmetric: false, poisson: false, casimirs: Kept::Advected };
+}
+
+impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
+    const CLAIM: Claim = M::CLAIM;
+
+    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+        M::walk(walk, step)
+    }
+
+    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+        M::kernels(probe, step);
+    }
+}
+
+impl<S: Geometry<Scalar = f64>, C: Coefficients, M: Claims<S>> Claims<S> for Composed<C, M> {
+    const CLAIM: Claim = M::CLAIM.composed(C::ORDER);
+
+    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+        C::GAMMA.iter().all(|gamma| M::walk(walk, gamma * step))
+    }
+
+    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+        for gamma in C::GAMMA {
+            M::kernels(probe, gamma * step);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The family's step from its definition, for any system, by fixed-point iteration.
+//!
+//! Of the generated code it takes what [`Geometry`] has, and none of a step's closed forms: the exponential's logarithmic derivative
+//! is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::frame::Frame;
+use crate::geometry::{Geometry, Map};
+
+/// A state on its way through steps taken from their definition.
+pub struct Walk<'a, S: Geometry<Scalar = f64>> {
+    frame: &'a Frame<'a, S>,
+    pub(super) state: S::State,
+    time: f64,
+    control: S::Control,
+    /// Whether a step could not be taken.
+    pub(super) lost: bool,
+}
+
+/// More sweeps than any step takes that a fixed-point iteration solves in reasonable time.
+const SWEEPS: usize = 200;
+
+impl<'a, S: Geometry<Scalar = f64>> Walk<'a, S> {
+    pub(super) fn new(frame: &'a Frame<'a, S>, state: &S::State, time: f64, control: &S::Control) -> Self {
+        Self { frame, state: state.clone(), time, control: control.clone(), lost: false }
+    }
+
+    /// Takes a step with the member `s` of the [family](crate::scheme::Family).
+    pub fn family(&mut self, map: Map, s: f64, step: f64) {
+        match self.solve(map, s, step) {
+            Some(state) => self.state = state,
+            None => self.lost = true,
+        }
+        self.time += step;
+    }
+
+    /// `m⁻ = Ad*_{τ(sη)} m`, `ḡ = g τ(sη)`, `m⁺ = m⁻ + t (F − ∂h/∂g)`, `m̄ = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{sη})* m` and
+    /// `η = t ∂h/∂m`, over and over.
+    fn solve(&self, map: Map, s: f64, step: f64) -> Option<S::State> {
+        let Self { frame, state, control, .. } = self;
+        let time = self.time + s * step;
+        let m = frame.linear_part(state);
+        let mut eta = frame.linear_of(&frame.differential(state, time)) * step;
+        let mut mean = state.clone();
+        let mut last = f64::INFINITY;
+        for _ in 0..SWEEPS {
+            let (early, late) = (&eta * s, &eta * (1.0 - s));
+            let (ad_early, ad_late) =
+                (frame.coadjoint(state, &early), frame.coadjoint(state, &late));
+            let before = self.right_dual(map, &early, &ad_early, &m)?;
+            let m_minus = &m + &ad_early * &before;
+            let turn = |eta: &DVector<f64>| eta.rows(0, frame.configuration.len()).into_owned();
+            let g_bar = frame.moved(state, map, &turn(&early));
+
+            // of the energy and the forces at the last approximation of the intermediate point
+            let there = frame.with_linear_part(&g_bar, &frame.linear_part(&mean));
+            let mut kick = frame.linear_of(&frame.force(&there, time, control));
+            let gradient = frame.configuration_of(&frame.differential(&there, time));
+            for (kick, gradient) in kick.iter_mut().zip(gradient.iter()) {
+                *kick -= gradient;
+            }
+            let m_plus = m_minus + kick * step;
+
+            let after = self.right_dual(map, &late, &ad_late, &m_plus)?;
+            mean = frame.with_linear_part(&g_bar, &(&after * (1.0 - s) + before * s));
+            let next = frame.linear_of(&frame.differential(&mean, time)) * step;
+            let change = frame.distance(&mean, &there).max((&next - &eta).amax() / next.amax().max(f64::MIN_POSITIVE));
+            if !change.is_finite() {
+                return None;
+            }
+            // down to roundoff, where it gets no smaller
+            if change == 0.0 || (change < 1e-13 && change >= 0.5 * last) {
+                let m_next = m_plus + ad_late * after;
+                let g_next = frame.moved(&g_bar, map, &turn(&late));
+                return Some(frame.with_linear_part(&g_next, &m_next));
+            }
+            (eta, last) = (next, change);
+        }
+        None
+    }
+
+    /// `(dR τ_η)* m`, where `ad` is the matrix of `ad*_η`.
+    fn right_dual(&self, map: Map, eta: &DVector<f64>, ad: &DMatrix<f64>, m: &DVector<f64>) -> Option<DVector<f64>> {
+        if eta.amax() == 0.0 {
+            return Some(m.clone());
+        }
+        match map {
+            Map::Exponential => series(ad, m),
+            // `dR cay_X Y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`: on the group as the displacements say, and with advected parameters, where
+            // `X = (x, w)` and `Y = (y, u)`, inverted `((dR cay_x)⁻¹ y, (1 − ρ_x/2)(u + ½ ρ_y w))`
+            Map::Cayley => {
+                let (n, all) = (self.frame.configuration.len(), m.len());
+                let back = -eta.rows(0, n).into_owned();
+                let group = self.frame.logarithmic_derivative(&self.state, map, &back)?.try_inverse()?;
+                let spaces = all - n;
+                let bracket = ad.transpose();
+                let damped = DMatrix::identity(spaces, spaces) - bracket.view((n, n), (spaces, spaces)) * 0.5;
+                // `−ρ_y w`
+                let carried = bracket.view((n, 0), (spaces, n));
+                let mut inverse = DMatrix::zeros(all, all);
+                inverse.view_mut((0, 0), (n, n)).copy_from(&group);
+                inverse.view_mut((n, 0), (spaces, n)).copy_from(&(&damped * carried * -0.5));
+                inverse.view_mut((n, n), (spaces, spaces)).copy_from(&damped);
+                inverse.transpose().lu().solve(m)
+            }
+        }
+    }
+}
+
+/// `φ₁(A) m = Σ A^k m / (k+1)!`
+pub(super) fn series(a: &DMatrix<f64>, m: &DVector<f64>) -> Option<DVector<f64>> {
+    let (mut sum, mut term) = (m.clone(), m.clone());
+    for k in 1..80_u32 {
+        term = a * term / f64::from(k + 1);
+        let done = term.amax() <= 1e-18 * sum.amax();
+        sum += &term;
+        if done {
+            return Some(sum);
+        }
+    }
+    // as for arguments so large that the series has no digits left
+    None
+}

@@ -1,0 +1,342 @@
+//! Local coordinates of a system's states and derivatives in them, from [`Geometry`] alone.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::geometry::{Geometry, Map, zero};
+use crate::system::State;
+
+/// The larger of two numbers; not-a-number if one is.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}
+
+/// The derivative at 0 of a curve, by central differences of order 8.
+///
+/// With `e` a hundredth of the curve's scale, truncation and roundoff are both about 1e-14.
+pub(super) fn derivative<E>(
+    e: f64,
+    mut curve: impl FnMut(f64) -> Result<DVector<f64>, E>,
+) -> Result<DVector<f64>, E> {
+    const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    let mut sum = DVector::zeros(0);
+    for (k, weight) in (1..).zip(WEIGHTS) {
+        let at = f64::from(k) * e;
+        let term = (curve(at)? - curve(-at)?) * (weight / e);
+        sum = if sum.is_empty() { term } else { sum + term };
+    }
+    Ok(sum)
+}
+
+/// [`derivative`] of a curve that does not fail.
+pub(super) fn slope(e: f64, curve: impl Fn(f64) -> DVector<f64>) -> DVector<f64> {
+    let Ok(slope) = derivative(e, |at| Ok::<_, core::convert::Infallible>(curve(at)));
+    slope
+}
+
+/// Momentum or an advected parameter: one number of the state, changed by one component of a tangent vector.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Linear {
+    /// Its place in tangent vectors.
+    pub(super) tangent: usize,
+    /// Its place in the state's array.
+    pub(super) component: usize,
+}
+
+/// What the components of states and tangent vectors are.
+pub(super) struct Frame<'a, S: Geometry<Scalar = f64>> {
+    pub(super) system: &'a S,
+    zero: S::Tangent,
+    /// The places of the configurations' components in tangent vectors.
+    pub(super) configuration: Vec<usize>,
+    /// The momenta, in the order of the configurations' components that they belong to, then the advected parameters.
+    pub(super) linear: Vec<Linear>,
+    /// The places of the configurations in the state's array.
+    stored: Vec<usize>,
+    /// How far a component of a tangent vector leads to something else entirely.
+    pub(super) scale: Vec<f64>,
+    /// The same for the components of states.
+    weight: Vec<f64>,
+    /// One over the time in which the motion leads to something else entirely; 0 at rest.
+    pub(super) rate: f64,
+}
+
+impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
+    /// What the components are is found by trying: a configuration and its momentum are the pairs whose bracket is 1 everywhere.
+    /// `None` if there are no such pairs, or parts of the state that are neither.
+    pub(super) fn new(system: &'a S, samples: &[(S::State, S::Control)], time: f64) -> Option<Self> {
+        let (first, _) = samples.first()?;
+        let like = zero::<S>(&system.differential(first, time));
+        let n = like.as_ref().len();
+        let mut frame = Self {
+            system,
+            zero: like,
+            configuration: Vec::new(),
+            linear: Vec::new(),
+            stored: Vec::new(),
+            scale: vec![1.0; n],
+            weight: vec![1.0; first.to_components().as_ref().len()],
+            rate: 0.0,
+        };
+
+        let elsewhere = |seed: f64| {
+            let by: Vec<f64> = (1..=n).map(|i| 0.3 + 0.5 * (seed * i as f64).sin()).collect();
+            frame.displace(first, Map::Exponential, &by)
+        };
+        let tensors = [first.clone(), elsewhere(1.0), elsewhere(2.3)].map(|state| frame.poisson(&state));
+        let is = |i: usize, j: usize, value: f64| tensors.iter().all(|tensor| tensor[(i, j)] == value);
+        let mut momenta = Vec::new();
+        for i in 0..n {
+            let partner = (0..n).find(|&j| is(i, j, 1.0) && (0..n).all(|k| k == j || is(i, k, 0.0)));
+            if let Some(j) = partner {
+                frame.configuration.push(i);
+                momenta.push(j);
+            }
+        }
+        let others = (0..n).filter(|i| !frame.configuration.contains(i) && !momenta.contains(i));
+        let before = first.to_components();
+        let before = before.as_ref();
+        for tangent in momenta.iter().copied().chain(others) {
+            let moved = frame.displace(first, Map::Exponential, &frame.unit(tangent, 1.0)).to_components();
+            let moves =
+                |&c: &usize| ((moved.as_ref()[c] - before[c]) - 1.0).abs() <= 1e-9 * (1.0 + before[c].abs());
+            frame.linear.push(Linear { tangent, component: (0..before.len()).find(moves)? });
+        }
+        frame.stored =
+            (0..before.len()).filter(|c| frame.linear.iter().all(|linear| linear.component != *c)).collect();
+        let complete = !frame.configuration.is_empty()
+            && momenta.len() == frame.configuration.len()
+            && momenta.len() <= frame.linear.len()
+            && frame.stored.len() >= frame.configuration.len();
+        if !complete {
+            return None;
+        }
+        frame.measure(samples, time);
+        Some(frame)
+    }
+
+    /// Scales and rate, from the samples.
+    fn measure(&mut self, samples: &[(S::State, S::Control)], time: f64) {
+        // turns count in radians, positions in their distance from the origin
+        for (index, &i) in self.configuration.clone().iter().enumerate() {
+            let sizes = samples.iter().map(|(state, _)| {
+                let change = self.basis(state).column(index).into_owned();
+                let components = state.to_components();
+                let moved = self.stored.iter().zip(change.iter()).filter(|(_, x)| x.abs() > 1e-9);
+                let size = moved.fold(0.0, |size: f64, (&c, _)| size.max(components.as_ref()[c].abs()));
+                size / (2.0 * change.amax())
+            });
+            let size = sizes.fold(0.0, f64::max);
+            self.scale[i] = if size > 1e-6 && size.is_finite() { size } else { 1.0 };
+        }
+        for (state, control) in samples {
+            let motion = self.motion(state, time, control);
+            // momenta at rest: how fast the motion becomes is in the velocity's change
+            let change = slope(1e-4 / (1.0 + motion.amax()), |at| {
+                let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
+                self.motion(&there, time + at, control)
+            });
+            for &i in &self.configuration {
+                let rate = (motion[i] / self.scale[i]).abs().max((change[i] / self.scale[i]).abs().sqrt());
+                // what is not a number is for the certificates to find
+                self.rate = self.rate.max(rate);
+            }
+        }
+        let mut offset = 0;
+        for quantity in S::State::QUANTITIES {
+            let places = offset..offset + quantity.components.len();
+            offset = places.end;
+            let part: Vec<Linear> =
+                self.linear.iter().filter(|l| places.contains(&l.component)).copied().collect();
+            let size = samples.iter().fold(0.0, |size: f64, (state, control)| {
+                let components = state.to_components();
+                let motion = self.motion(state, time, control);
+                let norm = |f: &dyn Fn(&Linear) -> f64| part.iter().map(|l| f(l).powi(2)).sum::<f64>().sqrt();
+                let change = if self.rate > 0.0 { norm(&|l| motion[l.tangent]) / self.rate } else { 0.0 };
+                size.max(norm(&|l| components.as_ref()[l.component])).max(change)
+            });
+            for linear in &part {
+                self.scale[linear.tangent] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+                self.weight[linear.component] = self.scale[linear.tangent];
+            }
+        }
+        for (row, &c) in self.stored.iter().enumerate() {
+            let sizes = samples.iter().map(|(state, _)| {
+                let basis = self.basis(state);
+                let reach = self.configuration.iter().enumerate().map(|(k, &i)| basis[(row, k)].abs() * self.scale[i]);
+                reach.fold(state.to_components().as_ref()[c].abs(), f64::max)
+            });
+            let size = sizes.fold(0.0, f64::max);
+            self.weight[c] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+        }
+    }
+
+    /// The number of components of a tangent vector.
+    pub(super) fn dimension(&self) -> usize {
+        self.scale.len()
+    }
+
+    fn tangent(&self, by: &[f64]) -> S::Tangent {
+        let mut tangent = self.zero;
+        tangent.as_mut().copy_from_slice(by);
+        tangent
+    }
+
+    /// `length` along one component.
+    pub(super) fn unit(&self, component: usize, length: f64) -> Vec<f64> {
+        let mut unit = vec![0.0; self.dimension()];
+        unit[component] = length;
+        unit
+    }
+
+    pub(super) fn displace(&self, state: &S::State, map: Map, by: &[f64]) -> S::State {
+        self.system.displace(state, map, &self.tangent(by))
+    }
+
+    pub(super) fn hamiltonian_vector(&self, state: &S::State, covector: &[f64]) -> DVector<f64> {
+        DVector::from_column_slice(self.system.hamiltonian_vector(state, &self.tangent(covector)).as_ref())
+    }
+
+    pub(super) fn differential(&self, state: &S::State, time: f64) -> DVector<f64> {
+        DVector::from_column_slice(self.system.differential(state, time).as_ref())
+    }
+
+    pub(super) fn force(&self, state: &S::State, time: f64, control: &S::Control) -> DVector<f64> {
+        DVector::from_column_slice(self.system.force(state, time, control).as_ref())
+    }
+
+    pub(super) fn motion(&self, state: &S::State, time: f64, control: &S::Control) -> DVector<f64> {
+        DVector::from_column_slice(self.system.motion(state, time, control).as_ref())
+    }
+
+    /// The matrix of the Poisson structure.
+    pub(super) fn poisson(&self, state: &S::State) -> DMatrix<f64> {
+        let n = self.dimension();
+        let columns: Vec<_> = (0..n).map(|j| self.hamiltonian_vector(state, &self.unit(j, 1.0))).collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    /// A tensor of two tangent vectors with every component in units of its scale.
+    pub(super) fn scaled(&self, tensor: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(tensor.nrows(), tensor.ncols(), |i, j| tensor[(i, j)] / (self.scale[i] * self.scale[j]))
+    }
+
+    /// How far two states are apart, relative to their size.
+    pub(super) fn distance(&self, a: &S::State, b: &S::State) -> f64 {
+        let (a, b) = (a.to_components(), b.to_components());
+        let both = a.as_ref().iter().zip(b.as_ref()).zip(&self.weight);
+        both.map(|((a, b), weight)| (a - b).abs() / weight).fold(0.0, larger)
+    }
+
+    pub(super) fn components(state: &S::State) -> DVector<f64> {
+        DVector::from_column_slice(state.to_components().as_ref())
+    }
+
+    /// Momenta and advected parameters.
+    pub(super) fn linear_part(&self, state: &S::State) -> DVector<f64> {
+        let components = state.to_components();
+        DVector::from_iterator(
+            self.linear.len(),
+            self.linear.iter().map(|linear| components.as_ref()[linear.component]),
+        )
+    }
+
+    /// The state with these momenta and advected parameters.
+    pub(super) fn with_linear_part(&self, state: &S::State, values: &DVector<f64>) -> S::State {
+        let mut components = state.to_components();
+        for (linear, value) in self.linear.iter().zip(values.iter()) {
+            components.as_mut()[linear.component] = *value;
+        }
+        S::State::from_components(&components)
+    }
+
+    /// The linear components of a tangent or a cotangent vector.
+    pub(super) fn linear_of(&self, tangent: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.linear.len(), self.linear.iter().map(|linear| tangent[linear.tangent]))
+    }
+
+    /// The configurations' components of a tangent or a cotangent vector.
+    pub(super) fn configuration_of(&self, tangent: &DVector<f64>) -> DVector<f64> {
+        DVector::from_iterator(self.configuration.len(), self.configuration.iter().map(|&i| tangent[i]))
+    }
+
+    /// The state with its configurations displaced.
+    pub(super) fn moved(&self, state: &S::State, map: Map, by: &DVector<f64>) -> S::State {
+        let mut tangent = vec![0.0; self.dimension()];
+        for (&i, by) in self.configuration.iter().zip(by.iter()) {
+            tangent[i] = *by;
+        }
+        self.displace(state, map, &tangent)
+    }
+
+    fn stored_part(&self, state: &S::State) -> DVector<f64> {
+        let components = state.to_components();
+        DVector::from_iterator(self.stored.len(), self.stored.iter().map(|&c| components.as_ref()[c]))
+    }
+
+    /// The derivative of a configuration's stored numbers by its displacement, at the displacement `by`.
+    fn basis_at(&self, state: &S::State, map: Map, by: &DVector<f64>) -> DMatrix<f64> {
+        let columns: Vec<_> = (0..self.configuration.len())
+            .map(|k| {
+                slope(1e-2 * self.scale[self.configuration[k]], |at| {
+                    let mut there = by.clone();
+                    there[k] += at;
+                    self.stored_part(&self.moved(state, map, &there))
+                })
+            })
+            .collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    fn basis(&self, state: &S::State) -> DMatrix<f64> {
+        self.basis_at(state, Map::Exponential, &DVector::zeros(self.configuration.len()))
+    }
+
+    /// The tangent vectors at a state that change its stored numbers like this.
+    pub(super) fn local(&self, state: &S::State, changes: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let rows = DMatrix::from_fn(self.stored.len(), changes.ncols(), |r, c| changes[(self.stored[r], c)]);
+        let turned = least_squares(&self.basis(state), &rows)?;
+        let mut local = DMatrix::zeros(self.dimension(), changes.ncols());
+        for (row, &i) in self.configuration.iter().enumerate() {
+            local.row_mut(i).copy_from(&turned.row(row));
+        }
+        for linear in &self.linear {
+            local.row_mut(linear.tangent).copy_from(&changes.row(linear.component));
+        }
+        Some(local)
+    }
+
+    /// The derivative of a displacement in local coordinates of the displaced configuration: `dL τ_δ`, or `dR τ_δ` where the
+    /// displacement is from the right side of `τ`.
+    pub(super) fn logarithmic_derivative(
+        &self,
+        state: &S::State,
+        map: Map,
+        by: &DVector<f64>,
+    ) -> Option<DMatrix<f64>> {
+        let change = self.basis_at(state, map, by);
+        least_squares(&self.basis(&self.moved(state, map, by)), &change)
+    }
+
+    /// The matrix of `m ↦ ad*_η m` on momenta and advected parameters, the Lie–Poisson part of the Hamiltonian vector, linear in the
+    /// state. On the right side of an invariance it comes with the sign that makes `η` the displacement's.
+    pub(super) fn coadjoint(&self, state: &S::State, eta: &DVector<f64>) -> DMatrix<f64> {
+        let mut covector = vec![0.0; self.dimension()];
+        for (linear, eta) in self.linear.iter().zip(eta.iter()) {
+            covector[linear.tangent] = *eta;
+        }
+        let columns: Vec<_> = (0..self.linear.len())
+            .map(|k| {
+                let mut m = DVector::zeros(self.linear.len());
+                m[k] = 1.0;
+                self.linear_of(&self.hamiltonian_vector(&self.with_linear_part(state, &m), &covector))
+            })
+            .collect();
+        DMatrix::from_columns(&columns)
+    }
+}
+
+/// The solution of `a x = b` for more equations than unknowns.
+fn least_squares(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let qr = a.clone().qr();
+    qr.r().solve_upper_triangular(&(qr.q().transpose() * b))
+}

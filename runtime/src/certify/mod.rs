@@ -1,0 +1,197 @@
+//! Certificates: what a scheme claims of its steps, measured on a system of yours.
+//!
+//! A generated step is correct or it is not; that it looks right on a plot says little. [`certify`] takes a system and sample states,
+//! and measures what the [scheme](crate::scheme) claims there: the order, the Poisson structure, the Casimirs, that the step back undoes
+//! the step, that it is the step its definition says. Each certificate has the figure measured and its bound, and fails if the
+//! claim is wrong.
+//!
+//! ```
+//! use coadjoint::certify;
+//! use coadjoint::prelude::*;
+//!
+//! #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
+//! struct Top {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//!     weight: f64,
+//!     chi: Vector3<f64>,
+//! }
+//!
+//! let top = Top { inertia: vector![1.0, 2.0, 2.5], weight: 1.0, chi: vector![0.1, 0.2, 1.0] };
+//! let state = TopState {
+//!     attitude: UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+//!     momentum: vector![0.4, -0.8, 1.5],
+//!     gamma: vector![0.6, 0.0, 0.8],
+//! };
+//! let report = certify::<Cayley, _>(&top, &[state])?;
+//! assert!(report.passed(), "{report}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | certificate | figure | holds if |
+//! |---|---|---|
+//! | order | slope of the error by successive halvings of the step | claimed order, less what halvings cannot tell |
+//! | consistency | the step's derivative by its size, less the motion | ≤ 1e-9 |
+//! | Poisson map | `D P Dᵀ − P'`, `D` the step's derivative | ≤ 1e-9 |
+//! | Casimirs | drift over a thousand steps (a hundred where a force acts) | ≤ 1e-11 |
+//! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps | ≤ ½ |
+//! | energy order | slope of the energy's error | claimed order less ½ |
+//! | reversibility | distance from the start after a step and one back | ≤ 1e-13 |
+//! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6 |
+//! | definition | distance from a step that knows no closed form | ≤ 1e-10 |
+//! | energy differential | difference from differences of the energy | ≤ 1e-9 |
+//! | antisymmetry, Jacobi identity | of the Poisson structure | ≤ 1e-14, 1e-8 |
+//! | exponential, inverse | displacements against their definition; `τ(−ξ) τ(ξ) = e` | ≤ 1e-10, 1e-13 |
+//!
+//! All are relative to the size of the states, and the worst sample counts. A figure without a bound is one that the scheme does not
+//! claim.
+//!
+//! Samples should be in general position: certificates see what the motion there can show. Steps and differences are a small part of a
+//! radian, or of the time in which the velocity changes; a faster time of its own, as a stiff spring or a drive has it, wants a
+//! [step](Certification::step) that resolves it.
+
+mod claims;
+mod definition;
+mod frame;
+mod measure;
+mod probe;
+mod report;
+
+use thiserror::Error;
+
+pub use claims::{Claim, Claims, Kept, Retraction};
+pub use definition::Walk;
+pub use probe::Probe;
+pub use report::{Bound, Certificate, Report, Verdict};
+
+use crate::error::{ParameterError, StepError};
+use crate::geometry::Geometry;
+use crate::system::Discretized;
+
+/// Certifies the steps that the scheme `M` takes of a system, at sample states; with all controls zero and from the time 0. For other
+/// ones there is [`Certification`].
+///
+/// # Errors
+/// If the parameters are not valid, there is no state, or a step cannot be taken.
+pub fn certify<M, S>(system: &S, states: &[S::State]) -> Result<Report, CertifyError>
+where
+    S: Geometry<Scalar = f64> + Discretized<M>,
+    M: Claims<S>,
+{
+    Certification::new(system).states(states).run::<M>()
+}
+
+/// What is certified: a system at sample states.
+///
+/// ```
+/// use coadjoint::certify::Certification;
+/// use coadjoint::prelude::*;
+///
+/// #[lie_poisson_system(group = SO3, control(moment: R3), force = moment, methods(Midpoint))]
+/// struct Craft {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// let craft = Craft { inertia: vector![1.0, 2.0, 2.5] };
+/// let state = CraftState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
+/// let report = Certification::new(&craft)
+///     .states(&[state])
+///     .controls(&[CraftControl { moment: vector![0.3, 0.1, -0.2] }])
+///     .time(2.0)
+///     .step(0.05)
+///     .run::<Midpoint>()?;
+/// assert!(report.passed(), "{report}");
+/// println!("{report}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Certification<'a, S: Geometry<Scalar = f64>> {
+    system: &'a S,
+    states: Vec<S::State>,
+    controls: Vec<S::Control>,
+    time: f64,
+    step: Option<f64>,
+}
+
+impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
+    /// Of this system.
+    pub fn new(system: &'a S) -> Self {
+        Self { system, states: Vec::new(), controls: Vec::new(), time: 0.0, step: None }
+    }
+
+    /// At these states too.
+    #[must_use]
+    pub fn states(mut self, states: &[S::State]) -> Self {
+        self.states.extend_from_slice(states);
+        self
+    }
+
+    /// With these controls, one after the other and over again for the states; else all are zero.
+    #[must_use]
+    pub fn controls(mut self, controls: &[S::Control]) -> Self {
+        self.controls.extend_from_slice(controls);
+        self
+    }
+
+    /// With steps that start at this time.
+    #[must_use]
+    pub fn time(mut self, time: f64) -> Self {
+        self.time = time;
+        self
+    }
+
+    /// With this step, in place of one that follows from the motion at the states.
+    #[must_use]
+    pub fn step(mut self, step: f64) -> Self {
+        self.step = Some(step);
+        self
+    }
+
+    /// Measures what the scheme `M` claims.
+    ///
+    /// # Errors
+    /// If the parameters are not valid, there is no state, or a step cannot be taken.
+    pub fn run<M>(&self) -> Result<Report, CertifyError>
+    where
+        S: Discretized<M>,
+        M: Claims<S>,
+    {
+        measure::report::<S, M>(self)
+    }
+}
+
+/// Why there is no report.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CertifyError {
+    /// The parameters, or the step asked for, are not valid.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// There is nothing to measure at.
+    #[error("there is no state to certify the steps at")]
+    NoStates,
+    /// A step that a certificate needs could not be taken.
+    #[error("certificate `{certificate}`, state {state}: {source}")]
+    Step {
+        /// Its name.
+        certificate: String,
+        /// Which of the states, from 0.
+        state: usize,
+        /// What went wrong.
+        source: StepError,
+    },
+    /// The displacements at a state do not make local coordinates there, or the state is not finite.
+    #[error("certificate `{certificate}`, state {state}: no local coordinates there")]
+    Degenerate {
+        /// Its name.
+        certificate: String,
+        /// Which of the states, from 0.
+        state: usize,
+    },
+    /// The Poisson structure is none of configurations, momenta and advected parameters.
+    #[error("the states of `{system}` are not made of configurations, momenta and advected parameters")]
+    Structure {
+        /// The system's name.
+        system: &'static str,
+    },
+}

@@ -1,0 +1,120 @@
+//! What was measured.
+
+use core::fmt;
+
+use serde::Serialize;
+
+use super::claims::Claim;
+
+/// Certificates of the steps of one scheme for one system.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The system's name.
+    pub system: &'static str,
+    /// The scheme's type.
+    pub scheme: String,
+    /// What the scheme claims.
+    pub claim: Claim,
+    /// The step.
+    pub step: f64,
+    /// What was measured.
+    pub certificates: Vec<Certificate>,
+}
+
+/// A claim, measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Certificate {
+    /// What was measured.
+    pub name: String,
+    /// The worst figure of all sample states; not a number if there is none.
+    pub figure: f64,
+    /// Which of the states it belongs to, from 0.
+    pub state: usize,
+    /// What the figure must keep to; none if the scheme claims nothing of it.
+    pub bound: Option<Bound>,
+    /// Whether it does.
+    pub verdict: Verdict,
+}
+
+/// What a figure must keep to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum Bound {
+    /// It must not be larger.
+    AtMost(f64),
+    /// It must not be smaller.
+    AtLeast(f64),
+}
+
+/// What a certificate says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Verdict {
+    /// The claim holds.
+    Passed,
+    /// The claim is wrong.
+    Failed,
+    /// The scheme does not claim it.
+    NotClaimed,
+    /// Nothing could be measured: there is nothing to compare with, or the samples show nothing but roundoff.
+    NotMeasured,
+}
+
+impl Bound {
+    /// Whether a figure keeps to it; what is not a number does not.
+    pub fn holds(self, figure: f64) -> bool {
+        match self {
+            Self::AtMost(bound) => figure <= bound,
+            Self::AtLeast(bound) => figure >= bound,
+        }
+    }
+}
+
+impl Report {
+    /// Whether no claim is wrong.
+    pub fn passed(&self) -> bool {
+        self.certificates.iter().all(|certificate| certificate.verdict != Verdict::Failed)
+    }
+
+    /// The claims that are wrong.
+    pub fn failures(&self) -> impl Iterator<Item = &Certificate> {
+        self.certificates.iter().filter(|certificate| certificate.verdict == Verdict::Failed)
+    }
+
+    /// The certificate of this name.
+    pub fn certificate(&self, name: &str) -> Option<&Certificate> {
+        self.certificates.iter().find(|certificate| certificate.name == name)
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Passed => "passed",
+            Self::Failed => "FAILED",
+            Self::NotClaimed => "not claimed",
+            Self::NotMeasured => "not measured",
+        })
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}, {}, step {:.3e}", self.system, self.scheme, self.step)?;
+        let width = self.certificates.iter().map(|c| c.name.chars().count()).max().unwrap_or_default();
+        write!(f, "{:width$}  {:>9}  {:>9}  verdict", "certificate", "figure", "bound")?;
+        for Certificate { name, figure, bound, verdict, .. } in &self.certificates {
+            // orders are numbers of the size of 1, all others small ones
+            let number = |x: f64| match x {
+                x if x.is_nan() => "—".to_owned(),
+                x if x == 0.0 || (0.1..100.0).contains(&x.abs()) => format!("{x:.2}"),
+                x => format!("{x:.1e}"),
+            };
+            let bound = match bound {
+                Some(Bound::AtMost(bound)) => format!("≤ {}", number(*bound)),
+                Some(Bound::AtLeast(bound)) => format!("≥ {}", number(*bound)),
+                None => String::new(),
+            };
+            write!(f, "\n{name:width$}  {:>9}  {bound:>9}  {verdict}", number(*figure))?;
+        }
+        Ok(())
+    }
+}
