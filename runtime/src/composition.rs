@@ -180,6 +180,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         Self { steps, step, whole: false }
     }
 
+    #[inline]
     fn advance(
         &mut self,
         state: &B::State,

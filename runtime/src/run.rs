@@ -205,6 +205,7 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O
     ///
     /// # Errors
     /// If a step cannot be taken; state and stepper's time are then the last ones that were reached.
+    #[inline]
     pub fn steps(mut self, count: u64) -> Result<RunReport, RunError> {
         self.stepper.start_at(self.start);
         let mut report = RunReport::default();

@@ -5,22 +5,60 @@ use coadjoint::system::Quantity;
 
 use crate::catalogued::Catalogued;
 use crate::error::Error;
-use crate::simulation::{self, Job, Outcome, Setup, Watch};
+use crate::simulation::{self, Job, Method, Outcome, Setup, Watch};
 use crate::suggest::did_you_mean;
 
-/// Every system: `name: Type` with the name of its module, which is also its name on the command line.
+/// Every system: `module: Type`, with the name of its module, which is also its name on the command line; behind it in braces
+/// further examples of the same system, `name = constructor, step …, duration …, "what it is"`.
 macro_rules! catalogue {
-    ($($module:ident: $type:path,)*) => {
+    ($($module:ident: $type:path
+        $({ $($preset:ident = $example:path, step $step:literal, duration $duration:literal, $about:literal;)* })?,
+    )*) => {
         /// All systems, in the order in which they are listed.
         pub static CATALOGUE: &[Entry] = &[$(
-            Entry::of::<$type>(stringify!($module), include_str!(concat!(stringify!($module), ".rs"))),
+            Entry::of::<$type>(stringify!($module), source!($module)),
+            $($(
+                Entry {
+                    about: $about,
+                    step: $step,
+                    duration: $duration,
+                    example: || simulation::flat(&$example()),
+                    ..Entry::of::<$type>(stringify!($preset), source!($module))
+                },
+            )*)?
         )*];
     };
 }
 
+macro_rules! source {
+    ($module:ident) => {
+        include_str!(concat!(stringify!($module), ".rs"))
+    };
+}
+
 catalogue! {
+    harmonic_oscillator: crate::harmonic_oscillator::HarmonicOscillator,
+    kepler: crate::kepler::Kepler,
+    planar_pendulum: crate::planar_pendulum::PlanarPendulum,
+    driven_pendulum: crate::driven_pendulum::DrivenPendulum,
+    spherical_pendulum: crate::spherical_pendulum::SphericalPendulum,
     free_rigid_body: crate::free_rigid_body::FreeRigidBody,
-    heavy_top: crate::heavy_top::HeavyTop,
+    full_rigid_body: crate::full_rigid_body::FullRigidBody,
+    heavy_top: crate::heavy_top::HeavyTop {
+        lagrange_top = crate::heavy_top::HeavyTop::lagrange_top, step 0.001, duration 10.0,
+            "a heavy top that is round: a toy gyroscope";
+        kovalevskaya_top = crate::heavy_top::HeavyTop::kovalevskaya_top, step 0.01, duration 60.0,
+            "a heavy top with I1 = I2 = 2 I3 and its centre of mass across";
+    },
+    magnetic_top: crate::magnetic_top::MagneticTop,
+    quadrotor: crate::quadrotor::Quadrotor {
+        loose_quadrotor = crate::quadrotor::Quadrotor::loose, step 0.01, duration 10.0,
+            "a quadrotor with the thrust of hover that turns over and flies off";
+    },
+    rigid_body_in_space: crate::rigid_body_in_space::RigidBodyInSpace,
+    gyrostat: crate::gyrostat::Gyrostat,
+    coupled_bodies: crate::coupled_bodies::CoupledBodies,
+    kirchhoff: crate::kirchhoff::Kirchhoff,
 }
 
 /// One system of the catalogue, its type erased: parameters and states are flat lists of numbers.
@@ -38,8 +76,14 @@ pub struct Entry {
     pub duration: f64,
     /// Its parameters.
     pub parameters: &'static [Quantity],
+    /// Its controls, which its own law chooses.
+    pub controls: &'static [Quantity],
     /// What its state consists of.
     pub state: &'static [Quantity],
+    /// Whether energy is an invariant of its motion.
+    pub autonomous: bool,
+    /// What its standard scheme of order 2 is.
+    pub standard: fn() -> Method,
     /// The names of its Casimirs.
     pub casimirs: &'static [&'static str],
     /// Their units.
@@ -64,6 +108,9 @@ impl Entry {
             duration: S::DURATION,
             parameters: S::PARAMETERS,
             state: <S::State as State>::QUANTITIES,
+            controls: <S::Control as Control>::QUANTITIES,
+            autonomous: S::AUTONOMOUS,
+            standard: simulation::standard::<S>,
             casimirs: S::CASIMIRS,
             casimir_units: S::CASIMIR_UNITS,
             example: simulation::example::<S>,

@@ -3,7 +3,19 @@
 use coadjoint::prelude::*;
 
 /// A system with what the program needs to show it.
-pub trait Catalogued: System<Scalar = f64> + Discretized<Exponential> + Discretized<Cayley> {
+///
+/// Every scheme that the program offers is there: a description asks for `methods(Midpoint, SymplecticEulerB)`.
+pub trait Catalogued:
+    System<Scalar = f64>
+    + Discretized<Exponential>
+    + Discretized<Cayley>
+    + Discretized<SymplecticEulerA<Exponential>>
+    + Discretized<SymplecticEulerA<Cayley>>
+    + Discretized<SymplecticEulerB<Exponential>>
+    + Discretized<SymplecticEulerB<Cayley>>
+    + Discretized<Midpoint<Exponential>>
+    + Discretized<Midpoint<Cayley>>
+{
     /// What it is, in one line, without a full stop.
     const ABOUT: &'static str;
     /// A step that suits the example, s.
@@ -15,6 +27,12 @@ pub trait Catalogued: System<Scalar = f64> + Discretized<Exponential> + Discreti
 
     /// Parameters and an initial state worth looking at.
     fn example() -> (Self, Self::State);
+
+    /// The system's own control law: what is held over the step that starts from this state at this time. All zeros unless it says
+    /// otherwise.
+    fn control(&self, _state: &Self::State, _time: f64) -> Self::Control {
+        Self::Control::default()
+    }
 
     /// The moment of inertia, if the system is a body of mass: not every positive definite matrix belongs to one.
     fn body_inertia(&self) -> Option<Matrix3<f64>> {

@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use crate::command;
 use crate::error::Error;
 use crate::output::Format;
-use crate::simulation::{Order, Retraction};
+use crate::simulation::{Method, Order, Retraction};
 
 /// Runs structure-preserving steppers of mechanical systems.
 ///
@@ -40,6 +40,9 @@ pub(crate) struct RunArguments {
     /// The map that the step is built on; `exp` for short
     #[arg(long, value_enum, default_value = "exponential")]
     pub(crate) retraction: Retraction,
+    /// What the step makes of it
+    #[arg(long, value_enum, default_value = "standard")]
+    pub(crate) method: Method,
     /// The order: steps of order 2, or symmetric compositions of them
     #[arg(long, value_enum, default_value = "2")]
     pub(crate) order: Order,

@@ -11,11 +11,13 @@ use crate::catalogued::Catalogued;
 ///
 /// Motion: `Π̇ = Π × 𝓘⁻¹Π + mg Γ × χ`, `Γ̇ = Γ × 𝓘⁻¹Π`, `Ṙ = R (𝓘⁻¹Π)^`.
 ///
-/// Invariants: the energy `H`, the Casimirs `|Γ|²` and `Π·Γ` (the angular momentum about the vertical).
+/// Invariants: the energy `H`, the Casimirs `|Γ|²` and `Π·Γ` (the angular momentum about the vertical). Two tops have one more, and
+/// can be solved: [Lagrange's](Self::lagrange_top) and [Kovalevskaya's](Self::kovalevskaya_top).
 #[lie_poisson_system(
     group = SO3,
     advected(gamma: R3),
     potential = weight * gamma.dot(&chi),
+    methods(Midpoint, SymplecticEulerB),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeavyTop {
@@ -26,6 +28,46 @@ pub struct HeavyTop {
     pub weight: f64,
     /// From the fixed point to the centre of mass, in body axes, m.
     pub chi: Vector3<f64>,
+}
+
+impl HeavyTop {
+    /// The state of this attitude and body momentum.
+    pub fn start(attitude: UnitQuaternion<f64>, momentum: Vector3<f64>) -> HeavyTopState {
+        HeavyTopState { attitude, momentum, gamma: attitude.inverse() * Vector3::z() }
+    }
+
+    /// Lagrange's top: round, with its centre of mass on its axis. The momentum `Π₃` about that axis is constant.
+    ///
+    /// A toy gyroscope: a disc of 200 g and 8 cm across on a stem that ends 5 cm below, spun 24 times a second and let go leaning
+    /// by 30°. It goes about and nods.
+    pub fn lagrange_top() -> (Self, HeavyTopState) {
+        let (mass, radius, length) = (0.2, 0.04, 0.05);
+        let about: f64 = mass * radius * radius / 2.0;
+        let across = about / 2.0 + mass * length * length;
+        let top = Self {
+            inertia: vector![across, across, about],
+            weight: mass * 9.81,
+            chi: vector![0.0, 0.0, length],
+        };
+        let attitude = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 30_f64.to_radians());
+        (top, Self::start(attitude, vector![0.0, 0.0, about * 150.0]))
+    }
+
+    /// Kovalevskaya's top: `I₁ = I₂ = 2 I₃`, with its centre of mass in the plane of the first two axes.
+    /// [Her integral](Self::kovalevskaya) is constant.
+    pub fn kovalevskaya_top() -> (Self, HeavyTopState) {
+        let top = Self { inertia: vector![2.0, 2.0, 1.0], weight: 1.0, chi: Vector3::x() };
+        (top, Self::start(UnitQuaternion::identity(), vector![1.0, 0.5, 1.5]))
+    }
+
+    /// Kovalevskaya's integral `|(ω₁ + iω₂)² − (mg χ₁/I₃)(Γ₁ + iΓ₂)|²`, with the angular velocity `ω`, s⁻⁴.
+    pub fn kovalevskaya(&self, state: &HeavyTopState) -> f64 {
+        let velocity = self.velocity(state);
+        let ratio = self.weight * self.chi.x / self.inertia.z;
+        let real = velocity.x.powi(2) - velocity.y.powi(2) - ratio * state.gamma.x;
+        let imaginary = 2.0 * velocity.x * velocity.y - ratio * state.gamma.y;
+        real * real + imaginary * imaginary
+    }
 }
 
 impl Catalogued for HeavyTop {

@@ -6,8 +6,20 @@
 //! The feature `program` (on by default) is for the program; without it there are only the systems, and few dependencies.
 
 pub mod catalogued;
+pub mod coupled_bodies;
+pub mod driven_pendulum;
 pub mod free_rigid_body;
+pub mod full_rigid_body;
+pub mod gyrostat;
+pub mod harmonic_oscillator;
 pub mod heavy_top;
+pub mod kepler;
+pub mod kirchhoff;
+pub mod magnetic_top;
+pub mod planar_pendulum;
+pub mod quadrotor;
+pub mod rigid_body_in_space;
+pub mod spherical_pendulum;
 
 #[cfg(feature = "program")]
 pub mod catalogue;

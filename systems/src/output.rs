@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 pub use self::whole_file::WholeFile;
 use crate::catalogue::Entry;
 use crate::error::Error;
-use crate::simulation::{Job, Outcome, Sample, Setup};
+use crate::simulation::{Job, Method, Outcome, Sample, Setup};
 
 /// How a trajectory is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -46,7 +46,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Begins `<directory>/<system>-<retraction>.<extension>`, making the directory if need be.
+    /// Begins `<directory>/<system>-<retraction>.<extension>`, making the directory if need be. The name of a method that is not the
+    /// standard one stands before the retraction's.
     ///
     /// # Errors
     /// If the file cannot be created.
@@ -58,7 +59,7 @@ impl Trajectory {
         job: &Job,
     ) -> Result<Self, Error> {
         make_directory(directory)?;
-        let path = directory.join(format!("{}-{}.{}", entry.name, job.retraction.name(), format.extension()));
+        let path = directory.join(format!("{}.{}", name(entry, job), format.extension()));
         let writer = || -> io::Result<Box<dyn Write>> {
             let file = WholeFile::create(&path)?;
             Ok(match format {
@@ -96,6 +97,15 @@ impl std::fmt::Debug for Trajectory {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Trajectory").field("path", &self.path).finish_non_exhaustive()
     }
+}
+
+/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-cayley`.
+pub fn name(entry: &Entry, job: &Job) -> String {
+    let method = match job.method {
+        Method::Standard => String::new(),
+        method => format!("-{}", method.name()),
+    };
+    format!("{}{method}-{}", entry.name, job.retraction.name())
 }
 
 /// Makes a directory and those above it, where they are missing.

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::catalogue::Entry;
-use crate::simulation::{Order, Outcome, Retraction};
+use crate::simulation::{Job, Method, Order, Outcome};
 
 /// A table with a column for each run.
 #[derive(Debug)]
@@ -15,10 +15,8 @@ pub struct Table<'a> {
 /// One run's column.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// The scheme's retraction.
-    pub retraction: Retraction,
-    /// The scheme's order.
-    pub order: Order,
+    /// What was asked for.
+    pub job: Job,
     /// What the run found.
     pub outcome: Outcome,
     /// The time a step takes with nobody watching, ns; none if there were no steps.
@@ -36,14 +34,24 @@ impl<'a> Table<'a> {
             (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
         };
         let mut rows = vec![
-            row("retraction", &|run| run.retraction.name().to_owned()),
-            row("order", &|run| run.order.to_string()),
+            row("retraction", &|run| run.job.retraction.name().to_owned()),
+            row("method", &|run| self.method(&run.job)),
+            row("order", &|run| self.order(&run.job).to_string()),
             row("steps", &|run| grouped(run.outcome.run.steps)),
             row("time per step, ns", &|run| {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
             }),
             row("Newton iterations per step", &|run| format!("{:.2}", run.outcome.run.iterations_per_step())),
-            row("largest energy error, J", &|run| magnitude(run.outcome.energy_error)),
+            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.outcome.energy))),
+            row(
+                if self.entry.autonomous {
+                    "largest energy error, J"
+                } else {
+                    // forces act, or the time has a part in it
+                    "largest change of energy, J (it is not conserved)"
+                },
+                &|run| magnitude(run.outcome.energy_error),
+            ),
         ];
         for (i, name) in self.entry.casimirs.iter().enumerate() {
             let name = with_unit(
@@ -55,6 +63,22 @@ impl<'a> Table<'a> {
             }));
         }
         rows
+    }
+}
+
+impl Table<'_> {
+    /// `midpoint`, or `standard (verlet)`
+    fn method(&self, job: &Job) -> String {
+        match job.method {
+            Method::Standard => format!("standard ({})", (self.entry.standard)().name()),
+            method => method.name().to_owned(),
+        }
+    }
+
+    /// The order that the step has. The Euler steps are of order 2 only where they are the standard.
+    fn order(&self, job: &Job) -> u32 {
+        let euler = !job.method.is_symmetric() && (self.entry.standard)() != Method::EulerA;
+        if euler && job.order == Order::Two { 1 } else { job.order.number() }
     }
 }
 
@@ -96,6 +120,25 @@ pub fn grouped(number: u64) -> String {
     text
 }
 
+/// A number with so many digits behind the first, written out where that is short.
+struct Figures(f64);
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision().unwrap_or(2);
+        let exponent = self.0.abs().log10().floor();
+        if self.0 == 0.0 || (-2.0..5.0).contains(&exponent) {
+            let behind = (digits as f64 - exponent.max(-2.0)).clamp(0.0, 9.0);
+            let text = format!("{:.*}", if self.0 == 0.0 { 0 } else { behind as usize }, self.0);
+            let short =
+                if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+            f.write_str(short)
+        } else {
+            write!(f, "{:.digits$e}", self.0)
+        }
+    }
+}
+
 /// Two digits say how large an error is.
 fn magnitude(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
@@ -113,6 +156,17 @@ mod tests {
         assert_eq!(grouped(1_234_567), "1 234 567");
         assert_eq!(magnitude(0.0), "0");
         assert_eq!(magnitude(1.26e-14), "1.3e-14");
+        for (number, text) in [
+            (0.0, "0"),
+            (1.555, "1.555"),
+            (-12.5, "-12.5"),
+            (0.012_345_67, "0.012346"),
+            (98_765.432, "98765"),
+            (-9.965_011e9, "-9.9650e9"),
+            (1e-7, "1.0000e-7"),
+        ] {
+            assert_eq!(format!("{:.4}", Figures(number)), text);
+        }
         assert_eq!(with_unit("time", "s"), "time, s");
         assert_eq!(with_unit("|Γ|²", ""), "|Γ|²");
     }

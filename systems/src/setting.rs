@@ -111,19 +111,31 @@ fn count(numbers: usize) -> String {
     if numbers == 1 { "one number".to_owned() } else { format!("{numbers} numbers separated by commas") }
 }
 
-/// Brings unit quaternions to length 1.
+/// The components of rotations, which are of length 1: in space and in the plane. Those of rigid motions begin with them.
+const ROTATIONS: [(&[&str], &str); 2] = [(&["w", "x", "y", "z"], "1,0,0,0"), (&["re", "im"], "1,0")];
+/// What follows them in rigid motions.
+const TRANSLATIONS: [&[&str]; 3] = [&[], &["px", "py"], &["px", "py", "pz"]];
+
+/// How many of a quantity's components are those of a rotation, with what is no rotation; none of a vector.
+fn rotation(quantity: &Quantity) -> Option<(usize, &'static str)> {
+    ROTATIONS.iter().find_map(|(names, unit)| {
+        let rest = quantity.components.strip_prefix(*names)?;
+        TRANSLATIONS.contains(&rest).then_some((names.len(), *unit))
+    })
+}
+
+/// Brings unit quaternions and unit complex numbers to length 1.
 fn normalize(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
     let mut notes = Vec::new();
     for (quantity, slots) in laid_out(entry.state) {
-        if quantity.components != ["w", "x", "y", "z"] {
-            continue;
-        }
-        let components = &mut setup.state[slots];
+        let Some((count, unit)) = rotation(quantity) else { continue };
+        let components = &mut setup.state[slots.start..slots.start + count];
         // scaled by the largest component, so that no square overflows or vanishes
         let largest = components.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         if largest == 0.0 {
+            let rest = if count < quantity.components.len() { ",…" } else { "" };
             return Err(Error::Input(format!(
-                "`{}` is a rotation and cannot be zero; no rotation is 1,0,0,0",
+                "`{}` is a rotation and cannot be zero; no rotation is {unit}{rest}",
                 quantity.name
             )));
         }
@@ -144,7 +156,11 @@ mod tests {
     use crate::catalogue::find;
 
     fn set(assignments: &[&str]) -> Result<(Setup, Vec<String>), String> {
-        let entry = find("heavy_top").expect("it is there");
+        set_in("heavy_top", assignments)
+    }
+
+    fn set_in(system: &str, assignments: &[&str]) -> Result<(Setup, Vec<String>), String> {
+        let entry = find(system).expect("it is there");
         let mut setup = (entry.example)();
         let assignments: Vec<String> = assignments.iter().map(|&a| a.to_owned()).collect();
         let notes = apply(entry, &mut setup, &assignments).map_err(|error| error.to_string())?;
@@ -172,6 +188,23 @@ mod tests {
             assert_eq!(setup.state[..4], [0.0, 0.0, 0.0, 1.0]);
         }
         assert!(set(&["attitude=0,0,0,0"]).expect_err("no rotation").contains("cannot be zero"));
+    }
+
+    #[test]
+    fn rotations_in_the_plane_and_in_rigid_motions_are_normalised() {
+        let (setup, notes) = set_in("planar_pendulum", &["angle=3,4"]).expect("valid");
+        assert_eq!(setup.state, [0.6, 0.8, 0.0]);
+        assert_eq!(notes, ["`angle` had length 5 and was normalised"]);
+        let message = set_in("planar_pendulum", &["angle=0,0"]).expect_err("no rotation");
+        assert!(message.contains("no rotation is 1,0"), "{message}");
+
+        let (setup, notes) = set_in("rigid_body_in_space", &["pose=0,0,2,0,5,6,7"]).expect("valid");
+        assert_eq!(setup.state[..7], [0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0]);
+        assert_eq!(notes, ["`pose` had length 2 and was normalised"]);
+        assert!(set_in("rigid_body_in_space", &["pose=0,0,0,0,1,2,3"]).is_err());
+        // the first components of a momentum are none
+        let (setup, notes) = set_in("kepler", &["momentum=1,2,3"]).expect("valid");
+        assert_eq!((&setup.state[3..], notes.len()), (&[1.0, 2.0, 3.0][..], 0));
     }
 
     #[test]

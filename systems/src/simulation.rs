@@ -32,10 +32,49 @@ impl Retraction {
     }
 }
 
-/// The order of the step: 2 as generated, higher ones composed of such steps.
+/// What a step makes of its retraction.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part in the motion,
+    /// else `verlet`.
+    #[default]
+    Standard,
+    /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
+    EulerA,
+    /// The adjoint of `euler-a`.
+    EulerB,
+    /// The implicit midpoint step, of order 2.
+    Midpoint,
+    /// Störmer and Verlet: half a step of `euler-a`, then half a step of `euler-b`; of order 2.
+    Verlet,
+}
+
+impl Method {
+    /// All of them.
+    pub const ALL: [Method; 5] =
+        [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint, Method::Verlet];
+
+    /// Its name on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Standard => "standard",
+            Method::EulerA => "euler-a",
+            Method::EulerB => "euler-b",
+            Method::Midpoint => "midpoint",
+            Method::Verlet => "verlet",
+        }
+    }
+
+    /// Whether it is symmetric and of order 2 for every system, so that steps of higher order can be composed of it.
+    pub fn is_symmetric(self) -> bool {
+        !matches!(self, Method::EulerA | Method::EulerB)
+    }
+}
+
+/// The order asked for: 2 for the method itself, higher ones composed of its steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Order {
-    /// The generated step itself.
+    /// The method itself.
     #[default]
     #[value(name = "2")]
     Two,
@@ -53,38 +92,58 @@ pub enum Order {
     Ten,
 }
 
-impl std::fmt::Display for Order {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let order = match self {
+impl Order {
+    /// All of them.
+    pub const ALL: [Order; 5] = [Order::Two, Order::Four, Order::Six, Order::Eight, Order::Ten];
+
+    /// As a number.
+    pub fn number(self) -> u32 {
+        match self {
             Order::Two => 2,
             Order::Four => 4,
             Order::Six => 6,
             Order::Eight => 8,
             Order::Ten => 10,
-        };
-        write!(f, "{order}")
+        }
     }
 }
 
-/// Calls a function for the scheme that a job asks for.
-macro_rules! with_scheme {
-    ($job:expr, $function:ident::<$S:ident>($($argument:expr),*)) => {
-        with_scheme!(@match $job, $function, $S, ($($argument),*), Exponential Cayley)
-    };
-    (@match $job:expr, $function:ident, $S:ident, $arguments:tt, $($R:ident)*) => {
-        match ($job.retraction, $job.order) {
-            $(
-                (Retraction::$R, Order::Two) => with_scheme!(@call $function, $S, $R, $arguments),
-                (Retraction::$R, Order::Four) => with_scheme!(@call $function, $S, Order4<$R>, $arguments),
-                (Retraction::$R, Order::Six) => with_scheme!(@call $function, $S, Order6<$R>, $arguments),
-                (Retraction::$R, Order::Eight) => with_scheme!(@call $function, $S, Order8<$R>, $arguments),
-                (Retraction::$R, Order::Ten) => with_scheme!(@call $function, $S, Order10<$R>, $arguments),
-            )*
+/// The runner of a job's method and order with a retraction.
+macro_rules! runner_on {
+    ($S:ident, $R:ty, $job:expr) => {
+        match $job.method {
+            Method::Standard => Ok(composed!($S, $R, $job.order)),
+            Method::Midpoint => Ok(composed!($S, Midpoint<$R>, $job.order)),
+            Method::Verlet => Ok(composed!($S, StormerVerlet<$R>, $job.order)),
+            method if $job.order != Order::Two => Err(not_symmetric(method, $job.order)),
+            Method::EulerA => Ok(<$S as Schemes>::steps::<SymplecticEulerA<$R>> as Runner<$S>),
+            Method::EulerB => Ok(<$S as Schemes>::steps::<SymplecticEulerB<$R>> as Runner<$S>),
         }
     };
-    (@call $function:ident, $S:ident, $M:ty, ($($argument:expr),*)) => {
-        $function::<$S, $M>($($argument),*)
+}
+
+/// The runner of a symmetric scheme of order 2, or of a composition of its steps.
+macro_rules! composed {
+    ($S:ident, $M:ty, $order:expr) => {
+        match $order {
+            Order::Two => <$S as Schemes>::steps::<$M> as Runner<$S>,
+            Order::Four => <$S as Schemes>::steps::<Order4<$M>>,
+            Order::Six => <$S as Schemes>::steps::<Order6<$M>>,
+            Order::Eight => <$S as Schemes>::steps::<Order8<$M>>,
+            Order::Ten => <$S as Schemes>::steps::<Order10<$M>>,
+        }
     };
+}
+
+fn not_symmetric(method: Method, order: Order) -> Error {
+    let symmetric: Vec<&str> =
+        Method::ALL.into_iter().filter(|method| method.is_symmetric()).map(Method::name).collect();
+    Error::Input(format!(
+        "order {} is composed of symmetric steps, which `--method {}` does not make for every system; take one of {}",
+        order.number(),
+        method.name(),
+        symmetric.join(", ")
+    ))
 }
 
 /// Parameters and an initial state, in the order of the system's quantities.
@@ -99,6 +158,8 @@ pub struct Setup {
 /// How far to go, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Job {
+    /// The scheme's method.
+    pub method: Method,
     /// The scheme's retraction.
     pub retraction: Retraction,
     /// The scheme's order.
@@ -144,7 +205,11 @@ pub struct Outcome {
 
 /// The example of a system as flat lists.
 pub fn example<S: Catalogued>() -> Setup {
-    let (system, state) = S::example();
+    flat(&S::example())
+}
+
+/// A system and its state as flat lists.
+pub fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
     Setup {
         parameters: system.to_parameters().as_ref().to_vec(),
         state: state.to_components().as_ref().to_vec(),
@@ -161,33 +226,15 @@ pub fn check<S: Catalogued>(setup: &Setup) -> Result<Option<String>, ParameterEr
     Ok(system.body_inertia().and_then(|inertia| triangle_note(&inertia)))
 }
 
-/// Makes a run.
+/// Makes a run, with the system's own control law.
 ///
 /// # Errors
 /// If parameters or step are not valid, a step cannot be taken, or `watch` fails.
 pub fn simulate<S: Catalogued>(setup: &Setup, job: &Job, watch: &mut Watch<'_>) -> Result<Outcome, Error> {
-    with_scheme!(job, run::<S>(setup, job, watch))
-}
-
-/// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
-///
-/// # Errors
-/// If parameters or step are not valid, or a step cannot be taken.
-pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
-    with_scheme!(job, clock::<S>(setup, job))
-}
-
-fn run<S: Catalogued + Discretized<M>, M>(
-    setup: &Setup,
-    job: &Job,
-    watch: &mut Watch<'_>,
-) -> Result<Outcome, Error> {
     let (system, mut state) = realize::<S>(setup);
-    let mut stepper = system.stepper::<M>(job.step)?;
     let mut invariants = Invariants::new();
     let mut messenger = Messenger { watch, failure: None };
-    let report =
-        Run::new(&mut stepper, &mut state).observe(&mut invariants).observe(&mut messenger).steps(job.steps);
+    let report = runner::<S>(job)?(&system, &mut state, job, &mut (&mut invariants, &mut messenger));
     if let Some(failure) = messenger.failure {
         return Err(failure);
     }
@@ -198,6 +245,70 @@ fn run<S: Catalogued + Discretized<M>, M>(
         casimirs: invariants.initial_casimirs().to_vec(),
         casimir_drifts: invariants.casimir_drifts().to_vec(),
     })
+}
+
+/// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
+///
+/// # Errors
+/// If parameters or step are not valid, or a step cannot be taken.
+pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
+    /// Enough to tell nanoseconds, and still short.
+    const STEPS: u64 = 50_000;
+    let job = Job { steps: job.steps.min(STEPS), ..*job };
+    if job.steps == 0 {
+        return Ok(None);
+    }
+    let runner = runner::<S>(&job)?;
+    let mut best = f64::INFINITY;
+    for _ in 0..3 {
+        let (system, mut state) = realize::<S>(setup);
+        let start = Instant::now();
+        runner(&system, &mut state, &job, &mut ())?;
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok(Some(best / job.steps as f64 * 1e9))
+}
+
+/// What a system's standard step is: `euler-a` or `verlet`.
+pub fn standard<S: Catalogued>() -> Method {
+    let name = std::any::type_name::<S::Standard<Exponential>>();
+    if name == std::any::type_name::<SymplecticEulerA<Exponential>>() {
+        Method::EulerA
+    } else {
+        Method::Verlet
+    }
+}
+
+/// Makes the steps of a job with one scheme. The rest of a run is the same for all schemes, and so compiled once for a system, not once for
+/// each of its schemes.
+type Runner<S> = fn(&S, &mut <S as System>::State, &Job, &mut dyn Observer<S>) -> Result<RunReport, Error>;
+
+/// The schemes of one system. A trait with this method provided, because the compiler keeps such methods with the type that has them: it
+/// compiles systems beside each other, and anew only those that changed.
+trait Schemes: Catalogued {
+    fn steps<M>(
+        &self,
+        state: &mut Self::State,
+        job: &Job,
+        observer: &mut dyn Observer<Self>,
+    ) -> Result<RunReport, Error>
+    where
+        Self: Discretized<M>,
+    {
+        let mut stepper = self.stepper::<M>(job.step)?;
+        let control = |state: &Self::State, time: f64| self.control(state, time);
+        Ok(Run::new(&mut stepper, state).controlled_by(control).observe(observer).steps(job.steps)?)
+    }
+}
+
+impl<S: Catalogued> Schemes for S {}
+
+/// The runner of the scheme that a job asks for.
+fn runner<S: Catalogued>(job: &Job) -> Result<Runner<S>, Error> {
+    match job.retraction {
+        Retraction::Exponential => runner_on!(S, Exponential, job),
+        Retraction::Cayley => runner_on!(S, Cayley, job),
+    }
 }
 
 /// Shows a run's ticks to a [`Watch`], and keeps the error with which that ended the run.
@@ -214,7 +325,7 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
             index: tick.index,
             time: tick.time,
             state: components.as_ref(),
-            energy: tick.system.energy(tick.state),
+            energy: tick.system.energy_at(tick.state, tick.time),
             casimirs: casimirs.as_ref(),
         };
         match (self.watch)(&sample) {
@@ -225,24 +336,6 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
             }
         }
     }
-}
-
-fn clock<S: Catalogued + Discretized<M>, M>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
-    /// Enough to tell nanoseconds, and still short.
-    const STEPS: u64 = 50_000;
-    let steps = job.steps.min(STEPS);
-    if steps == 0 {
-        return Ok(None);
-    }
-    let mut best = f64::INFINITY;
-    for _ in 0..3 {
-        let (system, mut state) = realize::<S>(setup);
-        let mut stepper = system.stepper::<M>(job.step)?;
-        let start = Instant::now();
-        Run::new(&mut stepper, &mut state).steps(steps)?;
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    Ok(Some(best / steps as f64 * 1e9))
 }
 
 /// The system and state with these components.
@@ -289,11 +382,17 @@ mod tests {
     }
 
     #[test]
-    fn retractions_have_the_names_that_the_command_line_takes() {
+    fn schemes_have_the_names_that_the_command_line_takes() {
         use clap::ValueEnum;
         for retraction in Retraction::ALL {
             assert_eq!(Retraction::from_str(retraction.name(), false), Ok(retraction));
         }
         assert_eq!(Retraction::from_str("exp", false), Ok(Retraction::Exponential));
+        for method in Method::ALL {
+            assert_eq!(Method::from_str(method.name(), false), Ok(method));
+        }
+        for order in Order::ALL {
+            assert_eq!(Order::from_str(&order.number().to_string(), false), Ok(order));
+        }
     }
 }

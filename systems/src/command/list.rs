@@ -17,7 +17,18 @@ pub(crate) fn list(console: &mut dyn Write) -> Result<(), Error> {
         let setup = (entry.example)();
         quantities(console, "parameters", entry.parameters, &setup.parameters)?;
         quantities(console, "initial state", entry.state, &setup.state)?;
-        writeln!(console, "  conserved      energy, {}", entry.casimirs.join(", "))?;
+        for (i, control) in entry.controls.iter().enumerate() {
+            let title = if i == 0 { "controls" } else { "" };
+            writeln!(
+                console,
+                "  {title:14} {:24} held over each step, by the system's own law",
+                control.name
+            )?;
+        }
+        let energy = entry.autonomous.then_some("energy");
+        let conserved: Vec<&str> = energy.into_iter().chain(entry.casimirs.iter().copied()).collect();
+        let conserved = if conserved.is_empty() { "nothing".to_owned() } else { conserved.join(", ") };
+        writeln!(console, "  conserved      {conserved}")?;
     }
     Ok(())
 }

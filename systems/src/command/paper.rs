@@ -9,7 +9,7 @@ use crate::output::{Format, Trajectory};
 use crate::plot::{Envelope, Figure, Panel, Scale, Series};
 use crate::progress::Progress;
 use crate::report::{Finding, Table, grouped, with_unit};
-use crate::simulation::{Job, Order, Outcome, Retraction, Sample, Setup};
+use crate::simulation::{Job, Method, Order, Outcome, Retraction, Sample, Setup};
 
 const SYSTEM: &str = "heavy_top";
 const STEP: f64 = 0.01;
@@ -37,7 +37,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
     let mut courses = Vec::new();
     let mut written = Vec::new();
     for retraction in Retraction::ALL {
-        let job = Job { retraction, order: Order::Two, step: STEP, steps: STEPS };
+        let job = Job { method: Method::Standard, retraction, order: Order::Two, step: STEP, steps: STEPS };
         let mut course = Course::new(retraction, entry);
         let mut trajectory = Trajectory::create(directory, Format::Csv, entry, &setup, &job)?;
         let mut progress = Progress::new(retraction.name(), job.steps);
@@ -61,7 +61,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
 
 fn finding(entry: &Entry, setup: &Setup, job: &Job, outcome: Outcome) -> Result<Finding, Error> {
     let time_per_step = (entry.time_per_step)(setup, job)?;
-    Ok(Finding { retraction: job.retraction, order: job.order, outcome, time_per_step })
+    Ok(Finding { job: *job, outcome, time_per_step })
 }
 
 /// The errors of one run over time.

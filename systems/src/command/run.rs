@@ -31,14 +31,7 @@ pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(
     let path = trajectory.finish(&outcome)?;
 
     let time_per_step = (entry.time_per_step)(&setup, &job)?;
-    write!(
-        console,
-        "{}",
-        Table::new(
-            entry,
-            vec![Finding { retraction: job.retraction, order: job.order, outcome, time_per_step }]
-        )
-    )?;
+    write!(console, "{}", Table::new(entry, vec![Finding { job, outcome, time_per_step }]))?;
     writeln!(console, "wrote {}", path.display())?;
     Ok(())
 }
@@ -71,5 +64,6 @@ fn job(entry: &Entry, arguments: &RunArguments) -> Result<(Job, Option<String>),
             steps * step
         )
     });
-    Ok((Job { retraction: arguments.retraction, order: arguments.order, step, steps: steps as u64 }, note))
+    let RunArguments { method, retraction, order, .. } = *arguments;
+    Ok((Job { method, retraction, order, step, steps: steps as u64 }, note))
 }

@@ -39,7 +39,7 @@ fn expand(
             Retraction::Exponential => group::Retraction::Exponential,
             Retraction::Cayley => group::Retraction::Cayley,
         };
-        expansion.steps.retain(|step| step.retraction == wanted);
+        expansion.steps.retain(|step| step.scheme.retraction == wanted);
     }
     Ok(expansion.into_tokens())
 }

@@ -2,7 +2,7 @@
 //!
 //! ```json
 //! {
-//!   "system": "heavy_top", "retraction": "exponential", "step": 0.01,
+//!   "system": "heavy_top", "retraction": "exponential", "method": "standard", "order": 2, "step": 0.01,
 //!   "parameters": {"inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.0, 1.0]},
 //!   "columns": ["time", "attitude_w", …],
 //!   "rows": [[0.0, 1.0, …], …],
@@ -37,6 +37,8 @@ impl Json {
         for (name, value) in [
             ("system", json!(entry.name)),
             ("retraction", json!(job.retraction.name())),
+            ("method", json!(job.method.name())),
+            ("order", json!(job.order.number())),
             ("step", json!(job.step)),
             ("parameters", parameters(entry, setup)),
             ("columns", json!(entry.columns())),

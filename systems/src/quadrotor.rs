@@ -1,0 +1,82 @@
+//! The quadrotor.
+
+use coadjoint::prelude::*;
+
+use crate::catalogued::Catalogued;
+
+/// A rigid body with four propellers: they pull along its third axis, and turn it by pulling unequally.
+///
+/// Hamiltonian: `H = ½ Π·𝓘⁻¹Π + |p|²/2m + mg z`, with the body angular momentum `Π`, the position `x` of the centre of mass, whose
+/// height is `z`, and the momentum `p` in space.
+///
+/// Motion: `Ṙ = R (𝓘⁻¹Π)^`, `Π̇ = Π × 𝓘⁻¹Π + M`, `ẋ = p/m`, `ṗ = −mg e₃ + F R e₃`, with the controls `M`, the moment in body axes, and
+/// `F`, the thrust, held over each step.
+///
+/// Nothing is conserved while the propellers work. In hover, at rest upright with `F = mg` and `M = 0`, it stays where it is; these
+/// are also the values of the open controls that the program runs it with.
+#[lie_poisson_system(
+    group(attitude: SO3, position: R3),
+    control(moment: R3, thrust: f64),
+    potential = mass * gravity * position.z,
+    force(attitude = moment, position = attitude * (thrust * Vector3::z())),
+    methods(Midpoint, SymplecticEulerB),
+)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quadrotor {
+    /// Principal moments of inertia about the centre of mass, kg m².
+    #[inertia(attitude)]
+    pub inertia: Vector3<f64>,
+    /// Mass, kg.
+    #[inertia(position)]
+    pub mass: f64,
+    /// Gravitational acceleration, m/s².
+    pub gravity: f64,
+}
+
+impl Quadrotor {
+    /// What keeps it in hover: `F = mg`, `M = 0`.
+    pub fn hover(&self) -> QuadrotorControl {
+        QuadrotorControl { moment: Vector3::zeros(), thrust: self.mass * self.gravity }
+    }
+
+    /// At rest upright at a height above the origin, m.
+    pub fn at_rest(height: f64) -> QuadrotorState {
+        QuadrotorState {
+            attitude: UnitQuaternion::identity(),
+            attitude_momentum: Vector3::zeros(),
+            position: vector![0.0, 0.0, height],
+            position_momentum: Vector3::zeros(),
+        }
+    }
+
+    /// The vehicle of T. Lee, M. Leok and N. H. McClamroch, *Geometric tracking control of a quadrotor UAV on SE(3)* (2010).
+    pub fn lee() -> Self {
+        Self { inertia: vector![0.082, 0.0845, 0.1377], mass: 4.34, gravity: 9.81 }
+    }
+
+    /// With the thrust of hover, but turning over: nobody holds it, and it flies off.
+    pub fn loose() -> (Self, QuadrotorState) {
+        let start = QuadrotorState { attitude_momentum: vector![0.004, 0.002, 0.05], ..Self::at_rest(1.0) };
+        (Self::lee(), start)
+    }
+}
+
+impl Catalogued for Quadrotor {
+    const ABOUT: &'static str = "a body with four propellers, in hover: thrust m g, moment 0";
+    const STEP: f64 = 0.01;
+    const DURATION: f64 = 10.0;
+    const CASIMIR_UNITS: &'static [&'static str] = &[];
+
+    /// In hover, one metre above the ground.
+    fn example() -> (Self, QuadrotorState) {
+        (Self::lee(), Self::at_rest(1.0))
+    }
+
+    fn control(&self, _: &QuadrotorState, _: f64) -> QuadrotorControl {
+        self.hover()
+    }
+
+    fn body_inertia(&self) -> Option<Matrix3<f64>> {
+        Some(Matrix3::from_diagonal(&self.inertia))
+    }
+}
