@@ -36,7 +36,7 @@
 use core::marker::PhantomData;
 
 use crate::error::StepError;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::scalar::Scalar;
 use crate::stepper::StepReport;
 use crate::system::Discretized;
@@ -194,8 +194,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         let mut total = StepReport { iterations: 0, residual: 0.0 };
         for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
             let start = time + B::Scalar::of(done) * self.step;
-            let (next, report) = step
-                .advance(&state, start, control, known && self.whole)
+            let (next, report) = method::part(step, &state, start, control, known && self.whole)
                 .inspect_err(|_| self.whole = false)?;
             state = next;
             done += gamma;

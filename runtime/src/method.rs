@@ -83,6 +83,19 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
     }
 }
 
+/// A step that is part of a larger one. Not inlined: what is composed of several is compiled once for all that it is part of, and next
+/// to a step a call is nothing.
+#[inline(never)]
+pub(crate) fn part<B: Method>(
+    method: &mut B,
+    state: &B::State,
+    time: B::Scalar,
+    control: &B::Control,
+    known: bool,
+) -> Result<(B::State, StepReport), StepError> {
+    method.advance(state, time, control, known)
+}
+
 /// Half a step with the method `A`, then half a step with `B`, which starts at the time at which the first ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Halves<A: Method, B> {
@@ -120,8 +133,8 @@ where
         let known = known && self.whole;
         // until both are through
         self.whole = false;
-        let (middle, first) = self.first.advance(state, time, control, known)?;
-        let (next, second) = self.second.advance(&middle, time + self.half, control, known)?;
+        let (middle, first) = part(&mut self.first, state, time, control, known)?;
+        let (next, second) = part(&mut self.second, &middle, time + self.half, control, known)?;
         self.whole = true;
         let report = StepReport {
             iterations: first.iterations + second.iterations,
@@ -170,7 +183,7 @@ where
             Some(spatial) if known => spatial,
             _ => S::in_space(state),
         };
-        let (next, report) = self.base.advance(state, time, control, known)?;
+        let (next, report) = part(&mut self.base, state, time, control, known)?;
         self.spatial = Some(spatial);
         Ok((S::in_body(&next, &spatial), report))
     }

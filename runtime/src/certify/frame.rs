@@ -162,7 +162,11 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         for (row, &c) in self.stored.iter().enumerate() {
             let sizes = samples.iter().map(|(state, _)| {
                 let basis = self.basis(state);
-                let reach = self.configuration.iter().enumerate().map(|(k, &i)| basis[(row, k)].abs() * self.scale[i]);
+                let reach = self
+                    .configuration
+                    .iter()
+                    .enumerate()
+                    .map(|(k, &i)| basis[(row, k)].abs() * self.scale[i]);
                 reach.fold(state.to_components().as_ref()[c].abs(), f64::max)
             });
             let size = sizes.fold(0.0, f64::max);
@@ -217,7 +221,9 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
 
     /// A tensor of two tangent vectors with every component in units of its scale.
     pub(super) fn scaled(&self, tensor: &DMatrix<f64>) -> DMatrix<f64> {
-        DMatrix::from_fn(tensor.nrows(), tensor.ncols(), |i, j| tensor[(i, j)] / (self.scale[i] * self.scale[j]))
+        DMatrix::from_fn(tensor.nrows(), tensor.ncols(), |i, j| {
+            tensor[(i, j)] / (self.scale[i] * self.scale[j])
+        })
     }
 
     /// How far two states are apart, relative to their size.

@@ -59,8 +59,7 @@ where
     if samples.is_empty() {
         return Err(CertifyError::NoStates);
     }
-    let frame =
-        Frame::new(*system, &samples, *time).ok_or(CertifyError::Structure { system: S::NAME })?;
+    let frame = Frame::new(*system, &samples, *time).ok_or(CertifyError::Structure { system: S::NAME })?;
     let step = step.unwrap_or(if frame.rate > 0.0 { STEP / frame.rate } else { STEP });
     let mut bench = Bench::<S, M> {
         system,
@@ -215,7 +214,9 @@ where
             for halvings in 0..10 {
                 let steps = 1 << halvings;
                 let mut end = state.clone();
-                match self.walk(interval / steps as f64, steps, self.time, state, control, |state| end = state.clone()) {
+                match self.walk(interval / steps as f64, steps, self.time, state, control, |state| {
+                    end = state.clone()
+                }) {
                     Ok(()) => {}
                     // too long a step, which shorter ones make up for
                     Err(Trouble::Step(_)) if halvings < 5 => {
@@ -253,12 +254,17 @@ where
         let motion = self.frame.motion(state, self.time, control);
         let scaled = |i: usize, x: f64| (x / self.frame.scale[i]).abs();
         let size = motion.iter().enumerate().fold(0.0, |size, (i, x)| larger(size, scaled(i, *x)));
-        let error = (0..motion.len()).fold(0.0, |error, i| larger(error, scaled(i, change[(i, 0)] - motion[i])));
+        let error =
+            (0..motion.len()).fold(0.0, |error, i| larger(error, scaled(i, change[(i, 0)] - motion[i])));
         Ok(Some(if error == 0.0 { 0.0 } else { error / size }))
     }
 
     /// The derivative of a step in local coordinates, and where it leads.
-    fn linearized(&self, state: &S::State, control: &S::Control) -> Result<(DMatrix<f64>, S::State), Trouble> {
+    fn linearized(
+        &self,
+        state: &S::State,
+        control: &S::Control,
+    ) -> Result<(DMatrix<f64>, S::State), Trouble> {
         let frame = &self.frame;
         let end = self.one(self.step, self.time, state, control)?;
         let columns: Result<Vec<_>, _> = (0..frame.dimension())
@@ -296,7 +302,12 @@ where
         self.system.casimirs(state).as_ref()[index]
     }
 
-    fn casimir_drift(&self, index: usize, state: &S::State, control: &S::Control) -> Result<Option<f64>, Trouble> {
+    fn casimir_drift(
+        &self,
+        index: usize,
+        state: &S::State,
+        control: &S::Control,
+    ) -> Result<Option<f64>, Trouble> {
         let start = self.casimir(index, state);
         // what it may be where it happens to be small
         let size = self.frame.linear.iter().fold(start.abs(), |size, linear| {
@@ -329,7 +340,10 @@ where
     /// What errors of the energy count relative to.
     fn energy_size(&self, state: &S::State) -> f64 {
         let differential = self.frame.differential(state, self.time);
-        differential.iter().zip(&self.frame.scale).fold(f64::MIN_POSITIVE, |size, (x, scale)| size.max((x * scale).abs()))
+        differential
+            .iter()
+            .zip(&self.frame.scale)
+            .fold(f64::MIN_POSITIVE, |size, (x, scale)| size.max((x * scale).abs()))
     }
 
     /// How much of the range of the energy's error is a straight line's.
@@ -439,7 +453,8 @@ where
         let along = |i: usize, j: usize, k: usize| -> f64 {
             (0..n).map(|l| tensor[(i, l)] * changes[l][(j, k)]).sum()
         };
-        let size = tensor.amax() * changes.iter().fold(f64::MIN_POSITIVE, |size, change| size.max(change.amax()));
+        let size =
+            tensor.amax() * changes.iter().fold(f64::MIN_POSITIVE, |size, change| size.max(change.amax()));
         let mut error = 0.0;
         for i in 0..n {
             for j in 0..i {
@@ -465,7 +480,8 @@ where
         let frame = &self.frame;
         let turn = self.turn();
         let n = turn.len();
-        let measured = frame.logarithmic_derivative(state, Map::Exponential, &-&turn).ok_or(Trouble::Degenerate)?;
+        let measured =
+            frame.logarithmic_derivative(state, Map::Exponential, &-&turn).ok_or(Trouble::Degenerate)?;
         let eta = turn.resize_vertically(frame.linear.len(), 0.0);
         let ad = frame.coadjoint(state, &eta);
         let mut error = 0.0;
