@@ -29,8 +29,19 @@ pub struct Figure {
     pub time: String,
     /// From when to when.
     pub span: (f64, f64),
+    /// Which panels say what their colours mean.
+    pub key: Key,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+}
+
+/// Where it is said what colours mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Key {
+    /// In the first panel, as it is the same in all.
+    First,
+    /// Beside each panel with more than one course.
+    Each,
 }
 
 /// One panel: the same quantity from several runs.
@@ -89,7 +100,7 @@ impl Figure {
             .iter()
             .enumerate()
             .map(|(i, panel)| {
-                let (plots, layout) = panel.draw(i == 0);
+                let (plots, layout) = panel.draw(self.key, i == 0);
                 let layout =
                     layout.with_x_axis_min(start).with_x_axis_max(end).with_x_tick_step(step(end - start));
                 (plots, if i == last { layout.with_x_label(&self.time) } else { layout })
@@ -114,9 +125,11 @@ fn step(length: f64) -> f64 {
 }
 
 impl Panel {
-    /// Only one panel needs a legend; it gets some room for it.
-    fn draw(&self, with_legend: bool) -> (Vec<Plot>, Layout) {
-        let axis = Axis::new(self, if with_legend { LEGEND } else { 0.0 });
+    fn draw(&self, key: Key, is_first: bool) -> (Vec<Plot>, Layout) {
+        let inside = key == Key::First;
+        let with_legend = if inside { is_first } else { self.series.len() > 1 };
+        // a legend inside gets some room
+        let axis = Axis::new(self, if inside && with_legend { LEGEND } else { 0.0 });
         let plots: Vec<Plot> = self
             .series
             .iter()
@@ -134,10 +147,14 @@ impl Panel {
             .with_label_size(16)
             .with_tick_size(14)
             .with_body_size(14)
-            .with_legend_position(LegendPosition::InsideTopRight)
+            .with_legend_position(if inside {
+                LegendPosition::InsideTopRight
+            } else {
+                LegendPosition::OutsideRightTop
+            })
             .with_legend_width(widest as f64 * 8.5 + 45.0)
             // the same for all panels, or their time axes would not lie below each other
-            .with_force_margins(90.0, 30.0);
+            .with_force_margins(90.0, if inside { 30.0 } else { 100.0 });
         if self.scale == Scale::Logarithmic {
             layout = layout
                 .with_y_axis_min(axis.low)
@@ -248,6 +265,7 @@ mod tests {
                 title: "t".to_owned(),
                 time: "time, s".to_owned(),
                 span: (0.0, values.len() as f64),
+                key: Key::Each,
                 panels: vec![panel(values)],
             };
             let svg = kuva::backend::svg::SvgBackend::default().render_scene(&figure.draw().render());
