@@ -155,7 +155,9 @@ impl Panel {
             .with_legend_width(widest as f64 * 8.5 + 45.0)
             // the same for all panels, or their time axes would not lie below each other
             .with_force_margins(90.0, if inside { 30.0 } else { 100.0 });
-        if self.scale == Scale::Logarithmic {
+        if self.scale == Scale::Linear {
+            layout = layout.with_y_tick_format(kuva::TickFormat::Custom(Arc::new(short)));
+        } else {
             layout = layout
                 .with_y_axis_min(axis.low)
                 .with_y_axis_max(axis.high)
@@ -198,6 +200,24 @@ impl Axis {
     }
 }
 
+/// `0.25`, but `2·10⁷`: large and small numbers by their power of ten.
+fn short(value: f64) -> String {
+    // ticks are round up to roundoff
+    let round = format!("{value:.9e}");
+    let (digits, exponent) = round.split_once('e').unwrap_or((&round, "0"));
+    let digits =
+        if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (-3..5).contains(&exponent) {
+        let places = digits.trim_start_matches('-').len().saturating_sub(2) as i32 - exponent;
+        format!("{value:.*}", places.max(0) as usize)
+    } else {
+        format!("{digits}·{}", power_of_ten(f64::from(exponent)))
+    }
+}
+
 /// `10⁻¹²` for −12.
 fn power_of_ten(exponent: f64) -> String {
     let digits = format!("{exponent:.0}").chars().map(superscript).collect::<String>();
@@ -230,6 +250,23 @@ mod tests {
         assert_eq!(power_of_ten(-12.0), "10⁻¹²");
         assert_eq!(power_of_ten(0.0), "10⁰");
         assert_eq!(power_of_ten(305.0), "10³⁰⁵");
+    }
+
+    #[test]
+    fn ticks_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.25, "0.25"),
+            (0.1 + 0.2, "0.3"),
+            (-10.0, "-10"),
+            (2_000.0, "2000"),
+            (0.005, "0.005"),
+            (1.25, "1.25"),
+            (-2e7, "-2·10⁷"),
+            (2.5e-4, "2.5·10⁻⁴"),
+        ] {
+            assert_eq!(short(value), text);
+        }
     }
 
     fn panel(values: &[f64]) -> Panel {

@@ -3,7 +3,7 @@
 use crate::catalogue::Entry;
 use crate::plot::{Envelope, Figure, Key, Panel, Scale, Series};
 use crate::report::with_unit;
-use crate::setting::laid_out;
+use crate::setting::{laid_out, rotation};
 use crate::simulation::{Job, Sample};
 
 /// The picture shows the extremes in each of this many parts of the run.
@@ -55,16 +55,30 @@ impl Portrait {
     pub fn figure(&self, title: String) -> Figure {
         let mut panels = Vec::new();
         for (quantity, slots) in laid_out(self.entry.state) {
-            let courses = quantity.components.iter().zip(&self.state[slots]);
-            let series = |(component, envelope): (&&str, &Envelope)| Series {
-                label: (*component).to_owned(),
-                points: envelope.both(),
+            let courses: Vec<Series> = quantity
+                .components
+                .iter()
+                .zip(&self.state[slots])
+                .map(|(component, envelope)| Series {
+                    label: (*component).to_owned(),
+                    points: envelope.both(),
+                })
+                .collect();
+            let mut panel = |part: &str, series: &[Series]| {
+                panels.push(Panel {
+                    label: format!("{}{part}", quantity.name.replace('_', " ")),
+                    scale: Scale::Linear,
+                    series: series.to_vec(),
+                });
             };
-            panels.push(Panel {
-                label: quantity.name.replace('_', " "),
-                scale: Scale::Linear,
-                series: courses.map(series).collect(),
-            });
+            // a rigid motion is of two kinds
+            match rotation(quantity) {
+                Some((count, _)) if count < courses.len() => {
+                    panel(", rotation", &courses[..count]);
+                    panel(", translation", &courses[count..]);
+                }
+                _ => panel("", &courses),
+            }
         }
         let alone = |points| vec![Series { label: String::new(), points }];
         panels.push(if self.entry.autonomous {
@@ -93,7 +107,10 @@ impl std::fmt::Debug for Portrait {
 
 /// Casimirs in the letters of the literature, which are also shorter.
 pub fn symbols(name: &str) -> String {
-    name.replace("attitude_momentum", "Π")
+    name.replace("momentum.angular", "Π")
+        .replace("momentum.linear", "P")
+        .replace("attitude_momentum", "Π")
+        .replace("rotor_momentum", "ℓ")
         .replace("momentum", "Π")
         .replace("gamma", "Γ")
         .replace("field", "B")

@@ -262,10 +262,7 @@ fn without_thrust_a_quadrotor_falls_and_thrust_lifts_it() {
         state.attitude_momentum = vector![0.0, 0.0, 0.1];
         state.position_momentum = vector![quadrotor.mass, 0.0, 0.0];
         let mut stepper = quadrotor.stepper::<Exponential>(0.01).expect("valid");
-        Run::new(&mut stepper, &mut state)
-            .controlled_by(|_, _| control.clone())
-            .steps(200)
-            .expect("solvable");
+        Run::new(&mut stepper, &mut state).controlled_by(|_, _| control).steps(200).expect("solvable");
         // parabolas are exact
         let expected = vector![2.0, 0.0, 50.0 + 0.5 * acceleration * 4.0];
         assert!((state.position - expected).norm() < 1e-11, "{state:?}");

@@ -10,7 +10,7 @@ use crate::portrait::Portrait;
 use crate::progress::Progress;
 use crate::report::{Finding, Table};
 use crate::setting;
-use crate::simulation::Job;
+use crate::simulation::{Job, Method, Order};
 
 pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(), Error> {
     let entry = catalogue::find(&arguments.system)?;
@@ -39,12 +39,26 @@ pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(
     write!(console, "{}", Table::new(entry, vec![Finding { job, outcome, time_per_step }]))?;
     writeln!(console, "wrote {}", path.display())?;
     if let Some(portrait) = portrait {
-        let figure = portrait.figure(format!("{}, h = {} s", name(entry, &job), job.step));
+        let figure = portrait.figure(title(entry, &job));
         for path in figure.write(&arguments.out.join(name(entry, &job)))? {
             writeln!(console, "wrote {}", path.display())?;
         }
     }
     Ok(())
+}
+
+/// What stands above a run's picture: `heavy_top, midpoint, cayley, order 4, h = 0.01 s`
+fn title(entry: &Entry, job: &Job) -> String {
+    let mut parts = vec![entry.name.to_owned()];
+    if job.method != Method::Standard {
+        parts.push(job.method.name().to_owned());
+    }
+    parts.push(job.retraction.name().to_owned());
+    if job.order != Order::Two {
+        parts.push(format!("order {}", job.order.number()));
+    }
+    parts.push(format!("h = {} s", job.step));
+    parts.join(", ")
 }
 
 /// The steps to take, with a note if they do not add up to the duration asked for.
