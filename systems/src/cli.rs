@@ -58,6 +58,9 @@ pub(crate) struct RunArguments {
     /// Set a parameter or a part of the initial state: `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
+    /// Draw the run too: what moves, and the errors of what is conserved
+    #[arg(long)]
+    pub(crate) plot: bool,
     /// The directory to write to
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub(crate) out: PathBuf,

@@ -35,19 +35,19 @@ pub struct Gyrostat {
 
 impl Catalogued for Gyrostat {
     const ABOUT: &'static str = "a rigid body with a rotor: a satellite and its flywheel";
-    const STEP: f64 = 0.05;
-    const DURATION: f64 = 600.0;
+    const STEP: f64 = 0.01;
+    const DURATION: f64 = 300.0;
     const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²", "kg m²/s"];
 
-    /// A satellite turning about its middle axis, which a flywheel along that axis all but makes stable.
+    /// A satellite turning about its middle axis, which a flywheel along that axis makes stable: below 2 kg m²/s it would turn over.
     fn example() -> (Self, GyrostatState) {
         let gyrostat =
-            Gyrostat { inertia: vector![60.0, 80.0, 100.0], rotor_inertia: 0.04, axis: Vector3::y() };
+            Gyrostat { inertia: vector![60.0, 80.0, 100.0], rotor_inertia: 0.05, axis: Vector3::y() };
         let start = GyrostatState {
             attitude: UnitQuaternion::identity(),
             attitude_momentum: vector![0.1, 10.0, 0.1],
             rotor: UnitComplex::identity(),
-            rotor_momentum: vector![1.5],
+            rotor_momentum: vector![2.5],
         };
         (gyrostat, start)
     }

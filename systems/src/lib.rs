@@ -34,6 +34,8 @@ pub mod output;
 #[cfg(feature = "program")]
 pub mod plot;
 #[cfg(feature = "program")]
+pub mod portrait;
+#[cfg(feature = "program")]
 mod progress;
 #[cfg(feature = "program")]
 pub mod report;

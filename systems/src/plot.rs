@@ -29,8 +29,19 @@ pub struct Figure {
     pub time: String,
     /// From when to when.
     pub span: (f64, f64),
+    /// Which panels say what their colours mean.
+    pub key: Key,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+}
+
+/// Where it is said what colours mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Key {
+    /// In the first panel, as it is the same in all.
+    First,
+    /// Beside each panel with more than one course.
+    Each,
 }
 
 /// One panel: the same quantity from several runs.
@@ -89,7 +100,7 @@ impl Figure {
             .iter()
             .enumerate()
             .map(|(i, panel)| {
-                let (plots, layout) = panel.draw(i == 0);
+                let (plots, layout) = panel.draw(self.key, i == 0);
                 let layout =
                     layout.with_x_axis_min(start).with_x_axis_max(end).with_x_tick_step(step(end - start));
                 (plots, if i == last { layout.with_x_label(&self.time) } else { layout })
@@ -114,9 +125,11 @@ fn step(length: f64) -> f64 {
 }
 
 impl Panel {
-    /// Only one panel needs a legend; it gets some room for it.
-    fn draw(&self, with_legend: bool) -> (Vec<Plot>, Layout) {
-        let axis = Axis::new(self, if with_legend { LEGEND } else { 0.0 });
+    fn draw(&self, key: Key, is_first: bool) -> (Vec<Plot>, Layout) {
+        let inside = key == Key::First;
+        let with_legend = if inside { is_first } else { self.series.len() > 1 };
+        // a legend inside gets some room
+        let axis = Axis::new(self, if inside && with_legend { LEGEND } else { 0.0 });
         let plots: Vec<Plot> = self
             .series
             .iter()
@@ -134,11 +147,17 @@ impl Panel {
             .with_label_size(16)
             .with_tick_size(14)
             .with_body_size(14)
-            .with_legend_position(LegendPosition::InsideTopRight)
+            .with_legend_position(if inside {
+                LegendPosition::InsideTopRight
+            } else {
+                LegendPosition::OutsideRightTop
+            })
             .with_legend_width(widest as f64 * 8.5 + 45.0)
             // the same for all panels, or their time axes would not lie below each other
-            .with_force_margins(90.0, 30.0);
-        if self.scale == Scale::Logarithmic {
+            .with_force_margins(90.0, if inside { 30.0 } else { 100.0 });
+        if self.scale == Scale::Linear {
+            layout = layout.with_y_tick_format(kuva::TickFormat::Custom(Arc::new(short)));
+        } else {
             layout = layout
                 .with_y_axis_min(axis.low)
                 .with_y_axis_max(axis.high)
@@ -181,6 +200,24 @@ impl Axis {
     }
 }
 
+/// `0.25`, but `2·10⁷`: large and small numbers by their power of ten.
+fn short(value: f64) -> String {
+    // ticks are round up to roundoff
+    let round = format!("{value:.9e}");
+    let (digits, exponent) = round.split_once('e').unwrap_or((&round, "0"));
+    let digits =
+        if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (-3..5).contains(&exponent) {
+        let places = digits.trim_start_matches('-').len().saturating_sub(2) as i32 - exponent;
+        format!("{value:.*}", places.max(0) as usize)
+    } else {
+        format!("{digits}·{}", power_of_ten(f64::from(exponent)))
+    }
+}
+
 /// `10⁻¹²` for −12.
 fn power_of_ten(exponent: f64) -> String {
     let digits = format!("{exponent:.0}").chars().map(superscript).collect::<String>();
@@ -213,6 +250,23 @@ mod tests {
         assert_eq!(power_of_ten(-12.0), "10⁻¹²");
         assert_eq!(power_of_ten(0.0), "10⁰");
         assert_eq!(power_of_ten(305.0), "10³⁰⁵");
+    }
+
+    #[test]
+    fn ticks_are_short() {
+        for (value, text) in [
+            (0.0, "0"),
+            (0.25, "0.25"),
+            (0.1 + 0.2, "0.3"),
+            (-10.0, "-10"),
+            (2_000.0, "2000"),
+            (0.005, "0.005"),
+            (1.25, "1.25"),
+            (-2e7, "-2·10⁷"),
+            (2.5e-4, "2.5·10⁻⁴"),
+        ] {
+            assert_eq!(short(value), text);
+        }
     }
 
     fn panel(values: &[f64]) -> Panel {
@@ -248,6 +302,7 @@ mod tests {
                 title: "t".to_owned(),
                 time: "time, s".to_owned(),
                 span: (0.0, values.len() as f64),
+                key: Key::Each,
                 panels: vec![panel(values)],
             };
             let svg = kuva::backend::svg::SvgBackend::default().render_scene(&figure.draw().render());

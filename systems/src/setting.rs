@@ -117,7 +117,7 @@ const ROTATIONS: [(&[&str], &str); 2] = [(&["w", "x", "y", "z"], "1,0,0,0"), (&[
 const TRANSLATIONS: [&[&str]; 3] = [&[], &["px", "py"], &["px", "py", "pz"]];
 
 /// How many of a quantity's components are those of a rotation, with what is no rotation; none of a vector.
-fn rotation(quantity: &Quantity) -> Option<(usize, &'static str)> {
+pub(crate) fn rotation(quantity: &Quantity) -> Option<(usize, &'static str)> {
     ROTATIONS.iter().find_map(|(names, unit)| {
         let rest = quantity.components.strip_prefix(*names)?;
         TRANSLATIONS.contains(&rest).then_some((names.len(), *unit))

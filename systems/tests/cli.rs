@@ -69,9 +69,19 @@ fn table(csv: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
 #[test]
 fn list_names_systems_parameters_and_defaults() {
     let listing = Scratch::new("list").prints(&["list"]);
-    for expected in
-        ["free_rigid_body: ", "heavy_top: ", "inertia=1,10,100", "weight=1", "momentum=1,1,1", "kg m²"]
-    {
+    for expected in [
+        "free_rigid_body: ",
+        "heavy_top: ",
+        "inertia=1,10,100",
+        "weight=1",
+        "momentum=1,1,1",
+        "kg m²",
+        "kovalevskaya_top: ",
+        "kirchhoff: ",
+        "controls       moment",
+        "conserved      energy, |gamma|², momentum·gamma",
+        "conserved      nothing",
+    ] {
         assert!(listing.contains(expected), "{expected} in\n{listing}");
     }
 }
@@ -129,6 +139,7 @@ fn csv_and_json_hold_the_same_numbers_to_the_last_digit() {
     assert!(json["rows"] == serde_json::json!(rows), "the files differ");
     assert_eq!(json["system"], "heavy_top");
     assert_eq!(json["retraction"], "cayley");
+    assert_eq!((&json["method"], &json["order"]), (&"standard".into(), &2.into()));
     assert_eq!(json["step"], 0.01);
     assert_eq!(
         json["parameters"],
@@ -137,6 +148,56 @@ fn csv_and_json_hold_the_same_numbers_to_the_last_digit() {
     let energy = &json["invariants"]["energy"];
     assert_eq!(energy["initial"].as_f64(), Some(rows[0][11]));
     assert!(energy["largest_error"].as_f64().expect("a number") < 1e-3);
+}
+
+#[test]
+fn methods_and_orders_are_told_apart() {
+    let scratch = Scratch::new("methods");
+    let run = |arguments: &[&str]| {
+        scratch.prints(&[&["run", "coupled-bodies", "--duration", "0.2"], arguments].concat())
+    };
+    for (arguments, method, order) in [
+        (&[][..], "standard (verlet)", "2"),
+        (&["--method", "euler-a"], "euler-a", "1"),
+        (&["--method", "euler-b"], "euler-b", "1"),
+        (&["--method", "midpoint", "--order", "4"], "midpoint", "4"),
+        (&["--method", "verlet"], "verlet", "2"),
+    ] {
+        let printed = run(arguments);
+        let value = |name: &str| printed.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
+        assert_eq!((value("method"), value("order")), (Some(method), Some(order)), "{printed}");
+        assert!(printed.contains("largest energy error"), "{printed}");
+    }
+    assert_eq!(
+        scratch.files("out"),
+        ["euler-a-", "euler-b-", "", "midpoint-", "verlet-"]
+            .map(|method| format!("coupled_bodies-{method}exponential.csv"))
+    );
+    // with the reduced step as the standard
+    let printed = scratch.prints(&["run", "free_rigid_body", "--duration", "0.2", "--method", "euler-b"]);
+    assert!(printed.lines().any(|line| line.starts_with("order ") && line.ends_with(" 2")), "{printed}");
+}
+
+#[test]
+fn energy_that_is_not_conserved_is_not_called_an_error() {
+    let scratch = Scratch::new("driven");
+    let printed = scratch.prints(&["run", "driven_pendulum", "--duration", "1"]);
+    assert!(printed.contains("largest change of energy, J (it is not conserved)"), "{printed}");
+    assert!(!printed.contains("error"), "{printed}");
+}
+
+#[test]
+fn a_run_is_drawn_where_that_is_asked_for() {
+    let scratch = Scratch::new("plot");
+    for system in ["kepler", "quadrotor", "rigid_body_in_space"] {
+        let printed = scratch
+            .prints(&["run", system, "--every", "1000", "--plot", "--out", system, "--method", "midpoint"]);
+        let stem = format!("{system}-midpoint-exponential");
+        assert!(printed.contains(&format!("{stem}.png")), "{printed}");
+        assert_eq!(scratch.files(system), ["csv", "png", "svg"].map(|end| format!("{stem}.{end}")));
+        let svg = scratch.read(&format!("{system}/{stem}.svg"));
+        assert!(svg.contains("</svg>") && !svg.contains("NaN"));
+    }
 }
 
 #[test]
@@ -190,7 +251,7 @@ fn a_duration_that_is_no_whole_number_of_steps_is_noted() {
 #[test]
 fn show_prints_code_that_parses() {
     let scratch = Scratch::new("show");
-    for system in ["heavy_top", "free_rigid_body"] {
+    for system in ["heavy_top", "free_rigid_body", "quadrotor", "lagrange_top"] {
         for retraction in [&[][..], &["--retraction", "exp"], &["--retraction", "cayley"]] {
             let code = scratch.prints(&[&["show", system], retraction].concat());
             syn::parse_file(&code).expect("Rust");
@@ -264,6 +325,18 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--duration", "1e300"], 2, "too many"),
         (&["run", "heavy_top", "--every", "0"], 2, "0 is not in"),
         (&["run", "heavy_top", "--retraction", "euler"], 2, "possible values: exponential, cayley"),
+        (
+            &["run", "heavy_top", "--method", "leapfrog"],
+            2,
+            "possible values: standard, euler-a, euler-b, midpoint, verlet",
+        ),
+        (
+            &["run", "heavy_top", "--method", "euler-a", "--order", "4"],
+            2,
+            "take one of standard, midpoint, verlet",
+        ),
+        (&["run", "heavy_top", "--order", "3"], 2, "possible values: 2, 4, 6, 8, 10"),
+        (&["run", "planar_pendulum", "--set", "angle=0,0"], 2, "no rotation is 1,0"),
         (&["run", "heavy_top", "--format", "xml"], 2, "possible values: csv, json"),
         (
             &["run", "heavy_top", "--duration", "1", "--set", "momentum=1e200,1e200,1e200"],

@@ -37,9 +37,16 @@ pub(crate) fn list(console: &mut dyn Write) -> Result<(), Error> {
 fn quantities(console: &mut dyn Write, title: &str, all: &[Quantity], values: &[f64]) -> Result<(), Error> {
     for (i, (quantity, slots)) in laid_out(all).enumerate() {
         let title = if i == 0 { title } else { "" };
-        let value = values[slots].iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-        let line = format!("  {title:14} {:24} {}", format!("{}={value}", quantity.name), quantity.doc);
-        writeln!(console, "{}", line.trim_end())?;
+        // adding zero leaves no −0
+        let value = values[slots].iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(",");
+        let assignment = format!("{}={value}", quantity.name);
+        let mut line = format!("  {title:14} {assignment:24}");
+        if assignment.chars().count() > 44 && !quantity.doc.is_empty() {
+            // the documentation stands below what is too long
+            writeln!(console, "{}", line.trim_end())?;
+            line = format!("  {:14} {:24}", "", "");
+        }
+        writeln!(console, "{}", format!("{line} {}", quantity.doc).trim_end())?;
     }
     Ok(())
 }

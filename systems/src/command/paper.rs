@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::catalogue::{self, Entry};
 use crate::error::Error;
 use crate::output::{Format, Trajectory};
-use crate::plot::{Envelope, Figure, Panel, Scale, Series};
+use crate::plot::{Envelope, Figure, Key, Panel, Scale, Series};
+use crate::portrait::symbols;
 use crate::progress::Progress;
 use crate::report::{Finding, Table, grouped, with_unit};
 use crate::simulation::{Job, Method, Order, Outcome, Retraction, Sample, Setup};
@@ -114,11 +115,7 @@ fn figure(entry: &Entry, courses: &[Course]) -> Figure {
             STEPS as f64 * STEP / PARTS as f64
         ),
         span: (0.0, STEPS as f64 * STEP),
+        key: Key::First,
         panels,
     }
-}
-
-/// Casimirs in the letters of the literature.
-fn symbols(name: &str) -> String {
-    name.replace("momentum", "Π").replace("gamma", "Γ")
 }

@@ -5,11 +5,12 @@ use std::io::Write;
 use crate::catalogue::{self, Entry};
 use crate::cli::RunArguments;
 use crate::error::Error;
-use crate::output::Trajectory;
+use crate::output::{Trajectory, name};
+use crate::portrait::Portrait;
 use crate::progress::Progress;
 use crate::report::{Finding, Table};
 use crate::setting;
-use crate::simulation::Job;
+use crate::simulation::{Job, Method, Order};
 
 pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(), Error> {
     let entry = catalogue::find(&arguments.system)?;
@@ -22,9 +23,13 @@ pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(
     }
 
     let mut trajectory = Trajectory::create(&arguments.out, arguments.format, entry, &setup, &job)?;
+    let mut portrait = arguments.plot.then(|| Portrait::new(entry, &job));
     let mut progress = Progress::new(entry.name, job.steps);
     let outcome = (entry.simulate)(&setup, &job, &mut |sample| {
         progress.at(sample.index);
+        if let Some(portrait) = &mut portrait {
+            portrait.push(sample);
+        }
         if sample.index.is_multiple_of(arguments.every) { trajectory.row(sample) } else { Ok(()) }
     })?;
     drop(progress);
@@ -33,7 +38,27 @@ pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(
     let time_per_step = (entry.time_per_step)(&setup, &job)?;
     write!(console, "{}", Table::new(entry, vec![Finding { job, outcome, time_per_step }]))?;
     writeln!(console, "wrote {}", path.display())?;
+    if let Some(portrait) = portrait {
+        let figure = portrait.figure(title(entry, &job));
+        for path in figure.write(&arguments.out.join(name(entry, &job)))? {
+            writeln!(console, "wrote {}", path.display())?;
+        }
+    }
     Ok(())
+}
+
+/// What stands above a run's picture: `heavy_top, midpoint, cayley, order 4, h = 0.01 s`
+fn title(entry: &Entry, job: &Job) -> String {
+    let mut parts = vec![entry.name.to_owned()];
+    if job.method != Method::Standard {
+        parts.push(job.method.name().to_owned());
+    }
+    parts.push(job.retraction.name().to_owned());
+    if job.order != Order::Two {
+        parts.push(format!("order {}", job.order.number()));
+    }
+    parts.push(format!("h = {} s", job.step));
+    parts.join(", ")
 }
 
 /// The steps to take, with a note if they do not add up to the duration asked for.

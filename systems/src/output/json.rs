@@ -77,7 +77,9 @@ impl Write for Json {
         let mut add = |name: &str, initial: f64, error: f64| {
             invariants.insert(name.to_owned(), json!({ "initial": initial, "largest_error": error }))
         };
-        add("energy", outcome.energy, outcome.energy_error);
+        if self.entry.autonomous {
+            add("energy", outcome.energy, outcome.energy_error);
+        }
         for ((name, initial), drift) in
             self.entry.casimirs.iter().zip(&outcome.casimirs).zip(&outcome.casimir_drifts)
         {
