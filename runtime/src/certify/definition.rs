@@ -46,8 +46,7 @@ impl<'a, S: Geometry<Scalar = f64>> Walk<'a, S> {
         let mut last = f64::INFINITY;
         for _ in 0..SWEEPS {
             let (early, late) = (&eta * s, &eta * (1.0 - s));
-            let (ad_early, ad_late) =
-                (frame.coadjoint(state, &early), frame.coadjoint(state, &late));
+            let (ad_early, ad_late) = (frame.coadjoint(state, &early), frame.coadjoint(state, &late));
             let before = self.right_dual(map, &early, &ad_early, &m)?;
             let m_minus = &m + &ad_early * &before;
             let turn = |eta: &DVector<f64>| eta.rows(0, frame.configuration.len()).into_owned();
@@ -65,7 +64,8 @@ impl<'a, S: Geometry<Scalar = f64>> Walk<'a, S> {
             let after = self.right_dual(map, &late, &ad_late, &m_plus)?;
             mean = frame.with_linear_part(&g_bar, &(&after * (1.0 - s) + before * s));
             let next = frame.linear_of(&frame.differential(&mean, time)) * step;
-            let change = frame.distance(&mean, &there).max((&next - &eta).amax() / next.amax().max(f64::MIN_POSITIVE));
+            let change =
+                frame.distance(&mean, &there).max((&next - &eta).amax() / next.amax().max(f64::MIN_POSITIVE));
             if !change.is_finite() {
                 return None;
             }
@@ -81,7 +81,13 @@ impl<'a, S: Geometry<Scalar = f64>> Walk<'a, S> {
     }
 
     /// `(dR τ_η)* m`, where `ad` is the matrix of `ad*_η`.
-    fn right_dual(&self, map: Map, eta: &DVector<f64>, ad: &DMatrix<f64>, m: &DVector<f64>) -> Option<DVector<f64>> {
+    fn right_dual(
+        &self,
+        map: Map,
+        eta: &DVector<f64>,
+        ad: &DMatrix<f64>,
+        m: &DVector<f64>,
+    ) -> Option<DVector<f64>> {
         if eta.amax() == 0.0 {
             return Some(m.clone());
         }
