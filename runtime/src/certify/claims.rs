@@ -53,6 +53,11 @@ pub trait Claims<S: Geometry<Scalar = f64>> {
     /// The claims.
     const CLAIM: Claim;
 
+    /// The scheme as users write it.
+    fn name() -> String {
+        without_paths(core::any::type_name::<Self>())
+    }
+
     /// Takes the same step from its definition; `false` if there is none to compare with.
     fn walk(_walk: &mut Walk<'_, S>, _step: f64) -> bool {
         false
@@ -100,6 +105,16 @@ where
 {
     const CLAIM: Claim = Claim::family::<S>(N, D);
 
+    fn name() -> String {
+        let retraction = without_paths(core::any::type_name::<R>());
+        match (N, D) {
+            (0, 1) => format!("SymplecticEulerA<{retraction}>"),
+            (1, 2) => format!("Midpoint<{retraction}>"),
+            (1, 1) => format!("SymplecticEulerB<{retraction}>"),
+            _ => format!("Family<{retraction}, {N}, {D}>"),
+        }
+    }
+
     fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
         walk.family(R::MAP, f64::from(N) / f64::from(D), step);
         true
@@ -136,6 +151,10 @@ impl<S: Geometry<Scalar = f64>, R> Claims<S> for TangentLift<R> {
 impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
     const CLAIM: Claim = M::CLAIM;
 
+    fn name() -> String {
+        format!("RightLift<{}>", M::name())
+    }
+
     fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
         M::walk(walk, step)
     }
@@ -148,6 +167,10 @@ impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
 impl<S: Geometry<Scalar = f64>, C: Coefficients, M: Claims<S>> Claims<S> for Composed<C, M> {
     const CLAIM: Claim = M::CLAIM.composed(C::ORDER);
 
+    fn name() -> String {
+        format!("Composed<{}, {}>", without_paths(core::any::type_name::<C>()), M::name())
+    }
+
     fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
         C::GAMMA.iter().all(|gamma| M::walk(walk, gamma * step))
     }
@@ -157,4 +180,18 @@ impl<S: Geometry<Scalar = f64>, C: Coefficients, M: Claims<S>> Claims<S> for Com
             M::kernels(probe, gamma * step);
         }
     }
+}
+
+/// `Family<Cayley, 1, 2>` of `coadjoint::scheme::Family<coadjoint::retraction::Cayley, 1, 2>`.
+fn without_paths(name: &str) -> String {
+    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let mut short = String::new();
+    let mut rest = name;
+    while let Some(next) = rest.chars().next() {
+        let end = rest.find(|c| is_path(c) != is_path(next)).unwrap_or(rest.len());
+        let (token, others) = rest.split_at(end);
+        short.push_str(token.rsplit("::").next().unwrap_or(token));
+        rest = others;
+    }
+    short
 }

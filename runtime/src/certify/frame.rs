@@ -63,8 +63,7 @@ pub(super) struct Frame<'a, S: Geometry<Scalar = f64>> {
 impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
     /// What the components are is found by trying: a configuration and its momentum are the pairs whose bracket is 1 everywhere.
     /// `None` if there are no such pairs, or parts of the state that are neither.
-    pub(super) fn new(system: &'a S, samples: &[(S::State, S::Control)], time: f64) -> Option<Self> {
-        let (first, _) = samples.first()?;
+    pub(super) fn new(system: &'a S, first: &S::State, control: &S::Control, time: f64) -> Option<Self> {
         let like = zero::<S>(&system.differential(first, time));
         let n = like.as_ref().len();
         let mut frame = Self {
@@ -110,36 +109,32 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         if !complete {
             return None;
         }
-        frame.measure(samples, time);
+        frame.measure(first, control, time);
         Some(frame)
     }
 
-    /// Scales and rate, from the samples.
-    fn measure(&mut self, samples: &[(S::State, S::Control)], time: f64) {
+    /// Scales and rate.
+    fn measure(&mut self, state: &S::State, control: &S::Control, time: f64) {
+        let usable = |size: f64, least: f64| if size > least && size.is_finite() { size } else { 1.0 };
+        let components = state.to_components();
+        let components = components.as_ref();
+        let basis = self.basis(state);
         // turns count in radians, positions in their distance from the origin
-        for (index, &i) in self.configuration.clone().iter().enumerate() {
-            let sizes = samples.iter().map(|(state, _)| {
-                let change = self.basis(state).column(index).into_owned();
-                let components = state.to_components();
-                let moved = self.stored.iter().zip(change.iter()).filter(|(_, x)| x.abs() > 1e-9);
-                let size = moved.fold(0.0, |size: f64, (&c, _)| size.max(components.as_ref()[c].abs()));
-                size / (2.0 * change.amax())
-            });
-            let size = sizes.fold(0.0, f64::max);
-            self.scale[i] = if size > 1e-6 && size.is_finite() { size } else { 1.0 };
+        for (column, &i) in basis.column_iter().zip(&self.configuration) {
+            let moved = self.stored.iter().zip(column.iter()).filter(|(_, change)| change.abs() > 1e-9);
+            let size = moved.fold(0.0, |size: f64, (&c, _)| size.max(components[c].abs()));
+            self.scale[i] = usable(size / (2.0 * column.amax()), 1e-6);
         }
-        for (state, control) in samples {
-            let motion = self.motion(state, time, control);
-            // momenta at rest: how fast the motion becomes is in the velocity's change
-            let change = slope(1e-4 / (1.0 + motion.amax()), |at| {
-                let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
-                self.motion(&there, time + at, control)
-            });
-            for &i in &self.configuration {
-                let rate = (motion[i] / self.scale[i]).abs().max((change[i] / self.scale[i]).abs().sqrt());
-                // what is not a number is for the certificates to find
-                self.rate = self.rate.max(rate);
-            }
+        let motion = self.motion(state, time, control);
+        // of a body at rest, how fast it is going to be is in the velocity's change
+        let change = slope(1e-4 / (1.0 + motion.amax()), |at| {
+            let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
+            self.motion(&there, time + at, control)
+        });
+        for &i in &self.configuration {
+            let rate = (motion[i] / self.scale[i]).abs().max((change[i] / self.scale[i]).abs().sqrt());
+            // what is not a number is for the certificates to find
+            self.rate = self.rate.max(rate);
         }
         let mut offset = 0;
         for quantity in S::State::QUANTITIES {
@@ -147,30 +142,17 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
             offset = places.end;
             let part: Vec<Linear> =
                 self.linear.iter().filter(|l| places.contains(&l.component)).copied().collect();
-            let size = samples.iter().fold(0.0, |size: f64, (state, control)| {
-                let components = state.to_components();
-                let motion = self.motion(state, time, control);
-                let norm = |f: &dyn Fn(&Linear) -> f64| part.iter().map(|l| f(l).powi(2)).sum::<f64>().sqrt();
-                let change = if self.rate > 0.0 { norm(&|l| motion[l.tangent]) / self.rate } else { 0.0 };
-                size.max(norm(&|l| components.as_ref()[l.component])).max(change)
-            });
+            let norm = |f: &dyn Fn(&Linear) -> f64| part.iter().map(|l| f(l).powi(2)).sum::<f64>().sqrt();
+            let change = if self.rate > 0.0 { norm(&|l| motion[l.tangent]) / self.rate } else { 0.0 };
+            let size = usable(norm(&|l| components[l.component]).max(change), 0.0);
             for linear in &part {
-                self.scale[linear.tangent] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
-                self.weight[linear.component] = self.scale[linear.tangent];
+                self.scale[linear.tangent] = size;
+                self.weight[linear.component] = size;
             }
         }
-        for (row, &c) in self.stored.iter().enumerate() {
-            let sizes = samples.iter().map(|(state, _)| {
-                let basis = self.basis(state);
-                let reach = self
-                    .configuration
-                    .iter()
-                    .enumerate()
-                    .map(|(k, &i)| basis[(row, k)].abs() * self.scale[i]);
-                reach.fold(state.to_components().as_ref()[c].abs(), f64::max)
-            });
-            let size = sizes.fold(0.0, f64::max);
-            self.weight[c] = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+        for (row, &c) in basis.row_iter().zip(&self.stored) {
+            let reach = row.iter().zip(&self.configuration).map(|(change, &i)| change.abs() * self.scale[i]);
+            self.weight[c] = usable(reach.fold(components[c].abs(), f64::max), 0.0);
         }
     }
 

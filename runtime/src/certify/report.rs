@@ -15,7 +15,7 @@ pub struct Report {
     pub scheme: String,
     /// What the scheme claims.
     pub claim: Claim,
-    /// The step.
+    /// The step; the smallest, where the samples' motions ask for different ones.
     pub step: f64,
     /// What was measured.
     pub certificates: Vec<Certificate>,
@@ -104,7 +104,7 @@ impl fmt::Display for Report {
         for Certificate { name, figure, bound, verdict, .. } in &self.certificates {
             // orders are numbers of the size of 1, all others small ones
             let number = |x: f64| match x {
-                x if x.is_nan() => "—".to_owned(),
+                x if x.is_nan() && *verdict == Verdict::NotMeasured => "—".to_owned(),
                 x if x == 0.0 || (0.1..100.0).contains(&x.abs()) => format!("{x:.2}"),
                 x => format!("{x:.1e}"),
             };

@@ -1,0 +1,641 @@
+//! What steps claim is certified, and wrong claims are found out.
+// in a test, a panic is the report
+#![allow(clippy::unwrap_used)]
+
+use coadjoint::certify;
+use coadjoint::certify::{Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk};
+use coadjoint::geometry::{Geometry, Map};
+use coadjoint::kernel::{Evaluation, Kernel};
+use coadjoint::method::{Method, OneStep};
+use coadjoint::prelude::*;
+use coadjoint::system::{Generated, Quantity};
+
+/// Nothing acts on it.
+#[lie_poisson_system(group = SO3, methods(Midpoint, SymplecticEulerB, TangentLift, Family(1, 4)))]
+struct Body {
+    #[inertia]
+    inertia: Vector3<f64>,
+}
+
+/// The vertical is advected.
+#[lie_poisson_system(
+    group = SO3,
+    advected(gamma: R3),
+    potential = weight * gamma.dot(&chi),
+    methods(Midpoint, SymplecticEulerB, TangentLift),
+)]
+struct Top {
+    #[inertia]
+    inertia: Matrix3<f64>,
+    weight: f64,
+    chi: Vector3<f64>,
+}
+
+/// A potential on the group.
+#[lie_poisson_system(
+    group = SO3,
+    potential = mass * gravity * (attitude * chi).z,
+    methods(Midpoint, SymplecticEulerB, TangentLift, Family(1, 3)),
+)]
+struct Pendulum {
+    #[inertia]
+    inertia: Vector3<f64>,
+    mass: f64,
+    gravity: f64,
+    chi: Vector3<f64>,
+}
+
+/// Right-invariant, with a vector that is fixed in the body.
+#[lie_poisson_system(
+    group = SO3,
+    advected(director: R3),
+    potential = strength * director.z * director.x,
+    invariance = right,
+    methods(Midpoint, SymplecticEulerB, TangentLift),
+)]
+struct Fluid {
+    #[inertia]
+    inertia: Vector3<f64>,
+    strength: f64,
+}
+
+/// Right-invariant, with a potential on the group.
+#[lie_poisson_system(
+    group = SO3,
+    potential = strength * (attitude * chi).z,
+    invariance = right,
+    methods(Midpoint, SymplecticEulerB),
+)]
+struct Drop {
+    #[inertia]
+    inertia: Vector3<f64>,
+    strength: f64,
+    chi: Vector3<f64>,
+}
+
+/// A body with a rotor in it.
+#[lie_poisson_system(
+    group = SO3,
+    hamiltonian = 0.5 * (momentum - rotor).dot(&(mobility * (momentum - rotor))),
+    methods(Midpoint, SymplecticEulerB),
+)]
+struct Gyrostat {
+    mobility: Matrix3<f64>,
+    rotor: Vector3<f64>,
+}
+
+/// Pushed and damped.
+#[lie_poisson_system(
+    group = SO3,
+    potential = weight * (attitude * chi).z,
+    control(moment: R3),
+    force = moment - friction * momentum + attitude.inverse() * wind * (2.0 * t).sin(),
+    methods(Midpoint, SymplecticEulerB),
+)]
+struct Craft {
+    #[inertia]
+    inertia: Vector3<f64>,
+    weight: f64,
+    chi: Vector3<f64>,
+    friction: f64,
+    wind: Vector3<f64>,
+}
+
+/// Depends on time, but no force acts.
+#[lie_poisson_system(
+    group = SO3,
+    potential = weight * (1.0 + 0.5 * t.cos()) * (attitude * chi).z,
+    methods(Midpoint),
+)]
+struct Shaken {
+    #[inertia]
+    inertia: Vector3<f64>,
+    weight: f64,
+    chi: Vector3<f64>,
+}
+
+/// Two bodies that draw each other along.
+#[lie_poisson_system(
+    group(first: SO3, second: SO3),
+    potential = coupling * (first * chi).dot(&(second * chi)),
+    methods(Midpoint, SymplecticEulerB),
+)]
+struct Pair {
+    #[inertia(first)]
+    one: Vector3<f64>,
+    #[inertia(second)]
+    other: Vector3<f64>,
+    coupling: f64,
+    chi: Vector3<f64>,
+}
+
+fn passes<M, S>(system: &S, states: &[S::State], controls: &[S::Control]) -> Report
+where
+    S: Geometry<Scalar = f64> + Discretized<M>,
+    M: Claims<S>,
+{
+    let report = Certification::new(system).states(states).controls(controls).time(0.4).run::<M>().unwrap();
+    println!("{report}\n");
+    assert!(report.passed(), "{report}");
+    report
+}
+
+fn turned(roll: f64, pitch: f64, yaw: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+}
+
+fn body() -> (Body, [BodyState; 2]) {
+    let states = [
+        BodyState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] },
+        BodyState { attitude: turned(-1.3, 0.2, 0.5), momentum: vector![10.0, 7.0, -3.0] },
+    ];
+    (Body { inertia: vector![1.0, 2.0, 2.5] }, states)
+}
+
+fn top() -> (Top, [TopState; 2]) {
+    let top = Top {
+        inertia: matrix![1.0, 0.2, 0.1; 0.2, 2.0, -0.3; 0.1, -0.3, 2.4],
+        weight: 1.5,
+        chi: vector![0.1, 0.2, 1.0],
+    };
+    let state = |attitude: UnitQuaternion<f64>, momentum| TopState {
+        attitude,
+        momentum,
+        gamma: attitude.inverse() * Vector3::z(),
+    };
+    let states = [
+        state(turned(0.3, -0.7, 1.1), vector![0.4, -0.8, 1.5]),
+        state(turned(-1.0, 0.2, 2.1), vector![-0.2, 0.5, 0.1]),
+    ];
+    (top, states)
+}
+
+#[test]
+fn a_free_body() {
+    let (body, states) = body();
+    passes::<Exponential, _>(&body, &states, &[]);
+    passes::<Cayley, _>(&body, &states, &[]);
+    passes::<Midpoint, _>(&body, &states, &[]);
+    passes::<Midpoint<Cayley>, _>(&body, &states, &[]);
+    passes::<SymplecticEulerB, _>(&body, &states, &[]);
+    passes::<Family<Cayley, 1, 4>, _>(&body, &states, &[]);
+    passes::<StormerVerlet, _>(&body, &states, &[]);
+    passes::<Order4<Cayley>, _>(&body, &states, &[]);
+    passes::<Order6<Midpoint>, _>(&body, &states, &[]);
+    passes::<Order8<Exponential>, _>(&body, &states, &[]);
+    passes::<Order10<Exponential>, _>(&body, &states, &[]);
+    passes::<TangentLift, _>(&body, &states, &[]);
+    passes::<RightLift, _>(&body, &states, &[]);
+    passes::<RightLift<Order4<Cayley>>, _>(&body, &states, &[]);
+}
+
+#[test]
+fn a_heavy_top() {
+    let (top, states) = top();
+    passes::<Exponential, _>(&top, &states, &[]);
+    passes::<Cayley, _>(&top, &states, &[]);
+    passes::<Midpoint<Cayley>, _>(&top, &states, &[]);
+    passes::<SymplecticEulerB, _>(&top, &states, &[]);
+    passes::<StormerVerlet<Cayley>, _>(&top, &states, &[]);
+    passes::<Order4<Exponential>, _>(&top, &states, &[]);
+    passes::<TangentLift<Cayley>, _>(&top, &states, &[]);
+}
+
+#[test]
+fn a_potential_on_the_group() {
+    let system =
+        Pendulum { inertia: vector![1.0, 2.0, 2.5], mass: 0.5, gravity: 9.81, chi: vector![0.1, 0.2, 0.4] };
+    let states = [
+        PendulumState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] },
+        PendulumState { attitude: turned(-1.3, 0.2, 0.5), momentum: Vector3::zeros() },
+    ];
+    passes::<Exponential, _>(&system, &states, &[]);
+    passes::<Cayley, _>(&system, &states, &[]);
+    passes::<Midpoint, _>(&system, &states, &[]);
+    passes::<SymplecticEulerA, _>(&system, &states, &[]);
+    passes::<SymplecticEulerB<Cayley>, _>(&system, &states, &[]);
+    passes::<Family<Exponential, 1, 3>, _>(&system, &states, &[]);
+    passes::<Order4<StormerVerlet>, _>(&system, &states, &[]);
+    passes::<Order4<SymplecticEulerA>, _>(&system, &states, &[]);
+    passes::<Order6<Midpoint<Cayley>>, _>(&system, &states, &[]);
+    passes::<TangentLift, _>(&system, &states, &[]);
+}
+
+#[test]
+fn the_right_side() {
+    let fluid = Fluid { inertia: vector![1.0, 2.0, 2.5], strength: 1.5 };
+    let state = FluidState {
+        attitude: turned(0.3, -0.7, 1.1),
+        momentum: vector![0.4, -0.8, 1.5],
+        director: vector![0.5, 0.1, -0.9],
+    };
+    let states = [state];
+    passes::<Exponential, _>(&fluid, &states, &[]);
+    passes::<Cayley, _>(&fluid, &states, &[]);
+    passes::<Midpoint<Cayley>, _>(&fluid, &states, &[]);
+    passes::<Order4<SymplecticEulerB>, _>(&fluid, &states, &[]);
+    passes::<TangentLift, _>(&fluid, &states, &[]);
+
+    let drop = Drop { inertia: vector![1.0, 2.0, 2.5], strength: 1.5, chi: vector![0.1, 0.2, 0.4] };
+    let states = [DropState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] }];
+    passes::<Exponential, _>(&drop, &states, &[]);
+    passes::<Cayley, _>(&drop, &states, &[]);
+    passes::<Midpoint, _>(&drop, &states, &[]);
+    passes::<SymplecticEulerB<Cayley>, _>(&drop, &states, &[]);
+}
+
+#[test]
+fn a_gyrostat() {
+    let system = Gyrostat {
+        mobility: matrix![1.0, 0.1, 0.0; 0.1, 0.5, 0.05; 0.0, 0.05, 0.3],
+        rotor: vector![0.2, -0.1, 0.5],
+    };
+    let states = [GyrostatState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] }];
+    passes::<Exponential, _>(&system, &states, &[]);
+    passes::<Cayley, _>(&system, &states, &[]);
+    passes::<Midpoint, _>(&system, &states, &[]);
+    passes::<SymplecticEulerB, _>(&system, &states, &[]);
+    passes::<RightLift<Cayley>, _>(&system, &states, &[]);
+}
+
+#[test]
+fn forces_and_time() {
+    let craft = Craft {
+        inertia: vector![1.0, 2.0, 2.5],
+        weight: 1.5,
+        chi: vector![0.1, 0.2, 0.4],
+        friction: 0.2,
+        wind: vector![0.3, 0.1, -0.2],
+    };
+    let states = [CraftState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] }];
+    let controls = [CraftControl { moment: vector![0.3, -0.2, 0.5] }];
+    passes::<Exponential, _>(&craft, &states, &controls);
+    passes::<Cayley, _>(&craft, &states, &controls);
+    passes::<Midpoint, _>(&craft, &states, &controls);
+    passes::<SymplecticEulerB, _>(&craft, &states, &controls);
+    passes::<Order4<Midpoint<Cayley>>, _>(&craft, &states, &controls);
+
+    let shaken = Shaken { inertia: vector![1.0, 2.0, 2.5], weight: 1.5, chi: vector![0.1, 0.2, 0.4] };
+    let states = [ShakenState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] }];
+    passes::<Exponential, _>(&shaken, &states, &[]);
+    passes::<Midpoint<Cayley>, _>(&shaken, &states, &[]);
+    passes::<SymplecticEulerA, _>(&shaken, &states, &[]);
+}
+
+#[test]
+fn two_bodies() {
+    let pair = Pair {
+        one: vector![1.0, 2.0, 2.5],
+        other: vector![0.7, 0.8, 0.9],
+        coupling: 1.5,
+        chi: vector![0.1, 0.2, 0.4],
+    };
+    let states = [PairState {
+        first: turned(0.3, -0.7, 1.1),
+        first_momentum: vector![0.4, -0.8, 1.5],
+        second: turned(-1.3, 0.2, 0.5),
+        second_momentum: vector![0.2, 0.7, -0.3],
+    }];
+    passes::<Exponential, _>(&pair, &states, &[]);
+    passes::<Cayley, _>(&pair, &states, &[]);
+    passes::<Midpoint<Cayley>, _>(&pair, &states, &[]);
+    passes::<SymplecticEulerB, _>(&pair, &states, &[]);
+    passes::<Order4<Midpoint>, _>(&pair, &states, &[]);
+}
+
+/// The names of the certificates that fail.
+fn failing<M, S>(system: &S, states: &[S::State]) -> Vec<String>
+where
+    S: Geometry<Scalar = f64> + Discretized<M>,
+    M: Claims<S>,
+{
+    let report = certify::<M, _>(system, states).unwrap();
+    println!("{report}\n");
+    report.failures().map(|certificate| certificate.name.clone()).collect()
+}
+
+/// The method of `M` under the claims of `C`.
+struct Boast<M, C>(M, C);
+
+macro_rules! boast {
+    ($($method:ty, $claims:ty;)*) => {
+        $(
+            impl Discretized<Boast<$method, $claims>> for Body {
+                type Method = <Self as Discretized<$method>>::Method;
+            }
+
+            impl Claims<Body> for Boast<$method, $claims> {
+                const CLAIM: Claim = <$claims as Claims<Body>>::CLAIM;
+
+                fn walk(walk: &mut Walk<'_, Body>, step: f64) -> bool {
+                    <$claims as Claims<Body>>::walk(walk, step)
+                }
+            }
+        )*
+    };
+}
+boast! {
+    TangentLift, Midpoint;
+    Cayley, Midpoint;
+    Midpoint, Order4<Midpoint>;
+    RightLift<Midpoint>, Midpoint;
+}
+
+#[test]
+fn claims_of_other_schemes_fail() {
+    let (body, states) = body();
+    let wrong = failing::<Boast<TangentLift, Midpoint>, _>(&body, &states);
+    assert_eq!(
+        wrong,
+        [
+            "order",
+            "Poisson map",
+            "|momentum|²",
+            "energy drift",
+            "energy order",
+            "reversibility",
+            "definition"
+        ]
+    );
+    // another step with the same properties
+    assert_eq!(failing::<Boast<Cayley, Midpoint>, _>(&body, &states), ["definition"]);
+    let wrong = failing::<Boast<Midpoint, Order4<Midpoint>>, _>(&body, &states);
+    assert_eq!(wrong, ["order", "energy order", "definition"]);
+    // the same step
+    assert!(failing::<Boast<RightLift<Midpoint>, Midpoint>, _>(&body, &states).is_empty());
+}
+
+/// A step of the midpoint rule that loses a billionth of the momentum.
+struct Leaky;
+
+#[derive(Clone)]
+struct Leak(<Body as Discretized<Midpoint>>::Method);
+
+impl Method for Leak {
+    type Scalar = f64;
+    type Parameters = [f64; 3];
+    type State = [f64; 7];
+    type Control = [f64; 0];
+
+    fn new(parameters: &[f64; 3], step: f64) -> Self {
+        Self(Method::new(parameters, step))
+    }
+
+    fn advance(
+        &mut self,
+        state: &[f64; 7],
+        time: f64,
+        control: &[f64; 0],
+        known: bool,
+    ) -> Result<([f64; 7], StepReport), StepError> {
+        let (mut next, report) = self.0.advance(state, time, control, known)?;
+        next[4..].iter_mut().for_each(|x| *x *= 1.0 - 1e-9);
+        Ok((next, report))
+    }
+}
+
+impl Discretized<Leaky> for Body {
+    type Method = Leak;
+}
+
+impl Claims<Body> for Leaky {
+    const CLAIM: Claim = Claim { order: 2, symmetric: true, poisson: true, casimirs: Kept::All };
+}
+
+#[test]
+fn a_small_leak_is_found() {
+    let (body, states) = body();
+    let wrong = failing::<Leaky, _>(&body, &states);
+    for name in ["consistency", "Poisson map", "|momentum|²", "reversibility"] {
+        assert!(wrong.iter().any(|wrong| wrong == name), "{name}: {wrong:?}");
+    }
+}
+
+/// The midpoint rule with a Newton correction that is a little off: its solutions are as good, only slower.
+struct Slow;
+
+#[derive(Clone, Copy)]
+struct Off<K>(K);
+
+impl<K: Kernel<f64>> Kernel<f64> for Off<K> {
+    type Parameters = K::Parameters;
+    type State = K::State;
+    type Control = K::Control;
+    type Unknown = K::Unknown;
+    type Step = K::Step;
+    type Iterate = K::Iterate;
+
+    fn new(parameters: &K::Parameters, step: f64) -> Self {
+        Self(K::new(parameters, step))
+    }
+
+    fn begin(&self, state: &K::State, time: f64, control: &K::Control) -> K::Step {
+        self.0.begin(state, time, control)
+    }
+
+    fn start(&self, state: &K::State, step: &K::Step) -> K::Unknown {
+        self.0.start(state, step)
+    }
+
+    fn evaluate(
+        &self,
+        state: &K::State,
+        step: &K::Step,
+        x: &K::Unknown,
+    ) -> Evaluation<K::Unknown, K::Iterate> {
+        self.0.evaluate(state, step, x)
+    }
+
+    fn correction(
+        &self,
+        state: &K::State,
+        step: &K::Step,
+        x: &K::Unknown,
+        evaluation: &Evaluation<K::Unknown, K::Iterate>,
+    ) -> K::Unknown {
+        let mut correction = self.0.correction(state, step, x, evaluation);
+        correction.as_mut()[0] *= 1.0001;
+        correction
+    }
+
+    fn domain(
+        &self,
+        state: &K::State,
+        step: &K::Step,
+        x: &K::Unknown,
+        evaluation: &Evaluation<K::Unknown, K::Iterate>,
+    ) -> f64 {
+        self.0.domain(state, step, x, evaluation)
+    }
+
+    fn finish(
+        &self,
+        state: &K::State,
+        step: &K::Step,
+        x: &K::Unknown,
+        evaluation: &Evaluation<K::Unknown, K::Iterate>,
+    ) -> K::State {
+        self.0.finish(state, step, x, evaluation)
+    }
+}
+
+type Slowed = Off<<Body as Generated<Midpoint>>::Kernel<f64>>;
+
+impl Discretized<Slow> for Body {
+    type Method = OneStep<f64, Slowed>;
+}
+
+impl Claims<Body> for Slow {
+    const CLAIM: Claim = <Midpoint as Claims<Body>>::CLAIM;
+
+    fn walk(walk: &mut Walk<'_, Body>, step: f64) -> bool {
+        walk.family(Map::Exponential, 0.5, step);
+        true
+    }
+
+    fn kernels(probe: &mut Probe<'_, Body>, step: f64) {
+        probe.kernel::<Slowed>(step);
+    }
+}
+
+#[test]
+fn a_wrong_correction_is_found() {
+    let (body, states) = body();
+    assert_eq!(failing::<Slow, _>(&body, &states), ["Newton correction"]);
+}
+
+/// A body whose geometry is wrong in a way.
+struct Bent {
+    body: Body,
+    energy: f64,
+    bracket: f64,
+}
+
+impl System for Bent {
+    type Scalar = f64;
+    type State = BodyState;
+    type StateComponents<T: coadjoint::scalar::Scalar> = <Body as System>::StateComponents<T>;
+    type Control = NoControl<f64>;
+    type ControlComponents<T: coadjoint::scalar::Scalar> = <Body as System>::ControlComponents<T>;
+    type Parameters<T: coadjoint::scalar::Scalar> = <Body as System>::Parameters<T>;
+    type Casimirs = <Body as System>::Casimirs;
+    type Momentum = <Body as System>::Momentum;
+    type Standard<R> = <Body as System>::Standard<R>;
+
+    const NAME: &'static str = "Bent";
+    const PARAMETERS: &'static [Quantity] = Body::PARAMETERS;
+    const CASIMIRS: &'static [&'static str] = Body::CASIMIRS;
+    const AUTONOMOUS: bool = Body::AUTONOMOUS;
+    const INVARIANT: bool = Body::INVARIANT;
+    const FORCED: bool = Body::FORCED;
+
+    fn to_parameters(&self) -> [f64; 3] {
+        self.body.to_parameters()
+    }
+    fn from_parameters(parameters: &[f64; 3]) -> Self {
+        Self { body: Body::from_parameters(parameters), energy: 0.0, bracket: 0.0 }
+    }
+    fn validate(&self) -> Result<(), ParameterError> {
+        self.body.validate()
+    }
+    fn energy_at(&self, state: &BodyState, time: f64) -> f64 {
+        self.body.energy_at(state, time) * (1.0 + self.energy)
+    }
+    fn velocity_at(&self, state: &BodyState, time: f64) -> Self::Momentum {
+        self.body.velocity_at(state, time)
+    }
+    fn casimirs(&self, state: &BodyState) -> Self::Casimirs {
+        self.body.casimirs(state)
+    }
+    fn spatial_momentum(&self, state: &BodyState) -> Self::Momentum {
+        self.body.spatial_momentum(state)
+    }
+}
+
+impl Geometry for Bent {
+    type Tangent = <Body as Geometry>::Tangent;
+
+    fn displace(&self, state: &BodyState, map: Map, by: &Self::Tangent) -> BodyState {
+        self.body.displace(state, map, by)
+    }
+    fn differential(&self, state: &BodyState, time: f64) -> Self::Tangent {
+        self.body.differential(state, time)
+    }
+    fn hamiltonian_vector(&self, state: &BodyState, covector: &Self::Tangent) -> Self::Tangent {
+        let mut vector = self.body.hamiltonian_vector(state, covector);
+        vector.as_mut()[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x += y);
+        vector.as_mut()[3..].iter_mut().for_each(|x| *x *= 1.0 + self.bracket);
+        vector.as_mut()[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x -= y);
+        vector
+    }
+    fn force(&self, state: &BodyState, time: f64, control: &NoControl<f64>) -> Self::Tangent {
+        self.body.force(state, time, control)
+    }
+}
+
+#[test]
+fn a_wrong_geometry_is_found() {
+    let (good, states) = body();
+    let bent = |energy, bracket| Bent { body: Body { inertia: good.inertia }, energy, bracket };
+    assert!(failing::<Plain, _>(&bent(0.0, 0.0), &states).is_empty());
+    assert_eq!(failing::<Plain, _>(&bent(1e-6, 0.0), &states), ["energy differential"]);
+    let wrong = failing::<Plain, _>(&bent(0.0, 1e-6), &states);
+    assert_eq!(wrong, ["consistency", "Poisson map", "definition", "Jacobi identity", "exponential"]);
+}
+
+/// The midpoint rule's steps for a system of no kernels.
+struct Plain;
+
+impl Discretized<Plain> for Bent {
+    type Method = <Body as Discretized<Midpoint>>::Method;
+}
+
+impl Claims<Bent> for Plain {
+    const CLAIM: Claim = <Midpoint as Claims<Body>>::CLAIM;
+
+    fn walk(walk: &mut Walk<'_, Bent>, step: f64) -> bool {
+        walk.family(Map::Exponential, 0.5, step);
+        true
+    }
+}
+
+#[test]
+fn errors_name_what_failed() {
+    let (good, states) = body();
+    assert_eq!(certify::<Cayley, _>(&good, &[]), Err(CertifyError::NoStates));
+    let error = Certification::new(&good).states(&states).step(0.0).run::<Cayley>().unwrap_err();
+    assert_eq!(error, CertifyError::Parameter(ParameterError::Step { step: 0.0 }));
+    let broken = Body { inertia: vector![1.0, -2.0, 2.5] };
+    assert!(matches!(certify::<Cayley, _>(&broken, &states), Err(CertifyError::Parameter(_))));
+
+    let error = Certification::new(&good).states(&states).step(20.0).run::<Exponential>().unwrap_err();
+    let CertifyError::Step { certificate, .. } = &error else { panic!("{error}") };
+    assert!(error.to_string().starts_with(&format!("certificate `{certificate}`, state ")), "{error}");
+
+    let lost = BodyState { momentum: vector![f64::NAN, 0.0, 0.0], ..states[0].clone() };
+    let error = certify::<Cayley, _>(&good, &[states[1].clone(), lost]).unwrap_err();
+    assert_eq!(
+        error,
+        CertifyError::Step { certificate: "sample".into(), state: 1, source: StepError::NotFinite }
+    );
+}
+
+#[test]
+fn reports_are_tables() {
+    let (body, states) = body();
+    let report = certify::<TangentLift<Cayley>, _>(&body, &states).unwrap();
+    let text = report.to_string();
+    assert!(text.starts_with("Body, TangentLift<Cayley>, step "), "{text}");
+    assert!(
+        text.lines().any(|line| line.starts_with("Poisson map ") && line.ends_with("not claimed")),
+        "{text}"
+    );
+    assert!(
+        text.lines().any(|line| line.starts_with("definition ") && line.ends_with("not measured")),
+        "{text}"
+    );
+    assert_eq!(report.certificate("order").unwrap().verdict, Verdict::Passed);
+    let json: serde_json::Value = serde_json::to_value(&report).unwrap();
+    assert_eq!(json["certificates"][0]["name"], "order");
+    assert_eq!(json["certificates"][0]["bound"]["AtLeast"], 0.85);
+}
