@@ -612,8 +612,8 @@ fn errors_name_what_failed() {
     let CertifyError::Step { certificate, .. } = &error else { panic!("{error}") };
     assert!(error.to_string().starts_with(&format!("certificate `{certificate}`, state ")), "{error}");
 
-    let lost = BodyState { momentum: vector![f64::NAN, 0.0, 0.0], ..states[0].clone() };
-    let error = certify::<Cayley, _>(&good, &[states[1].clone(), lost]).unwrap_err();
+    let lost = BodyState { momentum: vector![f64::NAN, 0.0, 0.0], ..states[0] };
+    let error = certify::<Cayley, _>(&good, &[states[1], lost]).unwrap_err();
     assert_eq!(
         error,
         CertifyError::Step { certificate: "sample".into(), state: 1, source: StepError::NotFinite }

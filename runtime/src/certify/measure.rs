@@ -24,10 +24,14 @@ enum Trouble {
     Degenerate,
 }
 
+/// Takes steps, and shows the state after each.
+type Taking<S> =
+    fn(&S, &Steps<'_, S>, &mut dyn FnMut(&<S as crate::system::System>::State)) -> Result<(), Trouble>;
+
 /// What a scheme does, as values: the measurements are compiled once for all schemes of a system.
 struct Scheme<S: Geometry<Scalar = f64>> {
     claim: Claim,
-    run: fn(&S, &Steps<'_, S>, &mut dyn FnMut(&S::State)) -> Result<(), Trouble>,
+    run: Taking<S>,
     walk: fn(&mut Walk<'_, S>, f64) -> bool,
     kernels: fn(&mut Probe<'_, S>, f64),
 }
