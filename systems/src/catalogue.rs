@@ -1,11 +1,12 @@
 //! The list of systems that the program knows, each behind the same [`Entry`].
 
+use coadjoint::certify::Report;
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 
 use crate::catalogued::Catalogued;
 use crate::error::Error;
-use crate::simulation::{self, Job, Method, Outcome, Setup, Watch};
+use crate::simulation::{self, Job, Method, Outcome, Retraction, Setup, Watch};
 use crate::suggest::did_you_mean;
 
 /// Every system: `module: Type`, with the name of its module, which is also its name on the command line; behind it in braces
@@ -94,6 +95,8 @@ pub struct Entry {
     pub check: fn(&Setup) -> Result<Option<String>, ParameterError>,
     /// Makes a run.
     pub simulate: fn(&Setup, &Job, &mut Watch<'_>) -> Result<Outcome, Error>,
+    /// Measures what a scheme of order 2 or 1 claims.
+    pub certify: fn(&Setup, Method, Retraction) -> Result<Report, Error>,
     /// Measures the time that a step takes, ns.
     pub time_per_step: fn(&Setup, &Job) -> Result<Option<f64>, Error>,
 }
@@ -116,6 +119,7 @@ impl Entry {
             example: simulation::example::<S>,
             check: simulation::check::<S>,
             simulate: simulation::simulate::<S>,
+            certify: simulation::certify::<S>,
             time_per_step: simulation::time_per_step::<S>,
         }
     }

@@ -1,20 +1,23 @@
 //! What every system of this crate has beside its description.
 
+use coadjoint::geometry::Geometry;
 use coadjoint::prelude::*;
+use coadjoint::system::Generated;
 
 /// A system with what the program needs to show it.
 ///
 /// Every scheme that the program offers is there: a description asks for `methods(Midpoint, SymplecticEulerB)`.
 pub trait Catalogued:
     System<Scalar = f64>
+    + Geometry
     + Discretized<Exponential>
     + Discretized<Cayley>
-    + Discretized<SymplecticEulerA<Exponential>>
-    + Discretized<SymplecticEulerA<Cayley>>
-    + Discretized<SymplecticEulerB<Exponential>>
-    + Discretized<SymplecticEulerB<Cayley>>
-    + Discretized<Midpoint<Exponential>>
-    + Discretized<Midpoint<Cayley>>
+    + Generated<SymplecticEulerA<Exponential>>
+    + Generated<SymplecticEulerA<Cayley>>
+    + Generated<SymplecticEulerB<Exponential>>
+    + Generated<SymplecticEulerB<Cayley>>
+    + Generated<Midpoint<Exponential>>
+    + Generated<Midpoint<Cayley>>
 {
     /// What it is, in one line, without a full stop.
     const ABOUT: &'static str;

@@ -30,6 +30,8 @@ enum Command {
     Run(RunArguments),
     /// Print the code generated for a system
     Show(ShowArguments),
+    /// Measure what the schemes claim of their steps of a system
+    Certify(CertifyArguments),
 }
 
 /// Which run to make, and where to write it.
@@ -79,6 +81,19 @@ pub(crate) struct ShowArguments {
     pub(crate) retraction: Option<Retraction>,
 }
 
+/// Which steps to certify.
+#[derive(Debug, Args)]
+pub(crate) struct CertifyArguments {
+    /// The system; `coadjoint list` shows all
+    pub(crate) system: String,
+    /// Only this method, in place of the standard one and the midpoint
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<Method>,
+    /// Only the steps built on this map; `exp` for short
+    #[arg(long, value_enum)]
+    pub(crate) retraction: Option<Retraction>,
+}
+
 /// Runs the program with the arguments it was started with.
 pub fn main() -> ExitCode {
     let command_line = CommandLine::parse();
@@ -99,6 +114,7 @@ fn run(command_line: &CommandLine, console: &mut dyn Write) -> Result<(), Error>
         Some(Command::List) => command::list::list(console)?,
         Some(Command::Run(arguments)) => command::run::run(arguments, console)?,
         Some(Command::Show(arguments)) => command::show::show(arguments, console)?,
+        Some(Command::Certify(arguments)) => command::certify::certify(arguments, console)?,
     }
     Ok(console.flush()?)
 }

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use coadjoint::certify::CertifyError;
 use coadjoint::{ParameterError, RunError};
 use thiserror::Error;
 
@@ -37,6 +38,17 @@ pub enum Error {
     /// The terminal, or the program this one is piped into, takes no more text.
     #[error("cannot write to standard output: {0}")]
     Console(#[from] io::Error),
+    /// A certificate could not be measured.
+    #[error("{0}")]
+    Certificate(#[from] CertifyError),
+    /// A scheme's claims do not hold.
+    #[error("wrong claims of {wrong} of the schemes for `{system}`: see the table")]
+    Claim {
+        /// Which system.
+        system: &'static str,
+        /// Of how many schemes.
+        wrong: usize,
+    },
     /// A system of our own does not pass its own generator.
     #[error("the generator refuses `{system}`: {reason}")]
     Generator {
@@ -53,9 +65,9 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input(_) | Error::Parameter(_) => 2,
-            Error::Motion(_) => 3,
+            Error::Motion(_) | Error::Certificate(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
-            Error::Generator { .. } => 1,
+            Error::Generator { .. } | Error::Claim { .. } => 1,
         }
     }
 

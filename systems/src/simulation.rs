@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use coadjoint::certify::{Certification, Report};
 use coadjoint::prelude::*;
 
 use crate::catalogued::Catalogued;
@@ -267,6 +268,40 @@ pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f
         best = best.min(start.elapsed().as_secs_f64());
     }
     Ok(Some(best / job.steps as f64 * 1e9))
+}
+
+/// Measures what a scheme claims of its steps, at three states of the example: its start, and two that it comes to; with the system's own
+/// control law.
+///
+/// # Errors
+/// If parameters are not valid, or a step cannot be taken.
+pub fn certify<S: Catalogued>(
+    setup: &Setup,
+    method: Method,
+    retraction: Retraction,
+) -> Result<Report, Error> {
+    let (system, mut state) = realize::<S>(setup);
+    let mut states = vec![state.clone()];
+    let mut stepper = system.stepper::<Exponential>(S::STEP)?;
+    let control = |state: &S::State, time: f64| system.control(state, time);
+    Run::new(&mut stepper, &mut state)
+        .controlled_by(control)
+        .every(40, |tick| states.push(tick.state.clone()))
+        .steps(80)?;
+    states.remove(0);
+    let controls: Vec<S::Control> = states.iter().map(|state| system.control(state, 0.0)).collect();
+    let certification = Certification::new(&system).states(&states).controls(&controls);
+    let method = if method == Method::Standard { standard::<S>() } else { method };
+    Ok(match (method, retraction) {
+        (Method::EulerA, Retraction::Exponential) => certification.run::<SymplecticEulerA>(),
+        (Method::EulerA, Retraction::Cayley) => certification.run::<SymplecticEulerA<Cayley>>(),
+        (Method::EulerB, Retraction::Exponential) => certification.run::<SymplecticEulerB>(),
+        (Method::EulerB, Retraction::Cayley) => certification.run::<SymplecticEulerB<Cayley>>(),
+        (Method::Midpoint, Retraction::Exponential) => certification.run::<Midpoint>(),
+        (Method::Midpoint, Retraction::Cayley) => certification.run::<Midpoint<Cayley>>(),
+        (_, Retraction::Exponential) => certification.run::<StormerVerlet>(),
+        (_, Retraction::Cayley) => certification.run::<StormerVerlet<Cayley>>(),
+    }?)
 }
 
 /// What a system's standard step is: `euler-a` or `verlet`.
