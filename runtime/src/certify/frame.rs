@@ -146,14 +146,28 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
             let change = if self.rate > 0.0 { norm(&|l| motion[l.tangent]) / self.rate } else { 0.0 };
             let size = usable(norm(&|l| components[l.component]).max(change), 0.0);
             for linear in &part {
-                self.scale[linear.tangent] = size;
                 self.weight[linear.component] = size;
+                self.scale[linear.tangent] =
+                    size.min(self.gentle(state, linear.tangent, size, time, control));
             }
         }
         for (row, &c) in basis.row_iter().zip(&self.stored) {
             let reach = row.iter().zip(&self.configuration).map(|(change, &i)| change.abs() * self.scale[i]);
             self.weight[c] = usable(reach.fold(components[c].abs(), f64::max), 0.0);
         }
+    }
+
+    /// How far a momentum or an advected parameter may be changed before the configuration moves at another rate than it does: of a slender
+    /// body the momentum about its axis by far less than the others.
+    fn gentle(&self, state: &S::State, tangent: usize, size: f64, time: f64, control: &S::Control) -> f64 {
+        let change = slope(1e-3 * size, |at| {
+            let mut by = vec![0.0; self.scale.len()];
+            by[tangent] = at;
+            self.motion(&self.displace(state, Map::Exponential, &by), time, control)
+        });
+        let rates = self.configuration.iter().map(|&i| (change[i] / self.scale[i]).abs());
+        let gentle = self.rate / rates.fold(0.0, f64::max);
+        if gentle > 0.0 && gentle.is_finite() { gentle } else { size }
     }
 
     /// The number of components of a tangent vector.

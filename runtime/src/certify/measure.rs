@@ -10,7 +10,7 @@ use super::report::{Bound, Certificate, Report, Verdict};
 use super::{Certification, CertifyError};
 use crate::error::{ParameterError, StepError};
 use crate::geometry::{Geometry, Map};
-use crate::system::{Discretized, State};
+use crate::system::{Discretized, State, System};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
 const STEP: f64 = 0.1;
@@ -25,13 +25,12 @@ enum Trouble {
 }
 
 /// Takes steps, and shows the state after each.
-type Taking<S> =
-    fn(&S, &Steps<'_, S>, &mut dyn FnMut(&<S as crate::system::System>::State)) -> Result<(), Trouble>;
+type Runner<S> = fn(&S, &Steps<'_, S>, &mut dyn FnMut(&<S as System>::State)) -> Result<(), Trouble>;
 
 /// What a scheme does, as values: the measurements are compiled once for all schemes of a system.
 struct Scheme<S: Geometry<Scalar = f64>> {
     claim: Claim,
-    run: Taking<S>,
+    run: Runner<S>,
     walk: fn(&mut Walk<'_, S>, f64) -> bool,
     kernels: fn(&mut Probe<'_, S>, f64),
 }
@@ -45,7 +44,7 @@ struct Steps<'a, S: Geometry<Scalar = f64>> {
     control: &'a S::Control,
 }
 
-/// Takes steps, and shows the state after each.
+/// [`Runner`] of the scheme `M`.
 fn run<S, M>(system: &S, steps: &Steps<'_, S>, seen: &mut dyn FnMut(&S::State)) -> Result<(), Trouble>
 where
     S: Geometry<Scalar = f64> + Discretized<M>,
@@ -350,7 +349,7 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
     /// How much of the range of the energy's error is a straight line's.
     fn energy_drift(&self) -> Figure {
         let mut figure = None;
-        for length in [1, 4, 16] {
+        for length in [1, 4] {
             let energies = self.energies(self.step, length * Self::LONG)?;
             let range = range(&energies);
             if range < 1e-11 * self.energy_size() {
@@ -363,7 +362,7 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
             let share = slope.abs() * 2.0 * middle / range;
             figure = Some(share);
             // a slow oscillation is a line at first
-            if !self.scheme.claim.poisson || share < 0.25 {
+            if !self.scheme.claim.poisson || share < 0.5 {
                 break;
             }
         }
