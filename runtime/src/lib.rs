@@ -41,6 +41,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! There is a [guide], one page for each notion.
+//!
 //! Conventions: attitudes turn body coordinates into space coordinates, `momentum` and `advected` quantities
 //! are in body coordinates, units are the user's (SI throughout our own systems).
 #![cfg_attr(not(feature = "std"), no_std)]
@@ -54,6 +56,8 @@ pub mod composition;
 pub mod error;
 pub mod generic;
 pub mod geometry;
+#[cfg(feature = "std")]
+pub mod guide;
 mod inertia;
 pub mod kernel;
 mod literals;

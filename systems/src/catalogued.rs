@@ -25,6 +25,8 @@ pub trait Catalogued:
     const STEP: f64;
     /// A duration that suits the example, s.
     const DURATION: f64;
+    /// A step that suits the certificates, s, where the motion at the example's states does not show how fast or slow the system can be.
+    const CERTIFIED_STEP: Option<f64> = None;
     /// The units of [`System::CASIMIRS`], in their order; empty for a pure number.
     const CASIMIR_UNITS: &'static [&'static str];
 

@@ -290,7 +290,10 @@ pub fn certify<S: Catalogued>(
         .steps(80)?;
     states.remove(0);
     let controls: Vec<S::Control> = states.iter().map(|state| system.control(state, 0.0)).collect();
-    let certification = Certification::new(&system).states(&states).controls(&controls);
+    let mut certification = Certification::new(&system).states(&states).controls(&controls);
+    if let Some(step) = S::CERTIFIED_STEP {
+        certification = certification.step(step);
+    }
     let method = if method == Method::Standard { standard::<S>() } else { method };
     Ok(match (method, retraction) {
         (Method::EulerA, Retraction::Exponential) => certification.run::<SymplecticEulerA>(),
