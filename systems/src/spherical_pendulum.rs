@@ -60,7 +60,7 @@ impl Catalogued for SphericalPendulum {
     const ABOUT: &'static str = "a slender rod that swings from a joint in all directions";
     const STEP: f64 = 0.01;
     /// About its own axis the rod is quick.
-    const CERTIFIED_STEP: Option<f64> = Some(2e-4);
+    const CERTIFIED_STEP: Option<f64> = Some(2e-3);
     const DURATION: f64 = 60.0;
     const CASIMIR_UNITS: &'static [&'static str] = &["", "kg m²/s"];
 
