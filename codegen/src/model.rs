@@ -183,8 +183,25 @@ pub enum InertiaShape {
     Matrix,
 }
 
+/// What a quantity is to its system, by the names of the runtime's `Role`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A field of the user's struct.
+    Parameter,
+    /// A factor's configuration.
+    Configuration,
+    /// A factor's momentum.
+    Momentum,
+    /// An advected parameter.
+    Advected,
+    /// A control.
+    Control,
+}
+
 /// A part of the state, or a control: one field of a generated struct.
 pub struct Part<'a> {
+    /// What it is to the system.
+    pub role: Role,
     /// Its name.
     pub name: Ident,
     /// What it is stored as.
@@ -333,6 +350,7 @@ impl<'a> System<'a> {
         for factor in &self.factors {
             let group = factor.algebra.group;
             parts.push(Part {
+                role: Role::Configuration,
                 name: factor.name.clone(),
                 stored: StoredAs::Named(group.configuration_type()),
                 suffixes: suffixes(group.coordinates()),
@@ -345,6 +363,7 @@ impl<'a> System<'a> {
                 },
             });
             parts.push(Part {
+                role: Role::Momentum,
                 name: factor.momentum_name.clone(),
                 stored: StoredAs::Named(group.momentum_type()),
                 suffixes: suffixes(group.axes()),
@@ -361,6 +380,7 @@ impl<'a> System<'a> {
             let factor = &self.factors[factor];
             let (space, advected) = (factor.algebra.spaces[place], &factor.advected[place]);
             parts.push(Part {
+                role: Role::Advected,
                 name: advected.ident.clone(),
                 stored: StoredAs::Named(space.type_name()),
                 suffixes: suffixes(space.coordinates()),
@@ -717,6 +737,7 @@ fn controls<'a>(
         names.controls.push(plain(&control.name));
         scope.define(plain(&control.name), value);
         parts.push(Part {
+            role: Role::Control,
             name: control.name.clone(),
             stored: StoredAs::Shape(control.shape),
             suffixes: suffixes(&control.name, &components),

@@ -204,6 +204,11 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         self.whole = true;
         Ok((state, total))
     }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
+        method::visit_flag(&mut self.whole, visit);
+        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
+    }
 }
 
 impl<S, C, M> Discretized<Composed<C, M>> for S
@@ -248,6 +253,8 @@ mod tests {
             let step = self.0;
             Ok(([q + step * (time + 0.5 * step)], StepReport { iterations: 0, residual: 0.0 }))
         }
+
+        fn memory(&mut self, _: &mut dyn FnMut(&mut [f64])) {}
     }
 
     fn integrates_the_time<M>()

@@ -36,6 +36,14 @@ pub enum ParameterError {
         /// The step asked for.
         step: f64,
     },
+    /// What a stepper is to recall is the memory of a stepper for another system or scheme.
+    #[error("the memory has {got} numbers in place of {expected}: it is of another system or scheme")]
+    Memory {
+        /// How many numbers the stepper carries.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
 }
 
 /// A step that could not be taken. The state is as before the call.

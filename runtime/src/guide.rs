@@ -1,9 +1,100 @@
 //! A guide, one page for each notion. Every example is compiled and run by the tests.
 //!
-//! 1. [Describing a system](describing)
-//! 2. [Choosing retraction and method](choosing)
-//! 3. [Forces and controls](forces)
-//! 4. [Reading the generated code](reading)
+//! 1. [From nothing to a system of one's own](beginning), in ten minutes
+//! 2. [Describing a system](describing)
+//! 3. [Choosing retraction and method](choosing)
+//! 4. [Forces and controls](forces)
+//! 5. [Reading the generated code](reading)
+//! 6. [The mathematics](mathematics), with the paper's equations and its misprints
+//!
+//! The figures, and what each shows, are in the documentation of the crate `coadjoint-systems`: `coadjoint_systems::figures`.
+
+pub mod beginning {
+    //! # From nothing to a system of one's own
+    //!
+    //! **1. See it run.** In a clone of the repository:
+    //!
+    //! ```sh
+    //! cargo run --release                                  # the paper's heavy top: a table, trajectories and a figure under out/
+    //! cargo run --release -- list                          # the systems that are there
+    //! cargo run --release -- view lagrange_top             # a page for the browser that plays a motion
+    //! cargo run --release -- figures                       # all figures of the paper, and two more
+    //! ```
+    //!
+    //! **2. Make a crate**, with this in its `Cargo.toml` (nothing else is needed; `serde` only if states are to be written to files):
+    //!
+    //! ```toml
+    //! [dependencies]
+    //! coadjoint = { path = "../coadjoint/runtime" }
+    //! ```
+    //!
+    //! **3. Say what the system is.** A wheel on the end of a rod that hangs from a ball joint, say. It turns about a fixed point, so the
+    //! group is `SO3`; its weight acts along the vertical, which is fixed in space and seen from the body: an advected parameter.
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! /// A wheel on the end of a rod that hangs from a ball joint.
+    //! #[lie_poisson_system(group = SO3, advected(up: R3), potential = weight * length * up.z)]
+    //! struct Wheel {
+    //!     /// Principal moments of inertia about the joint, kg m².
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //!     /// N.
+    //!     weight: f64,
+    //!     /// From the joint to the hub, m.
+    //!     length: f64,
+    //! }
+    //!
+    //! fn main() -> Result<(), Box<dyn std::error::Error>> {
+    //!     let wheel = Wheel { inertia: vector![0.05, 0.05, 0.01], weight: 10.0, length: 0.15 };
+    //!     // leaning by 60°, spinning 20 times a second
+    //!     let attitude = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 60_f64.to_radians());
+    //!     let mut state = WheelState {
+    //!         attitude,
+    //!         momentum: vector![0.0, 0.0, 0.01 * 125.0],
+    //!         up: attitude.inverse() * Vector3::z(),
+    //!     };
+    //!     let start = state;
+    //!
+    //!     let mut stepper = wheel.stepper::<Exponential>(1e-3)?;
+    //!     let mut invariants = Invariants::new();
+    //!     let mut record = Record::every(10);
+    //!     Run::new(&mut stepper, &mut state)
+    //!         .observe(&mut invariants)
+    //!         .observe(&mut record)
+    //!         .steps(10_000)?;
+    //!
+    //!     // ten seconds later it has not fallen over
+    //!     assert!(state.up.z > 0.3);
+    //!     assert!((wheel.energy(&state) - wheel.energy(&start)).abs() < 1e-3);
+    //!     println!("energy within {:.1e} J", invariants.energy_error());
+    //!     println!("Casimirs within {:?}", invariants.casimir_drifts());
+    //!     assert_eq!(record.states().len(), 1001);
+    //!     Ok(())
+    //! }
+    //! ```
+    //!
+    //! The names `WheelState`, `potential`, `energy` and so on come from the macro; `cargo doc --open` shows them with their
+    //! documentation, and what a step costs. A mistake in the description is an error at your own words.
+    //!
+    //! **4. Have it certified.** One line in a test measures what the steps claim: order, Poisson map, Casimirs, reversibility.
+    //!
+    //! ```
+    //! # use coadjoint::prelude::*;
+    //! # #[lie_poisson_system(group = SO3, advected(up: R3), potential = weight * length * up.z)]
+    //! # struct Wheel { #[inertia] inertia: Vector3<f64>, weight: f64, length: f64 }
+    //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    //! # let wheel = Wheel { inertia: vector![0.05, 0.05, 0.01], weight: 10.0, length: 0.15 };
+    //! # let state = WheelState { attitude: UnitQuaternion::identity(), momentum: vector![0.3, -0.2, 1.1], up: vector![0.6, 0.0, 0.8] };
+    //! let report = coadjoint::certify::certify::<Exponential, _>(&wheel, &[state])?;
+    //! assert!(report.passed(), "{report}");
+    //! # Ok(())
+    //! # }
+    //! ```
+    //!
+    //! **5. Go on** with [describing](super::describing), [choosing](super::choosing) and [forces](super::forces).
+}
 
 pub mod describing {
     //! # Describing a system
@@ -240,4 +331,73 @@ pub mod reading {
     //! intermediate point and after the step. `Stumpff` functions `c0, c1, …` take the place of sines and cosines.
     //!
     //! Where the equation is explicit or linear, there is no unknown (`[T; 0]`), and `evaluate` and `correction` are empty.
+}
+
+pub mod mathematics {
+    //! # The mathematics
+    //!
+    //! Numbers in parentheses are those of the paper: V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to
+    //! Structure-Preserving Integrators for Mechanical Systems*.
+    //!
+    //! **Conventions.** `x̂ y = x × y`. The configuration `g` takes body to space coordinates; velocities are left-trivialized, `g' = g ξ̂`, with
+    //! `ξ` the body velocity and `μ` the body momentum. `Ad*_g` is the transpose of `Ad_g`: on so(3)*, `Ad*_R Π = R⁻¹Π` and
+    //! `ad*_Ω Π = Π × Ω`. The equations of motion with the Hamiltonian `h` are `μ' = ad*_{∂h/∂μ} μ − g⁻¹ ∂h/∂g + F`.
+    //!
+    //! **Retractions.** A map `τ` from the Lie algebra to the group with `τ(0) = e`, `τ'(0) = 1` and, here, `τ(−ξ) = τ(ξ)⁻¹`. Its logarithmic
+    //! derivatives are `dL τ_ξ η = τ(ξ)⁻¹ Dτ(ξ) η` and `dR τ_ξ η = Dτ(ξ) η τ(ξ)⁻¹`, so that `dR = Ad_τ dL`. On SO(3), with the Stumpff functions
+    //! `c_k(z) = Σ (−z)^j/(k + 2j)!` of `z = |x|²`:
+    //!
+    //! | | exponential | Cayley |
+    //! |---|---|---|
+    //! | `τ(x)` | `1 + c₁ x̂ + c₂ x̂²` | `1 + (x̂ + x̂²/2)/(1 + z/4)` |
+    //! | as a quaternion | `(cos ½|x|, c₁(z/4) x/2)` | `(1, x/2)/√(1 + z/4)` |
+    //! | `dR τ_x` | `1 + c₂ x̂ + c₃ x̂²` | `(1 + x̂/2)/(1 + z/4)` |
+    //! | domain | a turn of less than 2π | everything |
+    //!
+    //! The Stumpff functions are entire and closed under differentiation, `c_k' = (k c_{k+2} − c_{k+1})/2`: no formula has a special case at 0,
+    //! and derivatives of any order stay among them.
+    //!
+    //! **Advected parameters** make the group a semidirect product `G ⋉ V`, and the system a Lie–Poisson system on `(g ⋉ V)*`. Everything
+    //! about the product follows from the group and its representation `ρ`: `exp(ξ, w) = (exp ξ, φ₁(ρ_ξ) w)`,
+    //! `cay(ξ, w) = (cay ξ, (1 − ρ_ξ/2)⁻¹ w)`, and their logarithmic derivatives by differentiation. Casimirs: of a body with vectors `Γᵢ`, all
+    //! `Γᵢ·Γⱼ`, and with one vector `Π·Γ`.
+    //!
+    //! **The steps.** One family, for `s` from 0 to 1, with the unknown `η = t ζ`, where `t` is the step and `ζ` the velocity:
+    //!
+    //! ```text
+    //! m⁻ = Ad*_{τ(−sη)⁻¹} μ_k                                  the momentum, carried to the intermediate point
+    //! ḡ  = g_k τ(sη)
+    //! m⁺ = m⁻ − t ḡ⁻¹ ∂h/∂g(ḡ, μ̄) + t F                         the kick; none for a left-invariant system
+    //! μ̄  = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
+    //! η  = t ∂h/∂μ(ḡ, μ̄)                                       the equation to be solved
+    //! μ_{k+1} = Ad*_{τ((1−s)η)} m⁺,   g_{k+1} = ḡ τ((1−s)η)
+    //! ```
+    //!
+    //! For a left-invariant `h` the step is, for every `s`, a Poisson map that keeps all Casimirs, its own adjoint, and of order 2. With a
+    //! potential on the group it is symplectic for every `s`, the adjoint of `s` is `1 − s`, and the order is 1 but for `s = ½`. Half a step with
+    //! `s = 0`, then half a step with `s = 1`, is the Störmer–Verlet method of the group, of order 2. Symmetric steps of order 2 compose to
+    //! those of orders 4, 6, 8 and 10.
+    //!
+    //! | in the paper | here |
+    //! |---|---|
+    //! | (1.9), (1.10) symplectic Euler A and B | `group = R1`, `s = 0` and `s = 1` |
+    //! | the θ-families of 3.3 and 5.3 | the family, `θ = s` |
+    //! | (5.7) on the Lagrangian side | [`TangentLift`](crate::TangentLift): stays on the group, is not symplectic, order 1 |
+    //! | (6.5), (6.8) free rigid body; (6.15), (6.17) heavy top | `s = 0` with either retraction |
+    //! | (6.6), (6.9) | [`RightLift`](crate::RightLift): carries `π = Ad*_{g⁻¹} μ`, which is constant |
+    //! | (6.20) quadrotor | `s = 0` with forces |
+    //!
+    //! **Misprints.** These displays cannot be used as they are printed. Each was compared with its definition or its own equations of motion:
+    //!
+    //! | display | printed | should be | what the printed one does |
+    //! |---|---|---|---|
+    //! | (6.5)–(6.12), right side of the momentum relation | `𝕀(tξ_k)` | `𝕀(ξ_k)` | velocity off by the factor 1/t |
+    //! | (6.11), first bracket and last line | `1 − … tΩ̂ …`, `Π_{k+1} = exp(tΩ̂) Π_k` | both with `−t` | follows the flow backwards |
+    //! | Cayley map before (6.13) | `(1 − x̂)⁻¹(1 + x̂)⁻¹` | `(1 − x̂/2)⁻¹(1 + x̂/2)` | is no rotation; without the halves `τ'(0) ≠ 1` |
+    //! | (6.13) | halves missing, signs as in (6.11) | the table above | follows the flow at −4t |
+    //! | (6.16), updates of `x` and `Π` | `R_k J(tΩ_k) mgχ`; `exp(tΩ̂)(Π_k − Γ_k × J mgχ)` | with the step `t` before `J`; `exp(−tΩ̂)(Π_k + Γ_k × t J mgχ)` | the step is missing; signs |
+    //! | `J` below (6.16) | first coefficient `sin²(θ/2)/(θ/2)²` | half of it | twice too large |
+    //! | `Q` below (6.16) | the same; `c₃(ŷẑ − ẑŷ)` | `c₂ ẑ`; `c₃(ŷẑ + ẑŷ)` | is not the logarithmic derivative |
+    //! | (6.18) | `x` with `R_kᵀ`; exponential and `J` in its last two lines | Cayley throughout | mixes two retractions: Casimirs are only nearly kept |
+    //! | (6.20)–(6.22) | `… + M_k`; `p_{k+1} = −p_k + t m g e₃ − t F R e₃` | the moment acts with `t`, at the start of the step; `p_{k+1} = p_k − t m g e₃ + t F R e₃` | contradicts (6.19) |
 }

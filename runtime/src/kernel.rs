@@ -9,9 +9,20 @@
 use crate::scalar::Scalar;
 
 /// A flat array of scalars.
-pub trait Components<T>: Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> {}
+pub trait Components<T>: Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> {
+    /// The array of what `value` gives for each index.
+    fn from_fn(value: impl FnMut(usize) -> T) -> Self;
+}
 
-impl<T, const N: usize> Components<T> for [T; N] where T: Copy + PartialEq + core::fmt::Debug {}
+impl<T, const N: usize> Components<T> for [T; N]
+where
+    T: Copy + PartialEq + core::fmt::Debug,
+{
+    #[inline(always)]
+    fn from_fn(value: impl FnMut(usize) -> T) -> Self {
+        core::array::from_fn(value)
+    }
+}
 
 /// The step's equation `left(x) = right(x)`, evaluated at one `x`.
 #[derive(Clone, Copy, Debug)]

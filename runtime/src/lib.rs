@@ -98,7 +98,7 @@ pub mod __private {
     pub use crate::kernel::{Evaluation, Kernel};
     pub use crate::scalar::Scalar;
     pub use crate::scheme::{Family, StormerVerlet, TangentLift};
-    pub use crate::system::{Control, Generated, NoControl, Quantity, State, Stored, System};
+    pub use crate::system::{Control, Generated, NoControl, Quantity, Role, State, Stored, System};
     pub use nalgebra;
     pub use serde;
 }

@@ -34,14 +34,27 @@ pub trait Method: Clone {
         control: &Self::Control,
         known: bool,
     ) -> Result<(Self::State, StepReport), StepError>;
+
+    /// Shows what the method carries from one step to the next, in pieces of always the same lengths, to be read or replaced. What is in
+    /// no piece follows from the parameters and the step.
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [Self::Scalar]));
+}
+
+/// Shows a truth as a number.
+pub(crate) fn visit_flag<T: Scalar>(flag: &mut bool, visit: &mut dyn FnMut(&mut [T])) {
+    let mut number = [T::of(if *flag { 1.0 } else { 0.0 })];
+    visit(&mut number);
+    *flag = number != [T::of(0.0)];
 }
 
 /// One generated kernel: a step is one equation, solved by Newton's iteration from the last solution.
 #[derive(Clone, Copy, Debug)]
 pub struct OneStep<T: Real, K: Kernel<T>> {
     kernel: K,
-    /// The last solution.
-    unknown: Option<K::Unknown>,
+    /// Whether there was a step.
+    solved: bool,
+    /// Its solution.
+    unknown: K::Unknown,
 }
 
 impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
@@ -51,7 +64,8 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
     type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self { kernel: K::new(parameters, step), unknown: None }
+        let nothing = K::Unknown::from_fn(|_| T::of(0.0));
+        Self { kernel: K::new(parameters, step), solved: false, unknown: nothing }
     }
 
     #[inline]
@@ -66,10 +80,7 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
             return Err(StepError::NotFinite);
         }
         let begun = self.kernel.begin(state, time, control);
-        let start = match self.unknown {
-            Some(unknown) if known => unknown,
-            _ => self.kernel.start(state, &begun),
-        };
+        let start = if known && self.solved { self.unknown } else { self.kernel.start(state, &begun) };
         let solution = newton::solve(&self.kernel, state, &begun, start)?;
         if !(self.kernel.domain(state, &begun, &solution.unknown, &solution.evaluation) > T::of(0.0)) {
             return Err(StepError::OutsideDomain);
@@ -78,8 +89,13 @@ impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
         if !finite(next.as_ref()) {
             return Err(StepError::NotFinite);
         }
-        self.unknown = Some(solution.unknown);
+        (self.solved, self.unknown) = (true, solution.unknown);
         Ok((next, StepReport { iterations: solution.iterations, residual: solution.residual }))
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        visit_flag(&mut self.solved, visit);
+        visit(self.unknown.as_mut());
     }
 }
 
@@ -142,18 +158,26 @@ where
         };
         Ok((next, report))
     }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [A::Scalar])) {
+        visit_flag(&mut self.whole, visit);
+        self.first.memory(visit);
+        self.second.memory(visit);
+    }
 }
 
 /// A method between whose steps the momentum is carried in space coordinates.
 pub struct Carried<S: Isolated, B> {
     base: B,
-    /// The momentum, if a step has been taken.
-    spatial: Option<S::Spatial>,
+    /// Whether there was a step.
+    has_stepped: bool,
+    /// The momentum since then.
+    spatial: S::Spatial,
 }
 
 impl<S: Isolated, B: Clone> Clone for Carried<S, B> {
     fn clone(&self) -> Self {
-        Self { base: self.base.clone(), spatial: self.spatial }
+        Self { base: self.base.clone(), has_stepped: self.has_stepped, spatial: self.spatial }
     }
 }
 
@@ -168,7 +192,8 @@ where
     type Control = B::Control;
 
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        Self { base: B::new(parameters, step), spatial: None }
+        let nothing = S::Spatial::from_fn(|_| B::Scalar::of(0.0));
+        Self { base: B::new(parameters, step), has_stepped: false, spatial: nothing }
     }
 
     #[inline]
@@ -179,13 +204,16 @@ where
         control: &B::Control,
         known: bool,
     ) -> Result<(B::State, StepReport), StepError> {
-        let spatial = match self.spatial {
-            Some(spatial) if known => spatial,
-            _ => S::in_space(state),
-        };
+        let spatial = if known && self.has_stepped { self.spatial } else { S::in_space(state) };
         let (next, report) = part(&mut self.base, state, time, control, known)?;
-        self.spatial = Some(spatial);
+        (self.has_stepped, self.spatial) = (true, spatial);
         Ok((S::in_body(&next, &spatial), report))
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
+        visit_flag(&mut self.has_stepped, visit);
+        visit(self.spatial.as_mut());
+        self.base.memory(visit);
     }
 }
 
@@ -228,6 +256,8 @@ mod tests {
             }
             Ok(([], StepReport { iterations: 1, residual: time }))
         }
+
+        fn memory(&mut self, _: &mut dyn FnMut(&mut [f64])) {}
     }
 
     #[test]

@@ -43,11 +43,12 @@ use thiserror::Error;
 
 use crate::error::StepError;
 use crate::observe::{Each, Every, Observer, Until};
-use crate::stepper::{StepReport, Stepper};
-use crate::system::{Discretized, System};
+#[cfg(doc)]
+use crate::stepper::Stepper;
+use crate::stepper::{StepReport, Stepping};
+use crate::system::System;
 
 /// One moment of a run: the initial state, or the state after a step.
-#[derive(Debug)]
 pub struct Tick<'a, S: System> {
     /// Steps taken so far; 0 for the initial state.
     pub index: u64,
@@ -61,6 +62,28 @@ pub struct Tick<'a, S: System> {
     pub report: Option<StepReport>,
     /// The control held over the step that led here; none for the initial state.
     pub control: Option<&'a S::Control>,
+    #[cfg(feature = "std")]
+    memory: &'a dyn Fn() -> std::vec::Vec<f64>,
+}
+
+#[cfg(feature = "std")]
+impl<S: System> Tick<'_, S> {
+    /// What the stepper carries at this moment: written down with the state, the run can go on from here later, to the last bit the same.
+    /// See [`Stepper::memory`] and [`Run::resumed`].
+    pub fn memory(&self) -> std::vec::Vec<f64> {
+        (self.memory)()
+    }
+}
+
+impl<S: System> fmt::Debug for Tick<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tick")
+            .field("index", &self.index)
+            .field("time", &self.time)
+            .field("state", self.state)
+            .field("report", &self.report)
+            .finish_non_exhaustive()
+    }
 }
 
 impl<S: System> Clone for Tick<'_, S> {
@@ -142,32 +165,45 @@ impl<S: System> Controller<S> for Uncontrolled {
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
 #[must_use = "a run starts with `steps`"]
-pub struct Run<'a, S: Discretized<M>, M, O = (), C = Uncontrolled> {
-    stepper: &'a mut Stepper<S, M>,
-    state: &'a mut S::State,
-    start: f64,
+pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Uncontrolled> {
+    stepper: &'a mut T,
+    state: &'a mut <T::System as System>::State,
+    /// None to go on at the stepper's own.
+    start: Option<f64>,
     observer: O,
     controller: C,
 }
 
-impl<'a, S: Discretized<M>, M> Run<'a, S, M> {
+impl<'a, T: Stepping + ?Sized> Run<'a, T> {
     /// A run from `state` at time 0, whatever the stepper's time, that nobody watches or controls yet.
-    pub fn new(stepper: &'a mut Stepper<S, M>, state: &'a mut S::State) -> Self {
-        Self { stepper, state, start: 0.0, observer: (), controller: Uncontrolled }
+    pub fn new(stepper: &'a mut T, state: &'a mut <T::System as System>::State) -> Self {
+        Self { stepper, state, start: Some(0.0), observer: (), controller: Uncontrolled }
     }
 }
 
-impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O, C> {
+impl<'a, S: System, T, O, C> Run<'a, T, O, C>
+where
+    T: Stepping<System = S> + ?Sized,
+    O: Observer<S>,
+    C: Controller<S>,
+{
     /// Starts at this time instead of 0. A run that goes on where another ended starts at the stepper's
     /// [time](Stepper::time).
     pub fn starting_at(mut self, time: f64) -> Self {
-        self.start = time;
+        self.start = Some(time);
+        self
+    }
+
+    /// Goes on where the stepper is, after steps that it took or [recalls](Stepper::recall): time and index are counted on from there, and
+    /// the ticks are those of one run that was not interrupted. The report tells of the new steps only.
+    pub fn resumed(mut self) -> Self {
+        self.start = None;
         self
     }
 
     /// Asks `controller` before each step, with the state and the time from which it starts, for the control to be held over it.
     /// Without a controller all controls are zero; of two, the later one counts.
-    pub fn controlled_by<F>(self, controller: F) -> Run<'a, S, M, O, F>
+    pub fn controlled_by<F>(self, controller: F) -> Run<'a, T, O, F>
     where
         // not `Controller<S>`, so that the compiler knows the types of a closure's arguments
         F: FnMut(&S::State, f64) -> S::Control,
@@ -177,13 +213,13 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O
     }
 
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
-    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, S, M, (O, P), C> {
+    pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, T, (O, P), C> {
         let Self { stepper, state, start, observer: earlier, controller } = self;
         Run { stepper, state, start, observer: (earlier, observer), controller }
     }
 
     /// Calls `action` at every tick.
-    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, S, M, (O, Each<F>), C> {
+    pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, T, (O, Each<F>), C> {
         self.observe(Each(action))
     }
 
@@ -192,12 +228,12 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O
         self,
         interval: u64,
         action: F,
-    ) -> Run<'a, S, M, (O, Every<Each<F>>), C> {
+    ) -> Run<'a, T, (O, Every<Each<F>>), C> {
         self.observe(Every::new(interval, Each(action)))
     }
 
     /// Ends the run at the first tick for which `condition` holds.
-    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, S, M, (O, Until<F>), C> {
+    pub fn until<F: FnMut(&Tick<'_, S>) -> bool>(self, condition: F) -> Run<'a, T, (O, Until<F>), C> {
         self.observe(Until(condition))
     }
 
@@ -207,11 +243,13 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O
     /// If a step cannot be taken; state and stepper's time are then the last ones that were reached.
     #[inline]
     pub fn steps(mut self, count: u64) -> Result<RunReport, RunError> {
-        self.stepper.start_at(self.start);
+        if let Some(time) = self.start {
+            self.stepper.start_at(time);
+        }
         let mut report = RunReport::default();
         let mut last = None;
         loop {
-            if self.show(report.steps, last.as_ref()).is_break() {
+            if self.show(last.as_ref()).is_break() {
                 report.stopped = true;
                 return Ok(report);
             }
@@ -225,28 +263,33 @@ impl<'a, S: Discretized<M>, M, O: Observer<S>, C: Controller<S>> Run<'a, S, M, O
                     report.count(&step);
                     last = Some((step, control));
                 }
-                Err(source) => return Err(RunError { step: report.steps + 1, time, report, source }),
+                Err(source) => {
+                    return Err(RunError { step: self.stepper.steps_taken() + 1, time, report, source });
+                }
             }
         }
     }
 
     #[inline]
-    fn show(&mut self, index: u64, last: Option<&(StepReport, S::Control)>) -> ControlFlow<()> {
+    fn show(&mut self, last: Option<&(StepReport, S::Control)>) -> ControlFlow<()> {
+        let stepper = &*self.stepper;
         self.observer.observe(&Tick {
-            index,
-            time: self.stepper.now(),
-            system: self.stepper.system(),
+            index: stepper.steps_taken(),
+            time: stepper.now(),
+            system: stepper.system(),
             state: self.state,
             report: last.map(|(report, _)| *report),
             control: last.map(|(_, control)| control),
+            #[cfg(feature = "std")]
+            memory: &|| stepper.memory(),
         })
     }
 }
 
-impl<S: Discretized<M>, M, O, C> fmt::Debug for Run<'_, S, M, O, C> {
+impl<T: Stepping + ?Sized, O, C> fmt::Debug for Run<'_, T, O, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Run")
-            .field("stepper", &self.stepper)
+            .field("system", &T::System::NAME)
             .field("state", &self.state)
             .field("start", &self.start)
             .finish_non_exhaustive()

@@ -3,11 +3,10 @@
 use core::fmt;
 
 use crate::error::{ParameterError, StepError};
-use crate::method::Method;
+use crate::kernel::Components;
+use crate::method::{Method, visit_flag};
 use crate::scalar::{Real, Scalar};
-#[cfg(doc)]
-use crate::system::System;
-use crate::system::{Control, Discretized, State};
+use crate::system::{Control, Discretized, State, System};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,18 +66,79 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         S::Scalar::of(self.now())
     }
 
+    /// The steps taken since the start, or since the time was set.
+    pub fn steps_taken(&self) -> u64 {
+        self.taken
+    }
+
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: S::Scalar) {
         self.start_at(time.to_f64());
     }
 
-    /// The time, in f64 whatever the scalar.
-    pub(crate) fn now(&self) -> f64 {
-        self.start + self.taken as f64 * self.step.to_f64()
+    /// What the stepper carries from one step to the next, besides the state: the time, and where the last solution was. Written
+    /// down with the state and given to [`recall`](Self::recall), a run goes on as if it had not been interrupted, to the last bit.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
+    /// let mut stepper = body.stepper::<Cayley>(0.1)?;
+    /// for _ in 0..10 {
+    ///     stepper.step(&mut state)?;
+    /// }
+    /// let (memory, mut saved) = (stepper.memory(), state);
+    ///
+    /// let mut other = body.stepper::<Cayley>(0.1)?;
+    /// other.recall(&memory)?;
+    /// stepper.step(&mut state)?;
+    /// other.step(&mut saved)?;
+    /// assert_eq!((saved, other.time()), (state, stepper.time()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "std")]
+    pub fn memory(&self) -> std::vec::Vec<f64> {
+        let mut memory = std::vec![self.start, self.taken as f64];
+        self.clone().visit(&mut |piece| memory.extend(piece.iter().map(|number| number.to_f64())));
+        memory
     }
 
-    pub(crate) fn start_at(&mut self, time: f64) {
-        (self.start, self.taken) = (time, 0);
+    /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
+    ///
+    /// # Errors
+    /// If it has not as many numbers as the memory of this stepper.
+    pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        let mut expected = 2;
+        self.visit(&mut |piece| expected += piece.len());
+        let [start, taken, rest @ ..] = memory else {
+            return Err(ParameterError::Memory { expected, got: memory.len() });
+        };
+        if memory.len() != expected {
+            return Err(ParameterError::Memory { expected, got: memory.len() });
+        }
+        (self.start, self.taken) = (*start, *taken as u64);
+        let mut rest = rest.iter();
+        self.visit(&mut |piece| {
+            piece.iter_mut().zip(&mut rest).for_each(|(number, value)| *number = S::Scalar::of(*value));
+        });
+        Ok(())
+    }
+
+    /// Shows all numbers that are carried, besides the time.
+    fn visit(&mut self, visit: &mut dyn FnMut(&mut [S::Scalar])) {
+        let mut is_known = self.left.is_some();
+        visit_flag(&mut is_known, visit);
+        let mut state = self.left.unwrap_or_else(|| S::StateComponents::from_fn(|_| S::Scalar::of(0.0)));
+        visit(state.as_mut());
+        self.left = is_known.then_some(state);
+        self.method.memory(visit);
     }
 
     /// Takes one step with all controls zero.
@@ -108,6 +168,102 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         self.left = Some(next);
         self.taken += 1;
         Ok(report)
+    }
+}
+
+/// What takes steps: a [`Stepper`] of whatever scheme.
+///
+/// As `dyn Stepping<System = S>` it is one whose scheme is chosen while the program runs:
+///
+/// ```
+/// use coadjoint::prelude::*;
+/// use coadjoint::stepper::Stepping;
+///
+/// #[lie_poisson_system(group = SO3)]
+/// struct Body {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// fn stepper(body: &Body, scheme: &str) -> Result<Box<dyn Stepping<System = Body>>, ParameterError> {
+///     Ok(match scheme {
+///         "cayley" => Box::new(body.stepper::<Cayley>(0.1)?),
+///         _ => Box::new(body.stepper::<Exponential>(0.1)?),
+///     })
+/// }
+///
+/// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+/// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
+/// let report = Run::new(stepper(&body, "cayley")?.as_mut(), &mut state).steps(10)?;
+/// assert_eq!(report.steps, 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Stepping {
+    /// The system that it takes steps of.
+    type System: System;
+
+    /// [`Stepper::system`]
+    fn system(&self) -> &Self::System;
+    /// [`Stepper::time`], in f64 whatever the scalar.
+    fn now(&self) -> f64;
+    /// [`Stepper::set_time`], in f64 whatever the scalar.
+    fn start_at(&mut self, time: f64);
+    /// [`Stepper::steps_taken`]
+    fn steps_taken(&self) -> u64;
+    /// [`Stepper::memory`]
+    #[cfg(feature = "std")]
+    fn memory(&self) -> std::vec::Vec<f64>;
+    /// [`Stepper::recall`]
+    ///
+    /// # Errors
+    /// As there.
+    fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
+    /// [`Stepper::step_with`]
+    ///
+    /// # Errors
+    /// As there.
+    fn step_with(
+        &mut self,
+        state: &mut <Self::System as System>::State,
+        control: &<Self::System as System>::Control,
+    ) -> Result<StepReport, StepError>;
+}
+
+impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
+    type System = S;
+
+    #[inline]
+    fn system(&self) -> &S {
+        &self.system
+    }
+
+    #[inline]
+    fn now(&self) -> f64 {
+        self.start + self.taken as f64 * self.step.to_f64()
+    }
+
+    #[inline]
+    fn start_at(&mut self, time: f64) {
+        (self.start, self.taken) = (time, 0);
+    }
+
+    #[inline]
+    fn steps_taken(&self) -> u64 {
+        self.taken
+    }
+
+    #[cfg(feature = "std")]
+    fn memory(&self) -> std::vec::Vec<f64> {
+        Stepper::memory(self)
+    }
+
+    fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        Stepper::recall(self, memory)
+    }
+
+    #[inline]
+    fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
+        Stepper::step_with(self, state, control)
     }
 }
 

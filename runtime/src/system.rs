@@ -22,10 +22,27 @@ use crate::stepper::Stepper;
 pub struct Quantity {
     /// The field's name.
     pub name: &'static str,
+    /// What it is to the system.
+    pub role: Role,
     /// The components' suffixes in storage order, `[""]` for a scalar: `["x", "y", "z"]`, `["w", "x", "y", "z"]`.
     pub components: &'static [&'static str],
     /// The first line of the field's documentation, empty if there is none.
     pub doc: &'static str,
+}
+
+/// What a [`Quantity`] is to its system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A parameter: constant.
+    Parameter,
+    /// An element of the group: where the system is.
+    Configuration,
+    /// An element of the dual of its Lie algebra: how it moves.
+    Momentum,
+    /// Something fixed in space that the system sees from the body, or the other way round.
+    Advected,
+    /// Something chosen from outside, for each step.
+    Control,
 }
 
 /// The state of a [`System`]: configuration, momentum, advected parameters.

@@ -9,7 +9,7 @@ use crate::kernel::{Evaluation, Kernel};
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::Scalar;
 use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
-use crate::system::{Control, Generated, NoControl, Quantity, State, System};
+use crate::system::{Control, Generated, NoControl, Quantity, Role, State, System};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Body {
@@ -26,8 +26,8 @@ impl State for BodyState {
     type Scalar = f64;
     type Components = [f64; 7];
     const QUANTITIES: &'static [Quantity] = &[
-        Quantity { name: "attitude", components: &["w", "x", "y", "z"], doc: "" },
-        Quantity { name: "momentum", components: &["x", "y", "z"], doc: "" },
+        Quantity { name: "attitude", role: Role::Configuration, components: &["w", "x", "y", "z"], doc: "" },
+        Quantity { name: "momentum", role: Role::Momentum, components: &["x", "y", "z"], doc: "" },
     ];
 
     fn to_components(&self) -> [f64; 7] {
@@ -60,7 +60,7 @@ impl System for Body {
 
     const NAME: &'static str = "Body";
     const PARAMETERS: &'static [Quantity] =
-        &[Quantity { name: "inertia", components: &["x", "y", "z"], doc: "" }];
+        &[Quantity { name: "inertia", role: Role::Parameter, components: &["x", "y", "z"], doc: "" }];
     const CASIMIRS: &'static [&'static str] = &["|momentum|²"];
     const AUTONOMOUS: bool = true;
     const INVARIANT: bool = true;
@@ -241,8 +241,8 @@ impl State for OscillatorState {
     type Scalar = f64;
     type Components = [f64; 2];
     const QUANTITIES: &'static [Quantity] = &[
-        Quantity { name: "position", components: &[""], doc: "" },
-        Quantity { name: "momentum", components: &[""], doc: "" },
+        Quantity { name: "position", role: Role::Configuration, components: &[""], doc: "" },
+        Quantity { name: "momentum", role: Role::Momentum, components: &[""], doc: "" },
     ];
 
     fn to_components(&self) -> [f64; 2] {
@@ -261,7 +261,8 @@ impl State for OscillatorState {
 impl Control for OscillatorControl {
     type Scalar = f64;
     type Components = [f64; 1];
-    const QUANTITIES: &'static [Quantity] = &[Quantity { name: "force", components: &[""], doc: "" }];
+    const QUANTITIES: &'static [Quantity] =
+        &[Quantity { name: "force", role: Role::Control, components: &[""], doc: "" }];
 
     fn to_components(&self) -> [f64; 1] {
         [self.force]
@@ -285,9 +286,9 @@ impl System for Oscillator {
 
     const NAME: &'static str = "Oscillator";
     const PARAMETERS: &'static [Quantity] = &[
-        Quantity { name: "mass", components: &[""], doc: "" },
-        Quantity { name: "stiffness", components: &[""], doc: "" },
-        Quantity { name: "drive", components: &[""], doc: "" },
+        Quantity { name: "mass", role: Role::Parameter, components: &[""], doc: "" },
+        Quantity { name: "stiffness", role: Role::Parameter, components: &[""], doc: "" },
+        Quantity { name: "drive", role: Role::Parameter, components: &[""], doc: "" },
     ];
     const CASIMIRS: &'static [&'static str] = &[];
     const AUTONOMOUS: bool = false;

@@ -374,6 +374,10 @@ impl Method for Leak {
         next[4..].iter_mut().for_each(|x| *x *= 1.0 - 1e-8);
         Ok((next, report))
     }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [f64])) {
+        self.0.memory(visit);
+    }
 }
 
 impl Discretized<Leaky> for Body {

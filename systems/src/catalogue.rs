@@ -6,8 +6,9 @@ use coadjoint::system::Quantity;
 
 use crate::catalogued::Catalogued;
 use crate::error::Error;
-use crate::simulation::{self, Job, Method, Outcome, Retraction, Setup, Watch};
+use crate::simulation::{self, Job, Method, Retraction, Setup, Watch, Whereabouts};
 use crate::suggest::did_you_mean;
+use coadjoint::RunReport;
 
 /// Every system: `module: Type`, with the name of its module, which is also its name on the command line; behind it in braces
 /// further examples of the same system, `name = constructor, step …, duration …, "what it is"`.
@@ -93,8 +94,8 @@ pub struct Entry {
     pub example: fn() -> Setup,
     /// Checks parameters; a note says what is odd about valid ones.
     pub check: fn(&Setup) -> Result<Option<String>, ParameterError>,
-    /// Makes a run.
-    pub simulate: fn(&Setup, &Job, &mut Watch<'_>) -> Result<Outcome, Error>,
+    /// Makes a run, or goes on with one.
+    pub simulate: fn(&Setup, &Job, Option<&Whereabouts>, &mut Watch<'_>) -> Result<RunReport, Error>,
     /// Measures what a scheme of order 2 or 1 claims.
     pub certify: fn(&Setup, Method, Retraction) -> Result<Report, Error>,
     /// Measures the time that a step takes, ns.
@@ -102,7 +103,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    const fn of<S: Catalogued>(name: &'static str, source: &'static str) -> Self {
+    const fn of<S: Catalogued + 'static>(name: &'static str, source: &'static str) -> Self {
         Self {
             name,
             about: S::ABOUT,

@@ -7,6 +7,9 @@ use coadjoint::certify::CertifyError;
 use coadjoint::{ParameterError, RunError};
 use thiserror::Error;
 
+use crate::classical::Diverged;
+use crate::interrupt;
+
 /// A failure of the program; its message is for the person who ran it.
 #[derive(Debug, Error)]
 pub enum Error {
@@ -19,6 +22,9 @@ pub enum Error {
     /// The motion could not be computed to its end.
     #[error("{}: {}", .0, .0.source)]
     Motion(#[from] RunError),
+    /// A classical integrator could not go on.
+    #[error("{0}")]
+    Diverged(#[from] Diverged),
     /// A file or directory could not be written.
     #[error("cannot write {}: {source}", .path.display())]
     Write {
@@ -27,6 +33,17 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", .path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Ctrl-C ended a run; what was computed is written.
+    #[error("interrupted")]
+    Interrupted,
     /// A picture could not be drawn.
     #[error("cannot draw {}: {reason}", .path.display())]
     Draw {
@@ -61,11 +78,12 @@ pub enum Error {
 
 impl Error {
     /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
-    /// be written, 1 for our own mistakes.
+    /// be written, 130 for Ctrl-C, 1 for our own mistakes.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Error::Input(_) | Error::Parameter(_) => 2,
-            Error::Motion(_) | Error::Certificate(_) => 3,
+            Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
+            Error::Interrupted => interrupt::EXIT_CODE,
+            Error::Motion(_) | Error::Diverged(_) | Error::Certificate(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } => 1,
         }

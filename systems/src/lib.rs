@@ -6,6 +6,7 @@
 //! The feature `program` (on by default) is for the program; without it there are only the systems, and few dependencies.
 
 pub mod catalogued;
+pub mod classical;
 pub mod coupled_bodies;
 pub mod driven_pendulum;
 pub mod free_rigid_body;
@@ -24,11 +25,23 @@ pub mod spherical_pendulum;
 #[cfg(feature = "program")]
 pub mod catalogue;
 #[cfg(feature = "program")]
+mod checkpoint;
+#[cfg(feature = "program")]
 pub mod cli;
 #[cfg(feature = "program")]
 mod command;
 #[cfg(feature = "program")]
+mod config;
+#[cfg(feature = "program")]
 pub mod error;
+#[cfg(feature = "program")]
+pub mod figures;
+#[cfg(feature = "program")]
+mod film;
+#[cfg(feature = "program")]
+mod interrupt;
+#[cfg(feature = "program")]
+pub mod ledger;
 #[cfg(feature = "program")]
 pub mod output;
 #[cfg(feature = "program")]
@@ -39,6 +52,8 @@ pub mod portrait;
 mod progress;
 #[cfg(feature = "program")]
 pub mod report;
+#[cfg(feature = "program")]
+mod session;
 #[cfg(feature = "program")]
 pub mod setting;
 #[cfg(feature = "program")]

@@ -1,24 +1,31 @@
-//! Files: trajectories as CSV or JSON, each written whole or not at all.
+//! Files: trajectories as CSV, JSON or Parquet, each written whole or not at all.
 
 mod csv;
 mod json;
+mod parquet;
 mod whole_file;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+
 pub use self::whole_file::WholeFile;
 use crate::catalogue::Entry;
 use crate::error::Error;
-use crate::simulation::{Job, Method, Outcome, Sample, Setup};
+use crate::ledger::Ledger;
+use crate::simulation::{Job, Method, Setup};
 
 /// How a trajectory is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Format {
     /// A header naming each column, then a line per sample.
     Csv,
     /// One object: system, parameters, columns, rows, invariants.
     Json,
+    /// Columns of doubles, for tables of many millions of rows.
+    Parquet,
 }
 
 impl Format {
@@ -27,16 +34,17 @@ impl Format {
         match self {
             Format::Csv => "csv",
             Format::Json => "json",
+            Format::Parquet => "parquet",
         }
     }
 }
 
 /// A file format being written.
 trait Write {
-    /// Adds a sample.
-    fn row(&mut self, sample: &Sample<'_>) -> io::Result<()>;
+    /// Adds a row: time, the state's components, energy.
+    fn row(&mut self, row: &[f64]) -> io::Result<()>;
     /// Ends the file and puts it in its place.
-    fn finish(self: Box<Self>, outcome: &Outcome) -> io::Result<()>;
+    fn finish(self: Box<Self>, ledger: &Ledger) -> io::Result<()>;
 }
 
 /// A trajectory being written; dropped before it is finished, it leaves no file.
@@ -65,6 +73,7 @@ impl Trajectory {
             Ok(match format {
                 Format::Csv => Box::new(csv::Csv::new(file, entry)?),
                 Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
+                Format::Parquet => Box::new(parquet::Parquet::new(file, entry, setup, job)?),
             })
         };
         match writer() {
@@ -73,20 +82,20 @@ impl Trajectory {
         }
     }
 
-    /// Adds a sample.
+    /// Adds a row: time, the state's components, energy.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn row(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        self.writer.row(sample).map_err(|source| Error::Write { path: self.path.clone(), source })
+    pub fn row(&mut self, row: &[f64]) -> Result<(), Error> {
+        self.writer.row(row).map_err(|source| Error::Write { path: self.path.clone(), source })
     }
 
     /// Puts the file in its place and tells where.
     ///
     /// # Errors
     /// If the rest cannot be written.
-    pub fn finish(self, outcome: &Outcome) -> Result<PathBuf, Error> {
-        match self.writer.finish(outcome) {
+    pub fn finish(self, ledger: &Ledger) -> Result<PathBuf, Error> {
+        match self.writer.finish(ledger) {
             Ok(()) => Ok(self.path),
             Err(source) => Err(Error::Write { path: self.path, source }),
         }
@@ -114,4 +123,17 @@ pub fn name(entry: &Entry, job: &Job) -> String {
 /// If that cannot be done.
 pub fn make_directory(directory: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })
+}
+
+/// Writes a text, whole or not at all.
+///
+/// # Errors
+/// If that cannot be done.
+pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
+    let write = || {
+        let mut file = WholeFile::create(path)?;
+        io::Write::write_all(&mut file, text.as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|source| Error::Write { path: path.to_owned(), source })
 }

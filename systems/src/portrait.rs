@@ -1,17 +1,20 @@
 //! The picture of one run: what moves, and how well what should stay does.
 
+use serde::{Deserialize, Serialize};
+
 use crate::catalogue::Entry;
-use crate::plot::{Envelope, Figure, Key, Panel, Scale, Series};
+use crate::plot::{Axis, Envelope, Figure, Key, Panel, Series};
 use crate::report::with_unit;
 use crate::setting::{laid_out, rotation};
 use crate::simulation::{Job, Sample};
 
 /// The picture shows the extremes in each of this many parts of the run.
 const PARTS: usize = 450;
+const TIME: &str = "time, s";
 
 /// Gathers a run's courses as it goes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Portrait {
-    entry: &'static Entry,
     span: (f64, f64),
     /// Energy and Casimirs at the start.
     reference: Option<(f64, Vec<f64>)>,
@@ -22,12 +25,11 @@ pub struct Portrait {
 
 impl Portrait {
     /// Of a run that is about to start.
-    pub fn new(entry: &'static Entry, job: &Job) -> Self {
+    pub fn new(entry: &Entry, job: &Job) -> Self {
         let envelope = Envelope::new(job.steps + 1, PARTS);
         let components = entry.state.iter().map(|quantity| quantity.components.len()).sum();
         let end = job.steps as f64 * job.step;
         Self {
-            entry,
             span: (end.min(0.0), end.max(0.0)),
             reference: None,
             state: vec![envelope.clone(); components],
@@ -37,14 +39,14 @@ impl Portrait {
     }
 
     /// Takes in a moment of the run.
-    pub fn push(&mut self, sample: &Sample<'_>) {
+    pub fn push(&mut self, entry: &Entry, sample: &Sample<'_>) {
         let (energy, casimirs) =
             self.reference.get_or_insert_with(|| (sample.energy, sample.casimirs.to_vec()));
         for (envelope, component) in self.state.iter_mut().zip(sample.state) {
             envelope.push(sample.index, sample.time, *component);
         }
         // where energy changes, that is part of the motion
-        let shown = if self.entry.autonomous { (sample.energy - *energy).abs() } else { sample.energy };
+        let shown = if entry.autonomous { (sample.energy - *energy).abs() } else { sample.energy };
         self.energy.push(sample.index, sample.time, shown);
         for ((envelope, now), initially) in self.casimirs.iter_mut().zip(sample.casimirs).zip(casimirs) {
             envelope.push(sample.index, sample.time, (now - *initially).abs());
@@ -52,24 +54,18 @@ impl Portrait {
     }
 
     /// A panel for each part of the state, one for energy, and one for each Casimir.
-    pub fn figure(&self, title: String) -> Figure {
+    pub fn figure(&self, entry: &Entry, title: String) -> Figure {
         let mut panels = Vec::new();
-        for (quantity, slots) in laid_out(self.entry.state) {
+        for (quantity, slots) in laid_out(entry.state) {
             let courses: Vec<Series> = quantity
                 .components
                 .iter()
                 .zip(&self.state[slots])
-                .map(|(component, envelope)| Series {
-                    label: (*component).to_owned(),
-                    points: envelope.both(),
-                })
+                .map(|(component, envelope)| Series::line(*component, envelope.both()))
                 .collect();
             let mut panel = |part: &str, series: &[Series]| {
-                panels.push(Panel {
-                    label: format!("{}{part}", quantity.name.replace('_', " ")),
-                    scale: Scale::Linear,
-                    series: series.to_vec(),
-                });
+                let label = format!("{}{part}", quantity.name.replace('_', " "));
+                panels.push(Panel::new(Axis::linear(TIME), Axis::linear(label), series.to_vec()));
             };
             // a rigid motion is of two kinds
             match rotation(quantity) {
@@ -80,28 +76,20 @@ impl Portrait {
                 _ => panel("", &courses),
             }
         }
-        let alone = |points| vec![Series { label: String::new(), points }];
-        panels.push(if self.entry.autonomous {
-            let series = alone(self.energy.upper());
-            Panel { label: "error of energy, J".to_owned(), scale: Scale::Logarithmic, series }
+        let mut alone = |axis: Axis, points| {
+            panels.push(Panel::new(Axis::linear(TIME), axis, vec![Series::line("", points)]));
+        };
+        if entry.autonomous {
+            alone(Axis::logarithmic("error of energy, J"), self.energy.upper());
         } else {
-            Panel { label: "energy, J".to_owned(), scale: Scale::Linear, series: alone(self.energy.both()) }
-        });
-        let names = self.entry.casimirs.iter().zip(self.entry.casimir_units);
-        for ((name, unit), envelope) in names.zip(&self.casimirs) {
-            panels.push(Panel {
-                label: with_unit(&format!("error of {}", symbols(name)), unit),
-                scale: Scale::Logarithmic,
-                series: alone(envelope.upper()),
-            });
+            alone(Axis::linear("energy, J"), self.energy.both());
         }
-        Figure { title, time: "time, s".to_owned(), span: self.span, key: Key::Each, panels }
-    }
-}
-
-impl std::fmt::Debug for Portrait {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Portrait").field("system", &self.entry.name).finish_non_exhaustive()
+        let names = entry.casimirs.iter().zip(entry.casimir_units);
+        for ((name, unit), envelope) in names.zip(&self.casimirs) {
+            let label = with_unit(&format!("error of {}", symbols(name)), unit);
+            alone(Axis::logarithmic(label), envelope.upper());
+        }
+        Figure::over_time(title, TIME, self.span, Key::Each, panels)
     }
 }
 

@@ -2,8 +2,11 @@
 
 use std::fmt;
 
+use coadjoint::RunReport;
+
 use crate::catalogue::Entry;
-use crate::simulation::{Job, Method, Order, Outcome};
+use crate::ledger::{Kept, Ledger};
+use crate::simulation::{Job, Method, Order};
 
 /// A table with a column for each run.
 #[derive(Debug)]
@@ -17,10 +20,55 @@ pub struct Table<'a> {
 pub struct Finding {
     /// What was asked for.
     pub job: Job,
-    /// What the run found.
-    pub outcome: Outcome,
+    /// Steps and Newton iterations.
+    pub report: RunReport,
+    /// What it found of energy and Casimirs.
+    pub ledger: Ledger,
     /// The time a step takes with nobody watching, ns; none if there were no steps.
     pub time_per_step: Option<f64>,
+}
+
+impl Finding {
+    /// What the run says of the energy and of the Casimirs, in words.
+    pub fn verdict(&self, entry: &Entry) -> Vec<String> {
+        let mut lines = Vec::new();
+        let energy = &self.ledger.energy;
+        lines.push(if entry.autonomous {
+            format!("energy: {}", judged(energy, self.ledger.steps, "J"))
+        } else {
+            "energy: not conserved by this system".to_owned()
+        });
+        for ((name, unit), kept) in entry.casimirs.iter().zip(entry.casimir_units).zip(&self.ledger.casimirs)
+        {
+            lines.push(format!("{name}: {}", judged(kept, self.ledger.steps, unit)));
+        }
+        lines
+    }
+}
+
+/// How well a quantity was kept, in words.
+fn judged(kept: &Kept, steps: u64, unit: &str) -> String {
+    // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
+    let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * kept.initial.abs().max(kept.error);
+    let (least, greatest) = kept.range;
+    if kept.error.is_nan() {
+        "became not a number".to_owned()
+    } else if kept.error <= roundoff {
+        "kept to roundoff".to_owned()
+    } else if steps < 100 {
+        format!("kept to {}; too few steps to tell more", with_unit_behind(kept.error, unit))
+    } else if kept.drift() < 0.5 {
+        format!(
+            "bounded: its error swings between {} and {} and does not grow",
+            magnitude(least),
+            with_unit_behind(greatest, unit)
+        )
+    } else {
+        format!(
+            "drifts: by {} per second, or swings more slowly than this run can tell",
+            with_unit_behind(kept.slope(), unit)
+        )
+    }
 }
 
 impl<'a> Table<'a> {
@@ -37,12 +85,12 @@ impl<'a> Table<'a> {
             row("retraction", &|run| run.job.retraction.name().to_owned()),
             row("method", &|run| self.method(&run.job)),
             row("order", &|run| self.order(&run.job).to_string()),
-            row("steps", &|run| grouped(run.outcome.run.steps)),
+            row("steps", &|run| grouped(run.ledger.steps)),
             row("time per step, ns", &|run| {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
             }),
-            row("Newton iterations per step", &|run| format!("{:.2}", run.outcome.run.iterations_per_step())),
-            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.outcome.energy))),
+            row("Newton iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
+            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.ledger.energy.initial))),
             row(
                 if self.entry.autonomous {
                     "largest energy error, J"
@@ -50,7 +98,7 @@ impl<'a> Table<'a> {
                     // forces act, or the time has a part in it
                     "largest change of energy, J (it is not conserved)"
                 },
-                &|run| magnitude(run.outcome.energy_error),
+                &|run| magnitude(run.ledger.energy.error),
             ),
         ];
         for (i, name) in self.entry.casimirs.iter().enumerate() {
@@ -59,7 +107,7 @@ impl<'a> Table<'a> {
                 self.entry.casimir_units.get(i).copied().unwrap_or(""),
             );
             rows.push(row(&name, &|run| {
-                magnitude(run.outcome.casimir_drifts.get(i).copied().unwrap_or(f64::NAN))
+                magnitude(run.ledger.casimirs.get(i).map_or(f64::NAN, |kept| kept.error))
             }));
         }
         rows
@@ -100,6 +148,11 @@ impl fmt::Display for Table<'_> {
         }
         Ok(())
     }
+}
+
+/// `1.5e-6 J`
+fn with_unit_behind(value: f64, unit: &str) -> String {
+    format!("{} {unit}", magnitude(value)).trim_end().to_owned()
 }
 
 /// `energy, J`, or only the name of a pure number.

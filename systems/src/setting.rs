@@ -9,40 +9,74 @@ use crate::error::Error;
 use crate::simulation::Setup;
 use crate::suggest::did_you_mean;
 
-/// Makes the assignments one after the other, then checks the whole; the answer is notes for the user.
+/// Makes the assignments one after the other.
 ///
 /// # Errors
-/// If a name is unknown, a value is not made of as many numbers as its quantity has, an attitude is zero, or no
-/// stepper can be built with the parameters.
-pub fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) -> Result<Vec<String>, Error> {
-    let names = Name::all(entry);
+/// If a name is unknown, or a value is not made of as many numbers as its quantity has.
+pub fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) -> Result<(), Error> {
     for assignment in assignments {
         let (name, value) = assignment.split_once('=').ok_or_else(|| {
-            Error::Input(format!(
-                "`--set {assignment}` has no `=`; write for example `--set {}=…`",
-                names[0].name
-            ))
+            let example = entry.state.first().map_or("name", |quantity| quantity.name);
+            Error::Input(format!("`--set {assignment}` has no `=`; write for example `--set {example}=…`",))
         })?;
         let (name, value) = (name.trim(), value.trim());
-        let target = names.iter().find(|candidate| candidate.name == name).ok_or_else(|| {
-            let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
-            Error::Input(format!(
-                "`{}` has no parameter or state quantity `{name}`{hint} {}",
-                entry.name,
-                known(entry)
-            ))
-        })?;
-        let numbers = numbers(name, value)?;
-        let slots = &mut target.list(setup)[target.slots.clone()];
-        if numbers.len() != slots.len() {
-            return Err(Error::Input(format!(
-                "`{name}` takes {}, got {}: `{value}`",
-                count(slots.len()),
-                count(numbers.len())
-            )));
-        }
-        slots.copy_from_slice(&numbers);
+        assign(entry, setup, Names::All, name, &numbers(name, value)?)?;
     }
+    Ok(())
+}
+
+/// Which names can be assigned to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Names {
+    /// Those of parameters and of the state.
+    All,
+    /// Those of parameters.
+    Parameters,
+    /// Those of the state.
+    State,
+}
+
+/// Sets a quantity or one of its components.
+///
+/// # Errors
+/// If there is none of this name, its number of components is another one, or a number is not finite.
+pub fn assign(
+    entry: &Entry,
+    setup: &mut Setup,
+    which: Names,
+    name: &str,
+    numbers: &[f64],
+) -> Result<(), Error> {
+    let names = Name::all(entry, which);
+    let target = names.iter().find(|candidate| candidate.name == name).ok_or_else(|| {
+        let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
+        let kind = match which {
+            Names::All => "parameter or state quantity",
+            Names::Parameters => "parameter",
+            Names::State => "state quantity",
+        };
+        Error::Input(format!("`{}` has no {kind} `{name}`{hint} {}", entry.name, known(entry)))
+    })?;
+    if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+        return Err(Error::Input(format!("`{name}` must be finite, got `{number}`")));
+    }
+    let slots = &mut target.list(setup)[target.slots.clone()];
+    if numbers.len() != slots.len() {
+        return Err(Error::Input(format!(
+            "`{name}` takes {}, got {}",
+            count(slots.len()),
+            count(numbers.len())
+        )));
+    }
+    slots.copy_from_slice(numbers);
+    Ok(())
+}
+
+/// Brings rotations to length 1 and checks the whole; the answer is notes for the user.
+///
+/// # Errors
+/// If a rotation is zero, or no stepper can be built with the parameters.
+pub fn settle(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
     let mut notes = normalize(entry, setup)?;
     notes.extend((entry.check)(setup)?);
     Ok(notes)
@@ -57,10 +91,13 @@ struct Name {
 
 impl Name {
     /// Whole quantities first, then their components.
-    fn all(entry: &Entry) -> Vec<Name> {
+    fn all(entry: &Entry, which: Names) -> Vec<Name> {
         let mut whole = Vec::new();
         let mut single = Vec::new();
         for (of_state, quantities) in [(false, entry.parameters), (true, entry.state)] {
+            if which == if of_state { Names::Parameters } else { Names::State } {
+                continue;
+            }
             for (quantity, slots) in laid_out(quantities) {
                 if quantity.components.len() > 1 {
                     single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {
@@ -98,11 +135,8 @@ fn numbers(name: &str, value: &str) -> Result<Vec<f64>, Error> {
         .split(',')
         .map(|text| {
             let text = text.trim();
-            match text.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(number),
-                Ok(_) => Err(Error::Input(format!("`{name}` must be finite, got `{text}`"))),
-                Err(_) => Err(Error::Input(format!("`{text}` is not a number (in `{name}={value}`)"))),
-            }
+            text.parse::<f64>()
+                .map_err(|_| Error::Input(format!("`{text}` is not a number (in `{name}={value}`)")))
         })
         .collect()
 }
@@ -163,8 +197,8 @@ mod tests {
         let entry = find(system).expect("it is there");
         let mut setup = (entry.example)();
         let assignments: Vec<String> = assignments.iter().map(|&a| a.to_owned()).collect();
-        let notes = apply(entry, &mut setup, &assignments).map_err(|error| error.to_string())?;
-        Ok((setup, notes))
+        let notes = apply(entry, &mut setup, &assignments).and_then(|()| settle(entry, &mut setup));
+        notes.map(|notes| (setup, notes)).map_err(|error| error.to_string())
     }
 
     #[test]

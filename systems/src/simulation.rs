@@ -3,14 +3,17 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use coadjoint::RunReport;
 use coadjoint::certify::{Certification, Report};
 use coadjoint::prelude::*;
+use coadjoint::stepper::Stepping;
 
 use crate::catalogued::Catalogued;
 use crate::error::Error;
 
 /// The map from the Lie algebra to the group that a step is built on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Retraction {
     /// The exponential map: the most accurate step of a given size.
     #[value(alias = "exp")]
@@ -34,7 +37,8 @@ impl Retraction {
 }
 
 /// What a step makes of its retraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part in the motion,
     /// else `verlet`.
@@ -73,7 +77,7 @@ impl Method {
 }
 
 /// The order asked for: 2 for the method itself, higher ones composed of its steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 pub enum Order {
     /// The method itself.
     #[default]
@@ -109,29 +113,29 @@ impl Order {
     }
 }
 
-/// The runner of a job's method and order with a retraction.
-macro_rules! runner_on {
+/// The scheme of a job's method and order with a retraction.
+macro_rules! scheme_on {
     ($S:ident, $R:ty, $job:expr) => {
         match $job.method {
             Method::Standard => Ok(composed!($S, $R, $job.order)),
             Method::Midpoint => Ok(composed!($S, Midpoint<$R>, $job.order)),
             Method::Verlet => Ok(composed!($S, StormerVerlet<$R>, $job.order)),
             method if $job.order != Order::Two => Err(not_symmetric(method, $job.order)),
-            Method::EulerA => Ok(<$S as Schemes>::steps::<SymplecticEulerA<$R>> as Runner<$S>),
-            Method::EulerB => Ok(<$S as Schemes>::steps::<SymplecticEulerB<$R>> as Runner<$S>),
+            Method::EulerA => Ok(<$S as Schemes>::built::<SymplecticEulerA<$R>> as Build<$S>),
+            Method::EulerB => Ok(<$S as Schemes>::built::<SymplecticEulerB<$R>> as Build<$S>),
         }
     };
 }
 
-/// The runner of a symmetric scheme of order 2, or of a composition of its steps.
+/// A symmetric scheme of order 2, or of a composition of its steps.
 macro_rules! composed {
     ($S:ident, $M:ty, $order:expr) => {
         match $order {
-            Order::Two => <$S as Schemes>::steps::<$M> as Runner<$S>,
-            Order::Four => <$S as Schemes>::steps::<Order4<$M>>,
-            Order::Six => <$S as Schemes>::steps::<Order6<$M>>,
-            Order::Eight => <$S as Schemes>::steps::<Order8<$M>>,
-            Order::Ten => <$S as Schemes>::steps::<Order10<$M>>,
+            Order::Two => <$S as Schemes>::built::<$M> as Build<$S>,
+            Order::Four => <$S as Schemes>::built::<Order4<$M>>,
+            Order::Six => <$S as Schemes>::built::<Order6<$M>>,
+            Order::Eight => <$S as Schemes>::built::<Order8<$M>>,
+            Order::Ten => <$S as Schemes>::built::<Order10<$M>>,
         }
     };
 }
@@ -148,7 +152,7 @@ fn not_symmetric(method: Method, order: Order) -> Error {
 }
 
 /// Parameters and an initial state, in the order of the system's quantities.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// The parameters' components.
     pub parameters: Vec<f64>,
@@ -157,7 +161,7 @@ pub struct Setup {
 }
 
 /// How far to go, and how.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The scheme's method.
     pub method: Method,
@@ -171,8 +175,17 @@ pub struct Job {
     pub steps: u64,
 }
 
+/// Where a run is: what it goes on from, to the last bit the same.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Whereabouts {
+    /// The state's components.
+    pub state: Vec<f64>,
+    /// What the stepper carries.
+    pub memory: Vec<f64>,
+}
+
 /// What a run shows at every step, the initial state included.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Sample<'a> {
     /// Steps taken so far.
     pub index: u64,
@@ -184,28 +197,31 @@ pub struct Sample<'a> {
     pub energy: f64,
     /// The Casimirs.
     pub casimirs: &'a [f64],
+    /// What the stepper carries.
+    memory: &'a dyn Fn() -> Vec<f64>,
 }
 
-/// Sees every sample; may fail, which ends the run.
-pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> Result<(), Error> + 'a;
-
-/// What a run found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
-    /// Steps and Newton iterations.
-    pub run: RunReport,
-    /// The energy at the start.
-    pub energy: f64,
-    /// Its largest error.
-    pub energy_error: f64,
-    /// The Casimirs at the start.
-    pub casimirs: Vec<f64>,
-    /// The largest drift of each.
-    pub casimir_drifts: Vec<f64>,
+impl Sample<'_> {
+    /// Where the run is.
+    pub fn whereabouts(&self) -> Whereabouts {
+        Whereabouts { state: self.state.to_vec(), memory: (self.memory)() }
+    }
 }
+
+impl std::fmt::Debug for Sample<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Sample")
+            .field("index", &self.index)
+            .field("state", &self.state)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Sees every sample; may end the run, or fail, which ends it too.
+pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> Result<ControlFlow<()>, Error> + 'a;
 
 /// The example of a system as flat lists.
-pub fn example<S: Catalogued>() -> Setup {
+pub fn example<S: Catalogued + 'static>() -> Setup {
     flat(&S::example())
 }
 
@@ -221,50 +237,53 @@ pub fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
 ///
 /// # Errors
 /// If no stepper can be built with them.
-pub fn check<S: Catalogued>(setup: &Setup) -> Result<Option<String>, ParameterError> {
+pub fn check<S: Catalogued + 'static>(setup: &Setup) -> Result<Option<String>, ParameterError> {
     let (system, _) = realize::<S>(setup);
     system.validate()?;
     Ok(system.body_inertia().and_then(|inertia| triangle_note(&inertia)))
 }
 
-/// Makes a run, with the system's own control law.
+/// Makes a run, with the system's own control law: from the setup's state at time 0, or on from where an earlier run was.
 ///
 /// # Errors
 /// If parameters or step are not valid, a step cannot be taken, or `watch` fails.
-pub fn simulate<S: Catalogued>(setup: &Setup, job: &Job, watch: &mut Watch<'_>) -> Result<Outcome, Error> {
+pub fn simulate<S: Catalogued + 'static>(
+    setup: &Setup,
+    job: &Job,
+    from: Option<&Whereabouts>,
+    watch: &mut Watch<'_>,
+) -> Result<RunReport, Error> {
     let (system, mut state) = realize::<S>(setup);
-    let mut invariants = Invariants::new();
-    let mut messenger = Messenger { watch, failure: None };
-    let report = runner::<S>(job)?(&system, &mut state, job, &mut (&mut invariants, &mut messenger));
-    if let Some(failure) = messenger.failure {
-        return Err(failure);
+    if let Some(from) = from {
+        let mut components = state.to_components();
+        fill(components.as_mut(), &from.state);
+        state = S::State::from_components(&components);
     }
-    Ok(Outcome {
-        run: report?,
-        energy: invariants.initial_energy().unwrap_or(f64::NAN),
-        energy_error: invariants.energy_error(),
-        casimirs: invariants.initial_casimirs().to_vec(),
-        casimir_drifts: invariants.casimir_drifts().to_vec(),
-    })
+    let memory = from.map(|from| from.memory.as_slice());
+    let mut messenger = Messenger { watch, failure: None };
+    let report = run(&system, &mut state, job, memory, &mut messenger);
+    match messenger.failure {
+        Some(failure) => Err(failure),
+        None => report,
+    }
 }
 
 /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
 ///
 /// # Errors
 /// If parameters or step are not valid, or a step cannot be taken.
-pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
+pub fn time_per_step<S: Catalogued + 'static>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
     /// Enough to tell nanoseconds, and still short.
     const STEPS: u64 = 50_000;
     let job = Job { steps: job.steps.min(STEPS), ..*job };
     if job.steps == 0 {
         return Ok(None);
     }
-    let runner = runner::<S>(&job)?;
     let mut best = f64::INFINITY;
     for _ in 0..3 {
         let (system, mut state) = realize::<S>(setup);
         let start = Instant::now();
-        runner(&system, &mut state, &job, &mut ())?;
+        run(&system, &mut state, &job, None, &mut ())?;
         best = best.min(start.elapsed().as_secs_f64());
     }
     Ok(Some(best / job.steps as f64 * 1e9))
@@ -275,7 +294,7 @@ pub fn time_per_step<S: Catalogued>(setup: &Setup, job: &Job) -> Result<Option<f
 ///
 /// # Errors
 /// If parameters are not valid, or a step cannot be taken.
-pub fn certify<S: Catalogued>(
+pub fn certify<S: Catalogued + 'static>(
     setup: &Setup,
     method: Method,
     retraction: Retraction,
@@ -308,7 +327,7 @@ pub fn certify<S: Catalogued>(
 }
 
 /// What a system's standard step is: `euler-a` or `verlet`.
-pub fn standard<S: Catalogued>() -> Method {
+pub fn standard<S: Catalogued + 'static>() -> Method {
     let name = std::any::type_name::<S::Standard<Exponential>>();
     if name == std::any::type_name::<SymplecticEulerA<Exponential>>() {
         Method::EulerA
@@ -317,35 +336,45 @@ pub fn standard<S: Catalogued>() -> Method {
     }
 }
 
-/// Makes the steps of a job with one scheme. The rest of a run is the same for all schemes, and so compiled once for a system, not once for
-/// each of its schemes.
-type Runner<S> = fn(&S, &mut <S as System>::State, &Job, &mut dyn Observer<S>) -> Result<RunReport, Error>;
+/// Builds the stepper of a job's scheme. A run is the same for all schemes, and so compiled once for a system, not once for each of its
+/// schemes.
+type Build<S> = fn(&S, f64) -> Result<Box<dyn Stepping<System = S>>, ParameterError>;
 
 /// The schemes of one system. A trait with this method provided, because the compiler keeps such methods with the type that has them: it
 /// compiles systems beside each other, and anew only those that changed.
-trait Schemes: Catalogued {
-    fn steps<M>(
-        &self,
-        state: &mut Self::State,
-        job: &Job,
-        observer: &mut dyn Observer<Self>,
-    ) -> Result<RunReport, Error>
+trait Schemes: Catalogued + 'static {
+    fn built<M: 'static>(&self, step: f64) -> Result<Box<dyn Stepping<System = Self>>, ParameterError>
     where
         Self: Discretized<M>,
     {
-        let mut stepper = self.stepper::<M>(job.step)?;
-        let control = |state: &Self::State, time: f64| self.control(state, time);
-        Ok(Run::new(&mut stepper, state).controlled_by(control).observe(observer).steps(job.steps)?)
+        Ok(Box::new(self.stepper::<M>(step)?))
     }
 }
 
-impl<S: Catalogued> Schemes for S {}
+impl<S: Catalogued + 'static> Schemes for S {}
 
-/// The runner of the scheme that a job asks for.
-fn runner<S: Catalogued>(job: &Job) -> Result<Runner<S>, Error> {
+/// Makes the run of a job, or goes on with it.
+fn run<S: Catalogued + 'static>(
+    system: &S,
+    state: &mut S::State,
+    job: &Job,
+    memory: Option<&[f64]>,
+    observer: &mut dyn Observer<S>,
+) -> Result<RunReport, Error> {
+    let mut stepper = builder::<S>(job)?(system, job.step)?;
+    if let Some(memory) = memory {
+        stepper.recall(memory)?;
+    }
+    let left = job.steps.saturating_sub(stepper.steps_taken());
+    let control = |state: &S::State, time: f64| system.control(state, time);
+    Ok(Run::new(stepper.as_mut(), state).resumed().controlled_by(control).observe(observer).steps(left)?)
+}
+
+/// How to build the stepper of the scheme that a job asks for.
+fn builder<S: Catalogued + 'static>(job: &Job) -> Result<Build<S>, Error> {
     match job.retraction {
-        Retraction::Exponential => runner_on!(S, Exponential, job),
-        Retraction::Cayley => runner_on!(S, Cayley, job),
+        Retraction::Exponential => scheme_on!(S, Exponential, job),
+        Retraction::Cayley => scheme_on!(S, Cayley, job),
     }
 }
 
@@ -365,9 +394,10 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
             state: components.as_ref(),
             energy: tick.system.energy_at(tick.state, tick.time),
             casimirs: casimirs.as_ref(),
+            memory: &|| tick.memory(),
         };
         match (self.watch)(&sample) {
-            Ok(()) => ControlFlow::Continue(()),
+            Ok(flow) => flow,
             Err(failure) => {
                 self.failure = Some(failure);
                 ControlFlow::Break(())
@@ -377,7 +407,7 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
 }
 
 /// The system and state with these components.
-fn realize<S: Catalogued>(setup: &Setup) -> (S, S::State) {
+fn realize<S: Catalogued + 'static>(setup: &Setup) -> (S, S::State) {
     let (system, state) = S::example();
     let mut parameters = system.to_parameters();
     fill(parameters.as_mut(), &setup.parameters);

@@ -271,15 +271,21 @@ fn the_papers_heavy_top_runs_without_arguments() {
     }
     assert_eq!(
         scratch.files("out"),
-        ["heavy_top-cayley.csv", "heavy_top-exponential.csv", "heavy_top.png", "heavy_top.svg"]
+        [
+            "figure-6.2.csv",
+            "figure-6.2.png",
+            "figure-6.2.svg",
+            "heavy_top-cayley.csv",
+            "heavy_top-exponential.csv"
+        ]
     );
     let csv = scratch.read("out/heavy_top-cayley.csv");
     let (_, rows) = table(&csv);
     assert_eq!(rows.len(), 18_001);
     assert_eq!(rows.last().expect("rows")[0], 1800.0);
-    let svg = scratch.read("out/heavy_top.svg");
+    let svg = scratch.read("out/figure-6.2.svg");
     assert!(svg.len() < 1_000_000 && svg.contains("</svg>") && !svg.contains("NaN"));
-    let png = fs::read(scratch.0.join("out/heavy_top.png")).expect("a picture");
+    let png = fs::read(scratch.0.join("out/figure-6.2.png")).expect("a picture");
     assert_eq!(png[..8], *b"\x89PNG\r\n\x1a\n");
 }
 
@@ -304,7 +310,7 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_tpo"], 2, "did you mean `heavy_top`?"),
         (&["run", "pendulum-on-the-moon"], 2, "there is no system `pendulum-on-the-moon`"),
         (&["show", "heavytop2"], 2, "did you mean `heavy_top`?"),
-        (&["run"], 2, "<SYSTEM>"),
+        (&["run"], 2, "no system: name one"),
         (&["rum", "heavy_top"], 2, "similar subcommand"),
         (&["run", "heavy_top", "--set", "wieght=2"], 2, "did you mean `weight`?"),
         (&["run", "heavy_top", "--set", "temperature=2"], 2, "parameters: inertia, weight, chi"),
@@ -337,7 +343,39 @@ fn bad_input_is_refused_with_a_message() {
         ),
         (&["run", "heavy_top", "--order", "3"], 2, "possible values: 2, 4, 6, 8, 10"),
         (&["run", "planar_pendulum", "--set", "angle=0,0"], 2, "no rotation is 1,0"),
-        (&["run", "heavy_top", "--format", "xml"], 2, "possible values: csv, json"),
+        (&["run", "heavy_top", "--format", "xml"], 2, "possible values: csv, json, parquet"),
+        (&["run", "--config", "missing.toml"], 2, "cannot read missing.toml"),
+        (&["run", "--config", "."], 2, "cannot read ."),
+        (&["run", "--config", "malformed.toml"], 2, "line 2"),
+        (
+            &["run", "--config", "misspelt.toml"],
+            2,
+            "[parameters]: `heavy_top` has no parameter `wieght`; did you mean `weight`?",
+        ),
+        (&["run", "--config", "negative.toml"], 2, "`inertia` is not positive definite"),
+        (&["run", "--config", "text.toml"], 2, "`weight` takes numbers, got string `\"heavy\"`"),
+        (
+            &["run", "--config", "few.toml"],
+            2,
+            "[state]: `momentum` takes 3 numbers separated by commas, got 2",
+        ),
+        (&["run", "--config", "nan.toml"], 2, "[state]: `momentum` must be finite"),
+        (&["run", "--config", "order.toml"], 2, "order must be 2, 4, 6, 8 or 10, got 5"),
+        (&["run", "--config", "key.toml"], 2, "unknown field `stpe`"),
+        (&["run", "--config", "every.toml"], 2, "`every` must be 1 or more"),
+        (&["run", "kepler", "--config", "order.toml"], 2, "describes a run of `heavy_top`, not of `kepler`"),
+        (&["run", "--config", "system.toml"], 2, "did you mean `heavy_top`?"),
+        (&["init", "heavy_tpo"], 2, "did you mean `heavy_top`?"),
+        (
+            &["init", "heavy_top", "--out", "order.toml"],
+            2,
+            "order.toml is there already; `--force` replaces it",
+        ),
+        (&["figures", "6.4"], 2, "there is no figure `6.4`"),
+        (&["resume", "missing.ck"], 2, "cannot read missing.ck"),
+        (&["resume", "order.toml"], 2, "order.toml is not a checkpoint"),
+        (&["resume", "damaged.ck"], 2, "damaged.ck is a damaged checkpoint"),
+        (&["run", "heavy_top", "--checkpoint", "order.toml"], 2, "`coadjoint resume order.toml` goes on"),
         (
             &["run", "heavy_top", "--duration", "1", "--set", "momentum=1e200,1e200,1e200"],
             3,
@@ -345,6 +383,21 @@ fn bad_input_is_refused_with_a_message() {
         ),
     ];
     let scratch = Scratch::new("bad-input");
+    for (name, content) in [
+        ("malformed", "system = \"heavy_top\"\n[run\nstep = 1"),
+        ("misspelt", "system = \"heavy_top\"\n[parameters]\nwieght = 2.0"),
+        ("negative", "system = \"heavy_top\"\n[parameters]\ninertia = [1.0, -10.0, 100.0]"),
+        ("text", "system = \"heavy_top\"\n[parameters]\nweight = \"heavy\""),
+        ("few", "system = \"heavy_top\"\n[state]\nmomentum = [1, 2]"),
+        ("nan", "system = \"heavy_top\"\n[state]\nmomentum = [1, nan, 2]"),
+        ("order", "system = \"heavy_top\"\n[run]\norder = 5"),
+        ("key", "system = \"heavy_top\"\n[run]\nstpe = 0.1"),
+        ("every", "system = \"heavy_top\"\n[run]\nevery = 0"),
+        ("system", "system = \"heavy_tpo\""),
+    ] {
+        fs::write(scratch.0.join(format!("{name}.toml")), content).expect("writable");
+    }
+    fs::write(scratch.0.join("damaged.ck"), "coadjoint checkpoint 1\nabcdefgh").expect("writable");
     for (arguments, code, expected) in cases {
         let output = scratch.coadjoint(arguments);
         let message = text(&output.stderr);
@@ -383,4 +436,198 @@ fn a_run_that_fails_leaves_an_earlier_file_alone() {
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     assert_eq!(scratch.read("out/heavy_top-exponential.csv"), before);
     assert_eq!(scratch.files("out"), ["heavy_top-exponential.csv"]);
+}
+
+/// A full disk: no file, a message, and the exit code of what cannot be written.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_reported() {
+    use std::os::unix::fs::symlink;
+    let scratch = Scratch::new("full");
+    fs::create_dir_all(scratch.0.join("out")).expect("writable");
+    // what is written to the passing name of the process that will run goes to a device that is always full
+    let journal = scratch.0.join("run.ck.rows");
+    symlink("/dev/full", &journal).expect("writable");
+    let output = scratch.coadjoint(&["run", "heavy_top", "--checkpoint", "run.ck"]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{message}");
+    assert!(message.starts_with("error: cannot write run.ck.rows: No space left"), "{message}");
+    assert_eq!(scratch.files("out"), [""; 0]);
+}
+
+#[test]
+fn a_run_is_described_by_a_file() {
+    let scratch = Scratch::new("config");
+    let printed = scratch.prints(&["init", "heavy_top"]);
+    assert!(printed.contains("coadjoint run --config heavy_top.toml"), "{printed}");
+    let described = scratch.read("heavy_top.toml");
+    assert!(described.contains("# Principal moments of inertia"), "{described}");
+
+    // as it is, the file says what is usual
+    let short = ["--duration", "0.5"];
+    scratch.prints(&[&["run", "heavy_top", "--out", "usual"][..], &short].concat());
+    scratch.prints(&[&["run", "--config", "heavy_top.toml", "--out", "described"][..], &short].concat());
+    let file = "heavy_top-exponential.csv";
+    assert_eq!(scratch.read(&format!("usual/{file}")), scratch.read(&format!("described/{file}")));
+
+    // what it says counts, and what is given beside it counts more
+    let changed = described
+        .replace("retraction = \"exponential\"", "retraction = \"cayley\"")
+        .replace("weight = 1.0", "weight = 2.5")
+        .replace("duration = 60.0", "duration = 0.3")
+        .replace("every = 1", "every = 10")
+        .replace("format = \"csv\"", "format = \"json\"");
+    fs::write(scratch.0.join("heavy_top.toml"), changed).expect("writable");
+    scratch.prints(&["run", "--config", "heavy_top.toml", "--set", "chi=0,0.5,1", "--every", "15"]);
+    let json: Value = serde_json::from_str(&scratch.read("out/heavy_top-cayley.json")).expect("JSON");
+    assert_eq!(json["parameters"]["weight"], 2.5);
+    assert_eq!(json["parameters"]["chi"], serde_json::json!([0.0, 0.5, 1.0]));
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(3));
+    scratch.prints(&["init", "heavy_top", "--force"]);
+    assert_eq!(scratch.read("heavy_top.toml"), described);
+}
+
+#[test]
+fn parquet_holds_what_csv_holds() {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+    let scratch = Scratch::new("parquet");
+    let arguments = ["run", "gyrostat", "--duration", "300", "--step", "0.01"];
+    scratch.prints(&arguments);
+    scratch.prints(&[&arguments[..], &["--format", "parquet"]].concat());
+    let csv = scratch.read("out/gyrostat-exponential.csv");
+    let (header, rows) = table(&csv);
+    // more than one row group
+    assert_eq!(rows.len(), 30_001);
+    let file = fs::File::open(scratch.0.join("out/gyrostat-exponential.parquet")).expect("written");
+    let reader = SerializedFileReader::new(file).expect("Parquet");
+    assert_eq!(reader.metadata().num_row_groups(), 2);
+    let metadata = reader.metadata().file_metadata().key_value_metadata().expect("there is");
+    let value = |key: &str| metadata.iter().find(|pair| pair.key == key).and_then(|pair| pair.value.clone());
+    assert_eq!(value("system").as_deref(), Some("\"gyrostat\""));
+    assert!(value("invariants").expect("there").contains("largest_error"));
+    for (row, expected) in reader.get_row_iter(None).expect("rows").zip(&rows) {
+        let row = row.expect("readable");
+        let names: Vec<&String> = row.get_column_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, header);
+        let numbers: Vec<f64> = row
+            .get_column_iter()
+            .map(|(_, field)| if let Field::Double(number) = field { *number } else { panic!("{field}") })
+            .collect();
+        assert_eq!(&numbers, expected);
+    }
+}
+
+/// Ctrl-C ends a run cleanly; gone on with, it writes the same bytes as one that was not interrupted.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_run_goes_on_to_the_same_bytes() {
+    for format in ["csv", "json", "parquet"] {
+        let scratch = Scratch::new(&format!("resume-{format}"));
+        let run = [
+            "run",
+            "heavy_top",
+            "--retraction",
+            "cayley",
+            "--duration",
+            "4000",
+            "--every",
+            "100",
+            "--plot",
+            "--format",
+        ];
+        let run = [&run[..], &[format]].concat();
+        scratch.prints(&[&run[..], &["--html", "whole/view.html", "--out", "whole"]].concat());
+
+        let mut child = Command::new(env!("CARGO_BIN_EXE_coadjoint"))
+            .args([&run[..], &["--html", "out/view.html", "--checkpoint", "run.ck"]].concat())
+            .current_dir(&scratch.0)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the program starts");
+        let journal = scratch.0.join("run.ck.rows");
+        // it has begun when there are rows
+        while fs::metadata(&journal).map_or(0, |file| file.len()) == 0
+            && child.try_wait().expect("waits").is_none()
+        {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+        }
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+        let printed = text(&output.stdout);
+        assert!(
+            printed.contains("interrupted at") && printed.contains("`coadjoint resume run.ck` goes on"),
+            "{printed}"
+        );
+        // what was computed is written
+        let file = format!("out/heavy_top-cayley.{format}");
+        assert!(scratch.0.join(&file).exists());
+
+        scratch.prints(&["resume", "run.ck"]);
+        assert_eq!(scratch.files("out"), scratch.files("whole"));
+        for name in scratch.files("out") {
+            let read = |directory: &str| fs::read(scratch.0.join(directory).join(&name)).expect("readable");
+            assert!(read("out") == read("whole"), "{name} differs");
+        }
+        // nothing is left to go on with
+        assert_eq!(scratch.files(".").iter().filter(|name| name.starts_with("run.ck")).count(), 0);
+    }
+}
+
+#[test]
+fn a_view_is_one_page_that_needs_nothing_else() {
+    let scratch = Scratch::new("view");
+    for system in
+        ["heavy_top", "kepler", "planar_pendulum", "coupled_bodies", "rigid_body_in_space", "quadrotor"]
+    {
+        scratch.prints(&["view", system]);
+        let page = scratch.read(&format!("out/{system}-exponential.html"));
+        assert!(
+            !page.contains("__COADJOINT_DATA__") && !page.contains("http://") && !page.contains("https://"),
+            "{system}"
+        );
+        let (_, rest) = page.split_once("type=\"application/json\">").expect("data");
+        let (data, _) = rest.split_once("</script>").expect("data end");
+        let data: Value = serde_json::from_str(data).expect("JSON");
+        assert_eq!(data["title"], system);
+        let moments = data["time"].as_array().expect("a list").len();
+        assert!((1001..=2001).contains(&moments), "{system}: {moments}");
+        for body in data["bodies"].as_array().expect("a list") {
+            for path in [&body["rotation"], &body["position"]] {
+                assert!(path.is_null() || path.as_array().expect("a list").len() == moments, "{system}");
+            }
+        }
+        for column in data["columns"].as_array().expect("a list") {
+            let name = column["name"].as_str().expect("a name");
+            assert_eq!(data["rows"][name].as_array().expect(name).len(), moments);
+        }
+    }
+    assert_eq!(scratch.files("out").len(), 6, "pages alone");
+}
+
+#[test]
+fn a_figure_is_a_picture_and_its_data() {
+    let scratch = Scratch::new("figures");
+    let printed = scratch.prints(&["figures", "1.1", "1.2", "1.3"]);
+    assert!(printed.contains("1.645 times the energy"), "{printed}");
+    assert_eq!(
+        scratch.files("out/figures"),
+        [
+            "figure-1.1.csv",
+            "figure-1.1.png",
+            "figure-1.1.svg",
+            "figure-1.2.csv",
+            "figure-1.2.png",
+            "figure-1.2.svg",
+            "figure-1.3.csv",
+            "figure-1.3.png",
+            "figure-1.3.svg",
+            "index.html",
+        ]
+    );
+    let csv = scratch.read("out/figures/figure-1.1.csv");
+    assert_eq!(csv.lines().next(), Some("panel,horizontal,vertical,course,x,y"));
+    assert!(csv.contains("\n1,\"q\",\"p\",\"explicit Euler\",1.0,0.0\n"), "{csv}");
 }

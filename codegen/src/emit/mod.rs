@@ -16,7 +16,7 @@ use crate::diagnostics::list;
 use crate::expr::Arena;
 use crate::kernel::Kernel;
 use crate::method::Scheme;
-use crate::model::System;
+use crate::model::{Role, System};
 
 /// The names and paths that all parts of an expansion share.
 pub struct Names {
@@ -209,9 +209,12 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
     docs::lines(lines)
 }
 
-/// `Quantity { name: "gamma", components: &["x", "y", "z"], doc: "…" }`
-fn quantity(names: &Names, name: &str, suffixes: &[impl AsRef<str>], doc: &str) -> TokenStream {
+/// `Quantity { name: "gamma", role: Role::Advected, components: &["x", "y", "z"], doc: "…" }`
+fn quantity(names: &Names, name: &str, role: Role, suffixes: &[impl AsRef<str>], doc: &str) -> TokenStream {
     let private = &names.private;
+    let role = format_ident!("{role:?}");
     let suffixes = suffixes.iter().map(AsRef::as_ref);
-    quote! { #private::Quantity { name: #name, components: &[#(#suffixes),*], doc: #doc } }
+    quote! {
+        #private::Quantity { name: #name, role: #private::Role::#role, components: &[#(#suffixes),*], doc: #doc }
+    }
 }

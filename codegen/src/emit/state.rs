@@ -88,8 +88,9 @@ fn record(
     let conversion =
         arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
     let Conversion { take, elements, give } = conversion;
-    let quantities =
-        parts.iter().map(|part| quantity(names, &part.name.unraw().to_string(), &part.suffixes, &part.doc));
+    let quantities = parts
+        .iter()
+        .map(|part| quantity(names, &part.name.unraw().to_string(), part.role, &part.suffixes, &part.doc));
     quote! {
         #doc
         #[derive(

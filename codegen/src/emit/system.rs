@@ -9,7 +9,7 @@ use super::state::{Conversion, arrays};
 use super::{Names, docs, quantity};
 use crate::expr::{Arena, Vector};
 use crate::kernel;
-use crate::model::{InertiaShape, Side, System};
+use crate::model::{InertiaShape, Role, Side, System};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -> TokenStream {
@@ -38,10 +38,9 @@ pub(super) fn system<'a>(arena: &'a Arena, system: &System<'a>, names: &Names) -
     let autonomous = system.is_autonomous();
     let invariant = system.is_left_invariant();
     let forced = system.factors.iter().any(|factor| factor.force.is_some());
-    let quantities = system
-        .parameters
-        .iter()
-        .map(|field| quantity(names, &field.name.unraw().to_string(), &field.suffixes(), &field.doc));
+    let quantities = system.parameters.iter().map(|field| {
+        quantity(names, &field.name.unraw().to_string(), Role::Parameter, &field.suffixes(), &field.doc)
+    });
 
     let casimirs = system.casimirs();
     let casimir_names = casimirs.iter().map(|(name, _)| name);

@@ -349,7 +349,7 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
     /// How much of the range of the energy's error is a straight line's.
     fn energy_drift(&self) -> Figure {
         let mut figure = None;
-        for length in [1, 4] {
+        for length in [1, 4, 16, 64] {
             let energies = self.energies(self.step, length * Self::LONG)?;
             let range = range(&energies);
             if range < 1e-11 * self.energy_size() {

@@ -34,7 +34,7 @@
 //! | consistency | the step's derivative by its size, less the motion | ≤ 1e-9 |
 //! | Poisson map | `D P Dᵀ − P'`, `D` the step's derivative | ≤ 1e-9 |
 //! | Casimirs | drift over a thousand steps (a hundred where a force acts) | ≤ 1e-11 |
-//! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four thousand | ≤ ½ |
+//! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four, sixteen or sixty-four thousand | ≤ ½ |
 //! | energy order | slope of the energy's error | claimed order less ½ |
 //! | reversibility | distance from the start after a step and one back | ≤ 1e-13 |
 //! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6 |

@@ -5,7 +5,7 @@ use std::io;
 
 use super::{WholeFile, Write};
 use crate::catalogue::Entry;
-use crate::simulation::{Outcome, Sample};
+use crate::ledger::Ledger;
 
 pub(super) struct Csv {
     writer: csv::Writer<WholeFile>,
@@ -28,16 +28,14 @@ impl Csv {
 }
 
 impl Write for Csv {
-    fn row(&mut self, sample: &Sample<'_>) -> io::Result<()> {
-        self.number(sample.time)?;
-        for &component in sample.state {
-            self.number(component)?;
+    fn row(&mut self, row: &[f64]) -> io::Result<()> {
+        for &value in row {
+            self.number(value)?;
         }
-        self.number(sample.energy)?;
         Ok(self.writer.write_record(None::<&[u8]>)?)
     }
 
-    fn finish(self: Box<Self>, _: &Outcome) -> io::Result<()> {
+    fn finish(self: Box<Self>, _: &Ledger) -> io::Result<()> {
         self.writer.into_inner().map_err(|error| error.into_error())?.finish()
     }
 }

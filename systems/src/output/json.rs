@@ -6,24 +6,24 @@
 //!   "parameters": {"inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.0, 1.0]},
 //!   "columns": ["time", "attitude_w", …],
 //!   "rows": [[0.0, 1.0, …], …],
-//!   "invariants": {"energy": {"initial": …, "largest_error": …}, …}
+//!   "invariants": {"energy": {"initial": …, "largest_error": …, "slope": …}, …}
 //! }
 //! ```
 
 use std::io::{self, Write as _};
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::{WholeFile, Write};
 use crate::catalogue::Entry;
+use crate::ledger::Ledger;
 use crate::setting::laid_out;
-use crate::simulation::{Job, Outcome, Sample, Setup};
+use crate::simulation::{Job, Setup};
 
 pub(super) struct Json {
     file: WholeFile,
     entry: &'static Entry,
     rows: u64,
-    row: Vec<f64>,
 }
 
 impl Json {
@@ -34,20 +34,36 @@ impl Json {
         job: &Job,
     ) -> io::Result<Self> {
         writeln!(file, "{{")?;
-        for (name, value) in [
-            ("system", json!(entry.name)),
-            ("retraction", json!(job.retraction.name())),
-            ("method", json!(job.method.name())),
-            ("order", json!(job.order.number())),
-            ("step", json!(job.step)),
-            ("parameters", parameters(entry, setup)),
-            ("columns", json!(entry.columns())),
-        ] {
+        for (name, value) in run(entry, setup, job) {
             writeln!(file, "  {}: {value},", json!(name))?;
         }
+        writeln!(file, "  \"columns\": {},", json!(entry.columns()))?;
         write!(file, "  \"rows\": [")?;
-        Ok(Self { file, entry, rows: 0, row: Vec::new() })
+        Ok(Self { file, entry, rows: 0 })
     }
+}
+
+/// What a run is, by name.
+pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> [(&'static str, Value); 6] {
+    [
+        ("system", json!(entry.name)),
+        ("retraction", json!(job.retraction.name())),
+        ("method", json!(job.method.name())),
+        ("order", json!(job.order.number())),
+        ("step", json!(job.step)),
+        ("parameters", parameters(entry, setup)),
+    ]
+}
+
+/// What a run found of the invariants.
+pub(super) fn invariants(entry: &Entry, ledger: &Ledger) -> Value {
+    let energy = entry.autonomous.then_some(("energy", &ledger.energy));
+    let casimirs = entry.casimirs.iter().copied().zip(&ledger.casimirs);
+    let courses = energy.into_iter().chain(casimirs).map(|(name, kept)| {
+        let course = json!({ "initial": kept.initial, "largest_error": kept.error, "slope": kept.slope() });
+        (name.to_owned(), course)
+    });
+    Value::Object(courses.collect())
 }
 
 fn parameters(entry: &Entry, setup: &Setup) -> Value {
@@ -62,30 +78,15 @@ fn parameters(entry: &Entry, setup: &Setup) -> Value {
 }
 
 impl Write for Json {
-    fn row(&mut self, sample: &Sample<'_>) -> io::Result<()> {
-        self.row.clear();
-        self.row.push(sample.time);
-        self.row.extend(sample.state);
-        self.row.push(sample.energy);
+    fn row(&mut self, row: &[f64]) -> io::Result<()> {
         self.file.write_all(if self.rows == 0 { b"\n    " } else { b",\n    " })?;
         self.rows += 1;
-        Ok(serde_json::to_writer(&mut self.file, &self.row)?)
+        Ok(serde_json::to_writer(&mut self.file, row)?)
     }
 
-    fn finish(mut self: Box<Self>, outcome: &Outcome) -> io::Result<()> {
-        let mut invariants = Map::new();
-        let mut add = |name: &str, initial: f64, error: f64| {
-            invariants.insert(name.to_owned(), json!({ "initial": initial, "largest_error": error }))
-        };
-        if self.entry.autonomous {
-            add("energy", outcome.energy, outcome.energy_error);
-        }
-        for ((name, initial), drift) in
-            self.entry.casimirs.iter().zip(&outcome.casimirs).zip(&outcome.casimir_drifts)
-        {
-            add(name, *initial, *drift);
-        }
-        writeln!(self.file, "\n  ],\n  \"invariants\": {}\n}}", Value::Object(invariants))?;
+    fn finish(mut self: Box<Self>, ledger: &Ledger) -> io::Result<()> {
+        let invariants = invariants(self.entry, ledger);
+        writeln!(self.file, "\n  ],\n  \"invariants\": {invariants}\n}}")?;
         self.file.finish()
     }
 }

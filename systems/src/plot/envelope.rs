@@ -1,15 +1,17 @@
 //! Long courses, thinned so that what is drawn still reaches every peak.
 
+use serde::{Deserialize, Serialize};
+
 /// The smallest and largest value in each of a fixed number of equal parts of a run, gathered as it goes: a picture of
 /// a million steps is as small as one of a thousand, and shows the same extremes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Envelope {
     ticks: u64,
     parts: Vec<Option<Part>>,
 }
 
 /// Each extreme with its time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Part {
     least: (f64, f64),
     greatest: (f64, f64),

@@ -1,0 +1,135 @@
+//! Classical integrators, to compare structure-preserving ones with.
+//!
+//! All are one-step methods of constant step `h` behind one trait, [`Integrator`], for three kinds of systems:
+//!
+//! | system | state | methods |
+//! |---|---|---|
+//! | [`VectorField`], `x' = f(t, x)` | `SVector<f64, N>` | [`ExplicitEuler`], [`ImplicitEuler`], [`Rk2`], [`Rk4`], and any of them [`Projected`] |
+//! | [`Separable`], `H = T(p) + V(t, q)` | [`PhasePoint`] | [`SymplecticEulerA`], [`SymplecticEulerB`], [`StormerVerlet`] |
+//! | [`OnSo3`], `R' = R ω̂`, `y' = f` | [`AttitudeState`] | [`Rk4Quaternion`], [`Rkmk4`] |
+//!
+//! The sources cited as HNW and HLW are E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I* (1993),
+//! and E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration* (2006). Numbers of equations are those of V. Vivek,
+//! D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving Integrators for Mechanical Systems* (2026).
+
+pub mod bodies;
+
+mod attitude;
+mod implicit;
+mod partitioned;
+mod projected;
+mod runge_kutta;
+#[cfg(test)]
+mod tests;
+
+use nalgebra::SVector;
+use thiserror::Error;
+
+pub use attitude::{AttitudeState, OnSo3, Rk4Quaternion, Rkmk4};
+pub use implicit::ImplicitEuler;
+pub use partitioned::{PhasePoint, Separable, Split, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+pub use projected::{Projected, unit_leading};
+pub use runge_kutta::{ExplicitEuler, Rk2, Rk4};
+
+/// The right-hand side `f` of `x' = f(t, x)` on `R^N`. Closures are vector fields.
+pub trait VectorField<const N: usize> {
+    /// `f(t, x)`.
+    fn at(&self, time: f64, x: &SVector<f64, N>) -> SVector<f64, N>;
+}
+
+impl<const N: usize, F: Fn(f64, &SVector<f64, N>) -> SVector<f64, N>> VectorField<N> for F {
+    #[inline]
+    fn at(&self, time: f64, x: &SVector<f64, N>) -> SVector<f64, N> {
+        self(time, x)
+    }
+}
+
+/// What can be said of a method without a system.
+pub trait Method {
+    /// Its usual name.
+    const NAME: &'static str;
+    /// Its order: the error at a fixed time is `O(h^ORDER)` for smooth systems.
+    const ORDER: u32;
+}
+
+/// A one-step method, for systems `S` with states `X`.
+pub trait Integrator<S: ?Sized, X>: Method {
+    /// The state at `time + h`, from that at `time`. The step may be negative.
+    ///
+    /// # Errors
+    /// If the new state is not finite, or an implicit equation could not be solved.
+    fn step(&self, system: &S, time: f64, state: &X, h: f64) -> Result<X, Diverged>;
+}
+
+/// A step that did not lead to a state.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Diverged {
+    /// The new state is infinite somewhere or not a number.
+    #[error("the state after the step is not finite")]
+    NotFinite,
+    /// Newton's iteration did not solve the step's equation: the step is too large, or there is no solution.
+    #[error(
+        "no convergence after {iterations} iterations, last correction {correction:e}; try a smaller step"
+    )]
+    NoConvergence {
+        /// Corrections made.
+        iterations: u32,
+        /// Size of the last one, relative to the state; not a number if none led to a finite state.
+        correction: f64,
+    },
+}
+
+/// Takes `steps` steps from `state` at `time`, and returns the last state.
+///
+/// `visit(k, time + k h, state)` is called for the initial state and after every step; times are not accumulated, so that they do not
+/// drift.
+///
+/// # Errors
+/// Those of the first step that fails; `visit` has seen all states before it.
+///
+/// ```
+/// use coadjoint_systems::classical::{Rk4, integrate};
+/// use nalgebra::Vector2;
+///
+/// let oscillator = |_: f64, x: &Vector2<f64>| Vector2::new(x[1], -x[0]);
+/// let mut worst: f64 = 0.0;
+/// integrate(&Rk4, &oscillator, 0.0, Vector2::new(1.0, 0.0), 0.01, 1_000, |_, time, x| {
+///     worst = worst.max((x[0] - time.cos()).abs());
+/// })?;
+/// assert!(worst < 1e-8);
+/// # Ok::<(), coadjoint_systems::classical::Diverged>(())
+/// ```
+#[inline]
+pub fn integrate<I, S, X>(
+    method: &I,
+    system: &S,
+    time: f64,
+    mut state: X,
+    h: f64,
+    steps: u64,
+    mut visit: impl FnMut(u64, f64, &X),
+) -> Result<X, Diverged>
+where
+    I: Integrator<S, X> + ?Sized,
+    S: ?Sized,
+{
+    visit(0, time, &state);
+    for k in 0..steps {
+        state = method.step(system, time + k as f64 * h, &state, h)?;
+        visit(k + 1, time + (k + 1) as f64 * h, &state);
+    }
+    Ok(state)
+}
+
+/// Whether all components are finite. Without branches: this is on the path of steps of few nanoseconds.
+#[inline]
+fn is_finite<const N: usize>(x: &SVector<f64, N>) -> bool {
+    x.iter().fold(true, |finite, component| finite & component.is_finite())
+}
+
+/// The state, if it is finite.
+#[inline]
+fn finite<const N: usize>(x: SVector<f64, N>) -> Result<SVector<f64, N>, Diverged> {
+    if is_finite(&x) { Ok(x) } else { Err(Diverged::NotFinite) }
+}

@@ -1,0 +1,150 @@
+//! What is conserved, and how well it was kept.
+
+use serde::{Deserialize, Serialize};
+
+use crate::simulation::Sample;
+
+/// The course of one quantity that should stay as it was: its initial value, how far it went, and whether it goes on going.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    /// Its initial value.
+    pub initial: f64,
+    /// The least and the greatest distance from it, with their signs.
+    pub range: (f64, f64),
+    /// The largest distance, without a sign; not-a-number once the quantity was.
+    pub error: f64,
+    line: Line,
+}
+
+impl Kept {
+    /// Of a quantity that starts with this value.
+    pub fn new(initial: f64) -> Self {
+        Self { initial, range: (0.0, 0.0), error: 0.0, line: Line::default() }
+    }
+
+    /// Takes in the value at a time.
+    pub fn push(&mut self, time: f64, value: f64) {
+        let error = value - self.initial;
+        self.range = (self.range.0.min(error), self.range.1.max(error));
+        // a comparison with not-a-number is false: once there, it stays
+        if error.is_nan() || error.abs() > self.error {
+            self.error = error.abs();
+        }
+        self.line.push(time, error);
+    }
+
+    /// The slope of the straight line that is closest to the errors, per second.
+    pub fn slope(&self) -> f64 {
+        self.line.slope()
+    }
+
+    /// How much of the errors' range is that straight line's rise from the start to the end: near 1 for what drifts, small for what swings.
+    pub fn drift(&self) -> f64 {
+        let range = self.range.1 - self.range.0;
+        if range == 0.0 { 0.0 } else { (self.slope() * self.line.duration).abs() / range }
+    }
+}
+
+/// The straight line closest to points that come one after the other.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Line {
+    count: f64,
+    /// Between the first point and the last.
+    duration: f64,
+    start: f64,
+    /// The means of time and value.
+    mean: (f64, f64),
+    /// The sum of squared times, about the mean.
+    spread: f64,
+    /// The sum of the products of time and value, about the means.
+    product: f64,
+}
+
+impl Line {
+    fn push(&mut self, time: f64, value: f64) {
+        if self.count == 0.0 {
+            self.start = time;
+        }
+        self.duration = time - self.start;
+        self.count += 1.0;
+        // B. P. Welford's way: no difference of large sums
+        let before = time - self.mean.0;
+        self.mean.0 += before / self.count;
+        self.mean.1 += (value - self.mean.1) / self.count;
+        self.spread += before * (time - self.mean.0);
+        self.product += before * (value - self.mean.1);
+    }
+
+    fn slope(&self) -> f64 {
+        if self.spread == 0.0 { 0.0 } else { self.product / self.spread }
+    }
+}
+
+/// Energy and Casimirs of a run, against its start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// The energy; it is conserved only where the system is autonomous.
+    pub energy: Kept,
+    /// The Casimirs.
+    pub casimirs: Vec<Kept>,
+    /// The last step that was seen.
+    pub steps: u64,
+    /// Its time, s.
+    pub time: f64,
+}
+
+impl Ledger {
+    /// Begins with the initial state.
+    pub fn new(start: &Sample<'_>) -> Self {
+        let casimirs = start.casimirs.iter().map(|&casimir| Kept::new(casimir)).collect();
+        Self { energy: Kept::new(start.energy), casimirs, steps: 0, time: start.time }
+    }
+
+    /// Takes in a moment of the run.
+    pub fn push(&mut self, sample: &Sample<'_>) {
+        self.energy.push(sample.time, sample.energy);
+        for (kept, &casimir) in self.casimirs.iter_mut().zip(sample.casimirs) {
+            kept.push(sample.time, casimir);
+        }
+        (self.steps, self.time) = (sample.index, sample.time);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kept(value: impl Fn(f64) -> f64) -> Kept {
+        let mut kept = Kept::new(value(0.0));
+        for k in 0..=10_000 {
+            let time = 1e6 + f64::from(k) * 0.01;
+            kept.push(time, value(time - 1e6));
+        }
+        kept
+    }
+
+    #[test]
+    fn what_drifts_is_told_from_what_swings() {
+        let drifting = kept(|t| 5.0 - 2e-6 * t + 1e-7 * t.sin());
+        assert!((drifting.slope() + 2e-6).abs() < 1e-8, "{}", drifting.slope());
+        assert!(drifting.drift() > 0.99 && drifting.drift() < 1.01, "{}", drifting.drift());
+        assert!((drifting.error - 2e-4).abs() < 1e-6);
+
+        let swinging = kept(|t| 5.0 + 1e-6 * (3.0 * t).sin());
+        assert!(swinging.drift() < 0.02, "{}", swinging.drift());
+        assert!((swinging.error - 1e-6).abs() < 1e-9);
+        assert!(swinging.range.0 < -0.99e-6 && swinging.range.1 > 0.99e-6);
+
+        let constant = kept(|_| 5.0);
+        assert_eq!((constant.error, constant.slope(), constant.drift()), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_not_a_number_stays_so() {
+        let mut kept = Kept::new(1.0);
+        for value in [1.5, f64::NAN, 1.25] {
+            kept.push(0.0, value);
+        }
+        assert!(kept.error.is_nan());
+    }
+}
