@@ -1,9 +1,14 @@
-//! Mechanical systems described with `coadjoint`, and the program that runs, plots and shows them.
+//! Mechanical systems described with `coadjoint`; the program of that name runs, plots and shows them.
 //!
-//! A system is one file holding its annotated struct and the example it is shown with, plus its line in the program's
-//! `catalogue`. Everything else here treats all systems alike and contains no mechanics.
+//! A system is one file holding its annotated struct and the example it is shown with, plus its line in the [`catalogue`].
+//! Everything else here treats all systems alike.
 //!
-//! The feature `program` (on by default) is for the program; without it there are only the systems, and few dependencies.
+//! * [`catalogue`]: all systems behind one interface, and [`simulation`]: their runs with flat lists of numbers
+//! * [`classical`]: the integrators that ours are compared with
+//! * [`guide`]: the figures that the program draws, and when a structure-preserving step pays
+//!
+//! The feature `program` (on by default) is for the program; without it there are only the systems and the classical integrators, and few
+//! dependencies.
 
 pub mod catalogued;
 pub mod classical;
@@ -11,6 +16,7 @@ pub mod coupled_bodies;
 pub mod driven_pendulum;
 pub mod free_rigid_body;
 pub mod full_rigid_body;
+pub mod guide;
 pub mod gyrostat;
 pub mod harmonic_oscillator;
 pub mod heavy_top;
@@ -25,38 +31,6 @@ pub mod spherical_pendulum;
 #[cfg(feature = "program")]
 pub mod catalogue;
 #[cfg(feature = "program")]
-mod checkpoint;
-#[cfg(feature = "program")]
-pub mod cli;
-#[cfg(feature = "program")]
-mod command;
-#[cfg(feature = "program")]
-mod config;
-#[cfg(feature = "program")]
-pub mod error;
-#[cfg(feature = "program")]
-pub mod figures;
-#[cfg(feature = "program")]
-mod film;
-#[cfg(feature = "program")]
-mod interrupt;
-#[cfg(feature = "program")]
 pub mod ledger;
 #[cfg(feature = "program")]
-pub mod output;
-#[cfg(feature = "program")]
-pub mod plot;
-#[cfg(feature = "program")]
-pub mod portrait;
-#[cfg(feature = "program")]
-mod progress;
-#[cfg(feature = "program")]
-pub mod report;
-#[cfg(feature = "program")]
-mod session;
-#[cfg(feature = "program")]
-pub mod setting;
-#[cfg(feature = "program")]
 pub mod simulation;
-#[cfg(feature = "program")]
-mod suggest;

@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use coadjoint::RunReport;
-use coadjoint::certify::{Certification, Report};
+use coadjoint::certify::{Certification, CertifyError, Report};
 use coadjoint::prelude::*;
 use coadjoint::stepper::Stepping;
+use coadjoint::{RunError, RunReport};
+use thiserror::Error;
 
 use crate::catalogued::Catalogued;
-use crate::error::Error;
 
 /// The map from the Lie algebra to the group that a step is built on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
@@ -140,15 +140,14 @@ macro_rules! composed {
     };
 }
 
-fn not_symmetric(method: Method, order: Order) -> Error {
+fn not_symmetric(method: Method, order: Order) -> SimulationError {
     let symmetric: Vec<&str> =
         Method::ALL.into_iter().filter(|method| method.is_symmetric()).map(Method::name).collect();
-    Error::Input(format!(
-        "order {} is composed of symmetric steps, which `--method {}` does not make for every system; take one of {}",
-        order.number(),
-        method.name(),
-        symmetric.join(", ")
-    ))
+    SimulationError::NotSymmetric {
+        order: order.number(),
+        method: method.name(),
+        symmetric: symmetric.join(", "),
+    }
 }
 
 /// Parameters and an initial state, in the order of the system's quantities.
@@ -217,8 +216,35 @@ impl std::fmt::Debug for Sample<'_> {
     }
 }
 
-/// Sees every sample; may end the run, or fail, which ends it too.
-pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> Result<ControlFlow<()>, Error> + 'a;
+/// Sees every sample; may end the run.
+pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
+
+/// A run that cannot be made, or not to its end.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// No stepper can be built with these parameters or this step.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The motion could not be computed to its end.
+    #[error("{}: {}", .0, .0.source)]
+    Motion(#[from] RunError),
+    /// A certificate could not be measured.
+    #[error(transparent)]
+    Certificate(#[from] CertifyError),
+    /// Steps of higher order are composed of symmetric ones.
+    #[error(
+        "order {order} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}"
+    )]
+    NotSymmetric {
+        /// The order asked for.
+        order: u32,
+        /// The method asked for.
+        method: &'static str,
+        /// Those whose steps are symmetric.
+        symmetric: String,
+    },
+}
 
 /// The example of a system as flat lists.
 pub fn example<S: Catalogued + 'static>() -> Setup {
@@ -246,13 +272,13 @@ pub fn check<S: Catalogued + 'static>(setup: &Setup) -> Result<Option<String>, P
 /// Makes a run, with the system's own control law: from the setup's state at time 0, or on from where an earlier run was.
 ///
 /// # Errors
-/// If parameters or step are not valid, a step cannot be taken, or `watch` fails.
+/// If parameters or step are not valid, or a step cannot be taken.
 pub fn simulate<S: Catalogued + 'static>(
     setup: &Setup,
     job: &Job,
     from: Option<&Whereabouts>,
     watch: &mut Watch<'_>,
-) -> Result<RunReport, Error> {
+) -> Result<RunReport, SimulationError> {
     let (system, mut state) = realize::<S>(setup);
     if let Some(from) = from {
         let mut components = state.to_components();
@@ -260,19 +286,17 @@ pub fn simulate<S: Catalogued + 'static>(
         state = S::State::from_components(&components);
     }
     let memory = from.map(|from| from.memory.as_slice());
-    let mut messenger = Messenger { watch, failure: None };
-    let report = run(&system, &mut state, job, memory, &mut messenger);
-    match messenger.failure {
-        Some(failure) => Err(failure),
-        None => report,
-    }
+    run(&system, &mut state, job, memory, &mut Messenger(watch))
 }
 
 /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
 ///
 /// # Errors
 /// If parameters or step are not valid, or a step cannot be taken.
-pub fn time_per_step<S: Catalogued + 'static>(setup: &Setup, job: &Job) -> Result<Option<f64>, Error> {
+pub fn time_per_step<S: Catalogued + 'static>(
+    setup: &Setup,
+    job: &Job,
+) -> Result<Option<f64>, SimulationError> {
     /// Enough to tell nanoseconds, and still short.
     const STEPS: u64 = 50_000;
     let job = Job { steps: job.steps.min(STEPS), ..*job };
@@ -298,7 +322,7 @@ pub fn certify<S: Catalogued + 'static>(
     setup: &Setup,
     method: Method,
     retraction: Retraction,
-) -> Result<Report, Error> {
+) -> Result<Report, SimulationError> {
     let (system, mut state) = realize::<S>(setup);
     let mut states = vec![state.clone()];
     let mut stepper = system.stepper::<Exponential>(S::STEP)?;
@@ -360,7 +384,7 @@ fn run<S: Catalogued + 'static>(
     job: &Job,
     memory: Option<&[f64]>,
     observer: &mut dyn Observer<S>,
-) -> Result<RunReport, Error> {
+) -> Result<RunReport, SimulationError> {
     let mut stepper = builder::<S>(job)?(system, job.step)?;
     if let Some(memory) = memory {
         stepper.recall(memory)?;
@@ -371,18 +395,15 @@ fn run<S: Catalogued + 'static>(
 }
 
 /// How to build the stepper of the scheme that a job asks for.
-fn builder<S: Catalogued + 'static>(job: &Job) -> Result<Build<S>, Error> {
+fn builder<S: Catalogued + 'static>(job: &Job) -> Result<Build<S>, SimulationError> {
     match job.retraction {
         Retraction::Exponential => scheme_on!(S, Exponential, job),
         Retraction::Cayley => scheme_on!(S, Cayley, job),
     }
 }
 
-/// Shows a run's ticks to a [`Watch`], and keeps the error with which that ended the run.
-struct Messenger<'a, 'w> {
-    watch: &'a mut Watch<'w>,
-    failure: Option<Error>,
-}
+/// Shows a run's ticks to a [`Watch`].
+struct Messenger<'a, 'w>(&'a mut Watch<'w>);
 
 impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
@@ -396,13 +417,7 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
             casimirs: casimirs.as_ref(),
             memory: &|| tick.memory(),
         };
-        match (self.watch)(&sample) {
-            Ok(flow) => flow,
-            Err(failure) => {
-                self.failure = Some(failure);
-                ControlFlow::Break(())
-            }
-        }
+        (self.0)(&sample)
     }
 }
 
@@ -433,34 +448,4 @@ fn triangle_note(inertia: &Matrix3<f64>) -> Option<String> {
              the largest exceeds the sum of the others"
         )
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_triangle_inequality_is_noticed() {
-        let diagonal = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
-        assert_eq!(triangle_note(&diagonal(1.0, 2.0, 2.5)), None);
-        // a flat plate lies on the border
-        assert_eq!(triangle_note(&diagonal(1.0, 2.0, 3.0)), None);
-        let note = triangle_note(&diagonal(1.0, 100.0, 10.0)).expect("not a body");
-        assert!(note.contains("moments of inertia 1, 10, 100:"), "{note}");
-    }
-
-    #[test]
-    fn schemes_have_the_names_that_the_command_line_takes() {
-        use clap::ValueEnum;
-        for retraction in Retraction::ALL {
-            assert_eq!(Retraction::from_str(retraction.name(), false), Ok(retraction));
-        }
-        assert_eq!(Retraction::from_str("exp", false), Ok(Retraction::Exponential));
-        for method in Method::ALL {
-            assert_eq!(Method::from_str(method.name(), false), Ok(method));
-        }
-        for order in Order::ALL {
-            assert_eq!(Order::from_str(&order.number().to_string(), false), Ok(order));
-        }
-    }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use coadjoint::system::{Quantity, Role};
 use coadjoint_systems::catalogue::{CATALOGUE, Entry, find};
 use coadjoint_systems::ledger::Ledger;
 use coadjoint_systems::simulation::{Job, Method, Order, Retraction, Whereabouts};
@@ -59,7 +60,7 @@ fn examine(name: &str) {
             samples += 1;
             assert!(sample.state.iter().all(|x| x.is_finite()), "{name}, {job:?}");
             ledger.get_or_insert_with(|| Ledger::new(sample)).push(sample);
-            Ok(ControlFlow::Continue(()))
+            ControlFlow::Continue(())
         })
         .unwrap_or_else(|error| panic!("{name}, {job:?}: {error}"));
         assert_eq!((report.steps, samples), (500, 501), "{name}, {job:?}");
@@ -107,7 +108,7 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
             let numbers = sample.state.iter().chain(sample.casimirs).chain([&sample.time, &sample.energy]);
             seen.push((sample.index, numbers.map(|x| x.to_bits()).collect::<Vec<u64>>()));
             whereabouts = sample.whereabouts();
-            Ok(if sample.index < until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
+            if sample.index < until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         })
         .expect("solvable");
         (seen, whereabouts)
@@ -131,7 +132,7 @@ fn compositions_need_symmetric_steps() {
         for method in [Method::EulerA, Method::EulerB] {
             let job =
                 Job { method, retraction: Retraction::Cayley, order: Order::Four, step: 0.01, steps: 1 };
-            let error = (entry.simulate)(&setup, &job, None, &mut |_| Ok(ControlFlow::Continue(())))
+            let error = (entry.simulate)(&setup, &job, None, &mut |_| ControlFlow::Continue(()))
                 .expect_err("not symmetric");
             let message = error.to_string();
             assert!(
@@ -139,5 +140,64 @@ fn compositions_need_symmetric_steps() {
                 "{message}"
             );
         }
+    }
+}
+
+#[test]
+fn entries_are_complete_and_consistent() {
+    for entry in CATALOGUE {
+        assert!(!entry.about.is_empty() && !entry.about.ends_with('.'), "{}", entry.name);
+        assert!(entry.step > 0.0 && entry.duration > entry.step, "{}", entry.name);
+        assert_eq!(entry.casimirs.len(), entry.casimir_units.len(), "{}", entry.name);
+        let setup = (entry.example)();
+        let count = |quantities: &[Quantity]| quantities.iter().map(|q| q.components.len()).sum::<usize>();
+        // constants of the description follow the parameters
+        assert!(setup.parameters.len() >= count(entry.parameters), "{}", entry.name);
+        assert_eq!(setup.state.len(), count(entry.state), "{}", entry.name);
+        assert_eq!(entry.columns().len(), setup.state.len() + 2, "{}", entry.name);
+        assert!(entry.parameters.iter().all(|quantity| quantity.role == Role::Parameter), "{}", entry.name);
+        assert!(entry.controls.iter().all(|quantity| quantity.role == Role::Control), "{}", entry.name);
+        let roles = |role| entry.state.iter().filter(|quantity| quantity.role == role).count();
+        assert!(roles(Role::Configuration) > 0, "{}", entry.name);
+        assert_eq!(roles(Role::Configuration), roles(Role::Momentum), "{}", entry.name);
+        (entry.check)(&setup).expect("an example with valid parameters");
+    }
+}
+
+#[test]
+fn names_are_found_however_they_are_written() {
+    for name in ["heavy_top", "heavy-top", "HeavyTop", "heavytop"] {
+        assert_eq!(find(name).expect("it is there").name, "heavy_top");
+    }
+    assert!(find("heavy_tip").is_none());
+}
+
+#[test]
+fn the_triangle_inequality_is_noticed() {
+    let entry = find("free_rigid_body").expect("it is there");
+    let note = |inertia: [f64; 3]| {
+        let mut setup = (entry.example)();
+        setup.parameters.copy_from_slice(&inertia);
+        (entry.check)(&setup).expect("positive definite")
+    };
+    assert_eq!(note([1.0, 2.0, 2.5]), None);
+    // a flat plate lies on the border
+    assert_eq!(note([1.0, 2.0, 3.0]), None);
+    let text = note([1.0, 100.0, 10.0]).expect("not a body");
+    assert!(text.contains("moments of inertia 1, 10, 100:"), "{text}");
+}
+
+#[test]
+fn schemes_have_the_names_that_the_command_line_takes() {
+    use clap::ValueEnum;
+    for retraction in Retraction::ALL {
+        assert_eq!(Retraction::from_str(retraction.name(), false), Ok(retraction));
+    }
+    assert_eq!(Retraction::from_str("exp", false), Ok(Retraction::Exponential));
+    for method in Method::ALL {
+        assert_eq!(Method::from_str(method.name(), false), Ok(method));
+    }
+    for order in Order::ALL {
+        assert_eq!(Order::from_str(&order.number().to_string(), false), Ok(order));
     }
 }

@@ -1,0 +1,69 @@
+//! `coadjoint` without a command: the paper's heavy top, 30 minutes of its motion with both retractions, and its figure.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::error::Error;
+use crate::figures::chosen;
+use crate::output::Format;
+use crate::report::{Finding, Table, grouped};
+use crate::session::{Plan, Session};
+use coadjoint_systems::simulation::{Job, Method, Order, Retraction};
+
+const SYSTEM: &str = "heavy_top";
+const FIGURE: &str = "6.2";
+const STEP: f64 = 0.01;
+const STEPS: u64 = 180_000;
+/// Trajectories of every step would fill 100 MB.
+const EVERY: u64 = 10;
+
+pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
+    let entry = crate::suggest::system(SYSTEM)?;
+    let setup = (entry.example)();
+    let out = PathBuf::from("out");
+    writeln!(
+        console,
+        "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
+        grouped(STEPS)
+    )?;
+    if let Some(note) = (entry.check)(&setup)? {
+        writeln!(console, "note: {note}")?;
+    }
+    console.flush()?;
+
+    let mut findings = Vec::new();
+    let mut written = Vec::new();
+    for retraction in Retraction::ALL {
+        let job = Job { method: Method::Standard, retraction, order: Order::Two, step: STEP, steps: STEPS };
+        let plan = Plan {
+            system: SYSTEM.to_owned(),
+            setup: setup.clone(),
+            job,
+            every: EVERY,
+            format: Some(Format::Csv),
+            plot: false,
+            html: None,
+            out: out.clone(),
+        };
+        let done = Session::begin(plan, None)?.run()?;
+        written.extend(done.written);
+        if done.interrupted {
+            return Err(Error::Interrupted);
+        }
+        let time_per_step = (entry.time_per_step)(&setup, &job)?;
+        findings.push(Finding { job, report: done.report, ledger: done.ledger, time_per_step });
+    }
+    write!(console, "\n{}\n", Table::new(entry, findings))?;
+    for drawing in chosen(&[FIGURE.to_owned()])? {
+        let (paths, caption) = drawing.write(&out)?;
+        written.extend(paths);
+        for paragraph in caption {
+            writeln!(console, "{paragraph}")?;
+        }
+    }
+    for path in written {
+        writeln!(console, "wrote {}", path.display())?;
+    }
+    writeln!(console, "`coadjoint figures` draws all figures, `coadjoint list` shows what else there is")?;
+    Ok(())
+}

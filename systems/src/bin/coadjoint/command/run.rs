@@ -1,0 +1,161 @@
+//! `coadjoint run` and `coadjoint resume`
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::cli::{ResumeArguments, RunArguments};
+use crate::config::Config;
+use crate::error::Error;
+use crate::output::{Format, name};
+use crate::report::{Finding, Table};
+use crate::session::{Done, Plan, Session};
+use crate::setting;
+use coadjoint_systems::catalogue::Entry;
+use coadjoint_systems::simulation::{Job, Method, Order, Retraction};
+
+pub(crate) fn run(arguments: &RunArguments, console: &mut dyn Write) -> Result<(), Error> {
+    let plan = plan(arguments, console)?;
+    let checkpoint = arguments.checkpoint.clone();
+    let go_on = checkpoint.clone();
+    finish(Session::begin(plan, checkpoint)?.run()?, go_on.as_deref(), console)
+}
+
+pub(crate) fn resume(arguments: &ResumeArguments, console: &mut dyn Write) -> Result<(), Error> {
+    let path = &arguments.checkpoint;
+    finish(Session::resume(path)?.run()?, Some(path), console)
+}
+
+/// `coadjoint view`: a run of which nothing is written but the page.
+pub(crate) fn view(arguments: &RunArguments, console: &mut dyn Write) -> Result<(), Error> {
+    let mut plan = plan(arguments, console)?;
+    if plan.html.is_none() {
+        let entry = crate::suggest::system(&plan.system)?;
+        plan.html = Some(plan.out.join(format!("{}.html", name(entry, &plan.job))));
+    }
+    plan.format = None;
+    finish(Session::begin(plan, None)?.run()?, None, console)
+}
+
+/// What the arguments and the file they name ask for; the arguments count more.
+fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error> {
+    let file = arguments.config.as_deref();
+    let config = file.map(Config::read).transpose()?.unwrap_or_default();
+    let system = match (&arguments.system, &config.system) {
+        (Some(asked), Some(described))
+            if crate::suggest::system(asked)?.name != crate::suggest::system(described)?.name =>
+        {
+            return Err(Error::Input(format!(
+                "{} describes a run of `{described}`, not of `{asked}`",
+                file.unwrap_or(Path::new("")).display()
+            )));
+        }
+        (Some(system), _) | (None, Some(system)) => system,
+        (None, None) => {
+            return Err(Error::Input(
+                "no system: name one, as in `coadjoint run heavy_top`, or give `system = \"…\"` in a file by \
+                 `--config` (`coadjoint list` shows all)"
+                    .to_owned(),
+            ));
+        }
+    };
+    let entry = crate::suggest::system(system)?;
+    let mut setup = (entry.example)();
+    let mut order = arguments.order;
+    if let Some(path) = file {
+        config.apply(path, entry, &mut setup)?;
+        order = order.or(config.order(path)?);
+    }
+    setting::apply(entry, &mut setup, &arguments.set)?;
+    let mut notes = setting::settle(entry, &mut setup)?;
+    let step = arguments.step.or(config.run.step).unwrap_or(entry.step);
+    let duration = arguments.duration.or(config.run.duration).unwrap_or(entry.duration);
+    let (steps, note) = steps(step, duration)?;
+    notes.extend(note);
+    for note in notes {
+        writeln!(console, "note: {note}")?;
+    }
+    console.flush()?;
+    let every = arguments.every.or(config.run.every).unwrap_or(1);
+    if every == 0 {
+        return Err(Error::Input("`every` must be 1 or more, got 0".to_owned()));
+    }
+    Ok(Plan {
+        system: entry.name.to_owned(),
+        setup,
+        job: Job {
+            method: arguments.method.or(config.run.method).unwrap_or(Method::Standard),
+            retraction: arguments.retraction.or(config.run.retraction).unwrap_or(Retraction::Exponential),
+            order: order.unwrap_or(Order::Two),
+            step,
+            steps,
+        },
+        every,
+        format: Some(arguments.format.or(config.run.format).unwrap_or(Format::Csv)),
+        plot: arguments.plot,
+        html: arguments.html.clone(),
+        out: arguments.out.clone(),
+    })
+}
+
+/// How many steps to take, with a note if they do not add up to the duration asked for.
+fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), Error> {
+    /// Beyond this, step numbers are no longer exact in f64, nor is any run ever finished.
+    const MOST: f64 = 9e15;
+
+    if !(step.is_finite() && step != 0.0) {
+        return Err(Error::Input(format!("`--step` must be finite and not zero, got {step}")));
+    }
+    if !(duration.is_finite() && duration >= 0.0) {
+        return Err(Error::Input(format!(
+            "`--duration` must be finite and not negative, got {duration} (a negative `--step` goes back in time)"
+        )));
+    }
+    let exact = duration / step.abs();
+    if exact > MOST {
+        return Err(Error::Input(format!(
+            "{duration} s in steps of {step} s are {exact:.1e} steps: too many"
+        )));
+    }
+    let steps = exact.round();
+    let note = ((exact - steps).abs() > 1e-6).then(|| {
+        format!(
+            "{duration} s are not a whole number of steps of {step} s: the run ends at {} s",
+            steps * step
+        )
+    });
+    Ok((steps as u64, note))
+}
+
+/// Tells how it went.
+fn finish(done: Done, checkpoint: Option<&Path>, console: &mut dyn Write) -> Result<(), Error> {
+    let Done { entry, plan, ledger, report, written, interrupted } = done;
+    let time_per_step = if interrupted { None } else { (entry.time_per_step)(&plan.setup, &plan.job)? };
+    let end = ledger.time;
+    let finding = Finding { job: plan.job, report, ledger, time_per_step };
+    let verdict = finding.verdict(entry);
+    write!(console, "{}", Table::new(entry, vec![finding]))?;
+    for line in verdict {
+        writeln!(console, "{line}")?;
+    }
+    for path in written {
+        writeln!(console, "wrote {}", path.display())?;
+    }
+    if !interrupted {
+        return Ok(());
+    }
+    writeln!(console, "interrupted at {end} s")?;
+    if let Some(path) = checkpoint {
+        writeln!(console, "`coadjoint resume {}` goes on", path.display())?;
+    }
+    Err(Error::Interrupted)
+}
+
+/// `coadjoint init`: a file that describes a run.
+pub(crate) fn init(entry: &Entry, path: &Path, force: bool, console: &mut dyn Write) -> Result<(), Error> {
+    if path.exists() && !force {
+        return Err(Error::Input(format!("{} is there already; `--force` replaces it", path.display())));
+    }
+    crate::output::write_text(path, &crate::config::example(entry))?;
+    writeln!(console, "wrote {}; run it with `coadjoint run --config {0}`", path.display())?;
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! `coadjoint show`: the generated code, as the macro emits it, formatted.
+
+use std::io::Write;
+
+use coadjoint_codegen::group;
+use proc_macro2::TokenStream;
+use quote::ToTokens;
+use syn::{Item, ItemStruct, Meta};
+
+use crate::cli::ShowArguments;
+use crate::error::Error;
+use coadjoint_systems::catalogue::Entry;
+use coadjoint_systems::simulation::Retraction;
+
+pub(crate) fn show(arguments: &ShowArguments, console: &mut dyn Write) -> Result<(), Error> {
+    let entry = crate::suggest::system(&arguments.system)?;
+    let code = generated(entry, arguments.retraction)
+        .map_err(|error| Error::Generator { system: entry.name, reason: error.to_string() })?;
+    write!(console, "{code}")?;
+    Ok(())
+}
+
+/// The code generated from an entry's source, for one retraction or all.
+fn generated(entry: &Entry, retraction: Option<Retraction>) -> syn::Result<String> {
+    let (attribute, item) = description(entry.source)?;
+    let tokens = expand(attribute, item, retraction)?;
+    Ok(prettyplease::unparse(&syn::parse2(tokens)?))
+}
+
+/// What the macro puts in the place of the struct, with the steps that are wanted.
+fn expand(
+    attribute: TokenStream,
+    item: TokenStream,
+    retraction: Option<Retraction>,
+) -> syn::Result<TokenStream> {
+    let mut expansion = coadjoint_codegen::expand(attribute, item)?;
+    if let Some(retraction) = retraction {
+        let wanted = match retraction {
+            Retraction::Exponential => group::Retraction::Exponential,
+            Retraction::Cayley => group::Retraction::Cayley,
+        };
+        expansion.steps.retain(|step| step.scheme.retraction == wanted);
+    }
+    Ok(expansion.into_tokens())
+}
+
+/// The arguments of the attribute in a system's file, and the struct it stands on.
+fn description(source: &str) -> syn::Result<(TokenStream, TokenStream)> {
+    let file = syn::parse_file(source)?;
+    let described = file.items.into_iter().find_map(|item| match item {
+        Item::Struct(item) => take_attribute(item),
+        _ => None,
+    });
+    described
+        .ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "no struct is described in its file"))
+}
+
+fn take_attribute(mut item: ItemStruct) -> Option<(TokenStream, TokenStream)> {
+    let is_ours = |attribute: &syn::Attribute| {
+        attribute.path().segments.last().is_some_and(|segment| segment.ident == "lie_poisson_system")
+    };
+    let position = item.attrs.iter().position(is_ours)?;
+    let arguments = match item.attrs.remove(position).meta {
+        Meta::List(list) => list.tokens,
+        _ => TokenStream::new(),
+    };
+    Some((arguments, item.into_token_stream()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coadjoint_systems::catalogue::CATALOGUE;
+
+    #[test]
+    fn the_attribute_is_taken_off_the_struct() {
+        let source = "use a::b; struct Other; #[doc = \"x\"] #[m::lie_poisson_system(group = SO3)] struct Body { a: f64 }";
+        let (attribute, item) = description(source).expect("there is one");
+        assert_eq!(attribute.to_string(), "group = SO3");
+        let item: ItemStruct = syn::parse2(item).expect("a struct");
+        assert_eq!(item.ident, "Body");
+        assert_eq!(item.attrs.len(), 1);
+        assert!(description("struct Other;").is_err());
+    }
+
+    #[test]
+    fn every_system_can_be_shown() {
+        for entry in CATALOGUE {
+            for retraction in [None, Some(Retraction::Exponential), Some(Retraction::Cayley)] {
+                let code = generated(entry, retraction).expect("its own generator takes it");
+                assert!(code.contains("struct"), "{}", entry.name);
+            }
+        }
+    }
+}

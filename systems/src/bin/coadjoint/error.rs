@@ -1,0 +1,97 @@
+//! What can go wrong in the program, and the exit code that says so.
+
+use std::io;
+use std::path::PathBuf;
+
+use coadjoint::{ParameterError, RunError};
+use thiserror::Error;
+
+use crate::interrupt;
+use coadjoint_systems::classical::Diverged;
+use coadjoint_systems::simulation::SimulationError;
+
+/// A failure of the program; its message is for the person who ran it.
+#[derive(Debug, Error)]
+pub(crate) enum Error {
+    /// What was asked for makes no sense; the message says what would.
+    #[error("{0}")]
+    Input(String),
+    /// No stepper can be built with these parameters.
+    #[error("{0}")]
+    Parameter(#[from] ParameterError),
+    /// A run cannot be made, or not to its end.
+    #[error("{0}")]
+    Simulation(#[from] SimulationError),
+    /// The motion of a figure could not be computed to its end.
+    #[error("{}: {}", .0, .0.source)]
+    Motion(#[from] RunError),
+    /// A classical integrator could not go on.
+    #[error("{0}")]
+    Diverged(#[from] Diverged),
+    /// A file or directory could not be written.
+    #[error("cannot write {}: {source}", .path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", .path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Ctrl-C ended a run; what was computed is written.
+    #[error("interrupted")]
+    Interrupted,
+    /// A picture could not be drawn.
+    #[error("cannot draw {}: {reason}", .path.display())]
+    Draw {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The terminal, or the program this one is piped into, takes no more text.
+    #[error("cannot write to standard output: {0}")]
+    Console(#[from] io::Error),
+    /// A scheme's claims do not hold.
+    #[error("wrong claims of {wrong} of the schemes for `{system}`: see the table")]
+    Claim {
+        /// Which system.
+        system: &'static str,
+        /// Of how many schemes.
+        wrong: usize,
+    },
+    /// A system of our own does not pass its own generator.
+    #[error("the generator refuses `{system}`: {reason}")]
+    Generator {
+        /// Which system.
+        system: &'static str,
+        /// What it says.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
+    /// be written, 130 for Ctrl-C, 1 for our own mistakes.
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
+            Error::Interrupted => interrupt::EXIT_CODE,
+            Error::Simulation(SimulationError::Parameter(_) | SimulationError::NotSymmetric { .. }) => 2,
+            Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) => 3,
+            Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
+            Error::Generator { .. } | Error::Claim { .. } => 1,
+        }
+    }
+
+    /// Whether nobody reads our output any more, as in `coadjoint list | head -1`: an end, not a mistake.
+    pub(crate) fn is_broken_pipe(&self) -> bool {
+        matches!(self, Error::Console(source) if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

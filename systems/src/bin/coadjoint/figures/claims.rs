@@ -1,0 +1,195 @@
+//! What the paper says of its figures, and what our captions say, as numbers.
+
+use crate::figures::bodies::{Bodies, STEPS};
+use crate::figures::kepler::Orbits;
+use crate::figures::oscillator::Oscillator;
+use crate::figures::pendulum::Swings;
+use crate::figures::quadrotor::Hover;
+use crate::figures::steps::Steps;
+use crate::figures::work::{Effort, Work};
+use coadjoint_systems::ledger::Kept;
+
+/// Whether a quantity goes on going: by a straight line that makes up most of its range.
+fn drifts(kept: &Kept) -> bool {
+    kept.drift() > 0.7
+}
+
+/// Figure 1.1: "the explicit Euler method artificially injects energy", by `1 + h²` a step; the implicit one dissipates as much; the
+/// symplectic ones keep it bounded, between the values of the ellipse `q² ± h q p + p²` that they stay on.
+#[test]
+fn euler_methods_of_the_oscillator() {
+    let measured = Oscillator::measure().expect("solvable");
+    let [explicit, implicit, a, b] = measured.orbits.each_ref().map(|orbit| orbit.energies());
+    for (k, (gained, lost)) in explicit.iter().zip(&implicit).enumerate() {
+        let factor = 1.01_f64.powi(k as i32);
+        assert!((gained / factor - 1.0).abs() < 1e-13, "{gained}");
+        assert!((lost * factor - 1.0).abs() < 1e-13, "{lost}");
+    }
+    for orbit in &measured.orbits[2..] {
+        let sign = if orbit.method.contains('A') { -1.0 } else { 1.0 };
+        for (q, p) in &orbit.points {
+            let ellipse = q * q + sign * 0.1 * q * p + p * p;
+            assert!((ellipse - 1.0).abs() < 1e-14, "{}: {ellipse}", orbit.method);
+        }
+    }
+    for energy in a.iter().chain(&b) {
+        assert!((1.0 / 1.05 - 1e-12..=1.0 / 0.95 + 1e-12).contains(energy), "{energy}");
+    }
+    // there are swings to see
+    assert!(a.iter().any(|energy| *energy > 1.04) && a.iter().any(|energy| *energy < 0.96));
+}
+
+/// Figure 1.2: RK2's orbit spirals away "as energy is artificially injected"; with Störmer–Verlet energy "oscillates around its exact value"
+/// and "the angular momentum is preserved exactly".
+#[test]
+fn kepler_orbits() {
+    let Orbits { rk2, verlet } = Orbits::measure().expect("solvable");
+    let energy = &rk2.energy.kept;
+    assert!(drifts(energy) && energy.slope() > 1e-3 && energy.error > 0.1, "{energy:?}");
+    assert!(rk2.angular_momentum.kept.error > 5e-3);
+    let energy = &verlet.energy.kept;
+    assert!(!drifts(energy) && energy.error < 0.03, "{energy:?}");
+    // at its farthest it is back to where it was
+    assert!(energy.slope().abs() * 30.0 < 1e-3, "{energy:?}");
+    let kept = verlet.angular_momentum.kept.error;
+    assert!(kept < 1e-14, "{kept}");
+    // its orbit turns, and stays: neither comes farther out than it began
+    let farthest = |path: &[(f64, f64)]| path.iter().fold(0.0_f64, |most, (x, y)| most.max(x.hypot(*y)));
+    assert!(farthest(&verlet.path) < 1.001, "{}", farthest(&verlet.path));
+    assert!(farthest(&rk2.path) > 1.1, "{}", farthest(&rk2.path));
+}
+
+/// Figure 1.3: unprojected, the motion leaves the cylinder; projected, it stays, and there is an "unbounded growth of the system's energy".
+#[test]
+fn pendulum_with_and_without_projection() {
+    let Swings { free, projected, verlet } = Swings::measure().expect("solvable");
+    assert!(drifts(&free.radius.kept) && free.radius.kept.error > 5e-3, "{:?}", free.radius.kept);
+    assert!(projected.radius.kept.error < 1e-15 && verlet.radius.kept.error < 1e-15);
+    for swing in [&free, &projected] {
+        assert!(drifts(&swing.energy.kept), "{}: {:?}", swing.method, swing.energy.kept);
+    }
+    assert!(projected.energy.kept.slope() > 1e-4);
+    // projection makes it worse
+    assert!(projected.energy.kept.error > 2.0 * free.energy.kept.error);
+    assert!(!drifts(&verlet.energy.kept) && verlet.energy.kept.error < 2e-3, "{:?}", verlet.energy.kept);
+}
+
+/// Figures 6.1 and 6.2: ours preserve the Casimirs and have "excellent long-term energy behavior"; RK4 and RKMK4 "exhibit long-time drift in
+/// both the Hamiltonian" and the Casimirs. The paper does not say how small that drift is: the bounds below are from both sides.
+#[test]
+fn bodies_over_thirty_minutes() {
+    for (name, bodies, order2, energy4, casimir4) in
+        [("free", Bodies::free(STEPS), 2e-6, 2e-10, 5e-9), ("top", Bodies::top(STEPS), 2e-4, 2e-8, 1e-7)]
+    {
+        let bodies = bodies.expect("solvable");
+        let [ours @ .., rk4, rkmk4] = &bodies.tracks;
+        for track in ours {
+            let [energy, casimirs @ ..] = &track.courses[..] else { panic!("{name}: no courses") };
+            assert!(energy.kept.drift() < 0.2, "{name}, {}: {:?}", track.method, energy.kept);
+            assert!(
+                (1e-8..order2).contains(&energy.kept.error),
+                "{name}, {}: {:?}",
+                track.method,
+                energy.kept
+            );
+            for casimir in casimirs {
+                assert!(casimir.kept.error < 5e-13, "{name}, {}: {:?}", track.method, casimir.kept);
+            }
+        }
+        for track in [rk4, rkmk4] {
+            let [energy, casimirs @ ..] = &track.courses[..] else { panic!("{name}: no courses") };
+            assert!(drifts(&energy.kept), "{name}, {}: {:?}", track.method, energy.kept);
+            // small as it is at this step: smaller than the energy error of order 2
+            assert!(
+                (0.1 * energy4..energy4).contains(&energy.kept.error),
+                "{name}, {}: {:?}",
+                track.method,
+                energy.kept
+            );
+            for casimir in casimirs {
+                assert!(drifts(&casimir.kept), "{name}, {}: {:?}", track.method, casimir.kept);
+                assert!((0.1 * casimir4..casimir4).contains(&casimir.kept.error), "{:?}", casimir.kept);
+            }
+        }
+    }
+}
+
+/// Figure 6.3: "the method preserves angular momentum and respects the underlying manifold structure".
+#[test]
+fn quadrotor_over_thirty_minutes() {
+    let hover = Hover::measure(STEPS).expect("solvable");
+    for track in &hover.tracks {
+        let [in_space, length, on_group] = [0, 1, 2].map(|i| track.courses[i].kept.error);
+        assert!(
+            in_space < 1e-12 && length < 5e-13 && on_group < 1e-15,
+            "{}: {in_space} {length} {on_group}",
+            track.method
+        );
+    }
+}
+
+/// The errors of ours fall with their orders down to roundoff, and the Casimir is roundoff whatever the step.
+#[test]
+fn work_and_precision() {
+    let effort = Effort { most: 1 << 12, reference: 1 << 11, repetitions: 1 };
+    let work = Work::measure(&effort).expect("solvable");
+    let error = |name: &str, steps: u64| {
+        let method = work.methods.iter().find(|method| method.name == name).expect(name);
+        method.costs.iter().find(|cost| cost.steps == steps).expect(name).trajectory
+    };
+    for (name, order, steps) in [
+        ("exponential, order 2", 2.0, 1024),
+        ("Cayley, order 2", 2.0, 1024),
+        ("Cayley, order 4", 4.0, 512),
+        ("Cayley, order 6", 6.0, 256),
+        ("Cayley, order 8", 8.0, 128),
+        ("RK4 on quaternions, projected", 4.0, 512),
+        ("RKMK4", 4.0, 512),
+    ] {
+        let measured = (error(name, steps) / error(name, 2 * steps)).log2();
+        assert!((measured - order).abs() < 0.35, "{name}: {measured}");
+    }
+    for method in &work.methods {
+        let ours = method.name.starts_with("exp") || method.name.starts_with("Cay");
+        for cost in &method.costs {
+            assert_eq!(
+                ours || cost.steps > 2000,
+                cost.casimir < 1e-12 || cost.steps > 2000,
+                "{} {cost:?}",
+                method.name
+            );
+        }
+    }
+}
+
+/// At large steps ours keep the Casimir to roundoff and the energy in bounds; RK4's errors grow with the fifth power of the step and with
+/// the time.
+#[test]
+fn large_steps_for_long_times() {
+    let long = Steps::measure(2_000.0).expect("no run fails this");
+    for method in &long.methods[..3] {
+        assert!(method.attempts.len() > 12, "{} breaks early", method.name);
+        for attempt in &method.attempts {
+            assert!(attempt.casimir.error < 1e-12, "{} {attempt:?}", method.name);
+            if attempt.step < 0.5 {
+                assert!(attempt.energy.drift() < 0.3, "{} {attempt:?}", method.name);
+            }
+        }
+    }
+    for method in &long.methods[3..] {
+        let growth = method.growth();
+        assert!((growth - 5.0).abs() < 0.5, "{}: {growth}", method.name);
+        for attempt in method.attempts.iter().filter(|attempt| attempt.step < 0.1) {
+            // the motion is not regular, nor is the drift
+            assert!(
+                attempt.energy.drift() > 0.4 && attempt.casimir.error > 1e-9,
+                "{} {attempt:?}",
+                method.name
+            );
+        }
+    }
+    let [exponential, _, fourth, rk4, _] = &long.methods[..] else { panic!("five methods") };
+    let crossing = exponential.better_from(rk4).expect("somewhere");
+    assert!((0.05..0.3).contains(&crossing), "{crossing}");
+    assert!(fourth.better_from(rk4).expect("everywhere") < 0.05);
+}

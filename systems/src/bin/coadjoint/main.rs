@@ -1,0 +1,26 @@
+//! The program `coadjoint`: runs the systems of the catalogue, draws and shows them.
+//!
+//! It contains no mechanics, and treats all systems alike.
+
+mod checkpoint;
+mod cli;
+mod command;
+mod config;
+mod error;
+mod figures;
+mod film;
+mod interrupt;
+mod output;
+mod plot;
+mod portrait;
+mod progress;
+mod report;
+mod session;
+mod setting;
+mod suggest;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::main()
+}

@@ -1,0 +1,139 @@
+//! Files: trajectories as CSV, JSON or Parquet, each written whole or not at all.
+
+mod csv;
+mod json;
+mod parquet;
+mod whole_file;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+pub(crate) use self::whole_file::WholeFile;
+use crate::error::Error;
+use coadjoint_systems::catalogue::Entry;
+use coadjoint_systems::ledger::Ledger;
+use coadjoint_systems::simulation::{Job, Method, Setup};
+
+/// How a trajectory is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Format {
+    /// A header naming each column, then a line per sample.
+    Csv,
+    /// One object: system, parameters, columns, rows, invariants.
+    Json,
+    /// Columns of doubles, for tables of many millions of rows.
+    Parquet,
+}
+
+impl Format {
+    /// The extension of such files.
+    pub(crate) fn extension(self) -> &'static str {
+        match self {
+            Format::Csv => "csv",
+            Format::Json => "json",
+            Format::Parquet => "parquet",
+        }
+    }
+}
+
+/// A file format being written.
+trait Write {
+    /// Adds a row: time, the state's components, energy.
+    fn row(&mut self, row: &[f64]) -> io::Result<()>;
+    /// Ends the file and puts it in its place.
+    fn finish(self: Box<Self>, ledger: &Ledger) -> io::Result<()>;
+}
+
+/// A trajectory being written; dropped before it is finished, it leaves no file.
+pub(crate) struct Trajectory {
+    path: PathBuf,
+    writer: Box<dyn Write>,
+}
+
+impl Trajectory {
+    /// Begins `<directory>/<system>-<retraction>.<extension>`, making the directory if need be. The name of a method that is not the
+    /// standard one stands before the retraction's.
+    ///
+    /// # Errors
+    /// If the file cannot be created.
+    pub(crate) fn create(
+        directory: &Path,
+        format: Format,
+        entry: &'static Entry,
+        setup: &Setup,
+        job: &Job,
+    ) -> Result<Self, Error> {
+        make_directory(directory)?;
+        let path = directory.join(format!("{}.{}", name(entry, job), format.extension()));
+        let writer = || -> io::Result<Box<dyn Write>> {
+            let file = WholeFile::create(&path)?;
+            Ok(match format {
+                Format::Csv => Box::new(csv::Csv::new(file, entry)?),
+                Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
+                Format::Parquet => Box::new(parquet::Parquet::new(file, entry, setup, job)?),
+            })
+        };
+        match writer() {
+            Ok(writer) => Ok(Self { path, writer }),
+            Err(source) => Err(Error::Write { path, source }),
+        }
+    }
+
+    /// Adds a row: time, the state's components, energy.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn row(&mut self, row: &[f64]) -> Result<(), Error> {
+        self.writer.row(row).map_err(|source| Error::Write { path: self.path.clone(), source })
+    }
+
+    /// Puts the file in its place and tells where.
+    ///
+    /// # Errors
+    /// If the rest cannot be written.
+    pub(crate) fn finish(self, ledger: &Ledger) -> Result<PathBuf, Error> {
+        match self.writer.finish(ledger) {
+            Ok(()) => Ok(self.path),
+            Err(source) => Err(Error::Write { path: self.path, source }),
+        }
+    }
+}
+
+impl std::fmt::Debug for Trajectory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Trajectory").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-cayley`.
+pub(crate) fn name(entry: &Entry, job: &Job) -> String {
+    let method = match job.method {
+        Method::Standard => String::new(),
+        method => format!("-{}", method.name()),
+    };
+    format!("{}{method}-{}", entry.name, job.retraction.name())
+}
+
+/// Makes a directory and those above it, where they are missing.
+///
+/// # Errors
+/// If that cannot be done.
+pub(crate) fn make_directory(directory: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })
+}
+
+/// Writes a text, whole or not at all.
+///
+/// # Errors
+/// If that cannot be done.
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Error> {
+    let write = || {
+        let mut file = WholeFile::create(path)?;
+        io::Write::write_all(&mut file, text.as_bytes())?;
+        file.finish()
+    };
+    write().map_err(|source| Error::Write { path: path.to_owned(), source })
+}

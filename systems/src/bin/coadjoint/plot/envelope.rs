@@ -1,0 +1,95 @@
+//! Long courses, thinned so that what is drawn still reaches every peak.
+
+use serde::{Deserialize, Serialize};
+
+/// The smallest and largest value in each of a fixed number of equal parts of a run, gathered as it goes: a picture of
+/// a million steps is as small as one of a thousand, and shows the same extremes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Envelope {
+    ticks: u64,
+    parts: Vec<Option<Part>>,
+}
+
+/// Each extreme with its time.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Part {
+    least: (f64, f64),
+    greatest: (f64, f64),
+}
+
+impl Envelope {
+    /// For a run with this many ticks, thinned to at most this many parts.
+    pub(crate) fn new(ticks: u64, parts: usize) -> Self {
+        Self { ticks: ticks.max(1), parts: vec![None; parts.max(1)] }
+    }
+
+    /// Takes in the value of one tick.
+    pub(crate) fn push(&mut self, index: u64, time: f64, value: f64) {
+        let part = u128::from(index) * self.parts.len() as u128 / u128::from(self.ticks);
+        let Some(part) = self.parts.get_mut(part as usize) else { return };
+        match part {
+            None => *part = Some(Part { least: (time, value), greatest: (time, value) }),
+            Some(part) => {
+                if value < part.least.1 {
+                    part.least = (time, value);
+                }
+                if value > part.greatest.1 {
+                    part.greatest = (time, value);
+                }
+            }
+        }
+    }
+
+    /// Both extremes of every part, in the order of time.
+    pub(crate) fn both(&self) -> Vec<(f64, f64)> {
+        let mut points = Vec::new();
+        for part in self.parts.iter().flatten() {
+            let (first, second) = if part.least.0 <= part.greatest.0 {
+                (part.least, part.greatest)
+            } else {
+                (part.greatest, part.least)
+            };
+            points.push(first);
+            if second.0 != first.0 {
+                points.push(second);
+            }
+        }
+        points
+    }
+
+    /// The greatest value of every part: of a magnitude, the line it stays below.
+    pub(crate) fn upper(&self) -> Vec<(f64, f64)> {
+        self.parts.iter().flatten().map(|part| part.greatest).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extremes_survive_in_order() {
+        let mut envelope = Envelope::new(100_000, 50);
+        let value = |i: u64| if i == 77_777 { 9.0 } else { (i as f64 * 0.37).sin() };
+        for i in 0..100_000 {
+            envelope.push(i, i as f64, value(i));
+        }
+        let points = envelope.both();
+        assert_eq!(points.len(), 100);
+        assert!(points.is_sorted_by(|a, b| a.0 < b.0));
+        assert!(points.contains(&(77_777.0, 9.0)));
+        assert!(points.iter().all(|&(t, y)| y == value(t as u64)));
+        assert_eq!(envelope.upper().len(), 50);
+        assert!(envelope.upper().iter().all(|point| point.1 > 0.99));
+    }
+
+    #[test]
+    fn short_courses_stay_as_they_are() {
+        let mut envelope = Envelope::new(3, 50);
+        for i in 0..3 {
+            envelope.push(i, i as f64, -(i as f64));
+        }
+        assert_eq!(envelope.both(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
+        assert_eq!(envelope.upper(), envelope.both());
+    }
+}

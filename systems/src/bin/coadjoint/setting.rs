@@ -1,0 +1,267 @@
+//! `--set name=value`: parameters and the initial state, by the names of their quantities or single components.
+
+use std::ops::Range;
+
+use coadjoint::system::Quantity;
+
+use crate::error::Error;
+use crate::suggest::did_you_mean;
+use coadjoint_systems::catalogue::{Entry, component_name};
+use coadjoint_systems::simulation::Setup;
+
+/// Makes the assignments one after the other.
+///
+/// # Errors
+/// If a name is unknown, or a value is not made of as many numbers as its quantity has.
+pub(crate) fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) -> Result<(), Error> {
+    for assignment in assignments {
+        let (name, value) = assignment.split_once('=').ok_or_else(|| {
+            let example = entry.state.first().map_or("name", |quantity| quantity.name);
+            Error::Input(format!("`--set {assignment}` has no `=`; write for example `--set {example}=…`",))
+        })?;
+        let (name, value) = (name.trim(), value.trim());
+        assign(entry, setup, Names::All, name, &numbers(name, value)?)?;
+    }
+    Ok(())
+}
+
+/// Which names can be assigned to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Names {
+    /// Those of parameters and of the state.
+    All,
+    /// Those of parameters.
+    Parameters,
+    /// Those of the state.
+    State,
+}
+
+/// Sets a quantity or one of its components.
+///
+/// # Errors
+/// If there is none of this name, its number of components is another one, or a number is not finite.
+pub(crate) fn assign(
+    entry: &Entry,
+    setup: &mut Setup,
+    which: Names,
+    name: &str,
+    numbers: &[f64],
+) -> Result<(), Error> {
+    let names = Name::all(entry, which);
+    let target = names.iter().find(|candidate| candidate.name == name).ok_or_else(|| {
+        let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
+        let kind = match which {
+            Names::All => "parameter or state quantity",
+            Names::Parameters => "parameter",
+            Names::State => "state quantity",
+        };
+        Error::Input(format!("`{}` has no {kind} `{name}`{hint} {}", entry.name, known(entry)))
+    })?;
+    if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+        return Err(Error::Input(format!("`{name}` must be finite, got `{number}`")));
+    }
+    let slots = &mut target.list(setup)[target.slots.clone()];
+    if numbers.len() != slots.len() {
+        return Err(Error::Input(format!(
+            "`{name}` takes {}, got {}",
+            count(slots.len()),
+            count(numbers.len())
+        )));
+    }
+    slots.copy_from_slice(numbers);
+    Ok(())
+}
+
+/// Brings rotations to length 1 and checks the whole; the answer is notes for the user.
+///
+/// # Errors
+/// If a rotation is zero, or no stepper can be built with the parameters.
+pub(crate) fn settle(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
+    let mut notes = normalize(entry, setup)?;
+    notes.extend((entry.check)(setup)?);
+    Ok(notes)
+}
+
+/// A name that can be set, and the numbers it stands for.
+struct Name {
+    name: String,
+    of_state: bool,
+    slots: Range<usize>,
+}
+
+impl Name {
+    /// Whole quantities first, then their components.
+    fn all(entry: &Entry, which: Names) -> Vec<Name> {
+        let mut whole = Vec::new();
+        let mut single = Vec::new();
+        for (of_state, quantities) in [(false, entry.parameters), (true, entry.state)] {
+            if which == if of_state { Names::Parameters } else { Names::State } {
+                continue;
+            }
+            for (quantity, slots) in laid_out(quantities) {
+                if quantity.components.len() > 1 {
+                    single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {
+                        Name { name: component_name(quantity, component), of_state, slots: slot..slot + 1 }
+                    }));
+                }
+                whole.push(Name { name: quantity.name.to_owned(), of_state, slots });
+            }
+        }
+        whole.extend(single);
+        whole
+    }
+
+    fn list<'a>(&self, setup: &'a mut Setup) -> &'a mut Vec<f64> {
+        if self.of_state { &mut setup.state } else { &mut setup.parameters }
+    }
+}
+
+/// Each quantity with its place in the flat list.
+pub(crate) fn laid_out(quantities: &[Quantity]) -> impl Iterator<Item = (&Quantity, Range<usize>)> {
+    quantities.iter().scan(0, |start, quantity| {
+        let slots = *start..*start + quantity.components.len();
+        *start = slots.end;
+        Some((quantity, slots))
+    })
+}
+
+fn known(entry: &Entry) -> String {
+    let names = |quantities: &[Quantity]| quantities.iter().map(|q| q.name).collect::<Vec<_>>().join(", ");
+    format!("(parameters: {}; state: {})", names(entry.parameters), names(entry.state))
+}
+
+fn numbers(name: &str, value: &str) -> Result<Vec<f64>, Error> {
+    value
+        .split(',')
+        .map(|text| {
+            let text = text.trim();
+            text.parse::<f64>()
+                .map_err(|_| Error::Input(format!("`{text}` is not a number (in `{name}={value}`)")))
+        })
+        .collect()
+}
+
+fn count(numbers: usize) -> String {
+    if numbers == 1 { "one number".to_owned() } else { format!("{numbers} numbers separated by commas") }
+}
+
+/// The components of rotations, which are of length 1: in space and in the plane. Those of rigid motions begin with them.
+const ROTATIONS: [(&[&str], &str); 2] = [(&["w", "x", "y", "z"], "1,0,0,0"), (&["re", "im"], "1,0")];
+/// What follows them in rigid motions.
+const TRANSLATIONS: [&[&str]; 3] = [&[], &["px", "py"], &["px", "py", "pz"]];
+
+/// How many of a quantity's components are those of a rotation, with what is no rotation; none of a vector.
+pub(crate) fn rotation(quantity: &Quantity) -> Option<(usize, &'static str)> {
+    ROTATIONS.iter().find_map(|(names, unit)| {
+        let rest = quantity.components.strip_prefix(*names)?;
+        TRANSLATIONS.contains(&rest).then_some((names.len(), *unit))
+    })
+}
+
+/// Brings unit quaternions and unit complex numbers to length 1.
+fn normalize(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
+    let mut notes = Vec::new();
+    for (quantity, slots) in laid_out(entry.state) {
+        let Some((count, unit)) = rotation(quantity) else { continue };
+        let components = &mut setup.state[slots.start..slots.start + count];
+        // scaled by the largest component, so that no square overflows or vanishes
+        let largest = components.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        if largest == 0.0 {
+            let rest = if count < quantity.components.len() { ",…" } else { "" };
+            return Err(Error::Input(format!(
+                "`{}` is a rotation and cannot be zero; no rotation is {unit}{rest}",
+                quantity.name
+            )));
+        }
+        let length = largest * components.iter().map(|x| (x / largest).powi(2)).sum::<f64>().sqrt();
+        if (length - 1.0).abs() > 4.0 * f64::EPSILON {
+            for component in components.iter_mut() {
+                *component = *component / largest / (length / largest);
+            }
+            notes.push(format!("`{}` had length {length} and was normalised", quantity.name));
+        }
+    }
+    Ok(notes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coadjoint_systems::catalogue::find;
+
+    fn set(assignments: &[&str]) -> Result<(Setup, Vec<String>), String> {
+        set_in("heavy_top", assignments)
+    }
+
+    fn set_in(system: &str, assignments: &[&str]) -> Result<(Setup, Vec<String>), String> {
+        let entry = find(system).expect("it is there");
+        let mut setup = (entry.example)();
+        let assignments: Vec<String> = assignments.iter().map(|&a| a.to_owned()).collect();
+        let notes = apply(entry, &mut setup, &assignments).and_then(|()| settle(entry, &mut setup));
+        notes.map(|notes| (setup, notes)).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn quantities_components_and_scalars_are_set() {
+        let (setup, notes) =
+            set(&["inertia=2, 3,4", "chi_y=-0.5", "weight=1e1", "momentum=1,2,3", "gamma_x=7"])
+                .expect("valid");
+        assert_eq!(setup.parameters, [2.0, 3.0, 4.0, 10.0, 0.0, -0.5, 1.0]);
+        assert_eq!(setup.state, [1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 7.0, 0.0, 1.0]);
+        assert_eq!(notes, [""; 0]);
+    }
+
+    #[test]
+    fn an_attitude_is_normalised() {
+        let (setup, notes) = set(&["attitude=0,3,0,4", "inertia=1,1,1"]).expect("valid");
+        assert_eq!(setup.state[..4], [0.0, 0.6, 0.0, 0.8]);
+        assert_eq!(notes, ["`attitude` had length 5 and was normalised"]);
+        // also where squares would overflow or vanish
+        for scale in ["1e200", "1e-200"] {
+            let (setup, _) = set(&[&format!("attitude=0,0,0,{scale}")]).expect("valid");
+            assert_eq!(setup.state[..4], [0.0, 0.0, 0.0, 1.0]);
+        }
+        assert!(set(&["attitude=0,0,0,0"]).expect_err("no rotation").contains("cannot be zero"));
+    }
+
+    #[test]
+    fn rotations_in_the_plane_and_in_rigid_motions_are_normalised() {
+        let (setup, notes) = set_in("planar_pendulum", &["angle=3,4"]).expect("valid");
+        assert_eq!(setup.state, [0.6, 0.8, 0.0]);
+        assert_eq!(notes, ["`angle` had length 5 and was normalised"]);
+        let message = set_in("planar_pendulum", &["angle=0,0"]).expect_err("no rotation");
+        assert!(message.contains("no rotation is 1,0"), "{message}");
+
+        let (setup, notes) = set_in("rigid_body_in_space", &["pose=0,0,2,0,5,6,7"]).expect("valid");
+        assert_eq!(setup.state[..7], [0.0, 0.0, 1.0, 0.0, 5.0, 6.0, 7.0]);
+        assert_eq!(notes, ["`pose` had length 2 and was normalised"]);
+        assert!(set_in("rigid_body_in_space", &["pose=0,0,0,0,1,2,3"]).is_err());
+        // the first components of a momentum are none
+        let (setup, notes) = set_in("kepler", &["momentum=1,2,3"]).expect("valid");
+        assert_eq!((&setup.state[3..], notes.len()), (&[1.0, 2.0, 3.0][..], 0));
+    }
+
+    #[test]
+    fn mistakes_are_explained() {
+        for (assignment, expected) in [
+            ("wieght=1", "did you mean `weight`?"),
+            ("weight", "has no `=`"),
+            ("chi=1,2", "takes 3 numbers separated by commas, got 2"),
+            ("weight=1,2", "takes one number, got 2"),
+            ("chi=1,two,3", "`two` is not a number"),
+            ("chi=1,,3", "`` is not a number"),
+            ("momentum=1,NaN,3", "must be finite, got `NaN`"),
+            ("weight=inf", "must be finite"),
+            ("inertia=1,-2,3", "not positive definite"),
+        ] {
+            let message = set(&[assignment]).expect_err(assignment);
+            assert!(message.contains(expected), "{assignment}: {message}");
+        }
+    }
+
+    #[test]
+    fn an_inertia_that_no_body_has_is_noted() {
+        let (_, notes) = set(&["inertia=1,10,100"]).expect("valid all the same");
+        assert!(notes[0].contains("the largest exceeds the sum of the others"), "{notes:?}");
+    }
+}
