@@ -94,3 +94,31 @@ fn the_kernel_of_the_free_rigid_body() {
     let step = steps.iter().find(|step| step.scheme.retraction == Retraction::Cayley).expect("a Cayley step");
     assert_snapshot("free_rigid_body_cayley_kernel", &beside(input, &step.kernel.to_string()));
 }
+
+/// What forces and a potential on the group add, with each of the family's named members: the steps of a driven pendulum with friction.
+#[test]
+fn the_kernels_of_a_driven_pendulum() {
+    let input = "\
+/// A pendulum with friction that a motor drives.
+#[lie_poisson_system(
+    group = SO2,
+    potential = -weight * angle.cos_angle(),
+    control(torque: f64),
+    force = vector![torque - friction * velocity.x],
+    methods(SymplecticEulerB, Midpoint),
+)]
+struct Pendulum {
+    #[inertia]
+    inertia: f64,
+    weight: f64,
+    friction: f64,
+}";
+    let steps = expansion(input).steps;
+    let kernels: Vec<String> = steps
+        .iter()
+        .filter(|step| step.scheme.retraction == Retraction::Cayley)
+        .map(|step| format!("─── {} ───\n\n{}", step.scheme.type_name(), step.kernel))
+        .collect();
+    assert_eq!(kernels.len(), 3);
+    assert_snapshot("driven_pendulum_kernels", &beside(input, &kernels.join("\n")));
+}
