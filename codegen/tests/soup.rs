@@ -9,8 +9,30 @@ use coadjoint_codegen::parse::{Attribute, Item, Shape, without_helpers};
 use proc_macro2::TokenStream;
 
 /// Pieces of input; those that matter to the language appear most.
-const PIECES: [&str; 96] = [
+const PIECES: [&str; 118] = [
     "group",
+    "hamiltonian",
+    "control",
+    "force",
+    "invariance",
+    "methods",
+    "left",
+    "right",
+    "attitude",
+    "position",
+    "angle",
+    "momentum",
+    "velocity",
+    "inverse",
+    "translation",
+    "SO2",
+    "SE2",
+    "SE3",
+    "SU2",
+    "R7",
+    "Midpoint",
+    "Family",
+    "TangentLift",
     "advected",
     "potential",
     "crate",
@@ -245,7 +267,17 @@ fn token_soup() {
 fn soup_with_a_key_in_front() {
     let mut random = Random(2);
     for _ in 0..5_000 {
-        let key = random.choose(&["group", "potential", "advected", "crate"]);
+        let key = random.choose(&[
+            "group",
+            "potential",
+            "advected",
+            "crate",
+            "hamiltonian",
+            "control",
+            "force",
+            "invariance",
+            "methods",
+        ]);
         let separator = random.choose(&["=", "", "=="]);
         let length = 1 + random.below(12);
         let attribute =

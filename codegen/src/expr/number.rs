@@ -9,15 +9,15 @@ use num_traits::{CheckedAdd, CheckedMul, Signed};
 /// A constant: exact as long as numerator and denominator fit, otherwise rounded to `f64`.
 #[derive(Clone, Copy, Debug)]
 pub enum Number {
-    /// An exact rational number.
-    Rational(Ratio<i128>),
+    /// An exact rational number; numerator and denominator are at most [`EXACT`].
+    Rational(Ratio<i64>),
     /// A rounded one.
     Float(f64),
 }
 
 /// What a numerator or denominator may grow to and still be worth keeping exact. Both then convert to `f64` without
 /// rounding, so that their quotient is the correctly rounded value.
-const EXACT: i128 = 1 << 53;
+const EXACT: i64 = 1 << 53;
 
 impl Number {
     /// 0
@@ -39,13 +39,14 @@ impl Number {
 
     /// The ratio, if it is worth keeping exact.
     fn exact(ratio: Ratio<i128>) -> Option<Self> {
-        (ratio.numer().abs() <= EXACT && *ratio.denom() <= EXACT).then_some(Self::Rational(ratio))
+        let part = |number: i128| i64::try_from(number).ok().filter(|number| number.abs() <= EXACT);
+        Some(Self::Rational(Ratio::new_raw(part(*ratio.numer())?, part(*ratio.denom())?)))
     }
 
     /// A rounded number. One that comes out whole counts as exact, so that terms which cancel and factors of one vanish.
     fn rounded(value: f64) -> Self {
         if value.fract() == 0.0 && value.abs() <= EXACT as f64 {
-            Self::Rational(Ratio::from_integer(value as i128))
+            Self::Rational(Ratio::from_integer(value as i64))
         } else {
             Self::Float(value)
         }
@@ -82,7 +83,7 @@ impl Number {
     /// Numerator and denominator, if it is exact.
     pub fn fraction(self) -> Option<(i128, i128)> {
         match self {
-            Self::Rational(r) => Some((*r.numer(), *r.denom())),
+            Self::Rational(r) => Some(((*r.numer()).into(), (*r.denom()).into())),
             Self::Float(_) => None,
         }
     }
@@ -129,7 +130,7 @@ impl Number {
         if let Self::Rational(r) = self
             && !(self.is_zero() && exponent < 0)
         {
-            let base = if exponent < 0 { r.recip() } else { r };
+            let base = wide(&if exponent < 0 { r.recip() } else { r });
             let mut power = Some(Ratio::from_integer(1));
             for _ in 0..exponent.unsigned_abs() {
                 power = power.and_then(|p: Ratio<i128>| p.checked_mul(&base));
@@ -144,21 +145,36 @@ impl Number {
     /// The square root where it is rational.
     pub fn exact_sqrt(self) -> Option<Self> {
         let Self::Rational(r) = self else { return None };
-        let root = |n: i128| {
-            let s = (n as f64).sqrt().round() as i128;
-            (s * s == n).then_some(s)
+        let root = |n: i64| {
+            let s = (n as f64).sqrt().round() as i64;
+            (s * s == n).then_some(i128::from(s))
         };
         if r.is_negative() { None } else { Some(Self::ratio(root(*r.numer())?, root(*r.denom())?)) }
+    }
+
+    /// The whole number that it is.
+    fn whole(self) -> Option<i64> {
+        match self {
+            Self::Rational(r) if *r.denom() == 1 => Some(*r.numer()),
+            _ => None,
+        }
     }
 
     fn combine(
         self,
         other: Self,
+        whole: impl Fn(i64, i64) -> Option<i64>,
         exact: impl Fn(&Ratio<i128>, &Ratio<i128>) -> Option<Ratio<i128>>,
         rounded: impl Fn(f64, f64) -> f64,
     ) -> Self {
+        // nearly all are whole, and need no common divisor
+        if let (Some(a), Some(b)) = (self.whole(), other.whole())
+            && let Some(result) = whole(a, b).filter(|result| result.abs() <= EXACT)
+        {
+            return Self::Rational(Ratio::new_raw(result, 1));
+        }
         if let (Self::Rational(a), Self::Rational(b)) = (&self, &other)
-            && let Some(result) = exact(a, b)
+            && let Some(result) = exact(&wide(a), &wide(b))
         {
             return Self::from_ratio(result);
         }
@@ -166,17 +182,22 @@ impl Number {
     }
 }
 
+/// With room for what is computed of it.
+fn wide(ratio: &Ratio<i64>) -> Ratio<i128> {
+    Ratio::new_raw((*ratio.numer()).into(), (*ratio.denom()).into())
+}
+
 impl std::ops::Add for Number {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.combine(other, |a, b| a.checked_add(b), |a, b| a + b)
+        self.combine(other, i64::checked_add, |a, b| a.checked_add(b), |a, b| a + b)
     }
 }
 
 impl std::ops::Mul for Number {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        self.combine(other, |a, b| a.checked_mul(b), |a, b| a * b)
+        self.combine(other, i64::checked_mul, |a, b| a.checked_mul(b), |a, b| a * b)
     }
 }
 
@@ -200,7 +221,8 @@ impl From<i64> for Number {
 impl PartialEq for Number {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Rational(a), Self::Rational(b)) => a == b,
+            // both are in lowest terms
+            (Self::Rational(a), Self::Rational(b)) => (a.numer(), a.denom()) == (b.numer(), b.denom()),
             (Self::Float(a), Self::Float(b)) => a.to_bits() == b.to_bits(),
             _ => false,
         }

@@ -14,7 +14,7 @@ pub(crate) use self::whole_file::WholeFile;
 use crate::error::Error;
 use coadjoint_systems::catalogue::Entry;
 use coadjoint_systems::ledger::Ledger;
-use coadjoint_systems::simulation::{Job, Method, Setup};
+use coadjoint_systems::simulation::{Job, Method, Order, Setup};
 
 /// How a trajectory is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
@@ -108,13 +108,17 @@ impl std::fmt::Debug for Trajectory {
     }
 }
 
-/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-cayley`.
+/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-order4-cayley`.
 pub(crate) fn name(entry: &Entry, job: &Job) -> String {
     let method = match job.method {
         Method::Standard => String::new(),
         method => format!("-{}", method.name()),
     };
-    format!("{}{method}-{}", entry.name, job.retraction.name())
+    let order = match job.order {
+        Order::Two => String::new(),
+        order => format!("-order{}", order.number()),
+    };
+    format!("{}{method}{order}-{}", entry.name, job.retraction.name())
 }
 
 /// Makes a directory and those above it, where they are missing.
