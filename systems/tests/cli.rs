@@ -170,7 +170,7 @@ fn methods_and_orders_are_told_apart() {
     }
     assert_eq!(
         scratch.files("out"),
-        ["euler-a-", "euler-b-", "", "midpoint-", "verlet-"]
+        ["euler-a-", "euler-b-", "", "midpoint-order4-", "verlet-"]
             .map(|method| format!("coupled_bodies-{method}exponential.csv"))
     );
     // with the reduced step as the standard

@@ -9,7 +9,7 @@ use num_traits::{CheckedAdd, CheckedMul, Signed};
 /// A constant: exact as long as numerator and denominator fit, otherwise rounded to `f64`.
 #[derive(Clone, Copy, Debug)]
 pub enum Number {
-    /// An exact rational number; numerator and denominator are at most [`EXACT`].
+    /// An exact rational number; numerator and denominator are at most 2⁵³ in size.
     Rational(Ratio<i64>),
     /// A rounded one.
     Float(f64),
