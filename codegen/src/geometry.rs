@@ -80,9 +80,8 @@ pub fn displaced<'a>(system: &System<'a>, retraction: Retraction, by: &Vector<'a
     let mut values: Vec<(Symbol, Expr<'a>)> = Vec::new();
     for (factor, block) in system.factors.iter().zip(blocks(system, by)) {
         let group = factor.algebra.group;
-        let turn = group.retract(retraction, &block.configuration).hold();
-        let moved = system.side.compose(group, &factor.configuration, &turn).hold();
-        values.extend(factor.configuration.symbols().into_iter().zip(group.normalize(&moved).iter()));
+        let moved = group.moved(system.side, retraction, &factor.configuration, &block.configuration);
+        values.extend(factor.configuration.symbols().into_iter().zip(moved.next.iter()));
         let momentum = &factor.momentum + &block.momentum;
         values.extend(factor.momentum.symbols().into_iter().zip(momentum.iter()));
         for (advected, change) in factor.advected.iter().zip(&block.advected) {

@@ -35,22 +35,20 @@
 
 use core::marker::PhantomData;
 
-use crate::error::StepError;
-use crate::method::{self, Method};
-use crate::scalar::Scalar;
-use crate::stepper::StepReport;
+use crate::method::{Course, Method, Outcome, visit_flag};
+use crate::scalar::{Batch, Scalar};
 use crate::system::Discretized;
 
 /// The coefficients of a symmetric composition.
 pub trait Coefficients {
     /// One `X` for each of its steps.
-    type Steps<X: Clone>: Clone + AsMut<[X]>;
+    type Steps<X: Clone + Send + Sync>: Clone + AsMut<[X]> + Send + Sync;
     /// The order of the composition of symmetric steps of order 2.
     const ORDER: u32;
     /// The `γᵢ`, of which those after the middle repeat those before it.
     const GAMMA: &'static [f64];
     /// One `X` for each `γ`.
-    fn steps<X: Clone>(make: impl FnMut(f64) -> X) -> Self::Steps<X>;
+    fn steps<X: Clone + Send + Sync>(make: impl FnMut(f64) -> X) -> Self::Steps<X>;
 }
 
 /// The symmetric composition with coefficients `C` of steps with the symmetric scheme `M` of order 2.
@@ -85,11 +83,11 @@ macro_rules! coefficients {
         pub struct $name;
 
         impl Coefficients for $name {
-            type Steps<X: Clone> = [X; $n];
+            type Steps<X: Clone + Send + Sync> = [X; $n];
             const ORDER: u32 = $order;
             const GAMMA: &'static [f64] = &symmetric::<$n>(&$half);
 
-            fn steps<X: Clone>(mut make: impl FnMut(f64) -> X) -> [X; $n] {
+            fn steps<X: Clone + Send + Sync>(mut make: impl FnMut(f64) -> X) -> [X; $n] {
                 const GAMMA: [f64; $n] = symmetric(&$half);
                 GAMMA.map(|gamma| make(gamma))
             }
@@ -187,26 +185,25 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         time: B::Scalar,
         control: &B::Control,
         known: bool,
-    ) -> Result<(B::State, StepReport), StepError> {
+    ) -> Outcome<B::Scalar, B::State> {
+        let known = known && self.whole;
+        // until all are through
+        self.whole = false;
         let mut state = *state;
         // how much of the composed step is done
         let mut done = 0.0;
-        let mut total = StepReport { iterations: 0, residual: 0.0 };
+        let mut course = Course::new();
         for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
             let start = time + B::Scalar::of(done) * self.step;
-            let (next, report) = method::part(step, &state, start, control, known && self.whole)
-                .inspect_err(|_| self.whole = false)?;
-            state = next;
+            state = course.part(step, &state, start, control, known)?;
             done += gamma;
-            total.iterations += report.iterations;
-            total.residual = total.residual.max(report.residual);
         }
         self.whole = true;
-        Ok((state, total))
+        course.end(state)
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
-        method::visit_flag(&mut self.whole, visit);
+        visit_flag(&mut self.whole, visit);
         self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
     }
 }
@@ -216,13 +213,13 @@ where
     S: Discretized<M>,
     C: Coefficients,
 {
-    type Method = Composition<C, <S as Discretized<M>>::Method>;
+    type Method<T: Batch> = Composition<C, <S as Discretized<M>>::Method<T>>;
 }
 
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::method::Halves;
+    use crate::method::{Advanced, Halves};
     use crate::retraction::Exponential;
     use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
     use crate::stepper::Stepper;
@@ -243,15 +240,9 @@ mod tests {
             Self(step)
         }
 
-        fn advance(
-            &mut self,
-            &[q]: &[f64; 1],
-            time: f64,
-            _: &[f64; 0],
-            _: bool,
-        ) -> Result<([f64; 1], StepReport), StepError> {
+        fn advance(&mut self, &[q]: &[f64; 1], time: f64, _: &[f64; 0], _: bool) -> Outcome<f64, [f64; 1]> {
             let step = self.0;
-            Ok(([q + step * (time + 0.5 * step)], StepReport { iterations: 0, residual: 0.0 }))
+            Ok(Advanced { state: [q + step * (time + 0.5 * step)], iterations: 0, residual: 0.0 })
         }
 
         fn memory(&mut self, _: &mut dyn FnMut(&mut [f64])) {}
@@ -262,7 +253,8 @@ mod tests {
         M: Method<Scalar = f64, Parameters = [f64; 0], State = [f64; 1], Control = [f64; 0]>,
     {
         let (start, step) = (3.0, 0.75);
-        let ([q], _) = M::new(&[], step).advance(&[0.0], start, &[], false).expect("explicit");
+        let outcome = M::new(&[], step).advance(&[0.0], start, &[], false);
+        let [q] = outcome.map_err(|failure| failure.first()).expect("explicit").state;
         let end: f64 = start + step;
         let exact = 0.5 * (end * end - start * start);
         assert!((q - exact).abs() < 1e-14 * exact, "{q} instead of {exact}");

@@ -51,15 +51,15 @@ pub trait Geometry: System {
 /// A system on which nothing acts: left-invariant, without advected parameters and forces, so that its momentum is constant in
 /// space. Implemented by the macro.
 pub trait Isolated: System {
-    /// The momentum in space coordinates.
-    type Spatial: Components<Self::Scalar>;
+    /// The momentum in space coordinates, over any scalar.
+    type Spatial<T: Scalar>: Components<T>;
     /// The momentum of a state, `Ad*_{g⁻¹} μ`.
-    fn in_space(state: &Self::StateComponents<Self::Scalar>) -> Self::Spatial;
+    fn in_space<T: Scalar>(state: &Self::StateComponents<T>) -> Self::Spatial<T>;
     /// The state with the body momentum `Ad*_g π` that belongs to a momentum in space.
-    fn in_body(
-        state: &Self::StateComponents<Self::Scalar>,
-        spatial: &Self::Spatial,
-    ) -> Self::StateComponents<Self::Scalar>;
+    fn in_body<T: Scalar>(
+        state: &Self::StateComponents<T>,
+        spatial: &Self::Spatial<T>,
+    ) -> Self::StateComponents<T>;
 }
 
 /// A tangent vector of zeros.

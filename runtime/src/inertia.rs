@@ -26,7 +26,7 @@ pub fn require_symmetric<T: Real>(
         }
     }
     // a few units of roundoff of the largest entry: what computing an inertia by rotation leaves
-    if difference <= 8.0 * T::EPSILON.to_f64() * largest {
+    if difference <= 8.0 * T::EPSILON * largest {
         Ok(())
     } else {
         Err(ParameterError::NotSymmetric { name, difference })

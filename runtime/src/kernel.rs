@@ -9,14 +9,16 @@
 use crate::scalar::Scalar;
 
 /// A flat array of scalars.
-pub trait Components<T>: Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> {
+pub trait Components<T>:
+    Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> + Send + Sync + 'static
+{
     /// The array of what `value` gives for each index.
     fn from_fn(value: impl FnMut(usize) -> T) -> Self;
 }
 
 impl<T, const N: usize> Components<T> for [T; N]
 where
-    T: Copy + PartialEq + core::fmt::Debug,
+    T: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static,
 {
     #[inline(always)]
     fn from_fn(value: impl FnMut(usize) -> T) -> Self {
@@ -36,7 +38,7 @@ pub struct Evaluation<U, I> {
 }
 
 /// One step's arithmetic for one system and one scheme; `self` holds what depends on parameters and step alone.
-pub trait Kernel<T: Scalar>: Copy {
+pub trait Kernel<T: Scalar>: Copy + Send + Sync {
     /// The system's parameters.
     type Parameters: Components<T>;
     /// The state.
@@ -71,6 +73,9 @@ pub trait Kernel<T: Scalar>: Copy {
         unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown;
+    /// The solution `x` of `left(x) = right` for a given right side, if the left side is linear with constant coefficients: the next
+    /// iterate of the fixed-point iteration.
+    fn sweep(&self, state: &Self::State, step: &Self::Step, right: &Self::Unknown) -> Option<Self::Unknown>;
     /// Positive inside the retraction's domain, zero on its edge.
     fn domain(
         &self,

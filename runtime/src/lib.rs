@@ -53,6 +53,8 @@ extern crate self as coadjoint;
 #[cfg(feature = "std")]
 pub mod certify;
 pub mod composition;
+#[cfg(feature = "std")]
+pub mod ensemble;
 pub mod error;
 pub mod generic;
 pub mod geometry;
@@ -60,15 +62,19 @@ pub mod geometry;
 pub mod guide;
 mod inertia;
 pub mod kernel;
+pub mod lanes;
 mod literals;
 pub mod method;
 pub mod newton;
 pub mod observe;
 pub mod prelude;
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+mod processor;
 pub mod retraction;
 pub mod run;
 pub mod scalar;
 pub mod scheme;
+pub mod solver;
 pub mod stepper;
 pub mod stumpff;
 pub mod system;
@@ -78,6 +84,8 @@ mod test_system;
 #[cfg(feature = "std")]
 pub use certify::certify;
 pub use coadjoint_macros::lie_poisson_system;
+#[cfg(feature = "std")]
+pub use ensemble::Ensemble;
 pub use error::{ParameterError, StepError};
 pub use nalgebra;
 pub use observe::Observer;

@@ -1,16 +1,18 @@
 //! What takes a step: one solved equation, or several steps composed.
+//!
+//! Over one number or over several side by side: what fails then fails in its lane, and the others go on.
 
 use crate::error::StepError;
 use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
-use crate::newton;
-use crate::scalar::{Real, Scalar};
-use crate::stepper::StepReport;
+use crate::newton::SolutionOf;
+use crate::scalar::{Batch, Mask, Scalar, Work};
+use crate::solver::Solver;
 
 /// A discretization of one system with one step size, on flat arrays.
-pub trait Method: Clone {
-    /// `f64` or `f32`.
-    type Scalar: Real;
+pub trait Method: Clone + Send + Sync {
+    /// `f64`, `f32`, or lanes of them.
+    type Scalar: Batch;
     /// The system's parameters.
     type Parameters: Components<Self::Scalar>;
     /// The state.
@@ -22,94 +24,254 @@ pub trait Method: Clone {
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
     /// The state after a step that starts at `time`, with `control` held until it ends. If the state is `known`, the one that the last
-    /// step led to, the solution is sought from the last one on, which only makes it faster.
+    /// step led to, the solution is sought from the last ones on, which only makes it faster; the time is then that of a step like the last.
     ///
     /// # Errors
     /// If state, time or control is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
-    /// domain.
+    /// domain, in any lane. If in all, nothing is remembered of it.
     fn advance(
         &mut self,
         state: &Self::State,
         time: Self::Scalar,
         control: &Self::Control,
         known: bool,
-    ) -> Result<(Self::State, StepReport), StepError>;
+    ) -> Outcome<Self::Scalar, Self::State>;
 
     /// Shows what the method carries from one step to the next, in pieces of always the same lengths, to be read or replaced. What is in
     /// no piece follows from the parameters and the step.
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [Self::Scalar]));
 }
 
+/// Where a step has led to.
+#[derive(Clone, Copy, Debug)]
+pub struct Advanced<T, S> {
+    /// The state after the step.
+    pub state: S,
+    /// Iterations made, those of all parts together.
+    pub iterations: u32,
+    /// The residual left in the step's equation, relative to its terms; of several parts the largest.
+    pub residual: T,
+}
+
+/// A step that could not be taken in all lanes.
+#[derive(Clone, Copy)]
+pub struct Failure<T: Batch, S> {
+    /// What went wrong, for each lane.
+    pub errors: T::Each<Option<StepError>>,
+    /// Where the step has led to in lanes where nothing did.
+    pub advanced: Advanced<T, S>,
+}
+
+/// What comes of a step.
+pub type Outcome<T, S> = Result<Advanced<T, S>, Failure<T, S>>;
+
+impl<T: Batch, S> Failure<T, S> {
+    /// The error of the first lane that has one.
+    pub fn first(&self) -> StepError {
+        let error = self.errors.as_ref().iter().find_map(|error| *error);
+        // there is one, or it would be no failure
+        error.unwrap_or(StepError::NotFinite)
+    }
+}
+
 /// Shows a truth as a number.
-pub(crate) fn visit_flag<T: Scalar>(flag: &mut bool, visit: &mut dyn FnMut(&mut [T])) {
+pub(crate) fn visit_flag<T: Batch>(flag: &mut bool, visit: &mut dyn FnMut(&mut [T])) {
     let mut number = [T::of(if *flag { 1.0 } else { 0.0 })];
     visit(&mut number);
-    *flag = number != [T::of(0.0)];
+    *flag = number[0].lane(0) != T::Number::of(0.0);
 }
 
-/// One generated kernel: a step is one equation, solved by Newton's iteration from the last solution.
+/// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
 #[derive(Clone, Copy, Debug)]
-pub struct OneStep<T: Real, K: Kernel<T>> {
+pub struct OneStep<T: Batch, K: Kernel<T>> {
     kernel: K,
-    /// Whether there was a step.
-    solved: bool,
-    /// Its solution.
-    unknown: K::Unknown,
+    solver: Solver<T, K::Unknown>,
 }
 
-impl<T: Real, K: Kernel<T>> Method for OneStep<T, K> {
+impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     type Scalar = T;
     type Parameters = K::Parameters;
     type State = K::State;
     type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        let nothing = K::Unknown::from_fn(|_| T::of(0.0));
-        Self { kernel: K::new(parameters, step), solved: false, unknown: nothing }
+        Self { kernel: K::new(parameters, step), solver: Solver::new() }
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(
         &mut self,
         state: &K::State,
         time: T,
         control: &K::Control,
         known: bool,
-    ) -> Result<(K::State, StepReport), StepError> {
-        if !(finite(state.as_ref()) && time.is_finite() && finite(control.as_ref())) {
-            return Err(StepError::NotFinite);
+    ) -> Outcome<T, K::State> {
+        // Nearly all steps go this way. Whatever is not as usual, be it a number that is not finite, sends them the other.
+        if known {
+            let begun = self.kernel.begin(state, time, control);
+            if let Some(solution) = self.solver.few_sweeps(&self.kernel, state, &begun) {
+                let advanced = self.finish(state, &begun, &solution);
+                let usual =
+                    self.is_inside(state, &begun, &solution) & finite(&advanced.state) & finite(control);
+                if usual.all() {
+                    self.solver.push_usual(solution.unknown);
+                    return Ok(advanced);
+                }
+            }
         }
-        let begun = self.kernel.begin(state, time, control);
-        let start = if known && self.solved { self.unknown } else { self.kernel.start(state, &begun) };
-        let solution = newton::solve(&self.kernel, state, &begun, start)?;
-        if !(self.kernel.domain(state, &begun, &solution.unknown, &solution.evaluation) > T::of(0.0)) {
-            return Err(StepError::OutsideDomain);
-        }
-        let next = self.kernel.finish(state, &begun, &solution.unknown, &solution.evaluation);
-        if !finite(next.as_ref()) {
-            return Err(StepError::NotFinite);
-        }
-        (self.solved, self.unknown) = (true, solution.unknown);
-        Ok((next, StepReport { iterations: solution.iterations, residual: solution.residual }))
+        T::outline(Anyhow { method: self, state, time, control, known })
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        visit_flag(&mut self.solved, visit);
-        visit(self.unknown.as_mut());
+        self.solver.memory(visit);
     }
 }
 
-/// A step that is part of a larger one. Not inlined: what is composed of several is compiled once for all that it is part of, and next
-/// to a step a call is nothing.
-#[inline(never)]
-pub(crate) fn part<B: Method>(
-    method: &mut B,
-    state: &B::State,
-    time: B::Scalar,
-    control: &B::Control,
+/// A step of [`OneStep`], with all that can happen.
+struct Anyhow<'a, T: Batch, K: Kernel<T>> {
+    method: &'a mut OneStep<T, K>,
+    state: &'a K::State,
+    time: T,
+    control: &'a K::Control,
     known: bool,
-) -> Result<(B::State, StepReport), StepError> {
-    method.advance(state, time, control, known)
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
+    type Result = Outcome<T, K::State>;
+
+    #[inline(always)]
+    fn done(self) -> Outcome<T, K::State> {
+        let Self { method, state, time, control, known } = self;
+        let given = finite(state) & finite(control) & time.is_finite();
+        let begun = method.kernel.begin(state, time, control);
+        let before = method.solver;
+        let solution = method.solver.solve(&method.kernel, state, &begun, known);
+        let inside = method.is_inside(state, &begun, &solution);
+        let advanced = method.finish(state, &begun, &solution);
+        let reached = finite(&advanced.state);
+        let good = given & !solution.unsolved & inside & reached;
+        if good.any() {
+            method.solver.push(solution.unknown);
+        } else {
+            method.solver = before;
+        }
+        if good.all() {
+            return Ok(advanced);
+        }
+        let errors = T::each(|lane| {
+            if !given.lane(lane) {
+                return Some(StepError::NotFinite);
+            }
+            if solution.unsolved.lane(lane) {
+                let residual = crate::scalar::Real::to_f64(solution.residual.lane(lane));
+                return Some(StepError::NoConvergence { iterations: solution.iterations, residual });
+            }
+            if !inside.lane(lane) {
+                return Some(StepError::OutsideDomain);
+            }
+            (!reached.lane(lane)).then_some(StepError::NotFinite)
+        });
+        Err(Failure { errors, advanced })
+    }
+}
+
+impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    #[inline(always)]
+    fn is_inside(&self, state: &K::State, begun: &K::Step, solution: &SolutionOf<T, K>) -> T::Mask {
+        T::of(0.0).below(self.kernel.domain(state, begun, &solution.unknown, &solution.evaluation))
+    }
+
+    #[inline(always)]
+    fn finish(
+        &self,
+        state: &K::State,
+        begun: &K::Step,
+        solution: &SolutionOf<T, K>,
+    ) -> Advanced<T, K::State> {
+        let state = self.kernel.finish(state, begun, &solution.unknown, &solution.evaluation);
+        Advanced { state, iterations: solution.iterations, residual: solution.residual }
+    }
+}
+
+/// Whether all numbers of a lane are finite: no branch.
+#[inline(always)]
+fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
+    // what is finite times nothing is nothing, and nothing else is; four sums, for each has to wait for itself
+    let mut sums = [T::of(0.0); 4];
+    for (k, component) in components.as_ref().iter().enumerate() {
+        sums[k % 4] = sums[k % 4] + T::of(0.0) * *component;
+    }
+    ((sums[0] + sums[1]) + (sums[2] + sums[3])).at_most(T::of(0.0))
+}
+
+/// A step that is part of another.
+struct Part<'a, B: Method> {
+    method: &'a mut B,
+    state: &'a B::State,
+    time: B::Scalar,
+    control: &'a B::Control,
+    known: bool,
+}
+
+impl<B: Method> Work for Part<'_, B> {
+    type Result = Outcome<B::Scalar, B::State>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        self.method.advance(self.state, self.time, self.control, self.known)
+    }
+}
+
+/// A step that consists of others.
+pub(crate) struct Course<T: Batch> {
+    errors: T::Each<Option<StepError>>,
+    is_flawless: bool,
+    iterations: u32,
+    residual: T,
+}
+
+impl<T: Batch> Course<T> {
+    pub(crate) fn new() -> Self {
+        Self { errors: T::each(|_| None), is_flawless: true, iterations: 0, residual: T::of(0.0) }
+    }
+
+    /// Takes a part of the step. Not inlined: what is composed of several is compiled once for all that it is part of, and next to a step
+    /// a call is nothing.
+    ///
+    /// # Errors
+    /// If something went wrong in every lane.
+    pub(crate) fn part<B: Method<Scalar = T>>(
+        &mut self,
+        method: &mut B,
+        state: &B::State,
+        time: T,
+        control: &B::Control,
+        known: bool,
+    ) -> Result<B::State, Failure<T, B::State>> {
+        let advanced = match T::outline(Part { method, state, time, control, known }) {
+            Ok(advanced) => advanced,
+            Err(failure) => {
+                self.is_flawless = false;
+                for (error, other) in self.errors.as_mut().iter_mut().zip(failure.errors.as_ref()) {
+                    *error = error.or(*other);
+                }
+                if self.errors.as_ref().iter().all(Option::is_some) {
+                    return Err(Failure { errors: self.errors, ..failure });
+                }
+                failure.advanced
+            }
+        };
+        self.iterations += advanced.iterations;
+        let larger = self.residual.below(advanced.residual);
+        self.residual = T::select(larger, advanced.residual, self.residual);
+        Ok(advanced.state)
+    }
+
+    /// Where the parts have led to.
+    pub(crate) fn end<S>(self, state: S) -> Outcome<T, S> {
+        let advanced = Advanced { state, iterations: self.iterations, residual: self.residual };
+        if self.is_flawless { Ok(advanced) } else { Err(Failure { errors: self.errors, advanced }) }
+    }
 }
 
 /// Half a step with the method `A`, then half a step with `B`, which starts at the time at which the first ends.
@@ -145,18 +307,15 @@ where
         time: A::Scalar,
         control: &A::Control,
         known: bool,
-    ) -> Result<(A::State, StepReport), StepError> {
+    ) -> Outcome<A::Scalar, A::State> {
         let known = known && self.whole;
         // until both are through
         self.whole = false;
-        let (middle, first) = part(&mut self.first, state, time, control, known)?;
-        let (next, second) = part(&mut self.second, &middle, time + self.half, control, known)?;
+        let mut course = Course::new();
+        let middle = course.part(&mut self.first, state, time, control, known)?;
+        let next = course.part(&mut self.second, &middle, time + self.half, control, known)?;
         self.whole = true;
-        let report = StepReport {
-            iterations: first.iterations + second.iterations,
-            residual: first.residual.max(second.residual),
-        };
-        Ok((next, report))
+        course.end(next)
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [A::Scalar])) {
@@ -167,15 +326,15 @@ where
 }
 
 /// A method between whose steps the momentum is carried in space coordinates.
-pub struct Carried<S: Isolated, B> {
+pub struct Carried<S: Isolated, B: Method> {
     base: B,
     /// Whether there was a step.
     has_stepped: bool,
     /// The momentum since then.
-    spatial: S::Spatial,
+    spatial: S::Spatial<B::Scalar>,
 }
 
-impl<S: Isolated, B: Clone> Clone for Carried<S, B> {
+impl<S: Isolated, B: Method> Clone for Carried<S, B> {
     fn clone(&self) -> Self {
         Self { base: self.base.clone(), has_stepped: self.has_stepped, spatial: self.spatial }
     }
@@ -184,7 +343,8 @@ impl<S: Isolated, B: Clone> Clone for Carried<S, B> {
 impl<S, B> Method for Carried<S, B>
 where
     S: Isolated,
-    B: Method<Scalar = S::Scalar, State = S::StateComponents<S::Scalar>>,
+    B: Method,
+    B: Method<State = S::StateComponents<<B as Method>::Scalar>>,
 {
     type Scalar = B::Scalar;
     type Parameters = B::Parameters;
@@ -203,11 +363,12 @@ where
         time: B::Scalar,
         control: &B::Control,
         known: bool,
-    ) -> Result<(B::State, StepReport), StepError> {
+    ) -> Outcome<B::Scalar, B::State> {
         let spatial = if known && self.has_stepped { self.spatial } else { S::in_space(state) };
-        let (next, report) = part(&mut self.base, state, time, control, known)?;
+        let mut course = Course::new();
+        let next = course.part(&mut self.base, state, time, control, known)?;
         (self.has_stepped, self.spatial) = (true, spatial);
-        Ok((S::in_body(&next, &spatial), report))
+        course.end(S::in_body(&next, &spatial))
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
@@ -215,11 +376,6 @@ where
         visit(self.spatial.as_mut());
         self.base.memory(visit);
     }
-}
-
-#[inline(always)]
-fn finite<T: Real>(components: &[T]) -> bool {
-    components.iter().all(|x| x.is_finite())
 }
 
 #[cfg(all(test, feature = "std"))]
@@ -249,12 +405,13 @@ mod tests {
             time: f64,
             &[limit]: &[f64; 1],
             known: bool,
-        ) -> Result<([f64; 0], StepReport), StepError> {
+        ) -> Outcome<f64, [f64; 0]> {
             self.known = known;
+            let advanced = Advanced { state: [], iterations: 1, residual: time };
             if time > limit {
-                return Err(StepError::OutsideDomain);
+                return Err(Failure { errors: [Some(StepError::OutsideDomain)], advanced });
             }
-            Ok(([], StepReport { iterations: 1, residual: time }))
+            Ok(advanced)
         }
 
         fn memory(&mut self, _: &mut dyn FnMut(&mut [f64])) {}
@@ -264,10 +421,11 @@ mod tests {
     fn halves_remember_whole_steps_only() {
         let mut halves = Halves::<Half, Half>::new(&[], 2.0);
         let mut advance = |limit: f64| {
-            let report = halves.advance(&[], 3.0, &[limit], true).map(|(_, report)| report);
+            let outcome = halves.advance(&[], 3.0, &[limit], true);
+            let report = outcome.map(|to| (to.iterations, to.residual)).map_err(|failure| failure.first());
             (report, [halves.first.known, halves.second.known])
         };
-        let solved = Ok(StepReport { iterations: 2, residual: 4.0 });
+        let solved = Ok((2, 4.0));
         // nothing to remember yet
         assert_eq!(advance(9.0), (solved, [false, false]));
         assert_eq!(advance(9.0), (solved, [true, true]));

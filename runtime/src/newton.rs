@@ -1,8 +1,7 @@
 //! Newton's iteration on a [`Kernel`]'s equation.
 
-use crate::error::StepError;
-use crate::kernel::{Evaluation, Kernel};
-use crate::scalar::Real;
+use crate::kernel::{Components, Evaluation, Kernel};
+use crate::scalar::{Batch, Mask, Scalar, Work};
 
 /// More iterations than any solvable step takes: convergence is quadratic once near, and a step that is not near
 /// after this many is too large.
@@ -15,115 +14,184 @@ const STAGNATION: f64 = 256.0;
 
 /// A solution of the step's equation.
 #[derive(Clone, Copy, Debug)]
-pub struct Solution<U, I> {
+pub struct Solution<T: Batch, U, I> {
     /// The unknown.
     pub unknown: U,
-    /// The equation evaluated there.
+    /// The equation evaluated there, or so near that it makes no difference.
     pub evaluation: Evaluation<U, I>,
-    /// Newton corrections made.
+    /// Iterations made, in whichever lane took the most.
     pub iterations: u32,
-    /// The residual's largest component relative to the right side's, in f64 whatever the scalar.
-    pub residual: f64,
+    /// The residual's size relative to the right side's, as sums of magnitudes.
+    pub residual: T,
+    /// The lanes in which the residual did not come down to roundoff.
+    pub unsolved: T::Mask,
 }
 
-/// Solves the step's equation from `unknown` on, until the residual is down to roundoff or stagnates there.
+/// The solution of a kernel's equation.
+pub type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
+
+/// Solves the step's equation in the `wanted` lanes from `start` on, until the residual is down to roundoff or stagnates there; in other
+/// lanes the unknown stays where it starts.
 ///
 /// Never panics and makes at most [`MAX_ITERATIONS`] corrections.
-///
-/// # Errors
-/// [`StepError::NoConvergence`] if the residual does not come down to roundoff.
-#[inline]
-pub fn solve<T: Real, K: Kernel<T>>(
+pub fn solve<T: Batch, K: Kernel<T>>(
     kernel: &K,
     state: &K::State,
     step: &K::Step,
-    mut unknown: K::Unknown,
-) -> Result<Solution<K::Unknown, K::Iterate>, StepError> {
-    let epsilon = T::EPSILON.to_f64();
-    let mut evaluation = kernel.evaluate(state, step, &unknown);
-    let mut residual = relative(&evaluation);
-    let mut iterations = 0;
-    while !(residual <= ROUNDOFF * epsilon) {
-        if iterations == MAX_ITERATIONS {
-            if residual <= STAGNATION * epsilon {
-                break; // a slow way, but down to roundoff
-            }
-            return Err(StepError::NoConvergence { iterations, residual });
-        }
-        iterations += 1;
-        let correction = kernel.correction(state, step, &unknown, &evaluation);
-        let candidate = subtract::<T, _>(unknown, &correction, T::of(1.0));
-        let candidate_evaluation = kernel.evaluate(state, step, &candidate);
-        let candidate_residual = relative(&candidate_evaluation);
-        if candidate_residual < residual {
-            (unknown, evaluation, residual) = (candidate, candidate_evaluation, candidate_residual);
-        } else if residual <= STAGNATION * epsilon {
-            break; // stagnation at roundoff: the better of the two stays
-        } else {
-            // far from the solution the full correction can overshoot: shorten it
-            let Some(shorter) = backtrack(kernel, state, step, &unknown, &correction, residual) else {
-                return Err(StepError::NoConvergence { iterations, residual });
-            };
-            (unknown, evaluation, residual) = shorter;
-        }
-    }
-    Ok(Solution { unknown, evaluation, iterations, residual })
+    start: &K::Unknown,
+    wanted: T::Mask,
+) -> SolutionOf<T, K> {
+    T::outline(Solve { kernel, state, step, start, wanted })
 }
 
-type Point<K, T> =
-    (<K as Kernel<T>>::Unknown, Evaluation<<K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>, f64);
+struct Solve<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    start: &'a K::Unknown,
+    wanted: T::Mask,
+}
 
-/// The first of the corrections scaled by ½, ¼, … that makes the residual smaller.
-#[cold]
-fn backtrack<T: Real, K: Kernel<T>>(
+impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
+    type Result = SolutionOf<T, K>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let Self { kernel, state, step, start, wanted } = self;
+        let roundoff = T::of(ROUNDOFF * T::EPSILON);
+        let stagnation = T::of(STAGNATION * T::EPSILON);
+        let mut unknown = *start;
+        let mut evaluation = evaluated(kernel, state, step, &unknown);
+        let mut residual = relative(&evaluation);
+        let mut open = wanted & !residual.at_most(roundoff);
+        let mut unsolved = T::Mask::splat(false);
+        let mut iterations = 0;
+        while open.any() {
+            if iterations == MAX_ITERATIONS {
+                // where it stagnates this was a slow way, but down to roundoff
+                unsolved = unsolved | (open & !residual.at_most(stagnation));
+                break;
+            }
+            iterations += 1;
+            let correction = kernel.correction(state, step, &unknown, &evaluation);
+            let candidate = subtract(open, &unknown, &correction, T::of(1.0));
+            let there = evaluated(kernel, state, step, &candidate);
+            let then = relative(&there);
+            let better = open & then.below(residual);
+            let worse = open & !better;
+            if !worse.any() {
+                // where nothing was wanted, nothing has changed
+                (unknown, evaluation) = (candidate, there);
+                residual = T::select(open, then, residual);
+            } else {
+                let before = unknown;
+                unknown = select(better, &candidate, &before);
+                residual = T::select(better, then, residual);
+                // stagnation at roundoff: the better of the two stays
+                open = open & !(worse & residual.at_most(stagnation));
+                // far from the solution the full correction can overshoot: shorten it
+                let far = worse & open;
+                if far.any() {
+                    let lost = backtrack(kernel, state, step, &mut unknown, &correction, &mut residual, far);
+                    unsolved = unsolved | lost;
+                    open = open & !lost;
+                }
+                if better.any() || far.any() {
+                    evaluation = evaluated(kernel, state, step, &unknown);
+                }
+            }
+            open = open & !residual.at_most(roundoff);
+        }
+        Solution { unknown, evaluation, iterations, residual, unsolved }
+    }
+}
+
+/// [`Kernel::evaluate`] outside of line: where the same is done in several places, one of them is enough to compile.
+pub(crate) fn evaluated<T: Batch, K: Kernel<T>>(
     kernel: &K,
     state: &K::State,
     step: &K::Step,
     unknown: &K::Unknown,
+) -> Evaluation<K::Unknown, K::Iterate> {
+    T::outline(Evaluate { kernel, state, step, unknown })
+}
+
+struct Evaluate<'a, T: Scalar, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    unknown: &'a K::Unknown,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Evaluate<'_, T, K> {
+    type Result = Evaluation<K::Unknown, K::Iterate>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        self.kernel.evaluate(self.state, self.step, self.unknown)
+    }
+}
+
+/// The first of the corrections scaled by ½, ¼, … that makes the residual smaller. Returns the `far` lanes in which none does.
+fn backtrack<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    unknown: &mut K::Unknown,
     correction: &K::Unknown,
-    residual: f64,
-) -> Option<Point<K, T>> {
+    residual: &mut T,
+    far: T::Mask,
+) -> T::Mask {
+    let mut open = far;
     let mut scale = 1.0;
     for _ in 0..10 {
         scale *= 0.5;
-        let candidate = subtract::<T, _>(*unknown, correction, T::of(scale));
-        let evaluation = kernel.evaluate(state, step, &candidate);
-        let candidate_residual = relative(&evaluation);
-        if candidate_residual < residual {
-            return Some((candidate, evaluation, candidate_residual));
+        let candidate = subtract(open, unknown, correction, T::of(scale));
+        let then = relative(&evaluated(kernel, state, step, &candidate));
+        let better = open & then.below(*residual);
+        *unknown = select(better, &candidate, unknown);
+        *residual = T::select(better, then, *residual);
+        open = open & !better;
+        if !open.any() {
+            break;
         }
     }
-    None
+    open
 }
 
+/// `yes` where the mask is true, `no` elsewhere.
 #[inline(always)]
-fn subtract<T: Real, U: AsRef<[T]> + AsMut<[T]>>(mut unknown: U, correction: &U, scale: T) -> U {
-    for (x, d) in unknown.as_mut().iter_mut().zip(correction.as_ref()) {
-        *x = *x - scale * *d;
-    }
-    unknown
+pub(crate) fn select<T: Batch, U: Components<T>>(mask: T::Mask, yes: &U, no: &U) -> U {
+    U::from_fn(|i| T::select(mask, yes.as_ref()[i], no.as_ref()[i]))
 }
 
-/// The residual's largest component relative to the right side's; not-a-number if any component is.
+/// `unknown − scale correction` where the mask is true.
 #[inline(always)]
-fn relative<T: Real, U: AsRef<[T]>, I>(evaluation: &Evaluation<U, I>) -> f64 {
-    let residual = largest(evaluation.residual.as_ref());
-    let right = largest(evaluation.right.as_ref());
+fn subtract<T: Batch, U: Components<T>>(mask: T::Mask, unknown: &U, correction: &U, scale: T) -> U {
+    // a correction that is not wanted need not be finite
+    let moved = U::from_fn(|i| unknown.as_ref()[i] - scale * correction.as_ref()[i]);
+    select(mask, &moved, unknown)
+}
+
+/// The residual's size relative to the right side's; not-a-number if any component is.
+#[inline(always)]
+fn relative<T: Batch, U: AsRef<[T]>, I>(evaluation: &Evaluation<U, I>) -> T {
+    let residual = size(evaluation.residual.as_ref());
+    let right = size(evaluation.right.as_ref());
     // a system at rest without forces: 0 = 0
-    if residual == 0.0 && right == 0.0 { 0.0 } else { residual / right }
+    let nothing = T::of(0.0);
+    let is_zero = residual.at_most(nothing) & right.at_most(nothing);
+    T::select(is_zero, nothing, residual / right)
 }
 
+/// The sum of the magnitudes.
 #[inline(always)]
-fn largest<T: Real>(components: &[T]) -> f64 {
-    let mut largest = 0.0;
+pub(crate) fn size<T: Batch>(components: &[T]) -> T {
+    let mut sum = T::of(0.0);
     for component in components {
-        let magnitude = component.abs().to_f64();
-        // written so that not-a-number stays
-        if !(magnitude <= largest) {
-            largest = magnitude;
-        }
+        sum = sum + component.abs();
     }
-    largest
+    sum
 }
 
 #[cfg(all(test, feature = "std"))]
@@ -164,6 +232,10 @@ mod tests {
             unreachable!("nothing to correct")
         }
 
+        fn sweep(&self, _: &[f64; 1], _: &(), _: &[f64; 0]) -> Option<[f64; 0]> {
+            None
+        }
+
         fn domain(
             &self,
             _: &Self::State,
@@ -181,8 +253,8 @@ mod tests {
 
     #[test]
     fn without_an_unknown_the_equation_is_evaluated_once() {
-        let solution = solve(&Explicit, &[1.0], &(), []).expect("nothing to solve");
-        assert_eq!((solution.iterations, solution.residual), (0, 0.0));
+        let solution = solve(&Explicit, &[1.0], &(), &[], true);
+        assert_eq!((solution.iterations, solution.residual, solution.unsolved), (0, 0.0, false));
         assert_eq!((solution.evaluation.iterate, EVALUATIONS.load(Ordering::Relaxed)), (0, 1));
     }
 }

@@ -7,7 +7,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::run::Tick;
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Batch, Real, Scalar};
 use crate::system::System;
 
 /// Watches a run.

@@ -1,6 +1,8 @@
 //! Everything a description and its use need: `use coadjoint::prelude::*;`
 
 pub use crate::composition::{Order4, Order6, Order8, Order10};
+#[cfg(feature = "std")]
+pub use crate::ensemble::{Distribution, Ensemble};
 pub use crate::error::{ParameterError, StepError};
 pub use crate::lie_poisson_system;
 #[cfg(feature = "std")]

@@ -101,16 +101,16 @@ pub struct RunReport {
     pub steps: u64,
     /// Whether an observer ended the run, be it at its last step.
     pub stopped: bool,
-    /// Newton iterations of all steps together.
+    /// Iterations of all steps together, fixed-point sweeps and Newton corrections alike.
     pub iterations: u64,
-    /// The most Newton iterations that one step took.
+    /// The most iterations that one step took.
     pub max_iterations: u32,
     /// The largest residual left in a step's equation, relative to its terms.
     pub max_residual: f64,
 }
 
 impl RunReport {
-    /// Newton iterations per step, on average; 0 if no step was taken.
+    /// Iterations per step, on average; 0 if no step was taken.
     pub fn iterations_per_step(&self) -> f64 {
         if self.steps == 0 { 0.0 } else { self.iterations as f64 / self.steps as f64 }
     }

@@ -1,7 +1,7 @@
 //! The scalars that generated code is generic over.
 
 use core::fmt::Debug;
-use core::ops::{Add, Div, Mul, Neg, Sub};
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
 /// What straight-line code needs of a number: `f64`, `f32`, and anything that is a Copy
@@ -15,6 +15,9 @@ pub trait Scalar:
     + Mul<Output = Self>
     + Div<Output = Self>
     + Neg<Output = Self>
+    + Send
+    + Sync
+    + 'static
 {
     /// The scalar nearest to `value`.
     fn of(value: f64) -> Self;
@@ -85,33 +88,147 @@ impl<T: RealField + Copy> Scalar for T {
     }
 }
 
-/// A [`Scalar`] with an order, for the decisions of Newton's iteration: `f64` or `f32`.
-pub trait Real: Scalar + PartialOrd {
+/// Numbers that steps are taken with: one, or several side by side ([`Lanes`](crate::lanes::Lanes)), each of which goes its own way.
+///
+/// What holds for some of them and not for others is a [`Mask`], and both ways are then computed and one [selected](Self::select): no
+/// lane's result depends on what is in another.
+pub trait Batch: Scalar {
+    /// The number in one lane: `f64` or `f32`.
+    type Number: Real;
+    /// A truth for each lane.
+    type Mask: Mask;
+    /// Anything for each lane.
+    type Each<X: Copy + Send + Sync>: Copy + AsRef<[X]> + AsMut<[X]> + Send + Sync;
+
+    /// How many lanes there are.
+    const LANES: usize;
     /// The distance from 1 to the next larger number.
-    const EPSILON: Self;
+    const EPSILON: f64;
+
+    /// What `value` gives for each lane.
+    fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> Self::Each<X>;
+    /// The number in a lane.
+    fn lane(&self, lane: usize) -> Self::Number;
+    /// Puts a number into a lane.
+    fn set_lane(&mut self, lane: usize, number: Self::Number);
+    /// The absolute values.
+    fn abs(self) -> Self;
+    /// Neither infinite nor not-a-number.
+    fn is_finite(self) -> Self::Mask;
+    /// Whether the numbers are the same, bit for bit.
+    fn is_same(self, other: Self) -> Self::Mask;
+    /// `self ≤ limit`; not so if one of them is not a number.
+    fn at_most(self, limit: Self) -> Self::Mask;
+    /// `self < limit`; not so if one of them is not a number.
+    fn below(self, limit: Self) -> Self::Mask;
+    /// `yes` where the mask is true, `no` elsewhere.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Does the work in a function of its own, compiled for what these numbers need of the processor: for what comes rarely, and for what
+    /// is compiled once for several callers.
+    fn outline<W: Work>(work: W) -> W::Result;
+}
+
+/// Something to do, with all that it needs. Not a closure, since these cannot say that they are always to be inlined.
+pub trait Work {
+    /// What comes of it.
+    type Result;
+    /// Does it. To be `#[inline(always)]`: the code is compiled for the processor that its caller is compiled for.
+    fn done(self) -> Self::Result;
+}
+
+/// A truth for each lane of a [`Batch`].
+pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+    /// The same for all lanes.
+    fn splat(value: bool) -> Self;
+    /// Whether it is true of all lanes.
+    fn all(self) -> bool;
+    /// Whether it is true of any lane.
+    fn any(self) -> bool;
+    /// Whether it is true of one lane.
+    fn lane(self, lane: usize) -> bool;
+}
+
+impl Mask for bool {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self
+    }
+    #[inline(always)]
+    fn lane(self, _: usize) -> bool {
+        self
+    }
+}
+
+/// One real number: `f64` or `f32`.
+pub trait Real: Batch<Number = Self, Mask = bool> + PartialOrd {
     /// The nearest `f64`.
     fn to_f64(self) -> f64;
-    /// Neither infinite nor not-a-number.
-    fn is_finite(self) -> bool;
-    /// The absolute value.
-    fn abs(self) -> Self;
 }
 
 macro_rules! real {
     ($($t:ident),*) => {
         $(impl Real for $t {
-            const EPSILON: Self = $t::EPSILON;
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.into()
+            }
+        }
+
+        impl Batch for $t {
+            type Number = Self;
+            type Mask = bool;
+            type Each<X: Copy + Send + Sync> = [X; 1];
+
+            const LANES: usize = 1;
+            const EPSILON: f64 = $t::EPSILON as f64;
+
+            #[inline(always)]
+            fn each<X: Copy + Send + Sync>(mut value: impl FnMut(usize) -> X) -> [X; 1] {
+                [value(0)]
+            }
+            #[inline(always)]
+            fn lane(&self, _: usize) -> Self {
+                *self
+            }
+            #[inline(always)]
+            fn set_lane(&mut self, _: usize, number: Self) {
+                *self = number;
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $t::abs(self)
             }
             #[inline(always)]
             fn is_finite(self) -> bool {
                 $t::is_finite(self)
             }
             #[inline(always)]
-            fn abs(self) -> Self {
-                $t::abs(self)
+            fn is_same(self, other: Self) -> bool {
+                self.to_bits() == other.to_bits()
+            }
+            #[inline(always)]
+            fn at_most(self, limit: Self) -> bool {
+                self <= limit
+            }
+            #[inline(always)]
+            fn below(self, limit: Self) -> bool {
+                self < limit
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+            #[inline(never)]
+            fn outline<W: Work>(work: W) -> W::Result {
+                work.done()
             }
         })*
     };

@@ -4,14 +4,14 @@ use core::fmt;
 
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
-use crate::method::{Method, visit_flag};
-use crate::scalar::{Real, Scalar};
+use crate::method::{Advanced, Method, visit_flag};
+use crate::scalar::{Batch, Real, Scalar};
 use crate::system::{Control, Discretized, State, System};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepReport {
-    /// Newton corrections made, in all steps of a composition together.
+    /// Iterations made, fixed-point sweeps and Newton corrections alike, in all steps of a composition together.
     pub iterations: u32,
     /// The residual left in the step's equation, relative to its terms: a few units of roundoff. Of a
     /// composition, the largest.
@@ -25,7 +25,7 @@ pub struct StepReport {
 /// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice.
 pub struct Stepper<S: Discretized<M>, M> {
     system: S,
-    method: S::Method,
+    method: S::Method<S::Scalar>,
     step: S::Scalar,
     /// The time before the steps counted by `taken`.
     start: f64,
@@ -47,7 +47,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         }
         let parameters = system.to_parameters();
         let system = S::from_parameters(&parameters);
-        let method = S::Method::new(&parameters, step);
+        let method = S::Method::<S::Scalar>::new(&parameters, step);
         Ok(Self { system, method, step, start: 0.0, taken: 0, left: None })
     }
 
@@ -158,17 +158,30 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[inline]
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         let components = state.to_components();
-        let known = self.left == Some(components);
+        let known = match &self.left {
+            Some(left) => is_same(left.as_ref(), components.as_ref()),
+            None => false,
+        };
         if !known {
             on_group(state)?;
         }
         let control = control.to_components();
-        let (next, report) = self.method.advance(&components, self.time(), &control, known)?;
-        *state = S::State::from_components(&next);
-        self.left = Some(next);
-        self.taken += 1;
-        Ok(report)
+        match self.method.advance(&components, self.time(), &control, known) {
+            Ok(Advanced { state: next, iterations, residual }) => {
+                *state = S::State::from_components(&next);
+                self.left = Some(next);
+                self.taken += 1;
+                Ok(StepReport { iterations, residual: residual.to_f64() })
+            }
+            Err(failure) => Err(failure.first()),
+        }
     }
+}
+
+/// Whether all numbers are the same, without a branch.
+#[inline(always)]
+fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
+    a.iter().zip(b).fold(true, |same, (a, b)| same & a.is_same(*b))
 }
 
 /// What takes steps: a [`Stepper`] of whatever scheme.
@@ -245,6 +258,10 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
     #[inline]
     fn start_at(&mut self, time: f64) {
         (self.start, self.taken) = (time, 0);
+        if !time.is_finite() {
+            // the next step is not one like the last
+            self.left = None;
+        }
     }
 
     #[inline]
@@ -269,7 +286,7 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
 
 /// A state from elsewhere is on its group, more or less.
 #[cold]
-fn on_group<S: State>(state: &S) -> Result<(), StepError> {
+pub(crate) fn on_group<S: State>(state: &S) -> Result<(), StepError> {
     let deviation = state.deviation().to_f64();
     // what is not finite is so named by the step
     let off = deviation.is_finite() && deviation > LARGEST_DEVIATION;

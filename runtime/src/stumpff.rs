@@ -38,11 +38,13 @@
 
 use nalgebra::{RealField, convert};
 
+use crate::scalar::Scalar;
+
 /// The most members that a family can have. Two more, and [`INVERSE_FACTORIAL`] would outgrow `u128`.
 const MAX: usize = 12;
 
 /// Below, two [`quartet`]s give a series to within rounding, its first two derivatives included.
-const SHORT: f64 = 0.125;
+pub(crate) const SHORT: f64 = 0.125;
 
 /// Below, three of them do.
 const LONG: f64 = 3.0;
@@ -72,16 +74,26 @@ const INVERSE_FACTORIAL: [f64; MAX + 22] = {
 pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     const { assert!(N <= MAX, "a family has at most 12 members") };
     if within(z, SHORT) {
-        let z2 = z * z;
-        let z4 = z2 * z2;
-        downward(z, |k| quartet(k, z, z2) + z4 * quartet(k + 8, z, z2))
+        short(z)
     } else if within(z, LONG) {
         let z2 = z * z;
         let z4 = z2 * z2;
-        downward(z, |k| quartet(k, z, z2) + z4 * (quartet(k + 8, z, z2) + z4 * quartet(k + 16, z, z2)))
+        let sum = |k| quartet(k, z, z2) + z4 * (quartet(k + 8, z, z2) + z4 * quartet(k + 16, z, z2));
+        downward(z, highest::<N>().map(sum))
     } else {
         distant(z)
     }
+}
+
+/// A family near zero: where `|z|` is below [`SHORT`] in every lane.
+#[inline(always)]
+pub(crate) fn short<T: Scalar, const N: usize>(z: T) -> [T; N] {
+    let z2 = z * z;
+    let z4 = z2 * z2;
+    let [k, l] = highest::<N>();
+    let [even, odd] =
+        [quartet(k, z, z2) + z4 * quartet(k + 8, z, z2), quartet(l, z, z2) + z4 * quartet(l + 8, z, z2)];
+    downward(z, [even, odd])
 }
 
 /// `|z| < limit`.
@@ -92,25 +104,31 @@ fn within<T: RealField + Copy>(z: T, limit: f64) -> bool {
 
 /// `1/m!`.
 #[inline(always)]
-fn inverse_factorial<T: RealField>(m: usize) -> T {
-    convert(INVERSE_FACTORIAL[m])
+fn inverse_factorial<T: Scalar>(m: usize) -> T {
+    T::of(INVERSE_FACTORIAL[m])
 }
 
 /// Four consecutive terms of a series, the first being `1/k!`. Grouped by Estrin's scheme: the step cannot go
 /// on without the result, and Horner's would keep it waiting longer.
 #[inline(always)]
-fn quartet<T: RealField + Copy>(k: usize, z: T, z2: T) -> T {
+fn quartet<T: Scalar>(k: usize, z: T, z2: T) -> T {
     let low = inverse_factorial::<T>(k) - z * inverse_factorial(k + 2);
     let high = inverse_factorial::<T>(k + 4) - z * inverse_factorial(k + 6);
     low + z2 * high
 }
 
+/// Which members a family is computed [`downward`] from; of a family of one, twice the one.
+const fn highest<const N: usize>() -> [usize; 2] {
+    [N.saturating_sub(2), N - 1]
+}
+
 /// A family from its two highest members.
 #[inline(always)]
-fn downward<T: RealField + Copy, const N: usize>(z: T, highest: impl Fn(usize) -> T) -> [T; N] {
-    let mut c = [T::zero(); N];
-    for k in (0..N).rev() {
-        c[k] = if k + 2 < N { inverse_factorial::<T>(k) - z * c[k + 2] } else { highest(k) };
+fn downward<T: Scalar, const N: usize>(z: T, [even, odd]: [T; 2]) -> [T; N] {
+    let mut c = [even; N];
+    c[N - 1] = odd;
+    for k in (0..N.saturating_sub(2)).rev() {
+        c[k] = inverse_factorial::<T>(k) - z * c[k + 2];
     }
     c
 }
@@ -140,7 +158,7 @@ fn distant<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     let c1 = sine * cosine / half;
     let c2 = sine * sine / (quarter + quarter);
 
-    let mut c: [T; N] = downward(z, |k| series(k, z));
+    let mut c: [T; N] = downward(z, highest::<N>().map(|k| series(k, z)));
     for (member, value) in c.iter_mut().zip([c0, c1, c2]) {
         *member = value;
     }

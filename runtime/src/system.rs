@@ -13,7 +13,7 @@ use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
 use crate::method::{Carried, Halves, Method, OneStep};
 use crate::retraction::{Cayley, Exponential};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Batch, Real, Scalar};
 use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
 use crate::stepper::Stepper;
 
@@ -211,12 +211,12 @@ pub trait System: Sized {
     note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`"
 )]
 pub trait Discretized<M>: System {
-    /// What takes the steps.
-    type Method: Method<
-            Scalar = Self::Scalar,
-            Parameters = Self::Parameters<Self::Scalar>,
-            State = Self::StateComponents<Self::Scalar>,
-            Control = Self::ControlComponents<Self::Scalar>,
+    /// What takes the steps, over a number or several side by side.
+    type Method<T: Batch>: Method<
+            Scalar = T,
+            Parameters = Self::Parameters<T>,
+            State = Self::StateComponents<T>,
+            Control = Self::ControlComponents<T>,
         >;
 }
 
@@ -241,42 +241,42 @@ impl<S, R, const N: u32, const D: u32> Discretized<Family<R, N, D>> for S
 where
     S: Generated<Family<R, N, D>>,
 {
-    type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
+    type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
 }
 
 impl<S, R> Discretized<StormerVerlet<R>> for S
 where
     S: Discretized<SymplecticEulerA<R>> + Discretized<SymplecticEulerB<R>>,
 {
-    type Method = Halves<
-        <S as Discretized<SymplecticEulerA<R>>>::Method,
-        <S as Discretized<SymplecticEulerB<R>>>::Method,
+    type Method<T: Batch> = Halves<
+        <S as Discretized<SymplecticEulerA<R>>>::Method<T>,
+        <S as Discretized<SymplecticEulerB<R>>>::Method<T>,
     >;
 }
 
 impl<S: Generated<TangentLift<R>>, R> Discretized<TangentLift<R>> for S {
-    type Method = OneStep<S::Scalar, S::Kernel<S::Scalar>>;
+    type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
 }
 
 impl<S, M> Discretized<RightLift<M>> for S
 where
     S: Isolated + Discretized<M>,
 {
-    type Method = Carried<S, <S as Discretized<M>>::Method>;
+    type Method<T: Batch> = Carried<S, <S as Discretized<M>>::Method<T>>;
 }
 
 impl<S> Discretized<Exponential> for S
 where
     S: System + Discretized<<S as System>::Standard<Exponential>>,
 {
-    type Method = <S as Discretized<<S as System>::Standard<Exponential>>>::Method;
+    type Method<T: Batch> = <S as Discretized<<S as System>::Standard<Exponential>>>::Method<T>;
 }
 
 impl<S> Discretized<Cayley> for S
 where
     S: System + Discretized<<S as System>::Standard<Cayley>>,
 {
-    type Method = <S as Discretized<<S as System>::Standard<Cayley>>>::Method;
+    type Method<T: Batch> = <S as Discretized<<S as System>::Standard<Cayley>>>::Method<T>;
 }
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit

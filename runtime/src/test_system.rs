@@ -136,6 +136,10 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         Evaluation { residual, right, iterate: () }
     }
 
+    fn sweep(&self, _: &[T; 7], _: &(), _: &[T; 3]) -> Option<[T; 3]> {
+        None
+    }
+
     fn correction(&self, _: &[T; 7], _: &(), eta: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
         // column j of the Jacobian is the derivative of the left side in direction e_j
         let half = T::of(0.5);
@@ -382,6 +386,10 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
 
     fn correction(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 0] {
         []
+    }
+
+    fn sweep(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0]) -> Option<[T; 0]> {
+        None
     }
 
     fn domain(&self, _: &Self::State, _: &Self::Step, _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> T {

@@ -6,8 +6,9 @@ use coadjoint::certify;
 use coadjoint::certify::{Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::kernel::{Evaluation, Kernel};
-use coadjoint::method::{Method, OneStep};
+use coadjoint::method::{Method, OneStep, Outcome};
 use coadjoint::prelude::*;
+use coadjoint::scalar::{Batch, Scalar};
 use coadjoint::system::{Generated, Quantity};
 
 /// Nothing acts on it.
@@ -313,7 +314,7 @@ macro_rules! boast {
     ($($method:ty, $claims:ty;)*) => {
         $(
             impl Discretized<Boast<$method, $claims>> for Body {
-                type Method = <Self as Discretized<$method>>::Method;
+                type Method<T: Batch> = <Self as Discretized<$method>>::Method<T>;
             }
 
             impl Claims<Body> for Boast<$method, $claims> {
@@ -351,37 +352,31 @@ fn claims_of_other_schemes_fail() {
 struct Leaky;
 
 #[derive(Clone)]
-struct Leak(<Body as Discretized<Midpoint>>::Method);
+struct Leak<T: Batch>(<Body as Discretized<Midpoint>>::Method<T>);
 
-impl Method for Leak {
-    type Scalar = f64;
-    type Parameters = [f64; 3];
-    type State = [f64; 7];
-    type Control = [f64; 0];
+impl<T: Batch> Method for Leak<T> {
+    type Scalar = T;
+    type Parameters = [T; 3];
+    type State = [T; 7];
+    type Control = [T; 0];
 
-    fn new(parameters: &[f64; 3], step: f64) -> Self {
+    fn new(parameters: &[T; 3], step: T) -> Self {
         Self(Method::new(parameters, step))
     }
 
-    fn advance(
-        &mut self,
-        state: &[f64; 7],
-        time: f64,
-        control: &[f64; 0],
-        known: bool,
-    ) -> Result<([f64; 7], StepReport), StepError> {
-        let (mut next, report) = self.0.advance(state, time, control, known)?;
-        next[4..].iter_mut().for_each(|x| *x *= 1.0 - 1e-8);
-        Ok((next, report))
+    fn advance(&mut self, state: &[T; 7], time: T, control: &[T; 0], known: bool) -> Outcome<T, [T; 7]> {
+        let mut advanced = self.0.advance(state, time, control, known)?;
+        advanced.state[4..].iter_mut().for_each(|x| *x = *x * T::of(1.0 - 1e-8));
+        Ok(advanced)
     }
 
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [f64])) {
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         self.0.memory(visit);
     }
 }
 
 impl Discretized<Leaky> for Body {
-    type Method = Leak;
+    type Method<T: Batch> = Leak<T>;
 }
 
 impl Claims<Body> for Leaky {
@@ -403,7 +398,7 @@ struct Slow;
 #[derive(Clone, Copy)]
 struct Off<K>(K);
 
-impl<K: Kernel<f64>> Kernel<f64> for Off<K> {
+impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
     type Parameters = K::Parameters;
     type State = K::State;
     type Control = K::Control;
@@ -411,11 +406,11 @@ impl<K: Kernel<f64>> Kernel<f64> for Off<K> {
     type Step = K::Step;
     type Iterate = K::Iterate;
 
-    fn new(parameters: &K::Parameters, step: f64) -> Self {
+    fn new(parameters: &K::Parameters, step: T) -> Self {
         Self(K::new(parameters, step))
     }
 
-    fn begin(&self, state: &K::State, time: f64, control: &K::Control) -> K::Step {
+    fn begin(&self, state: &K::State, time: T, control: &K::Control) -> K::Step {
         self.0.begin(state, time, control)
     }
 
@@ -440,8 +435,12 @@ impl<K: Kernel<f64>> Kernel<f64> for Off<K> {
         evaluation: &Evaluation<K::Unknown, K::Iterate>,
     ) -> K::Unknown {
         let mut correction = self.0.correction(state, step, x, evaluation);
-        correction.as_mut()[0] *= 1.0001;
+        correction.as_mut()[0] = correction.as_ref()[0] * T::of(1.0001);
         correction
+    }
+
+    fn sweep(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> Option<K::Unknown> {
+        self.0.sweep(state, step, right)
     }
 
     fn domain(
@@ -450,7 +449,7 @@ impl<K: Kernel<f64>> Kernel<f64> for Off<K> {
         step: &K::Step,
         x: &K::Unknown,
         evaluation: &Evaluation<K::Unknown, K::Iterate>,
-    ) -> f64 {
+    ) -> T {
         self.0.domain(state, step, x, evaluation)
     }
 
@@ -465,10 +464,10 @@ impl<K: Kernel<f64>> Kernel<f64> for Off<K> {
     }
 }
 
-type Slowed = Off<<Body as Generated<Midpoint>>::Kernel<f64>>;
+type Slowed<T> = Off<<Body as Generated<Midpoint>>::Kernel<T>>;
 
 impl Discretized<Slow> for Body {
-    type Method = OneStep<f64, Slowed>;
+    type Method<T: Batch> = OneStep<T, Slowed<T>>;
 }
 
 impl Claims<Body> for Slow {
@@ -480,7 +479,7 @@ impl Claims<Body> for Slow {
     }
 
     fn kernels(probe: &mut Probe<'_, Body>, step: f64) {
-        probe.kernel::<Slowed>(step);
+        probe.kernel::<Slowed<f64>>(step);
     }
 }
 
@@ -500,10 +499,10 @@ struct Bent {
 impl System for Bent {
     type Scalar = f64;
     type State = BodyState;
-    type StateComponents<T: coadjoint::scalar::Scalar> = <Body as System>::StateComponents<T>;
+    type StateComponents<T: Scalar> = <Body as System>::StateComponents<T>;
     type Control = NoControl<f64>;
-    type ControlComponents<T: coadjoint::scalar::Scalar> = <Body as System>::ControlComponents<T>;
-    type Parameters<T: coadjoint::scalar::Scalar> = <Body as System>::Parameters<T>;
+    type ControlComponents<T: Scalar> = <Body as System>::ControlComponents<T>;
+    type Parameters<T: Scalar> = <Body as System>::Parameters<T>;
     type Casimirs = <Body as System>::Casimirs;
     type Momentum = <Body as System>::Momentum;
     type Standard<R> = <Body as System>::Standard<R>;
@@ -573,7 +572,7 @@ fn a_wrong_geometry_is_found() {
 struct Plain;
 
 impl Discretized<Plain> for Bent {
-    type Method = <Body as Discretized<Midpoint>>::Method;
+    type Method<T: Batch> = <Body as Discretized<Midpoint>>::Method<T>;
 }
 
 impl Claims<Bent> for Plain {

@@ -4,6 +4,7 @@ use coadjoint_codegen::expr::{Arena, Stage, Vector, gradient};
 use coadjoint_codegen::group::{
     Element, Group, Named, Representation, Retraction, Semidirect, Translation, catalogue,
 };
+use coadjoint_codegen::model::Side;
 use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization};
 use coadjoint_tests::precise::formula::{Formula, Point, symbols};
 use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
@@ -183,6 +184,31 @@ fn normalization_takes_the_error_of_a_product_away() {
             let defect = subject.definition.defect(&back).norm();
             residuals.vanish("what is off by 1e-30 comes back to 1e-59", &defect, 1e-59);
             residuals.vanish("and no farther than it was off", &(&back - &g).norm(), 3e-30);
+        }
+    });
+}
+
+/// What moves an element along a retraction at once is the product, normalized.
+#[test]
+fn elements_move_along_retractions() {
+    for_each_retraction(|subject, retraction, residuals| {
+        let (n, group) = (subject.dimension(), subject.group);
+        let random = &mut Random::new(24);
+        for side in [Side::Left, Side::Right] {
+            let moved = Formula::new(subject.arena, [subject.coordinates(), n], |[g, x]| {
+                group.moved(side, retraction, &g, &x).next
+            });
+            let product = Formula::new(subject.arena, [subject.coordinates(), n], |[g, x]| {
+                side.compose(group, &g, &group.retract(retraction, &x))
+            });
+            for g in subject.elements() {
+                let x = Column::random(n, random);
+                residuals.agree("g τ(x)", &moved.at([&g, &x]), &product.at([&g, &x]), EXACT);
+                let off = &g + &Column::random(subject.coordinates(), random).scale(&Real::ten_to(-30));
+                let back = moved.at([&off, &x]);
+                let defect = subject.definition.defect(&back).norm();
+                residuals.vanish("what is off by 1e-30 comes back to 1e-58", &defect, 1e-58);
+            }
         }
     });
 }

@@ -49,20 +49,20 @@ pub(super) fn geometry<'a>(arena: &'a Arena, system: &System<'a>, names: &Names)
             .flat_map(|factor| factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0);
         let in_space = emitted("in_space", &Vector(momenta.collect()), &[], false);
         let (n, all) = (size(n), size(system.state_symbols().len()));
-        let zeros = vec![quote! { 0.0 }; system.parameter_symbols().len()];
+        let zeros = vec![quote! { T::of(0.0) }; system.parameter_symbols().len()];
         quote! {
             #body
             #in_space
 
             #[automatically_derived]
             impl #private::Isolated for #name {
-                type Spatial = [#scalar; #n];
+                type Spatial<T: #private::Scalar> = [T; #n];
 
-                fn in_space(state: &[#scalar; #all]) -> [#scalar; #n] {
+                fn in_space<T: #private::Scalar>(state: &[T; #all]) -> [T; #n] {
                     in_space(&[#(#zeros),*], state)
                 }
 
-                fn in_body(state: &[#scalar; #all], spatial: &[#scalar; #n]) -> [#scalar; #all] {
+                fn in_body<T: #private::Scalar>(state: &[T; #all], spatial: &[T; #n]) -> [T; #all] {
                     body(&[#(#zeros),*], state, spatial)
                 }
             }

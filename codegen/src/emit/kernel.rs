@@ -117,17 +117,24 @@ pub(super) fn kernel(
     let evaluate =
         body(&kernel.evaluate, quote! { Evaluation { residual: #residual, right: #right, iterate: #kept } });
     let correction = body(&kernel.correction, array(&kernel.correction.results));
+    let sweep = if kernel.sweep.results.is_empty() {
+        quote! { ::core::option::Option::None }
+    } else {
+        let next = array(&kernel.sweep.results);
+        body(&kernel.sweep, quote! { ::core::option::Option::Some(#next) })
+    };
     let margins = kernel.domain.results.iter().map(term);
     let margin = margins.reduce(|a, b| quote! { T::min(#a, #b) }).unwrap_or_else(|| quote! { T::of(1.0) });
     let domain = body(&kernel.domain, margin);
     let finish = body(&kernel.finish, array(&kernel.finish.results));
 
-    let [new_doc, begin_doc, start_doc, evaluate_doc, correction_doc, finish_doc] = [
+    let [new_doc, begin_doc, start_doc, evaluate_doc, correction_doc, sweep_doc, finish_doc] = [
         ("Once, when the stepper is built", &kernel.new),
         ("Once a step", &kernel.begin),
         ("A first approximation of the unknown", &kernel.start),
         ("Once an iteration: the residual and the right side of the equation", &kernel.evaluate),
         ("Once an iteration: the Newton correction", &kernel.correction),
+        ("The solution of `left(x) = right`", &kernel.sweep),
         ("Once a step: the next state", &kernel.finish),
     ]
     .map(|(what, section)| docs::line(&format!("{what}: {}.", section.operations())));
@@ -202,6 +209,17 @@ pub(super) fn kernel(
                     evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
                 ) -> [T; #unknown] {
                     #correction
+                }
+
+                #sweep_doc
+                #[inline(always)]
+                fn sweep(
+                    &self,
+                    state: &[T; #state],
+                    step: &Step<T>,
+                    right: &[T; #unknown],
+                ) -> ::core::option::Option<[T; #unknown]> {
+                    #sweep
                 }
 
                 #domain_doc
@@ -322,6 +340,10 @@ impl Inputs<'_> {
         let step = fields(quote! { Step }, &kernel.step, quote! { *step });
         if is(&kernel.start) {
             return quote! { #constants #state #step };
+        }
+        if is(&kernel.sweep) {
+            let right = unpack_array("right", &kernel.right, section);
+            return quote! { #constants #state #step #right };
         }
         let unknown = unpack_array("unknown", &kernel.unknown, section);
         if is(&kernel.evaluate) {

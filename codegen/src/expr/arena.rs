@@ -504,6 +504,23 @@ impl<'a> Expr<'a> {
         self
     }
 
+    /// The earliest stage at which its value is known.
+    pub fn stage(self) -> Stage {
+        let mut latest = Stage::Parameters;
+        let mut seen = FxHashSet::default();
+        let mut pending = vec![self.id];
+        while let Some(id) = pending.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            match self.arena.node(id) {
+                Node::Symbol(symbol) => latest = latest.max(self.arena.symbol_info(symbol).stage),
+                node => pending.extend(node.operands()),
+            }
+        }
+        latest
+    }
+
     /// Whether any of the symbols occurs.
     pub fn depends_on(self, symbols: &[Symbol]) -> bool {
         let mut seen = rustc_hash::FxHashSet::default();

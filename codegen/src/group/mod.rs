@@ -82,6 +82,17 @@ pub trait Group: Sync {
     fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g`, which roundoff has taken an ulp or two off the group, back on it.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
+    /// `g τ(x)`, on the other side `τ(x) g`.
+    fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
+        let turn = self.retract(retraction, x).hold();
+        let moved = match side {
+            Side::Left => self.compose(g, &turn),
+            Side::Right => self.compose(&turn, g),
+        }
+        .hold();
+        let next = self.normalize(&moved);
+        Moved { turn, moved, next }
+    }
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
     /// The linear spaces the group acts on.
@@ -101,6 +112,16 @@ pub trait Group: Sync {
     fn components(&self) -> &'static [Component] {
         &[]
     }
+}
+
+/// An element of a group moved along a retraction, and what it was computed from.
+pub struct Moved<'a> {
+    /// The retraction, maybe but for a factor.
+    pub turn: Vector<'a>,
+    /// The product, maybe but for a factor.
+    pub moved: Vector<'a>,
+    /// The product, on the group.
+    pub next: Vector<'a>,
 }
 
 /// What the equations of motion are written in.

@@ -8,10 +8,11 @@
 //! * Both logarithmic derivatives satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
+    Component, ComponentValue, EquationNames, Equations, Group, Moved, Named, Representation, Retraction,
     Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
+use crate::model::Side;
 
 /// Rotations of space.
 pub struct SO3;
@@ -81,7 +82,7 @@ impl Group for SO3 {
         let (w, half) = match retraction {
             Retraction::Exponential => (quarter.stumpff(0), quarter.stumpff(1) / 2),
             Retraction::Cayley => {
-                let w = (quarter + 1).sqrt().recip();
+                let w = (quarter + 1).recip().sqrt();
                 (w, w / 2)
             }
         };
@@ -133,6 +134,28 @@ impl Group for SO3 {
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
         let correction = (squared_norm(g) - 1) / 2;
         g - &g.scale(correction)
+    }
+
+    /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to the product's:
+    /// the root need not be waited for.
+    fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
+        let quarter = squared_norm(x).scale(Number::ratio(1, 4));
+        let one = quarter.arena().one();
+        let (turn, inverse) = match retraction {
+            Retraction::Exponential => (self.retract(retraction, x), one),
+            Retraction::Cayley => {
+                let half = x.scale(one / 2);
+                (Vector([vec![one], half.0].concat()), (quarter + 1).recip())
+            }
+        };
+        let turn = turn.hold();
+        let moved = side.compose(self, g, &turn).hold();
+        // one Newton step, as in `normalize`
+        let root = inverse.sqrt();
+        let share = (root * inverse / 2).hold();
+        let length = root.scale(Number::ratio(3, 2)).hold() - squared_norm(&moved) * share;
+        let next = moved.scale(length.hold());
+        Moved { turn, moved, next }
     }
 
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {

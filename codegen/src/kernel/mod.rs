@@ -82,6 +82,8 @@ pub struct Kernel {
     pub unknown: Vec<String>,
     /// The names that the residual's components have within the correction.
     pub residual: Vec<String>,
+    /// The names that the right side's components have within the sweep.
+    pub right: Vec<String>,
     /// The name of the step size, if it is used.
     pub h: Option<String>,
     /// The names of all symbols, which differ from what they are called where that is taken.
@@ -96,6 +98,9 @@ pub struct Kernel {
     pub evaluate: Section,
     /// Computes the Newton correction from the residual.
     pub correction: Section,
+    /// Computes the next iterate of the fixed-point iteration, `left(x) = right(previous x)`, from the right side; without results if the
+    /// left side is not linear with constant coefficients.
+    pub sweep: Section,
     /// Computes the distances to the edges of the domain; without results if there is no edge.
     pub domain: Section,
     /// Computes the next state.
@@ -122,9 +127,13 @@ impl Kernel {
     /// Derives Newton's correction for the step's equation, and lays all of it out in sections.
     pub fn new<'a>(arena: &'a Arena, step: &Step<'a>) -> Self {
         let unknown = step.unknown.symbols();
-        let residual_symbol = |i: usize| arena.symbol(format!("residual_{i}"), Stage::Iteration);
-        let residual = Vector((1..=unknown.len()).map(residual_symbol).collect());
-        let symbols = (step.unknown.clone(), residual.clone(), step.h);
+        let numbered = |name: &str| {
+            let symbol = |i: usize| arena.symbol(format!("{name}_{i}"), Stage::Iteration);
+            Vector((1..=unknown.len()).map(symbol).collect::<Vec<_>>())
+        };
+        let (residual, given_right) = (numbered("residual"), numbered("right"));
+        let symbols = (step.unknown.clone(), residual.clone(), given_right.clone(), step.h);
+        let sweep = fixed_point(step, &given_right).unwrap_or_else(|| Vector(Vec::new()));
         let jacobian = (&step.left - &step.right).jacobian(&unknown);
         let places =
             (0..jacobian.entries.len()).map(|k| (k / jacobian.columns + 1, k % jacobian.columns + 1));
@@ -134,7 +143,7 @@ impl Kernel {
         let correction = if unknown.is_empty() { residual.clone() } else { jacobian.solve(&residual) };
 
         let domain = Vector(step.domain.clone());
-        let groups = [&step.start, &step.left, &step.right, &correction, &domain, &step.next];
+        let groups = [&step.start, &step.left, &step.right, &correction, &sweep, &domain, &step.next];
         let mut factoring = Factoring::new(arena, groups.into_iter().flat_map(Vector::iter));
         let mut plan = Plan::new(arena);
         let mut names = Namer::new();
@@ -143,19 +152,46 @@ impl Kernel {
             signed
         });
         names.carry_over(arena, &factoring, &plan);
-        let [start, left, right, correction, domain, next] = planned;
+        let [start, left, right, correction, sweep, domain, next] = planned;
         let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
         plan.share_pairs();
 
         let evaluation = [difference, right].concat();
-        let outputs = schedule::Outputs { start, evaluation, correction, domain, next };
+        let outputs = schedule::Outputs { start, evaluation, correction, sweep, domain, next };
         let mut kernel = Schedule::new(arena, &plan, names).kernel(outputs, &step.given);
-        let (unknown, residual, h) = symbols;
+        let (unknown, residual, right, h) = symbols;
+        kernel.right = kernel.symbols.of(&right);
         kernel.unknown = kernel.symbols.of(&unknown);
         kernel.residual = kernel.symbols.of(&residual);
         kernel.h = h.as_symbol().map(|h| kernel.symbols.get(h)).filter(|h| kernel.new.inputs.contains(h));
         kernel
     }
+}
+
+/// The solution `x` of `left(x) = right`, where the left side is linear in the unknown with coefficients that depend on parameters and step
+/// alone: their inverse is then computed once, when the stepper is built.
+fn fixed_point<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
+    let arena = step.h.arena();
+    let symbols = step.unknown.symbols();
+    if symbols.is_empty() {
+        return None;
+    }
+    let matrix = step.left.jacobian(&symbols);
+    let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
+    let is_linear = (&step.left - &matrix.times(&step.unknown)).iter().all(|x| x.is_zero());
+    if !(is_constant && is_linear) {
+        return None;
+    }
+    let unit = |j: usize| {
+        let entry = |i: usize| if i == j { arena.one() } else { arena.zero() };
+        Vector((0..symbols.len()).map(entry).collect::<Vec<_>>())
+    };
+    let columns: Vec<Vector<'a>> = (0..symbols.len()).map(|j| matrix.solve(&unit(j))).collect();
+    let row = |i: usize| {
+        let products = columns.iter().zip(right.iter()).map(|(column, x)| column.0[i].hold() * x);
+        products.fold(arena.zero(), |sum, product| sum + product)
+    };
+    Some(Vector((0..symbols.len()).map(row).collect()))
 }
 
 /// Straight-line code for expressions of parameters and state that stand for themselves (energy, Casimirs, …), and what it calls

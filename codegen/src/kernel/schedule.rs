@@ -18,6 +18,7 @@ pub(super) struct Outputs {
     pub start: Vec<Signed>,
     pub evaluation: Vec<Signed>,
     pub correction: Vec<Signed>,
+    pub sweep: Vec<Signed>,
     pub domain: Vec<Signed>,
     pub next: Vec<Signed>,
 }
@@ -74,7 +75,8 @@ impl<'p, 'a> Schedule<'p, 'a> {
     pub(super) fn kernel(mut self, outputs: Outputs, given: &[Symbol]) -> Kernel {
         self.given = given.iter().copied().collect();
         let ops = |signed: &[Signed]| signed.iter().map(|s| s.op).collect::<Vec<Op>>();
-        let stepping = [&outputs.evaluation, &outputs.correction, &outputs.domain, &outputs.next];
+        let stepping =
+            [&outputs.evaluation, &outputs.correction, &outputs.sweep, &outputs.domain, &outputs.next];
         let stepping: Vec<Op> = stepping.into_iter().flat_map(|signed| ops(signed)).collect();
         let stepping = self.cone(&stepping);
         let evaluating = self.cone(&ops(&outputs.evaluation));
@@ -109,10 +111,12 @@ impl<'p, 'a> Schedule<'p, 'a> {
             start: self.section(Some(Home::Local), &[], &outputs.start),
             evaluate: self.section(Some(Home::Evaluate), &iterate_ops, &outputs.evaluation),
             correction: self.section(Some(Home::Local), &[], &outputs.correction),
+            sweep: self.section(Some(Home::Local), &[], &outputs.sweep),
             domain: self.section(Some(Home::Local), &[], &outputs.domain),
             finish: self.section(Some(Home::Local), &[], &outputs.next),
             unknown: Vec::new(),
             residual: Vec::new(),
+            right: Vec::new(),
             h: None,
             symbols: SymbolNames(self.symbols),
         }
@@ -170,7 +174,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         for signed in &outputs.evaluation {
             need(self, signed.op, Home::Evaluate);
         }
-        let local = [&outputs.start, &outputs.correction, &outputs.domain, &outputs.next];
+        let local = [&outputs.start, &outputs.correction, &outputs.sweep, &outputs.domain, &outputs.next];
         for signed in local.into_iter().flatten() {
             need(self, signed.op, Home::Local);
         }

@@ -99,6 +99,7 @@ impl fmt::Display for Kernel {
         self.start.text(f, "start", &[], &self.unknown)?;
         self.evaluate.text(f, "evaluate", &self.iterate, &evaluated)?;
         self.correction.text(f, "correction", &[], &numbered("correction", n))?;
+        self.sweep.text(f, "sweep", &[], &self.unknown)?;
         self.domain.text(f, "domain", &[], &numbered("margin", self.domain.results.len()))?;
         self.finish.text(f, "finish", &[], &numbered("next", self.finish.results.len()))
     }

@@ -108,11 +108,10 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         let m_next = m_plus.plus(&algebra.coadjoint(&eta_late, &after));
 
         // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
-        let turn = algebra.group.retract(retraction, y_late).hold();
-        let turn = turn.named(&format!("{prefix}turn"), algebra.group.coordinates());
-        let moved = system.side.compose(algebra.group, &motion.g_bar, &turn).hold();
-        let moved = moved.named(&format!("{}_moved", plain(&factor.name)), algebra.group.coordinates());
-        let g_next = algebra.group.normalize(&moved);
+        let moved = algebra.group.moved(system.side, retraction, &motion.g_bar, y_late);
+        moved.turn.named(&format!("{prefix}turn"), algebra.group.coordinates());
+        moved.moved.named(&format!("{}_moved", plain(&factor.name)), algebra.group.coordinates());
+        let g_next = moved.next;
 
         y.dot(y).named(format!("{prefix}eta_squared"));
         m_bar.base.named(&format!("{prefix}momentum_mean"), axes);

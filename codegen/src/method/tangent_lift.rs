@@ -44,9 +44,8 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
         let acceleration = Vector(accelerations.by_ref().take(n).collect());
         let x = velocity.scale(t).hold();
         let sign = arena.number(system.side.sign());
-        let turn = algebra.group.retract(retraction, &x).hold();
-        let moved = system.side.compose(algebra.group, &factor.configuration, &turn).hold();
-        values.extend(factor.configuration.symbols().into_iter().zip(algebra.group.normalize(&moved).iter()));
+        let moved = algebra.group.moved(system.side, retraction, &factor.configuration, &x);
+        values.extend(factor.configuration.symbols().into_iter().zip(moved.next.iter()));
         // dL τ_x = dR τ_{−x}, and the other way round on the other side
         let change = d_right(algebra.group, retraction, &x.scale(-sign), &acceleration);
         velocity_next.extend((&velocity + &change).0);

@@ -20,7 +20,7 @@ pub(crate) struct Table<'a> {
 pub(crate) struct Finding {
     /// What was asked for.
     pub(crate) job: Job,
-    /// Steps and Newton iterations.
+    /// Steps and iterations.
     pub(crate) report: RunReport,
     /// What it found of energy and Casimirs.
     pub(crate) ledger: Ledger,
@@ -89,7 +89,7 @@ impl<'a> Table<'a> {
             row("time per step, ns", &|run| {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
             }),
-            row("Newton iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
+            row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
             row("energy at the start, J", &|run| format!("{:.4}", Figures(run.ledger.energy.initial))),
             row(
                 if self.entry.autonomous {

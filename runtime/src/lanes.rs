@@ -1,0 +1,253 @@
+//! Several numbers side by side, computed together.
+//!
+//! Every operation works on each lane by itself, in the same way as it would on the lane's number alone: what comes out is the same, bit for
+//! bit. On a processor with wide registers the compiler makes one instruction of all of them.
+
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use crate::scalar::{Batch, Mask, Real, Scalar, Work};
+use crate::stumpff;
+
+/// `N` numbers side by side, for code that is compiled for `P`.
+///
+/// ```
+/// use coadjoint::lanes::Lanes;
+/// use coadjoint::scalar::Scalar;
+///
+/// let x = Lanes::<f64, 4>::from([1.0, 4.0, 9.0, 16.0]);
+/// assert_eq!(x.sqrt() + Lanes::of(0.5), Lanes::from([1.5, 2.5, 3.5, 4.5]));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lanes<X, const N: usize, P: Processor = Portable>([X; N], P::Alignment);
+
+/// A kind of processor.
+pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
+    /// Something without size that is aligned as the processor's registers are wide.
+    type Alignment: Copy + PartialEq + core::fmt::Debug + Default + Send + Sync + 'static;
+    /// Does the work in a function of its own, compiled for this kind.
+    fn outline<W: Work>(work: W) -> W::Result;
+}
+
+/// Any processor that the program was built for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Portable;
+
+impl Processor for Portable {
+    type Alignment = ();
+
+    #[inline(never)]
+    fn outline<W: Work>(work: W) -> W::Result {
+        work.done()
+    }
+}
+
+impl<X, const N: usize, P: Processor> From<[X; N]> for Lanes<X, N, P> {
+    #[inline(always)]
+    fn from(numbers: [X; N]) -> Self {
+        Self(numbers, P::Alignment::default())
+    }
+}
+
+impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
+    #[inline(always)]
+    fn map(self, f: impl Fn(X) -> X) -> Self {
+        let mut numbers = self.0;
+        for x in &mut numbers {
+            *x = f(*x);
+        }
+        Self(numbers, P::Alignment::default())
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(X, X) -> X) -> Self {
+        let mut numbers = self.0;
+        for (x, y) in numbers.iter_mut().zip(&other.0) {
+            *x = f(*x, *y);
+        }
+        Self(numbers, P::Alignment::default())
+    }
+
+    #[inline(always)]
+    fn test(self, other: Self, f: impl Fn(X, X) -> bool) -> Truths<N> {
+        let mut truths = [0; N];
+        for (truth, (x, y)) in truths.iter_mut().zip(self.0.iter().zip(&other.0)) {
+            *truth = if f(*x, *y) { u64::MAX } else { 0 };
+        }
+        Truths(truths)
+    }
+}
+
+macro_rules! operators {
+    ($($trait:ident $name:ident $operator:tt)*) => {
+        $(impl<X: Real, const N: usize, P: Processor> $trait for Lanes<X, N, P> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                self.zip(other, |x, y| x $operator y)
+            }
+        })*
+    };
+}
+operators! { Add add + Sub sub - Mul mul * Div div / }
+
+impl<X: Real, const N: usize, P: Processor> Neg for Lanes<X, N, P> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|x| -x)
+    }
+}
+
+macro_rules! each {
+    ($($name:ident)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            self.map(|x| Scalar::$name(x))
+        })*
+    };
+}
+
+impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        Self([X::of(value); N], P::Alignment::default())
+    }
+    each! { sqrt exp ln sin cos tan asin acos atan sinh cosh tanh }
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        self.zip(exponent, |x, y| x.powf(y))
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        self.zip(x, |y, x| y.atan2(x))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.zip(other, |x, y| Scalar::min(x, y))
+    }
+    #[inline(always)]
+    fn stumpff<const K: usize>(self) -> [Self; K] {
+        if Batch::abs(self).below(Self::of(stumpff::SHORT)).all() {
+            return stumpff::short(self);
+        }
+        let mut family = [Self::of(0.0); K];
+        for lane in 0..N {
+            for (member, value) in family.iter_mut().zip(self.0[lane].stumpff::<K>()) {
+                member.0[lane] = value;
+            }
+        }
+        family
+    }
+}
+
+impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
+    type Number = X;
+    type Mask = Truths<N>;
+    type Each<Y: Copy + Send + Sync> = [Y; N];
+
+    const LANES: usize = N;
+    const EPSILON: f64 = X::EPSILON;
+
+    #[inline(always)]
+    fn each<Y: Copy + Send + Sync>(value: impl FnMut(usize) -> Y) -> [Y; N] {
+        core::array::from_fn(value)
+    }
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> X {
+        self.0[lane]
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, number: X) {
+        self.0[lane] = number;
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(|x| Batch::abs(x))
+    }
+    #[inline(always)]
+    fn is_finite(self) -> Truths<N> {
+        self.test(self, |x, _| Batch::is_finite(x))
+    }
+    #[inline(always)]
+    fn is_same(self, other: Self) -> Truths<N> {
+        self.test(other, |x, y| x.is_same(y))
+    }
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> Truths<N> {
+        self.test(limit, |x, y| x <= y)
+    }
+    #[inline(always)]
+    fn below(self, limit: Self) -> Truths<N> {
+        self.test(limit, |x, y| x < y)
+    }
+    #[inline(always)]
+    fn select(mask: Truths<N>, yes: Self, no: Self) -> Self {
+        let mut numbers = no.0;
+        for (k, x) in numbers.iter_mut().enumerate() {
+            *x = if mask.0[k] != 0 { yes.0[k] } else { *x };
+        }
+        Self(numbers, P::Alignment::default())
+    }
+    #[inline(always)]
+    fn outline<W: Work>(work: W) -> W::Result {
+        P::outline(work)
+    }
+}
+
+/// A truth for each of `N` lanes: all bits or none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Truths<const N: usize>([u64; N]);
+
+impl<const N: usize> Truths<N> {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
+        let mut truths = self.0;
+        for (x, y) in truths.iter_mut().zip(&other.0) {
+            *x = f(*x, *y);
+        }
+        Self(truths)
+    }
+}
+
+impl<const N: usize> Mask for Truths<N> {
+    #[inline(always)]
+    fn splat(value: bool) -> Self {
+        Self([if value { u64::MAX } else { 0 }; N])
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0.iter().fold(u64::MAX, |all, truth| all & truth) != 0
+    }
+    #[inline(always)]
+    fn any(self) -> bool {
+        self.0.iter().fold(0, |any, truth| any | truth) != 0
+    }
+    #[inline(always)]
+    fn lane(self, lane: usize) -> bool {
+        self.0[lane] != 0
+    }
+}
+
+impl<const N: usize> BitAnd for Truths<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        self.zip(other, |x, y| x & y)
+    }
+}
+
+impl<const N: usize> BitOr for Truths<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        self.zip(other, |x, y| x | y)
+    }
+}
+
+impl<const N: usize> Not for Truths<N> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.zip(self, |x, _| !x)
+    }
+}

@@ -1,0 +1,314 @@
+//! Members of an ensemble move as they would alone.
+// in a test, a panic is the report
+#![allow(clippy::unwrap_used)]
+
+use std::ops::ControlFlow;
+
+use coadjoint::ensemble::{EnsembleError, Failed, Instructions, Moment, Spread};
+use coadjoint::prelude::*;
+
+/// Nothing acts on it.
+#[lie_poisson_system(group = SO3)]
+#[derive(Clone)]
+struct Body {
+    #[inertia]
+    inertia: Vector3<f64>,
+}
+
+/// The vertical is advected.
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
+#[derive(Clone)]
+struct Top {
+    #[inertia]
+    inertia: Vector3<f64>,
+    weight: f64,
+    chi: Vector3<f64>,
+}
+
+/// A potential on the group, a force that depends on time, and a control.
+#[lie_poisson_system(
+    group = SO2,
+    potential = -weight * angle.cos_angle(),
+    force(angle = -friction * momentum + Vector1::new(drive * t.sin() + push)),
+    control(push: f64),
+)]
+#[derive(Clone)]
+struct Pendulum {
+    #[inertia]
+    inertia: f64,
+    weight: f64,
+    friction: f64,
+    drive: f64,
+}
+
+/// Runs away, the faster the farther it is.
+#[lie_poisson_system(group = R1, potential = -0.25 * position.x.powi(4))]
+#[derive(Clone)]
+struct Runaway {
+    #[inertia]
+    inertia: f64,
+}
+
+/// In single precision.
+#[lie_poisson_system(group = SO3)]
+#[derive(Clone)]
+struct Single {
+    #[inertia]
+    inertia: Vector3<f32>,
+}
+
+/// More than one block of any width, and the last one not full.
+const MEMBERS: usize = 37;
+
+fn bodies() -> (Vec<Body>, Vec<BodyState>) {
+    let body = |k: usize| Body { inertia: vector![1.0 + 0.01 * k as f64, 2.0, 2.5] };
+    let state = |k: usize| BodyState {
+        attitude: UnitQuaternion::identity(),
+        // the first does not move
+        momentum: vector![0.1, 2.0, -0.3] * (k as f64 / 10.0),
+    };
+    ((0..MEMBERS).map(body).collect(), (0..MEMBERS).map(state).collect())
+}
+
+fn tops() -> (Vec<Top>, Vec<TopState>) {
+    let top = |k: usize| Top {
+        inertia: vector![1.0, 1.0 + k as f64, 100.0],
+        weight: 1.0 + 0.2 * k as f64,
+        chi: vector![0.3, 0.2, 1.0],
+    };
+    let state = |k: usize| TopState {
+        attitude: UnitQuaternion::identity(),
+        momentum: vector![1.0, 0.1 * k as f64, 1.0],
+        gamma: Vector3::z(),
+    };
+    ((0..MEMBERS).map(top).collect(), (0..MEMBERS).map(state).collect())
+}
+
+fn pendulums() -> (Vec<Pendulum>, Vec<PendulumState>) {
+    let pendulum = |k: usize| Pendulum { inertia: 1.0, weight: 0.3 * k as f64, friction: 0.01, drive: 0.5 };
+    let state = |k: usize| PendulumState {
+        angle: UnitComplex::new(0.1 * k as f64),
+        momentum: vector![1.0 - 0.05 * k as f64],
+    };
+    ((0..MEMBERS).map(pendulum).collect(), (0..MEMBERS).map(state).collect())
+}
+
+/// Compares an ensemble, by whatever instructions, with its members alone. The control depends on the member.
+fn moves_as_alone<S, M>(
+    (systems, states): (Vec<S>, Vec<S::State>),
+    step: S::Scalar,
+    control: fn(usize) -> S::Control,
+) where
+    S: Discretized<M> + 'static,
+    M: 'static,
+{
+    let alone: Vec<_> = systems
+        .iter()
+        .zip(&states)
+        .enumerate()
+        .map(|(member, (system, state))| {
+            let mut state = state.clone();
+            let mut stepper = system.stepper::<M>(step).unwrap();
+            for _ in 0..400 {
+                stepper.step_with(&mut state, &control(member)).unwrap();
+            }
+            state
+        })
+        .collect();
+    assert!(alone.iter().zip(&states).any(|(end, start)| end != start), "nothing moves");
+    for instructions in Instructions::available() {
+        let mut ensemble =
+            Ensemble::<S, M>::with_instructions(&systems, states.clone(), step, instructions).unwrap();
+        ensemble.control(|member, _| control(member));
+        // interruptions make no difference
+        for steps in [150, 1, 249] {
+            let report = ensemble.run(steps);
+            assert_eq!((report.steps, report.failures), (steps, 0));
+            assert_eq!(report.member_steps, steps * MEMBERS as u64);
+        }
+        for (member, (together, alone)) in ensemble.states().zip(&alone).enumerate() {
+            assert_eq!(&together, alone, "member {member}, {instructions:?}");
+        }
+    }
+}
+
+fn none<S>(_: usize) -> NoControl<S>
+where
+    NoControl<S>: Default,
+{
+    NoControl::default()
+}
+
+#[test]
+fn members_move_as_they_would_alone() {
+    moves_as_alone::<Body, Cayley>(bodies(), 0.01, none);
+    moves_as_alone::<Top, Exponential>(tops(), 0.01, none);
+    // where sweeps do not contract, Newton's iteration
+    moves_as_alone::<Top, Exponential>(tops(), 0.3, none);
+    moves_as_alone::<Body, Order4<RightLift<Cayley>>>(bodies(), 0.1, none);
+    let push = |member: usize| PendulumControl { push: 0.01 * member as f64 };
+    moves_as_alone::<Pendulum, Cayley>(pendulums(), 0.05, push);
+}
+
+#[test]
+fn single_precision_moves_alike() {
+    let systems = (0..MEMBERS).map(|k| Single { inertia: vector![1.0, 2.0, 2.0 + 0.1 * k as f32] }).collect();
+    let state = |k: usize| SingleState {
+        attitude: UnitQuaternion::identity(),
+        momentum: vector![0.1, 2.0, 0.01 * k as f32],
+    };
+    moves_as_alone::<Single, Exponential>((systems, (0..MEMBERS).map(state).collect()), 0.01, none);
+}
+
+#[test]
+fn those_that_fail_do_not_stop_the_others() {
+    let runaways = vec![Runaway { inertia: 1.0 }; MEMBERS];
+    // some escape, at different times, and some have not yet
+    let states: Vec<_> = (0..MEMBERS)
+        .map(|k| RunawayState {
+            position: vector![0.1 + 0.05 * ((k * 7) % MEMBERS) as f64],
+            momentum: vector![0.2],
+        })
+        .collect();
+    let mut expected = Vec::new();
+    let mut ends = Vec::new();
+    for (member, start) in states.iter().enumerate() {
+        let mut state = start.clone();
+        let mut stepper = runaways[member].stepper::<Exponential>(0.01).unwrap();
+        for step in 1..=300 {
+            if let Err(source) = stepper.step(&mut state) {
+                expected.push(Failed { member, step, source });
+                break;
+            }
+        }
+        ends.push(state);
+    }
+    assert!(expected.len() > 10 && expected.len() < MEMBERS - 3, "{} fail", expected.len());
+    for instructions in Instructions::available() {
+        let mut ensemble =
+            Ensemble::<_, Exponential>::with_instructions(&runaways, states.clone(), 0.01, instructions)
+                .unwrap();
+        let mut alive = Vec::new();
+        let mut watcher = |moment: &Moment<'_, Runaway>| {
+            alive.push(moment.members().count());
+            assert_eq!(moment.members().count() + moment.failed().len(), moment.len());
+            ControlFlow::Continue(())
+        };
+        let report = ensemble.run_watched(300, 50, &mut watcher);
+        assert_eq!(alive.len(), 7);
+        assert!(alive.is_sorted_by(|a, b| a >= b));
+        assert_eq!((alive[0], alive[6]), (MEMBERS, MEMBERS - expected.len()));
+        assert_eq!((report.failures, report.stopped), (expected.len(), false));
+        let lost: u64 = expected.iter().map(|failed| 300 - (failed.step - 1)).sum();
+        assert_eq!(report.member_steps, 300 * MEMBERS as u64 - lost);
+        assert_eq!(ensemble.failed(), expected);
+        for (member, (together, alone)) in ensemble.states().zip(&ends).enumerate() {
+            assert_eq!(&together, alone, "member {member}, {instructions:?}");
+        }
+    }
+}
+
+#[test]
+fn all_may_fail() {
+    let states = vec![RunawayState { position: vector![3.0], momentum: vector![0.0] }; 3];
+    let mut ensemble =
+        Ensemble::<_, Exponential>::new(&vec![Runaway { inertia: 1.0 }; 3], states, 0.1).unwrap();
+    let mut spread = Distribution::of(|_: &Runaway, state: &RunawayState| state.position.x);
+    let report = ensemble.run_watched(1_000, 1_000, &mut spread);
+    assert_eq!((report.steps, report.failures), (1_000, 3));
+    assert!(report.member_steps < 300);
+    assert_eq!(spread.moments().iter().map(|moment| moment.members).collect::<Vec<_>>(), [3, 0]);
+    assert!(spread.moments()[1].mean.is_nan());
+    assert_eq!(ensemble.run(5).member_steps, 0);
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn threads_make_no_difference() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let (systems, states) = tops();
+        let mut ensemble = Ensemble::<_, Cayley>::new(&systems, states, 0.01).unwrap();
+        pool.install(|| ensemble.run(500));
+        ensemble.states().collect::<Vec<_>>()
+    };
+    let one = run(1);
+    for threads in [2, 3, 8] {
+        assert!(run(threads) == one, "{threads} threads");
+    }
+}
+
+#[test]
+fn members_that_cannot_be_are_refused() {
+    let (mut systems, mut states) = bodies();
+    let refused = |systems: &[Body], states: &[BodyState], step: f64| {
+        Ensemble::<_, Cayley>::new(systems, states.to_vec(), step).err()
+    };
+    assert_eq!(refused(&systems, &states, 0.01), None);
+    assert_eq!(refused(&systems[..3], &states, 0.01), Some(EnsembleError::TooFewSystems { systems: 3 }));
+    let step = Some(EnsembleError::Parameters { member: 0, source: ParameterError::Step { step: 0.0 } });
+    assert_eq!(refused(&systems, &states, 0.0), step);
+    states[9].momentum.y = f64::NAN;
+    let state = Some(EnsembleError::State { member: 9, source: StepError::NotFinite });
+    assert_eq!(refused(&systems, &states, 0.01), state);
+    states[5].attitude = UnitQuaternion::new_unchecked(Quaternion::new(1.5, 0.0, 0.0, 0.0));
+    let state = EnsembleError::State { member: 5, source: StepError::NotOnGroup { deviation: 0.5 } };
+    assert_eq!(refused(&systems, &states, 0.01), Some(state));
+    systems[5].inertia.x = f64::INFINITY;
+    let error = refused(&systems, &states, 0.01).unwrap();
+    let source = ParameterError::NotFinite { name: "inertia" };
+    assert_eq!(error, EnsembleError::Parameters { member: 5, source });
+    assert_eq!(error.to_string(), "member 5");
+    assert_eq!(std::error::Error::source(&error).unwrap().to_string(), "parameter `inertia` is not finite");
+}
+
+#[test]
+fn nobody_is_an_ensemble_too() {
+    let mut ensemble = Ensemble::<Body, Cayley>::new(&[], [], 0.01).unwrap();
+    assert!(ensemble.is_empty());
+    assert_eq!(ensemble.run(10).member_steps, 0);
+    assert_eq!(ensemble.time(), 0.1);
+    assert!(ensemble.state(0).is_none() && ensemble.system(0).is_none());
+}
+
+#[test]
+fn a_watcher_can_end_the_run() {
+    let (systems, states) = bodies();
+    let mut ensemble = Ensemble::<_, Cayley>::new(&systems, states, 0.25).unwrap();
+    ensemble.set_time(-1.0);
+    let mut times = Vec::new();
+    let until = |moment: &Moment<'_, Body>| match moment.index {
+        12 => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let times_of = |moment: &Moment<'_, Body>| {
+        times.push(moment.time);
+        ControlFlow::Continue(())
+    };
+    let report = ensemble.run_watched(100, 4, &mut (until, times_of));
+    assert_eq!((report.steps, report.stopped), (12, true));
+    assert_eq!(times, [-1.0, 0.0, 1.0, 2.0]);
+    assert_eq!(ensemble.system(3).unwrap().inertia.x, 1.03);
+}
+
+#[test]
+fn distributions_are_of_the_members() {
+    let states = (0..5).map(|k| BodyState {
+        attitude: UnitQuaternion::identity(),
+        momentum: vector![[3.0, 1.0, 2.0, 9.0, 0.0][k], 0.0, 0.0],
+    });
+    let body = Body { inertia: vector![1.0, 1.0, 1.0] };
+    let mut ensemble = Ensemble::<_, Cayley>::new(std::iter::repeat(&body), states, 0.5).unwrap();
+    let mut spread = Distribution::of(|_: &Body, state: &BodyState| state.momentum.x);
+    ensemble.run_watched(2, 1, &mut spread);
+    let mean = 3.0;
+    let deviation = f64::sqrt((0.0 + 4.0 + 1.0 + 36.0 + 9.0) / 5.0);
+    let quantiles = [0.0, 0.2, 1.0, 2.0, 3.0, 7.8, 9.0];
+    let [first, .., last] = spread.moments() else { panic!("three moments") };
+    for (k, (is, should_be)) in first.quantiles.iter().zip(quantiles).enumerate() {
+        assert!((is - should_be).abs() < 1e-15, "{k}: {is}");
+    }
+    assert_eq!((first.time, first.members, first.mean, first.deviation), (0.0, 5, mean, deviation));
+    // nothing acts, and all are alike
+    assert_eq!(last, &Spread { time: 1.0, ..*first });
+}
