@@ -1,10 +1,13 @@
 //! The list of systems that the program knows, each behind the same [`Entry`].
 
+use std::ops::ControlFlow;
+
 use coadjoint::certify::Report;
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 
 use crate::catalogued::Catalogued;
+use crate::crowd::{self, Course, Crowd, Shown};
 use crate::simulation::{self, Job, Method, Retraction, Setup, SimulationError, Watch, Whereabouts};
 use coadjoint::RunReport;
 
@@ -95,6 +98,13 @@ pub struct Entry {
     /// Makes a run, or goes on with one.
     pub simulate:
         fn(&Setup, &Job, Option<&Whereabouts>, &mut Watch<'_>) -> Result<RunReport, SimulationError>,
+    /// Runs an ensemble.
+    pub ensemble: fn(
+        &Setup,
+        &Crowd,
+        &[Shown],
+        &mut dyn FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Course, SimulationError>,
     /// Measures what a scheme of order 2 or 1 claims.
     pub certify: fn(&Setup, Method, Retraction) -> Result<Report, SimulationError>,
     /// Measures the time that a step takes, ns.
@@ -119,6 +129,7 @@ impl Entry {
             example: simulation::example::<S>,
             check: simulation::check::<S>,
             simulate: simulation::simulate::<S>,
+            ensemble: crowd::run::<S>,
             certify: simulation::certify::<S>,
             time_per_step: simulation::time_per_step::<S>,
         }

@@ -13,6 +13,7 @@
 pub mod catalogued;
 pub mod classical;
 pub mod coupled_bodies;
+#[cfg(feature = "program")]
 pub mod driven_pendulum;
 pub mod free_rigid_body;
 pub mod full_rigid_body;
@@ -30,6 +31,8 @@ pub mod spherical_pendulum;
 
 #[cfg(feature = "program")]
 pub mod catalogue;
+#[cfg(feature = "program")]
+pub mod crowd;
 #[cfg(feature = "program")]
 pub mod ledger;
 #[cfg(feature = "program")]

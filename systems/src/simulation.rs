@@ -1,9 +1,11 @@
 //! Runs of any system of the catalogue, with parameters and states as flat lists of numbers.
 
+use std::error::Error as _;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use coadjoint::certify::{Certification, CertifyError, Report};
+use coadjoint::ensemble::EnsembleError;
 use coadjoint::prelude::*;
 use coadjoint::stepper::Stepping;
 use coadjoint::{RunError, RunReport};
@@ -232,6 +234,9 @@ pub enum SimulationError {
     /// A certificate could not be measured.
     #[error(transparent)]
     Certificate(#[from] CertifyError),
+    /// An ensemble cannot be made.
+    #[error("{}: {}", .0, .0.source().map(ToString::to_string).unwrap_or_default())]
+    Ensemble(#[from] EnsembleError),
     /// Steps of higher order are composed of symmetric ones.
     #[error(
         "order {order} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}"
@@ -422,7 +427,7 @@ impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
 }
 
 /// The system and state with these components.
-fn realize<S: Catalogued + 'static>(setup: &Setup) -> (S, S::State) {
+pub(crate) fn realize<S: Catalogued + 'static>(setup: &Setup) -> (S, S::State) {
     let (system, state) = S::example();
     let mut parameters = system.to_parameters();
     fill(parameters.as_mut(), &setup.parameters);

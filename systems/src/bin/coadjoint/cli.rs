@@ -34,6 +34,8 @@ enum Command {
     View(RunArguments),
     /// Write a file that describes a run, to be changed and given to `run --config`
     Init(InitArguments),
+    /// Run many members of a system at once, and draw how they spread
+    Ensemble(EnsembleArguments),
     /// Print the code generated for a system
     Show(ShowArguments),
     /// Measure what the schemes claim of their steps of a system
@@ -108,6 +110,41 @@ pub(crate) struct InitArguments {
     pub(crate) force: bool,
 }
 
+/// Which ensemble to run.
+#[derive(Debug, Args)]
+pub(crate) struct EnsembleArguments {
+    /// The system; `coadjoint list` shows all
+    pub(crate) system: String,
+    /// How many members
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) members: u64,
+    /// What differs between members, evenly within plus or minus the width: `momentum_z=0.01`, `inertia=2%`, `chi=0,0,0.1`
+    /// [default: momentum=1%]
+    #[arg(long, value_name = "NAME=WIDTH")]
+    pub(crate) spread: Vec<String>,
+    /// Set a parameter or a part of the initial state, for all members
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// What to show: `energy` or a component of the state [default: the momentum]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) quantity: Vec<String>,
+    /// The step, s; negative to go back in time [default: the system's own]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub(crate) step: Option<f64>,
+    /// How long to run, s [default: the system's own]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(crate) duration: Option<f64>,
+    /// Look at the members after every N-th step [default: 300 times in all]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) every: Option<u64>,
+    /// Another seed draws other members
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The directory to write to
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub(crate) out: PathBuf,
+}
+
 /// Which figures to draw.
 #[derive(Debug, Args)]
 pub(crate) struct FiguresArguments {
@@ -169,6 +206,7 @@ fn run(command_line: &CommandLine, console: &mut dyn Write) -> Result<(), Error>
             let path = arguments.out.clone().unwrap_or_else(|| format!("{}.toml", entry.name).into());
             command::run::init(entry, &path, arguments.force, console)?;
         }
+        Some(Command::Ensemble(arguments)) => command::ensemble::ensemble(arguments, console)?,
         Some(Command::Figures(arguments)) => command::figures::figures(arguments, console)?,
         Some(Command::Show(arguments)) => command::show::show(arguments, console)?,
         Some(Command::Certify(arguments)) => command::certify::certify(arguments, console)?,

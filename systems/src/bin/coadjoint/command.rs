@@ -1,6 +1,7 @@
 //! What the program can be asked to do: one file per command.
 
 pub(crate) mod certify;
+pub(crate) mod ensemble;
 pub(crate) mod figures;
 pub(crate) mod list;
 pub(crate) mod paper;

@@ -83,7 +83,11 @@ impl Error {
         match self {
             Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
             Error::Interrupted => interrupt::EXIT_CODE,
-            Error::Simulation(SimulationError::Parameter(_) | SimulationError::NotSymmetric { .. }) => 2,
+            Error::Simulation(
+                SimulationError::Parameter(_)
+                | SimulationError::Ensemble(_)
+                | SimulationError::NotSymmetric { .. },
+            ) => 2,
             Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } => 1,

@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot, ScatterPlot};
+use kuva::prelude::{BandPlot, Layout, LegendPosition, LinePlot, Plot, ScatterPlot};
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 pub(crate) use self::envelope::Envelope;
@@ -128,9 +128,16 @@ impl Series {
     }
 }
 
+impl Series {
+    /// What lies between two lines of as many points.
+    pub(crate) fn band(lower: Vec<(f64, f64)>, upper: Vec<(f64, f64)>) -> Self {
+        Self { label: String::new(), points: [lower, upper].concat(), style: Style::Band }
+    }
+}
+
 impl Style {
     fn has_line(self) -> bool {
-        self != Style::Marks
+        !matches!(self, Style::Marks | Style::Band)
     }
 
     fn has_marks(self) -> bool {
@@ -155,6 +162,9 @@ pub(crate) enum Style {
     DashedMarked,
     /// What the others are compared with: a dashed black line.
     Reference,
+    /// The area between two lines, the lower in the first half of the points; in the colour of the first course, and darker where several
+    /// overlap.
+    Band,
 }
 
 impl Figure {
@@ -343,6 +353,7 @@ impl Panel {
         self.series.iter().map(move |series| {
             let color = match series.style {
                 Style::Reference => "#000000",
+                Style::Band => COLORS[0],
                 _ => colors.next().copied().unwrap_or("#000000"),
             };
             (series, color)
@@ -366,6 +377,14 @@ impl Panel {
         for (series, color) in self.colored() {
             let points: Vec<(f64, f64)> =
                 series.points.iter().map(|&(x, y)| (horizontal.place(x), vertical.place(y))).collect();
+            if series.style == Style::Band {
+                let (lower, upper) = points.split_at(points.len() / 2);
+                let all = |points: &[(f64, f64)], of: fn(&(f64, f64)) -> f64| {
+                    points.iter().map(of).collect::<Vec<_>>()
+                };
+                let band = BandPlot::new(all(lower, |p| p.0), all(lower, |p| p.1), all(upper, |p| p.1));
+                plots.push(band.with_color(color).with_opacity(0.22).into());
+            }
             if series.style.has_line() {
                 let line = LinePlot::new().with_data(points.clone()).with_color(color).with_stroke_width(1.5);
                 let line = if series.style.is_dashed() { line.with_dashed() } else { line };

@@ -41,7 +41,8 @@ impl Progress {
         }
     }
 
-    fn show(&mut self, index: u64) {
+    /// As [`at`](Self::at), and looks whenever it is called.
+    pub(crate) fn show(&mut self, index: u64) {
         match &mut self.display {
             Display::Bar(bar) => bar.set_position(index),
             Display::Lines { last } if last.elapsed() > PAUSE => {

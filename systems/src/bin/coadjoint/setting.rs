@@ -25,6 +25,52 @@ pub(crate) fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) ->
     Ok(())
 }
 
+/// How far members of an ensemble may be from the setup, by names of quantities or components: one width for all components or one for each,
+/// as they are or in percent — of the component, or of the largest one where the width is for all.
+///
+/// # Errors
+/// If a name is unknown, a value is not made of one number or as many as its quantity has, or a width is negative or that of a rotation.
+pub(crate) fn widths(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result<Setup, Error> {
+    let mut widths =
+        Setup { parameters: vec![0.0; setup.parameters.len()], state: vec![0.0; setup.state.len()] };
+    for spread in spreads {
+        let wrong = |what: &str| Error::Input(format!("`--spread {spread}`: {what}"));
+        let (name, value) =
+            spread.split_once('=').ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`"))?;
+        let name = name.trim();
+        let target = named(entry, Names::All, name)?;
+        for (quantity, slots) in laid_out(entry.state) {
+            let turns = rotation(quantity).map_or(0, |(count, _)| count);
+            if target.of_state && target.slots.start < slots.start + turns && slots.start < target.slots.end {
+                return Err(wrong("the components of a rotation cannot vary one by one"));
+            }
+        }
+        let (number, percent) = match value.trim().strip_suffix('%') {
+            Some(number) => (number, true),
+            None => (value, false),
+        };
+        let mut numbers = numbers(name, number)?;
+        if let Some(number) = numbers.iter().find(|number| !(number.is_finite() && **number >= 0.0)) {
+            return Err(wrong(&format!("a width must be finite and not negative, got {number}")));
+        }
+        let values = &if target.of_state { &setup.state } else { &setup.parameters }[target.slots.clone()];
+        let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        let one = numbers.len() == 1;
+        if one {
+            numbers.resize(values.len(), numbers[0]);
+        }
+        if numbers.len() != values.len() {
+            return Err(wrong(&format!("takes {} or one, got {}", count(values.len()), numbers.len())));
+        }
+        if percent {
+            let of = |value: &f64| if one { largest } else { value.abs() };
+            numbers.iter_mut().zip(values).for_each(|(number, value)| *number *= 0.01 * of(value));
+        }
+        target.list(&mut widths)[target.slots.clone()].copy_from_slice(&numbers);
+    }
+    Ok(widths)
+}
+
 /// Which names can be assigned to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Names {
@@ -47,16 +93,7 @@ pub(crate) fn assign(
     name: &str,
     numbers: &[f64],
 ) -> Result<(), Error> {
-    let names = Name::all(entry, which);
-    let target = names.iter().find(|candidate| candidate.name == name).ok_or_else(|| {
-        let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
-        let kind = match which {
-            Names::All => "parameter or state quantity",
-            Names::Parameters => "parameter",
-            Names::State => "state quantity",
-        };
-        Error::Input(format!("`{}` has no {kind} `{name}`{hint} {}", entry.name, known(entry)))
-    })?;
+    let target = named(entry, which, name)?;
     if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
         return Err(Error::Input(format!("`{name}` must be finite, got `{number}`")));
     }
@@ -70,6 +107,21 @@ pub(crate) fn assign(
     }
     slots.copy_from_slice(numbers);
     Ok(())
+}
+
+/// What a name stands for.
+fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, Error> {
+    let mut names = Name::all(entry, which);
+    let Some(index) = names.iter().position(|candidate| candidate.name == name) else {
+        let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
+        let kind = match which {
+            Names::All => "parameter or state quantity",
+            Names::Parameters => "parameter",
+            Names::State => "state quantity",
+        };
+        return Err(Error::Input(format!("`{}` has no {kind} `{name}`{hint} {}", entry.name, known(entry))));
+    };
+    Ok(names.swap_remove(index))
 }
 
 /// Brings rotations to length 1 and checks the whole; the answer is notes for the user.

@@ -98,7 +98,7 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
 }
 
 /// How many steps to take, with a note if they do not add up to the duration asked for.
-fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), Error> {
+pub(crate) fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), Error> {
     /// Beyond this, step numbers are no longer exact in f64, nor is any run ever finished.
     const MOST: f64 = 9e15;
 
