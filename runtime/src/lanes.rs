@@ -20,18 +20,57 @@ use crate::stumpff;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes<X, const N: usize, P: Processor = Portable>([X; N], P::Alignment);
 
+/// Operations that a processor may have instructions for.
+macro_rules! optional {
+    ($($(#[$doc:meta])* $name:ident($($operand:ident),*) -> $result:ty;)*) => {
+        $($(#[$doc])*
+        #[inline(always)]
+        fn $name<X: Real, const N: usize>($($operand: &[X; N]),*) -> Option<[$result; N]> {
+            let _ = ($($operand),*);
+            None
+        })*
+    };
+}
+
 /// A kind of processor.
 pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
     /// Something without size that is aligned as the processor's registers are wide.
     type Alignment: Copy + PartialEq + core::fmt::Debug + Default + Send + Sync + 'static;
     /// Does the work in a function of its own, compiled for this kind.
     fn outline<W: Work>(work: W) -> W::Result;
+    optional! {
+        /// The sum, by the processor's own instruction, where it has one for as many such numbers.
+        add(a, b) -> X;
+        /// The difference.
+        sub(a, b) -> X;
+        /// The product.
+        mul(a, b) -> X;
+        /// The quotient.
+        div(a, b) -> X;
+        /// The opposite.
+        neg(a) -> X;
+        /// The absolute value.
+        abs(a) -> X;
+        /// The square root.
+        sqrt(a) -> X;
+        /// `a ≤ b`
+        at_most(a, b) -> u64;
+        /// `a < b`
+        below(a, b) -> u64;
+    }
+    /// `yes` where all bits of the truth are set, `no` where none is.
+    #[inline(always)]
+    fn select<X: Real, const N: usize>(mask: &[u64; N], yes: &[X; N], no: &[X; N]) -> Option<[X; N]> {
+        let _ = (mask, yes, no);
+        None
+    }
 }
 
 /// Any processor that the program was built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Portable;
 
+#[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 impl Processor for Portable {
     type Alignment = ();
 
@@ -78,23 +117,29 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
 }
 
 macro_rules! operators {
-    ($($trait:ident $name:ident $operator:tt)*) => {
+    ($($trait:ident $name:ident $operator:tt,)*) => {
         $(impl<X: Real, const N: usize, P: Processor> $trait for Lanes<X, N, P> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
-                self.zip(other, |x, y| x $operator y)
+                match P::$name(&self.0, &other.0) {
+                    Some(numbers) => Self(numbers, self.1),
+                    None => self.zip(other, |x, y| x $operator y),
+                }
             }
         })*
     };
 }
-operators! { Add add + Sub sub - Mul mul * Div div / }
+operators! { Add add +, Sub sub -, Mul mul *, Div div /, }
 
 impl<X: Real, const N: usize, P: Processor> Neg for Lanes<X, N, P> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|x| -x)
+        match P::neg(&self.0) {
+            Some(numbers) => Self(numbers, self.1),
+            None => self.map(|x| -x),
+        }
     }
 }
 
@@ -112,7 +157,14 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     fn of(value: f64) -> Self {
         Self([X::of(value); N], P::Alignment::default())
     }
-    each! { sqrt exp ln sin cos tan asin acos atan sinh cosh tanh }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        match P::sqrt(&self.0) {
+            Some(numbers) => Self(numbers, self.1),
+            None => self.map(|x| x.sqrt()),
+        }
+    }
+    each! { exp ln sin cos tan asin acos atan sinh cosh tanh }
     #[inline(always)]
     fn powf(self, exponent: Self) -> Self {
         self.zip(exponent, |x, y| x.powf(y))
@@ -162,7 +214,10 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(|x| Batch::abs(x))
+        match P::abs(&self.0) {
+            Some(numbers) => Self(numbers, self.1),
+            None => self.map(|x| Batch::abs(x)),
+        }
     }
     #[inline(always)]
     fn is_finite(self) -> Truths<N> {
@@ -174,14 +229,23 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn at_most(self, limit: Self) -> Truths<N> {
-        self.test(limit, |x, y| x <= y)
+        match P::at_most(&self.0, &limit.0) {
+            Some(truths) => Truths(truths),
+            None => self.test(limit, |x, y| x <= y),
+        }
     }
     #[inline(always)]
     fn below(self, limit: Self) -> Truths<N> {
-        self.test(limit, |x, y| x < y)
+        match P::below(&self.0, &limit.0) {
+            Some(truths) => Truths(truths),
+            None => self.test(limit, |x, y| x < y),
+        }
     }
     #[inline(always)]
     fn select(mask: Truths<N>, yes: Self, no: Self) -> Self {
+        if let Some(numbers) = P::select(&mask.0, &yes.0, &no.0) {
+            return Self(numbers, yes.1);
+        }
         let mut numbers = no.0;
         for (k, x) in numbers.iter_mut().enumerate() {
             *x = if mask.0[k] != 0 { yes.0[k] } else { *x };
