@@ -298,9 +298,9 @@ const TINY: f64 = 1e-37;
 fn weights<T: Scalar>(depth: usize) -> [T; DEPTH] {
     let mut weights = [T::of(0.0); DEPTH];
     let mut binomial = 1.0;
-    for a in 1..=depth {
+    for (a, weight) in (1..=depth).zip(weights.iter_mut().rev()) {
         binomial *= (depth + 1 - a) as f64 / a as f64;
-        weights[DEPTH - a] = T::of(if a % 2 == 1 { binomial } else { -binomial });
+        *weight = T::of(if a % 2 == 1 { binomial } else { -binomial });
     }
     weights
 }

@@ -79,7 +79,8 @@ pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
         let z2 = z * z;
         let z4 = z2 * z2;
         let sum = |k| quartet(k, z, z2) + z4 * (quartet(k + 8, z, z2) + z4 * quartet(k + 16, z, z2));
-        downward(z, highest::<N>().map(sum))
+        let [k, l] = highest::<N>();
+        downward(z, [sum(k), sum(l)])
     } else {
         distant(z)
     }
@@ -135,7 +136,7 @@ fn downward<T: Scalar, const N: usize>(z: T, [even, odd]: [T; 2]) -> [T; N] {
 
 /// A family away from zero.
 #[cold]
-#[inline(never)]
+#[inline]
 fn distant<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     // With half the angle nothing cancels in c_2.
     let quarter = z.abs() * convert(0.25);
@@ -158,9 +159,10 @@ fn distant<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     let c1 = sine * cosine / half;
     let c2 = sine * sine / (quarter + quarter);
 
-    let mut c: [T; N] = downward(z, highest::<N>().map(|k| series(k, z)));
-    for (member, value) in c.iter_mut().zip([c0, c1, c2]) {
-        *member = value;
+    let [k, l] = highest::<N>();
+    let mut c: [T; N] = downward(z, [series(k, z), series(l, z)]);
+    for (member, value) in c.iter_mut().zip(&[c0, c1, c2]) {
+        *member = *value;
     }
     // Upward, `rest` cancels near zero; downward, the difference does far from it. Change over where neither
     // does: where `below` has fallen to half of its value at zero or, for negative z, has outgrown that value.
@@ -180,6 +182,7 @@ fn split<T: RealField + Copy>(x: T) -> (T, T) {
 }
 
 /// `c_k(z)` from its series, with the quotients of consecutive terms off the critical path.
+#[inline(always)]
 fn series<T: RealField + Copy>(k: usize, z: T) -> T {
     let mut sum = T::one();
     for j in (0..TERMS).rev() {

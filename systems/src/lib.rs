@@ -30,6 +30,8 @@ pub mod rigid_body_in_space;
 pub mod spherical_pendulum;
 
 #[cfg(feature = "program")]
+pub mod cases;
+#[cfg(feature = "program")]
 pub mod catalogue;
 #[cfg(feature = "program")]
 pub mod crowd;

@@ -36,6 +36,7 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
         quote! { __Stored::<_, #size>::deviation(&self.#name, 0.0) }
     });
     let deviation = quote! {
+        #[inline]
         fn deviation(&self) -> #scalar {
             let mut largest = 0.0;
             #(

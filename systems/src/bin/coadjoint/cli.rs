@@ -40,6 +40,8 @@ enum Command {
     Show(ShowArguments),
     /// Measure what the schemes claim of their steps of a system
     Certify(CertifyArguments),
+    /// Time the steps of the standard cases against classical methods
+    Bench(BenchArguments),
     /// Draw the paper's figures, and two of our own
     Figures(FiguresArguments),
 }
@@ -145,6 +147,14 @@ pub(crate) struct EnsembleArguments {
     pub(crate) out: PathBuf,
 }
 
+/// What to do with the times.
+#[derive(Debug, Args)]
+pub(crate) struct BenchArguments {
+    /// Write them to this file too
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+}
+
 /// Which figures to draw.
 #[derive(Debug, Args)]
 pub(crate) struct FiguresArguments {
@@ -207,6 +217,7 @@ fn run(command_line: &CommandLine, console: &mut dyn Write) -> Result<(), Error>
             command::run::init(entry, &path, arguments.force, console)?;
         }
         Some(Command::Ensemble(arguments)) => command::ensemble::ensemble(arguments, console)?,
+        Some(Command::Bench(arguments)) => command::bench::bench(arguments, console)?,
         Some(Command::Figures(arguments)) => command::figures::figures(arguments, console)?,
         Some(Command::Show(arguments)) => command::show::show(arguments, console)?,
         Some(Command::Certify(arguments)) => command::certify::certify(arguments, console)?,

@@ -1,5 +1,6 @@
 //! What the program can be asked to do: one file per command.
 
+pub(crate) mod bench;
 pub(crate) mod certify;
 pub(crate) mod ensemble;
 pub(crate) mod figures;

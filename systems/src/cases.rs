@@ -1,0 +1,249 @@
+//! The standard cases of the benchmarks: what steps cost, ours and others'.
+//!
+//! The free rigid body and the heavy top are the paper's, with principal moments 1, 10 and 100 and steps of 0.01 s.
+
+use std::fmt;
+
+use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
+use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
+use coadjoint::prelude::*;
+
+use crate::catalogued::Catalogued;
+use crate::classical::{AttitudeState, Integrator, OnSo3, Rk4Quaternion, Rkmk4, bodies};
+use crate::coupled_bodies::CoupledBodies;
+use crate::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
+use crate::heavy_top::HeavyTop;
+use crate::quadrotor::Quadrotor;
+
+/// Something to be timed.
+pub struct Case {
+    /// What moves.
+    pub problem: &'static str,
+    /// What takes the steps.
+    pub method: String,
+    /// Steps that are enough to be timed.
+    pub steps: u64,
+    walk: Box<dyn FnMut(u64) -> bool>,
+}
+
+impl Case {
+    fn new(problem: &'static str, method: impl Into<String>, walk: impl FnMut() -> bool + 'static) -> Self {
+        let mut walk = walk;
+        let all = move |steps| (0..steps).all(|_| walk());
+        Self { problem, method: method.into(), steps: 20_000, walk: Box::new(all) }
+    }
+
+    /// Takes so many steps, on from where the last ones led; whether all could be taken.
+    pub fn walk(&mut self, steps: u64) -> bool {
+        (self.walk)(steps)
+    }
+}
+
+impl fmt::Debug for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Case")
+            .field("problem", &self.problem)
+            .field("method", &self.method)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What the other methods of a problem are compared with: the one that most people would write.
+pub const YARDSTICK: &str = "RK4 on unit quaternions";
+
+/// The members of the ensembles.
+const MEMBERS: usize = 256;
+
+/// All cases, those of one problem together.
+///
+/// # Errors
+/// If a stepper cannot be built, which would be our own mistake.
+pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
+    const FREE: &str = "free_rigid_body";
+    const TOP: &str = "heavy_top";
+    let body = FreeRigidBody { inertia: vector![1.0, 10.0, 100.0] };
+    let start = FreeRigidBodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 1.0, 1.0] };
+    let (top, top_start) = HeavyTop::example();
+    let lever = top.weight * top.chi;
+
+    let plain = bodies::RigidBody::new(body.inertia);
+    let at = AttitudeState { attitude: start.attitude, y: start.momentum };
+    let heavy = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
+    let (m, gamma) = (top_start.momentum, top_start.gamma);
+    let y: Vector6<f64> = vector![m.x, m.y, m.z, gamma.x, gamma.y, gamma.z];
+    let heavy_at = AttitudeState { attitude: top_start.attitude, y };
+
+    let mut cases = vec![
+        classical(FREE, Rk4Quaternion, plain.clone(), at),
+        classical(FREE, Rkmk4, plain, at),
+        ours::<_, Cayley>(FREE, "Cayley", &body, start)?,
+        ours::<_, Exponential>(FREE, "exponential", &body, start)?,
+        ours::<_, Order4<Cayley>>(FREE, "Cayley, order 4", &body, start)?,
+        ours::<_, Order6<Cayley>>(FREE, "Cayley, order 6", &body, start)?,
+        ours::<_, Order8<Cayley>>(FREE, "Cayley, order 8", &body, start)?,
+        ours::<_, Order10<Cayley>>(FREE, "Cayley, order 10", &body, start)?,
+        generic(
+            FREE,
+            "Cayley, generic stepper",
+            SO3,
+            Cayley,
+            Quadratic { inertia: body.inertia, lever: None },
+            start.momentum,
+            SMatrix::identity(),
+        )?,
+        generic(
+            FREE,
+            "exponential, generic stepper",
+            SO3,
+            Exponential,
+            Quadratic { inertia: body.inertia, lever: None },
+            start.momentum,
+            SMatrix::identity(),
+        )?,
+        together::<_, Cayley>(FREE, "Cayley, a member of an ensemble", &body, start)?,
+        together::<_, Exponential>(FREE, "exponential, a member of an ensemble", &body, start)?,
+        classical(TOP, Rk4Quaternion, heavy.clone(), heavy_at),
+        classical(TOP, Rkmk4, heavy, heavy_at),
+        ours::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
+        ours::<_, Exponential>(TOP, "exponential", &top, top_start)?,
+        generic(
+            TOP,
+            "Cayley, generic stepper",
+            SO3Semidirect::<1>,
+            Cayley,
+            Quadratic { inertia: top.inertia, lever: Some(lever) },
+            y,
+            Matrix4::identity(),
+        )?,
+        generic(
+            TOP,
+            "exponential, generic stepper",
+            SO3Semidirect::<1>,
+            Exponential,
+            Quadratic { inertia: top.inertia, lever: Some(lever) },
+            y,
+            Matrix4::identity(),
+        )?,
+        together::<_, Cayley>(TOP, "Cayley, a member of an ensemble", &top, top_start)?,
+        together::<_, Exponential>(TOP, "exponential, a member of an ensemble", &top, top_start)?,
+    ];
+    let (quadrotor, loose) = Quadrotor::loose();
+    cases.push(ours::<_, Cayley>("quadrotor", "Cayley", &quadrotor, loose)?);
+    cases.push(ours::<_, Exponential>("quadrotor", "exponential", &quadrotor, loose)?);
+    let (coupled, still) = CoupledBodies::example();
+    cases.push(ours::<_, Cayley>("coupled_bodies", "Cayley", &coupled, still.clone())?);
+    cases.push(ours::<_, Exponential>("coupled_bodies", "exponential", &coupled, still)?);
+    Ok(cases)
+}
+
+/// A generated step, with the control that the system's law chooses at the start.
+fn ours<S, M>(
+    problem: &'static str,
+    method: &str,
+    system: &S,
+    state: S::State,
+) -> Result<Case, ParameterError>
+where
+    S: Catalogued + Discretized<M> + 'static,
+    M: 'static,
+{
+    let mut stepper = system.stepper::<M>(0.01)?;
+    let control = system.control(&state, 0.0);
+    let mut state = state;
+    Ok(Case::new(problem, method, move || stepper.step_with(&mut state, &control).is_ok()))
+}
+
+/// A step of a member of an ensemble, on one processor core.
+fn together<S, M>(
+    problem: &'static str,
+    method: &str,
+    system: &S,
+    state: S::State,
+) -> Result<Case, Box<dyn std::error::Error>>
+where
+    S: Catalogued + Discretized<M> + 'static,
+    M: 'static,
+{
+    // no two alike
+    let states = (0..MEMBERS).map(|member| {
+        let mut components = state.to_components();
+        for (k, (quantity, slot)) in places(S::State::QUANTITIES).enumerate() {
+            if quantity == coadjoint::system::Role::Momentum {
+                components.as_mut()[slot] *= 1.0 + 1e-4 * (member * (k + 1)) as f64;
+            }
+        }
+        S::State::from_components(&components)
+    });
+    let mut ensemble = Ensemble::<S, M>::new(std::iter::repeat(system), states, 0.01)?;
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let walk = move |steps: u64| {
+        let steps = steps.div_ceil(MEMBERS as u64);
+        alone.install(|| ensemble.run(steps)).failures == 0
+    };
+    Ok(Case { problem, method: method.to_owned(), steps: 400 * MEMBERS as u64, walk: Box::new(walk) })
+}
+
+/// The role of each component of a state, and its place.
+fn places(
+    quantities: &'static [coadjoint::system::Quantity],
+) -> impl Iterator<Item = (coadjoint::system::Role, usize)> {
+    quantities.iter().flat_map(|quantity| quantity.components.iter().map(|_| quantity.role)).zip(0..)
+}
+
+fn classical<I, S, const N: usize>(
+    problem: &'static str,
+    integrator: I,
+    system: S,
+    mut state: AttitudeState<N>,
+) -> Case
+where
+    I: Integrator<S, AttitudeState<N>> + 'static,
+    S: OnSo3<N> + 'static,
+{
+    Case::new(problem, I::NAME, move || match integrator.step(&system, 0.0, &state, 0.01) {
+        Ok(next) => {
+            state = next;
+            true
+        }
+        Err(_) => false,
+    })
+}
+
+/// A body with or without a weight.
+struct Quadratic {
+    inertia: Vector3<f64>,
+    /// Weight times the vector from the fixed point to the centre of mass.
+    lever: Option<Vector3<f64>>,
+}
+
+impl<const D: usize> Hamiltonian<D> for Quadratic {
+    fn energy(&self, mu: &SVector<f64, D>) -> f64 {
+        let momentum = mu.fixed_rows::<3>(0);
+        let weight = self.lever.map_or(0.0, |lever| mu.fixed_rows::<3>(3).dot(&lever));
+        momentum.dot(&momentum.component_div(&self.inertia)) / 2.0 + weight
+    }
+
+    fn gradient(&self, mu: &SVector<f64, D>) -> SVector<f64, D> {
+        let velocity = mu.fixed_rows::<3>(0).component_div(&self.inertia);
+        SVector::from_iterator(velocity.iter().chain(self.lever.iter().flatten()).copied())
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "all that a generic stepper needs")]
+fn generic<G, R, const N: usize, const D: usize>(
+    problem: &'static str,
+    method: &str,
+    group: G,
+    retraction: R,
+    hamiltonian: Quadratic,
+    mut mu: SVector<f64, D>,
+    mut g: SMatrix<f64, N, N>,
+) -> Result<Case, ParameterError>
+where
+    G: coadjoint::generic::MatrixGroup<N, D> + 'static,
+    R: MatrixRetraction<G, N, D> + 'static,
+{
+    let mut stepper = GenericStepper::new(group, retraction, hamiltonian, 0.01)?;
+    let case = Case::new(problem, method, move || stepper.step(&mut g, &mut mu).is_ok());
+    Ok(Case { steps: 500, ..case })
+}
