@@ -4,8 +4,9 @@
 //! 2. [Describing a system](describing)
 //! 3. [Choosing retraction and method](choosing)
 //! 4. [Forces and controls](forces)
-//! 5. [Reading the generated code](reading)
-//! 6. [The mathematics](mathematics), with the paper's equations and its misprints
+//! 5. [Many at once](ensembles)
+//! 6. [Reading the generated code](reading)
+//! 7. [The mathematics](mathematics), with the paper's equations and its misprints
 //!
 //! The figures, and what each shows, are in the documentation of the crate `coadjoint-systems`: `coadjoint_systems::figures`.
 
@@ -302,6 +303,46 @@ pub mod forces {
     //! Casimirs.
 }
 
+pub mod ensembles {
+    //! # Many at once
+    //!
+    //! An [`Ensemble`](crate::Ensemble) is one description and many states, each with parameters of its own: a body whose inertia is known to
+    //! a percent, thrown a thousand times; a grid of initial conditions; a swarm.
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! /// A pendulum with a motor in its bearing.
+    //! #[lie_poisson_system(group = SO2, potential = -weight * angle.cos_angle(), force = motor, control(motor: R1))]
+    //! struct Pendulum {
+    //!     #[inertia]
+    //!     inertia: f64,
+    //!     weight: f64,
+    //! }
+    //!
+    //! let pendulums: Vec<Pendulum> =
+    //!     (0..100).map(|k| Pendulum { inertia: 1.0, weight: 9.0 + 0.02 * f64::from(k) }).collect();
+    //! let hanging = PendulumState { angle: UnitComplex::new(0.5), momentum: vector![0.0] };
+    //! let mut ensemble = Ensemble::<_, Cayley>::new(&pendulums, vec![hanging; 100], 0.01)?;
+    //!
+    //! // all brake, each by what it sees of itself, anew after every tenth step
+    //! for _ in 0..100 {
+    //!     ensemble.control(|_, state| PendulumControl { motor: -2.0 * state.momentum });
+    //!     ensemble.run(10);
+    //! }
+    //! let fastest = ensemble.states().map(|state| state.momentum.norm()).fold(0.0, f64::max);
+    //! assert!(fastest < 0.7 && ensemble.failed().is_empty());
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! * [`run_watched`](crate::Ensemble::run_watched) shows the members to a [`Watcher`](crate::ensemble::Watcher) now and then;
+    //!   [`Distribution`](crate::ensemble::Distribution) records how a quantity spreads. Nothing else is kept.
+    //! * A member that cannot take a step stays where it was and is listed with its step and the reason; the others go on.
+    //! * Members move exactly as they would alone: neither the processor, nor the number of threads, nor their order makes a difference.
+    //!   So a member that is odd can be run again by itself, with a [`Stepper`](crate::Stepper) and all its observers.
+    //! * All schemes and compositions work, in `f64` and in `f32`, where twice as many go side by side.
+}
+
 pub mod reading {
     //! # Reading the generated code
     //!
@@ -321,9 +362,10 @@ pub mod reading {
     //! |---|---|---|
     //! | `new` | once | what depends on parameters and step |
     //! | `begin` | once a step | what depends on state, time and controls |
-    //! | `start` | once a step | a first approximation of the unknown |
+    //! | `start` | at the first step | a first approximation of the unknown; later ones are [extrapolated](crate::solver) |
     //! | `evaluate` | once an iteration | `left(x) − right(x)` |
-    //! | `correction` | once an iteration | Newton's, with the closed-form Jacobian |
+    //! | `sweep` | once a sweep | the solution of `left(x) = right`, where `left` is linear |
+    //! | `correction` | once a Newton iteration | Newton's, with the closed-form Jacobian |
     //! | `domain`, `finish` | once a step | the retraction's margin; the next state |
     //!
     //! Names follow the mathematics: `eta` is the step times the velocity, `momentum_mean` the mean momentum `μ̄`, `turn` the retraction
