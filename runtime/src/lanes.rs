@@ -20,64 +20,80 @@ use crate::stumpff;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lanes<X, const N: usize, P: Processor = Portable>([X; N], P::Alignment);
 
-/// Operations that a processor may have instructions for.
-macro_rules! optional {
-    ($($(#[$doc:meta])* $name:ident($($operand:ident),*) -> $result:ty;)*) => {
-        $($(#[$doc])*
-        #[inline(always)]
-        fn $name<X: Real, const N: usize>($($operand: &[X; N]),*) -> Option<[$result; N]> {
-            let _ = ($($operand),*);
-            None
-        })*
-    };
-}
-
-/// A kind of processor.
+/// A kind of processor, with instructions on registers of doubles.
 pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
     /// Something without size that is aligned as the processor's registers are wide.
     type Alignment: Copy + PartialEq + core::fmt::Debug + Default + Send + Sync + 'static;
+    /// A register, or a few of them; of doubles, or of truths as large as these.
+    type Vector: Copy;
+    /// How many doubles there are in one; 0 if there are no instructions to be named.
+    const DOUBLES: usize;
+
     /// Does the work in a function of its own, compiled for this kind.
     fn outline<W: Work>(work: W) -> W::Result;
-    optional! {
-        /// The sum, by the processor's own instruction, where it has one for as many such numbers.
-        add(a, b) -> X;
-        /// The difference.
-        sub(a, b) -> X;
-        /// The product.
-        mul(a, b) -> X;
-        /// The quotient.
-        div(a, b) -> X;
-        /// The opposite.
-        neg(a) -> X;
-        /// The absolute value.
-        abs(a) -> X;
-        /// The square root.
-        sqrt(a) -> X;
-        /// `a ≤ b`
-        at_most(a, b) -> u64;
-        /// `a < b`
-        below(a, b) -> u64;
-    }
-    /// `yes` where all bits of the truth are set, `no` where none is.
-    #[inline(always)]
-    fn select<X: Real, const N: usize>(mask: &[u64; N], yes: &[X; N], no: &[X; N]) -> Option<[X; N]> {
-        let _ = (mask, yes, no);
-        None
-    }
+    /// So many doubles.
+    fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> Self::Vector;
+    /// As an array.
+    fn numbers<X: Real, const N: usize>(doubles: Self::Vector) -> [X; N];
+    /// So many truths.
+    fn mask<const N: usize>(truths: &[u64; N]) -> Self::Vector;
+    /// As an array.
+    fn truths<const N: usize>(mask: Self::Vector) -> [u64; N];
+    /// `a + b`
+    fn add(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a − b`
+    fn sub(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a b`
+    fn mul(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a / b`
+    fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `−a`
+    fn neg(a: Self::Vector) -> Self::Vector;
+    /// `|a|`
+    fn abs(a: Self::Vector) -> Self::Vector;
+    /// `√a`
+    fn sqrt(a: Self::Vector) -> Self::Vector;
+    /// `a ≤ b`
+    fn at_most(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a < b`
+    fn below(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `yes` where the mask is true, `no` elsewhere.
+    fn select(mask: Self::Vector, yes: Self::Vector, no: Self::Vector) -> Self::Vector;
 }
 
 /// Any processor that the program was built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Portable;
 
+/// Without instructions to be named: the compiler finds some by itself.
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 impl Processor for Portable {
     type Alignment = ();
+    type Vector = ();
+    const DOUBLES: usize = 0;
 
     #[inline(never)]
     fn outline<W: Work>(work: W) -> W::Result {
         work.done()
     }
+    fn doubles<X: Real, const N: usize>(_: &[X; N]) {}
+    fn numbers<X: Real, const N: usize>((): ()) -> [X; N] {
+        [X::of(0.0); N]
+    }
+    fn mask<const N: usize>(_: &[u64; N]) {}
+    fn truths<const N: usize>((): ()) -> [u64; N] {
+        [0; N]
+    }
+    fn add((): (), (): ()) {}
+    fn sub((): (), (): ()) {}
+    fn mul((): (), (): ()) {}
+    fn div((): (), (): ()) {}
+    fn neg((): ()) {}
+    fn abs((): ()) {}
+    fn sqrt((): ()) {}
+    fn at_most((): (), (): ()) {}
+    fn below((): (), (): ()) {}
+    fn select((): (), (): (), (): ()) {}
 }
 
 impl<X, const N: usize, P: Processor> From<[X; N]> for Lanes<X, N, P> {
@@ -88,6 +104,19 @@ impl<X, const N: usize, P: Processor> From<[X; N]> for Lanes<X, N, P> {
 }
 
 impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
+    /// Whether the processor has instructions for these: known when the code is compiled, which then has only the one way.
+    const NATIVE: bool = X::IS_DOUBLE && P::DOUBLES == N;
+
+    #[inline(always)]
+    fn vector(&self) -> P::Vector {
+        P::doubles(&self.0)
+    }
+
+    #[inline(always)]
+    fn from_vector(vector: P::Vector) -> Self {
+        Self::from(P::numbers(vector))
+    }
+
     #[inline(always)]
     fn map(self, f: impl Fn(X) -> X) -> Self {
         let mut numbers = self.0;
@@ -122,9 +151,10 @@ macro_rules! operators {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
-                match P::$name(&self.0, &other.0) {
-                    Some(numbers) => Self(numbers, self.1),
-                    None => self.zip(other, |x, y| x $operator y),
+                if const { Self::NATIVE } {
+                    Self::from_vector(P::$name(self.vector(), other.vector()))
+                } else {
+                    self.zip(other, |x, y| x $operator y)
                 }
             }
         })*
@@ -136,10 +166,7 @@ impl<X: Real, const N: usize, P: Processor> Neg for Lanes<X, N, P> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        match P::neg(&self.0) {
-            Some(numbers) => Self(numbers, self.1),
-            None => self.map(|x| -x),
-        }
+        if const { Self::NATIVE } { Self::from_vector(P::neg(self.vector())) } else { self.map(|x| -x) }
     }
 }
 
@@ -159,9 +186,10 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        match P::sqrt(&self.0) {
-            Some(numbers) => Self(numbers, self.1),
-            None => self.map(|x| x.sqrt()),
+        if const { Self::NATIVE } {
+            Self::from_vector(P::sqrt(self.vector()))
+        } else {
+            self.map(|x| x.sqrt())
         }
     }
     each! { exp ln sin cos tan asin acos atan sinh cosh tanh }
@@ -214,9 +242,10 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        match P::abs(&self.0) {
-            Some(numbers) => Self(numbers, self.1),
-            None => self.map(|x| Batch::abs(x)),
+        if const { Self::NATIVE } {
+            Self::from_vector(P::abs(self.vector()))
+        } else {
+            self.map(|x| Batch::abs(x))
         }
     }
     #[inline(always)]
@@ -229,22 +258,24 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn at_most(self, limit: Self) -> Truths<N> {
-        match P::at_most(&self.0, &limit.0) {
-            Some(truths) => Truths(truths),
-            None => self.test(limit, |x, y| x <= y),
+        if const { Self::NATIVE } {
+            Truths(P::truths(P::at_most(self.vector(), limit.vector())))
+        } else {
+            self.test(limit, |x, y| x <= y)
         }
     }
     #[inline(always)]
     fn below(self, limit: Self) -> Truths<N> {
-        match P::below(&self.0, &limit.0) {
-            Some(truths) => Truths(truths),
-            None => self.test(limit, |x, y| x < y),
+        if const { Self::NATIVE } {
+            Truths(P::truths(P::below(self.vector(), limit.vector())))
+        } else {
+            self.test(limit, |x, y| x < y)
         }
     }
     #[inline(always)]
     fn select(mask: Truths<N>, yes: Self, no: Self) -> Self {
-        if let Some(numbers) = P::select(&mask.0, &yes.0, &no.0) {
-            return Self(numbers, yes.1);
+        if const { Self::NATIVE } {
+            return Self::from_vector(P::select(P::mask(&mask.0), yes.vector(), no.vector()));
         }
         let mut numbers = no.0;
         for (k, x) in numbers.iter_mut().enumerate() {

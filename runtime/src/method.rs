@@ -95,7 +95,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self { kernel: K::new(parameters, step), solver: Solver::new() }
+        Self { kernel: K::new(parameters, step), solver: Solver::default() }
     }
 
     #[inline(always)]

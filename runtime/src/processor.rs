@@ -5,7 +5,6 @@
 //! long as there are lanes, and takes as many times as long.
 #![allow(unsafe_code, reason = "instructions of one processor must not be used on another")]
 
-use core::any::TypeId;
 use core::arch::x86_64::*;
 use core::mem::transmute_copy;
 
@@ -14,42 +13,50 @@ use crate::scalar::{Real, Work};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
-    ($vector:ident of $lanes:literal doubles: $($name:ident($($operand:ident),*) -> $result:ty = $operation:expr;)*) => {
-        $(#[inline(always)]
-        fn $name<X: Real, const N: usize>($($operand: &[X; N]),*) -> Option<[$result; N]> {
-            // SAFETY: the vector has the size of the arrays of doubles and of truths, and the processor is of the kind
-            if !are_doubles::<X, N>($lanes) {
-                return None;
-            }
-            Some(unsafe {
-                $(let $operand: $vector = transmute_copy($operand);)*
-                transmute_copy(&$operation)
-            })
-        })*
-    };
-}
+    ($vector:ident of $lanes:literal doubles: $($name:ident($($operand:ident),*) = $operation:expr;)*) => {
+        type Vector = $vector;
+        const DOUBLES: usize = $lanes;
 
-macro_rules! selection {
-    ($vector:ident of $lanes:literal doubles, $mask:ident $truths:ident, $yes:ident, $no:ident: $operation:expr) => {
         #[inline(always)]
-        fn select<X: Real, const N: usize>($mask: &[u64; N], $yes: &[X; N], $no: &[X; N]) -> Option<[X; N]> {
-            // SAFETY: as for the operations
-            if !are_doubles::<X, N>($lanes) {
-                return None;
-            }
-            Some(unsafe {
-                let $mask: $truths = transmute_copy($mask);
-                let ($yes, $no): ($vector, $vector) = (transmute_copy($yes), transmute_copy($no));
-                transmute_copy(&$operation)
-            })
+        fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> $vector {
+            assert!(X::IS_DOUBLE && N == $lanes, "as many doubles as there are in the vector");
+            // SAFETY: the same size, and all bits have a meaning in both
+            unsafe { transmute_copy(numbers) }
         }
+
+        #[inline(always)]
+        fn numbers<X: Real, const N: usize>(doubles: $vector) -> [X; N] {
+            assert!(X::IS_DOUBLE && N == $lanes, "as many doubles as there are in the vector");
+            // SAFETY: the same size, and all bits have a meaning in both
+            unsafe { transmute_copy(&doubles) }
+        }
+
+        #[inline(always)]
+        fn mask<const N: usize>(truths: &[u64; N]) -> $vector {
+            assert!(N == $lanes, "as many truths as there are doubles in the vector");
+            // SAFETY: the same size, and all bits have a meaning in both
+            unsafe { transmute_copy(truths) }
+        }
+
+        #[inline(always)]
+        fn truths<const N: usize>(mask: $vector) -> [u64; N] {
+            assert!(N == $lanes, "as many truths as there are doubles in the vector");
+            // SAFETY: the same size, and all bits have a meaning in both
+            unsafe { transmute_copy(&mask) }
+        }
+
+        $(#[inline(always)]
+        fn $name($($operand: $vector),*) -> $vector {
+            // SAFETY: the type is named nowhere but where it was looked whether the processor is of the kind
+            unsafe { $operation }
+        })*
     };
 }
 
 macro_rules! processors {
     ($(
         $(#[$doc:meta])*
-        $name:ident in $function:ident for $first:tt $(, $feature:tt)*: $alignment:ident of $bytes:literal bytes { $($operations:tt)* } { $($selection:tt)* }
+        $name:ident in $function:ident for $first:tt $(, $feature:tt)*: $alignment:ident of $bytes:literal bytes { $($operations:tt)* }
     )*) => {
         $(
             $(#[$doc])*
@@ -87,7 +94,6 @@ macro_rules! processors {
                 }
 
                 operations! { $($operations)* }
-                selection! { $($selection)* }
             }
         )*
     };
@@ -96,33 +102,31 @@ processors! {
     /// x86-64 with four doubles in a register.
     Avx2 in avx2 for "avx2": Bytes32 of 32 bytes {
         __m256d of 4 doubles:
-        add(a, b) -> X = _mm256_add_pd(a, b);
-        sub(a, b) -> X = _mm256_sub_pd(a, b);
-        mul(a, b) -> X = _mm256_mul_pd(a, b);
-        div(a, b) -> X = _mm256_div_pd(a, b);
-        sqrt(a) -> X = _mm256_sqrt_pd(a);
-        neg(a) -> X = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
-        abs(a) -> X = _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
-        at_most(a, b) -> u64 = _mm256_cmp_pd::<_CMP_LE_OQ>(a, b);
-        below(a, b) -> u64 = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);
-    } {
-        __m256d of 4 doubles, mask __m256d, yes, no: _mm256_blendv_pd(no, yes, mask)
+        add(a, b) = _mm256_add_pd(a, b);
+        sub(a, b) = _mm256_sub_pd(a, b);
+        mul(a, b) = _mm256_mul_pd(a, b);
+        div(a, b) = _mm256_div_pd(a, b);
+        sqrt(a) = _mm256_sqrt_pd(a);
+        neg(a) = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
+        abs(a) = _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
+        at_most(a, b) = _mm256_cmp_pd::<_CMP_LE_OQ>(a, b);
+        below(a, b) = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);
+        select(mask, yes, no) = _mm256_blendv_pd(no, yes, mask);
     }
 
     /// x86-64 with eight doubles in a register.
     Avx512 in avx512 for "avx512f", "avx512dq", "avx512vl": Bytes64 of 64 bytes {
         __m512d of 8 doubles:
-        add(a, b) -> X = _mm512_add_pd(a, b);
-        sub(a, b) -> X = _mm512_sub_pd(a, b);
-        mul(a, b) -> X = _mm512_mul_pd(a, b);
-        div(a, b) -> X = _mm512_div_pd(a, b);
-        sqrt(a) -> X = _mm512_sqrt_pd(a);
-        neg(a) -> X = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
-        abs(a) -> X = _mm512_andnot_pd(_mm512_set1_pd(-0.0), a);
-        at_most(a, b) -> u64 = _mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b));
-        below(a, b) -> u64 = _mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b));
-    } {
-        __m512d of 8 doubles, mask __m512i, yes, no: _mm512_mask_blend_pd(_mm512_movepi64_mask(mask), no, yes)
+        add(a, b) = _mm512_add_pd(a, b);
+        sub(a, b) = _mm512_sub_pd(a, b);
+        mul(a, b) = _mm512_mul_pd(a, b);
+        div(a, b) = _mm512_div_pd(a, b);
+        sqrt(a) = _mm512_sqrt_pd(a);
+        neg(a) = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
+        abs(a) = _mm512_andnot_pd(_mm512_set1_pd(-0.0), a);
+        at_most(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)));
+        below(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)));
+        select(mask, yes, no) = _mm512_mask_blend_pd(_mm512_movepi64_mask(_mm512_castpd_si512(mask)), no, yes);
     }
 }
 
@@ -139,26 +143,18 @@ impl Processor for Portable {
 
     operations! {
         Two of 4 doubles:
-        add(a, b) -> X = [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])];
-        sub(a, b) -> X = [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])];
-        mul(a, b) -> X = [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])];
-        div(a, b) -> X = [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])];
-        sqrt(a) -> X = [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])];
-        neg(a) -> X = [_mm_xor_pd(a[0], _mm_set1_pd(-0.0)), _mm_xor_pd(a[1], _mm_set1_pd(-0.0))];
-        abs(a) -> X = [_mm_andnot_pd(_mm_set1_pd(-0.0), a[0]), _mm_andnot_pd(_mm_set1_pd(-0.0), a[1])];
-        at_most(a, b) -> u64 = [_mm_cmple_pd(a[0], b[0]), _mm_cmple_pd(a[1], b[1])];
-        below(a, b) -> u64 = [_mm_cmplt_pd(a[0], b[0]), _mm_cmplt_pd(a[1], b[1])];
-    }
-    selection! {
-        Two of 4 doubles, mask Two, yes, no: [
+        add(a, b) = [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])];
+        sub(a, b) = [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])];
+        mul(a, b) = [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])];
+        div(a, b) = [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])];
+        sqrt(a) = [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])];
+        neg(a) = [_mm_xor_pd(a[0], _mm_set1_pd(-0.0)), _mm_xor_pd(a[1], _mm_set1_pd(-0.0))];
+        abs(a) = [_mm_andnot_pd(_mm_set1_pd(-0.0), a[0]), _mm_andnot_pd(_mm_set1_pd(-0.0), a[1])];
+        at_most(a, b) = [_mm_cmple_pd(a[0], b[0]), _mm_cmple_pd(a[1], b[1])];
+        below(a, b) = [_mm_cmplt_pd(a[0], b[0]), _mm_cmplt_pd(a[1], b[1])];
+        select(mask, yes, no) = [
             _mm_or_pd(_mm_and_pd(mask[0], yes[0]), _mm_andnot_pd(mask[0], no[0])),
             _mm_or_pd(_mm_and_pd(mask[1], yes[1]), _mm_andnot_pd(mask[1], no[1])),
-        ]
+        ];
     }
-}
-
-/// Whether an array is one of so many doubles.
-#[inline(always)]
-fn are_doubles<X: Real, const N: usize>(lanes: usize) -> bool {
-    N == lanes && TypeId::of::<X>() == TypeId::of::<f64>()
 }

@@ -167,15 +167,21 @@ impl Mask for bool {
     }
 }
 
-/// One real number: `f64` or `f32`.
-pub trait Real: Batch<Number = Self, Mask = bool> + PartialOrd {
+/// One real number: `f64` or `f32`, and no other type.
+pub trait Real: Batch<Number = Self, Mask = bool> + PartialOrd + sealed::Sealed {
+    /// Whether it is `f64`.
+    const IS_DOUBLE: bool;
     /// The nearest `f64`.
     fn to_f64(self) -> f64;
 }
 
 macro_rules! real {
     ($($t:ident),*) => {
-        $(impl Real for $t {
+        $(impl sealed::Sealed for $t {}
+
+        impl Real for $t {
+            const IS_DOUBLE: bool = size_of::<$t>() == size_of::<f64>();
+
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.into()
@@ -234,3 +240,7 @@ macro_rules! real {
     };
 }
 real!(f64, f32);
+
+mod sealed {
+    pub trait Sealed {}
+}

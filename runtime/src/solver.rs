@@ -48,9 +48,9 @@ pub struct Solver<T, U> {
     slack: T,
 }
 
-impl<T: Batch, U: Components<T>> Solver<T, U> {
-    /// Remembers nothing.
-    pub fn new() -> Self {
+/// Remembers nothing.
+impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
+    fn default() -> Self {
         let zero = T::of(0.0);
         Self {
             solutions: [U::from_fn(|_| zero); 2 * DEPTH],
@@ -62,7 +62,9 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             slack: T::of(-1.0),
         }
     }
+}
 
+impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Solves a step's equation as most are solved, from where the earlier solutions point, by a few sweeps. None if these do not solve it
     /// in all lanes.
     #[inline(always)]
@@ -106,7 +108,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             return newton::solve(kernel, state, step, &self.solutions[0], T::Mask::splat(false));
         }
         if !known {
-            *self = Self::new();
+            *self = Self::default();
         }
         let guess =
             if self.count == 0 { kernel.start(state, step) } else { self.extrapolated(&self.weights) };
@@ -361,7 +363,7 @@ mod tests {
 
     #[test]
     fn the_window_moves_and_forgets() {
-        let mut solver = Solver::<f64, [f64; 1]>::new();
+        let mut solver = Solver::<f64, [f64; 1]>::default();
         for k in 0..40 {
             assert_eq!(solver.count, (k as usize).min(DEPTH));
             solver.push([f64::from(k)]);

@@ -173,7 +173,7 @@ fn those_that_fail_do_not_stop_the_others() {
     let mut expected = Vec::new();
     let mut ends = Vec::new();
     for (member, start) in states.iter().enumerate() {
-        let mut state = start.clone();
+        let mut state = *start;
         let mut stepper = runaways[member].stepper::<Exponential>(0.01).unwrap();
         for step in 1..=300 {
             if let Err(source) = stepper.step(&mut state) {

@@ -74,7 +74,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     let heavy_at = AttitudeState { attitude: top_start.attitude, y };
 
     let mut cases = vec![
-        classical(FREE, Rk4Quaternion, plain.clone(), at),
+        classical(FREE, Rk4Quaternion, plain, at),
         classical(FREE, Rkmk4, plain, at),
         ours::<_, Cayley>(FREE, "Cayley", &body, start)?,
         ours::<_, Exponential>(FREE, "exponential", &body, start)?,
@@ -102,7 +102,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
         )?,
         together::<_, Cayley>(FREE, "Cayley, a member of an ensemble", &body, start)?,
         together::<_, Exponential>(FREE, "exponential, a member of an ensemble", &body, start)?,
-        classical(TOP, Rk4Quaternion, heavy.clone(), heavy_at),
+        classical(TOP, Rk4Quaternion, heavy, heavy_at),
         classical(TOP, Rkmk4, heavy, heavy_at),
         ours::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
         ours::<_, Exponential>(TOP, "exponential", &top, top_start)?,
@@ -131,7 +131,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     cases.push(ours::<_, Cayley>("quadrotor", "Cayley", &quadrotor, loose)?);
     cases.push(ours::<_, Exponential>("quadrotor", "exponential", &quadrotor, loose)?);
     let (coupled, still) = CoupledBodies::example();
-    cases.push(ours::<_, Cayley>("coupled_bodies", "Cayley", &coupled, still.clone())?);
+    cases.push(ours::<_, Cayley>("coupled_bodies", "Cayley", &coupled, still)?);
     cases.push(ours::<_, Exponential>("coupled_bodies", "exponential", &coupled, still)?);
     Ok(cases)
 }

@@ -1,13 +1,11 @@
 //! The list of systems that the program knows, each behind the same [`Entry`].
 
-use std::ops::ControlFlow;
-
 use coadjoint::certify::Report;
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 
 use crate::catalogued::Catalogued;
-use crate::crowd::{self, Course, Crowd, Shown};
+use crate::crowd::{self, Course, Crowd, Glance, Shown};
 use crate::simulation::{self, Job, Method, Retraction, Setup, SimulationError, Watch, Whereabouts};
 use coadjoint::RunReport;
 
@@ -99,12 +97,7 @@ pub struct Entry {
     pub simulate:
         fn(&Setup, &Job, Option<&Whereabouts>, &mut Watch<'_>) -> Result<RunReport, SimulationError>,
     /// Runs an ensemble.
-    pub ensemble: fn(
-        &Setup,
-        &Crowd,
-        &[Shown],
-        &mut dyn FnMut(u64) -> ControlFlow<()>,
-    ) -> Result<Course, SimulationError>,
+    pub ensemble: fn(&Setup, &Crowd, &[Shown], &mut Glance<'_>) -> Result<Course, SimulationError>,
     /// Measures what a scheme of order 2 or 1 claims.
     pub certify: fn(&Setup, Method, Retraction) -> Result<Report, SimulationError>,
     /// Measures the time that a step takes, ns.

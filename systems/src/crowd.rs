@@ -36,6 +36,9 @@ pub enum Shown {
     State(usize),
 }
 
+/// Sees how many steps were taken; may end the run.
+pub type Glance<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;
+
 /// How an ensemble has moved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Course {
@@ -51,8 +54,7 @@ pub struct Course {
     pub seconds: f64,
 }
 
-/// Runs an ensemble with the system's standard step on the Cayley map, and its own control law. The watch sees how many steps were taken and may
-/// end the run.
+/// Runs an ensemble with the system's standard step on the Cayley map, and its own control law. The watch may end the run.
 ///
 /// # Errors
 /// If the parameters or the state of a member are not valid, or the step.
@@ -60,7 +62,7 @@ pub fn run<S: Catalogued + 'static>(
     setup: &Setup,
     crowd: &Crowd,
     shown: &[Shown],
-    watch: &mut dyn FnMut(u64) -> ControlFlow<()>,
+    watch: &mut Glance<'_>,
 ) -> Result<Course, SimulationError> {
     let (systems, states): (Vec<S>, Vec<S::State>) =
         (0..crowd.members).map(|member| realize::<S>(&drawn(setup, crowd, member))).unzip();
