@@ -21,7 +21,7 @@ pub struct StepReport {
 /// Takes steps of one size through the motion of one system, with the scheme `M`.
 ///
 /// Built by [`System::stepper`]. The result of a step depends on the state, the time and the control alone, up to roundoff: the
-/// stepper only remembers where the last solution was, to start the next one there. It counts the time from 0, or from where
+/// stepper only remembers where the last solutions were, to start the next one where they point. It counts the time from 0, or from where
 /// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice.
 pub struct Stepper<S: Discretized<M>, M> {
     system: S,
