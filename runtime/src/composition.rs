@@ -242,7 +242,7 @@ mod tests {
 
         fn advance(&mut self, &[q]: &[f64; 1], time: f64, _: &[f64; 0], _: bool) -> Outcome<f64, [f64; 1]> {
             let step = self.0;
-            Ok(Advanced { state: [q + step * (time + 0.5 * step)], iterations: 0, residual: 0.0 })
+            Ok(Advanced { state: [q + step * (time + 0.5 * step)], iterations: [0], residual: 0.0 })
         }
 
         fn memory(&mut self, _: &mut dyn FnMut(&mut [f64])) {}

@@ -9,19 +9,11 @@ use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 use crate::stumpff;
 
 /// `N` numbers side by side, for code that is compiled for `P`.
-///
-/// ```
-/// use coadjoint::lanes::Lanes;
-/// use coadjoint::scalar::Scalar;
-///
-/// let x = Lanes::<f64, 4>::from([1.0, 4.0, 9.0, 16.0]);
-/// assert_eq!(x.sqrt() + Lanes::of(0.5), Lanes::from([1.5, 2.5, 3.5, 4.5]));
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lanes<X, const N: usize, P: Processor = Portable>([X; N], P::Alignment);
+pub(crate) struct Lanes<X, const N: usize, P: Processor>([X; N], P::Alignment);
 
 /// A kind of processor, with instructions on registers of doubles.
-pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
+pub(crate) trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
     /// Something without size that is aligned as the processor's registers are wide.
     type Alignment: Copy + PartialEq + core::fmt::Debug + Default + Send + Sync + 'static;
     /// A register, or a few of them; of doubles, or of truths as large as these.
@@ -45,6 +37,10 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     fn sub(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `a b`
     fn mul(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    /// `a + b c`, as [`Scalar::plus`].
+    fn plus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// `a − b c`, as [`Scalar::minus`].
+    fn minus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// `a / b`
     fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `−a`
@@ -63,10 +59,10 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
 
 /// Any processor that the program was built for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Portable;
+pub(crate) struct Portable;
 
 /// Without instructions to be named: the compiler finds some by itself.
-#[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+#[cfg(not(target_arch = "x86_64"))]
 impl Processor for Portable {
     type Alignment = ();
     type Vector = ();
@@ -87,6 +83,8 @@ impl Processor for Portable {
     fn add((): (), (): ()) {}
     fn sub((): (), (): ()) {}
     fn mul((): (), (): ()) {}
+    fn plus((): (), (): (), (): ()) {}
+    fn minus((): (), (): (), (): ()) {}
     fn div((): (), (): ()) {}
     fn neg((): ()) {}
     fn abs((): ()) {}
@@ -183,6 +181,28 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     #[inline(always)]
     fn of(value: f64) -> Self {
         Self([X::of(value); N], P::Alignment::default())
+    }
+    #[inline(always)]
+    fn plus(self, a: Self, b: Self) -> Self {
+        if const { Self::NATIVE } {
+            return Self::from_vector(P::plus(self.vector(), a.vector(), b.vector()));
+        }
+        let mut numbers = self.0;
+        for (k, x) in numbers.iter_mut().enumerate() {
+            *x = x.plus(a.0[k], b.0[k]);
+        }
+        Self::from(numbers)
+    }
+    #[inline(always)]
+    fn minus(self, a: Self, b: Self) -> Self {
+        if const { Self::NATIVE } {
+            return Self::from_vector(P::minus(self.vector(), a.vector(), b.vector()));
+        }
+        let mut numbers = self.0;
+        for (k, x) in numbers.iter_mut().enumerate() {
+            *x = x.minus(a.0[k], b.0[k]);
+        }
+        Self::from(numbers)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -291,7 +311,7 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
 
 /// A truth for each of `N` lanes: all bits or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Truths<const N: usize>([u64; N]);
+pub(crate) struct Truths<const N: usize>([u64; N]);
 
 impl<const N: usize> Truths<N> {
     #[inline(always)]
@@ -344,5 +364,60 @@ impl<const N: usize> Not for Truths<N> {
     #[inline(always)]
     fn not(self) -> Self {
         self.zip(self, |x, _| !x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[cfg(target_arch = "x86_64")]
+    use crate::processor::{Avx2, Avx512};
+
+    /// Every operation does in each lane what it does to the number alone, not-a-number, infinities and zeros included.
+    fn do_in_each_lane_as_alone<const N: usize, P: Processor>() {
+        let numbers = [0.0, -0.0, 1.0, -2.5, 3e-310, 1e300, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        let lanes = |shift: usize| {
+            Lanes::<f64, N, P>::from(core::array::from_fn(|lane| numbers[(lane + shift) % numbers.len()]))
+        };
+        for (i, j) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (i, j))) {
+            let (x, y, z) = (lanes(i), lanes(j), lanes(i + 2 * j));
+            let together =
+                [x + y, x - y, x * y, x / y, -x, x.sqrt(), Batch::abs(x), x.plus(y, z), x.minus(y, z)];
+            let (at_most, below, larger) = (x.at_most(y), x.below(y), Lanes::select(x.below(y), y, x));
+            for lane in 0..N {
+                let (x, y, z) = (x.lane(lane), y.lane(lane), z.lane(lane));
+                let alone = [x + y, x - y, x * y, x / y, -x, x.sqrt(), x.abs(), x.plus(y, z), x.minus(y, z)];
+                for (together, alone) in together.iter().zip(alone) {
+                    let together = together.lane(lane);
+                    assert!(together.is_same(alone) || together.is_nan() && alone.is_nan(), "{x} {y} {z}");
+                }
+                assert_eq!((at_most.lane(lane), below.lane(lane)), (x <= y, x < y), "{x} {y}");
+                assert!(larger.lane(lane).is_same(if x < y { y } else { x }), "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn lanes_do_as_numbers_alone() {
+        do_in_each_lane_as_alone::<4, Portable>();
+        do_in_each_lane_as_alone::<3, Portable>();
+        #[cfg(target_arch = "x86_64")]
+        if Avx2::is_here() {
+            do_in_each_lane_as_alone::<4, Avx2>();
+        }
+        #[cfg(target_arch = "x86_64")]
+        if Avx512::is_here() {
+            do_in_each_lane_as_alone::<8, Avx512>();
+        }
+    }
+
+    #[test]
+    fn masks_tell_of_all_and_of_any() {
+        let x = Lanes::<f64, 4, Portable>::from([1.0, 2.0, 3.0, 4.0]);
+        let at_most = |limit: f64| x.at_most(Lanes::of(limit));
+        assert_eq!([0.0, 2.0, 4.0].map(|limit| at_most(limit).all()), [false, false, true]);
+        assert_eq!([0.0, 2.0, 4.0].map(|limit| at_most(limit).any()), [false, true, true]);
+        assert_eq!((at_most(2.0) & !at_most(1.0)).0, [0, u64::MAX, 0, 0]);
+        assert_eq!((!at_most(3.0) | at_most(1.0)).0, [u64::MAX, 0, 0, u64::MAX]);
     }
 }

@@ -5,8 +5,8 @@
 use crate::error::StepError;
 use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
-use crate::newton::SolutionOf;
-use crate::scalar::{Batch, Mask, Scalar, Work};
+use crate::newton::{self, SolutionOf};
+use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 use crate::solver::Solver;
 
 /// A discretization of one system with one step size, on flat arrays.
@@ -44,11 +44,11 @@ pub trait Method: Clone + Send + Sync {
 
 /// Where a step has led to.
 #[derive(Clone, Copy, Debug)]
-pub struct Advanced<T, S> {
+pub struct Advanced<T: Batch, S> {
     /// The state after the step.
     pub state: S,
     /// Iterations made, those of all parts together.
-    pub iterations: u32,
+    pub iterations: T::Each<u32>,
     /// The residual left in the step's equation, relative to its terms; of several parts the largest.
     pub residual: T,
 }
@@ -109,17 +109,19 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         // Nearly all steps go this way. Whatever is not as usual, be it a number that is not finite, sends them the other.
         if known {
             let begun = self.kernel.begin(state, time, control);
-            if let Some(solution) = self.solver.few_sweeps(&self.kernel, state, &begun) {
+            if let Some(solution) = self.solver.by_sweeps(&self.kernel, state, &begun) {
                 let advanced = self.finish(state, &begun, &solution);
                 let usual =
-                    self.is_inside(state, &begun, &solution) & finite(&advanced.state) & finite(control);
+                    self.is_inside(state, &begun, &solution) & surely_finite(&advanced.state, control);
                 if usual.all() {
-                    self.solver.push_usual(solution.unknown);
+                    self.solver.push_usual(&solution.unknown);
                     return Ok(advanced);
                 }
             }
         }
-        T::outline(Anyhow { method: self, state, time, control, known })
+        // copies, so that the other way needs no addresses
+        let (state, control) = (*state, *control);
+        T::outline(Anyhow { method: self, state: &state, time, control: &control, known })
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -144,16 +146,15 @@ impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
         let Self { method, state, time, control, known } = self;
         let given = finite(state) & finite(control) & time.is_finite();
         let begun = method.kernel.begin(state, time, control);
-        let before = method.solver;
         let solution = method.solver.solve(&method.kernel, state, &begun, known);
         let inside = method.is_inside(state, &begun, &solution);
         let advanced = method.finish(state, &begun, &solution);
         let reached = finite(&advanced.state);
         let good = given & !solution.unsolved & inside & reached;
         if good.any() {
-            method.solver.push(solution.unknown);
+            method.solver.push(&solution.unknown);
         } else {
-            method.solver = before;
+            method.solver.forget();
         }
         if good.all() {
             return Ok(advanced);
@@ -163,8 +164,9 @@ impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
                 return Some(StepError::NotFinite);
             }
             if solution.unsolved.lane(lane) {
-                let residual = crate::scalar::Real::to_f64(solution.residual.lane(lane));
-                return Some(StepError::NoConvergence { iterations: solution.iterations, residual });
+                let iterations = solution.iterations.as_ref()[lane];
+                let residual = solution.residual.lane(lane).to_f64();
+                return Some(StepError::NoConvergence { iterations, residual });
             }
             if !inside.lane(lane) {
                 return Some(StepError::OutsideDomain);
@@ -191,6 +193,20 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let state = self.kernel.finish(state, begun, &solution.unknown, &solution.evaluation);
         Advanced { state, iterations: solution.iterations, residual: solution.residual }
     }
+}
+
+/// Whether all numbers of a lane are finite; not so if their sum is too large.
+#[inline(always)]
+fn surely_finite<T: Batch, A: Components<T>, B: Components<T>>(a: &A, b: &B) -> T::Mask {
+    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+    let mut sums = [T::of(-0.0); 4];
+    for (k, component) in a.as_ref().iter().enumerate() {
+        sums[k % 4] = sums[k % 4] + *component;
+    }
+    for (k, component) in b.as_ref().iter().enumerate() {
+        sums[k % 4] = sums[k % 4] + *component;
+    }
+    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).at_most(T::of(0.0))
 }
 
 /// Whether all numbers of a lane are finite: no branch.
@@ -226,13 +242,18 @@ impl<B: Method> Work for Part<'_, B> {
 pub(crate) struct Course<T: Batch> {
     errors: T::Each<Option<StepError>>,
     is_flawless: bool,
-    iterations: u32,
+    iterations: T::Each<u32>,
     residual: T,
 }
 
 impl<T: Batch> Course<T> {
     pub(crate) fn new() -> Self {
-        Self { errors: T::each(|_| None), is_flawless: true, iterations: 0, residual: T::of(0.0) }
+        Self {
+            errors: T::each(|_| None),
+            is_flawless: true,
+            iterations: T::each(|_| 0),
+            residual: T::of(0.0),
+        }
     }
 
     /// Takes a part of the step. Not inlined: what is composed of several is compiled once for all that it is part of, and next to a step
@@ -261,7 +282,7 @@ impl<T: Batch> Course<T> {
                 failure.advanced
             }
         };
-        self.iterations += advanced.iterations;
+        self.iterations = newton::sum::<T>(self.iterations, advanced.iterations);
         let larger = self.residual.below(advanced.residual);
         self.residual = T::select(larger, advanced.residual, self.residual);
         Ok(advanced.state)
@@ -407,7 +428,7 @@ mod tests {
             known: bool,
         ) -> Outcome<f64, [f64; 0]> {
             self.known = known;
-            let advanced = Advanced { state: [], iterations: 1, residual: time };
+            let advanced = Advanced { state: [], iterations: [1], residual: time };
             if time > limit {
                 return Err(Failure { errors: [Some(StepError::OutsideDomain)], advanced });
             }
@@ -425,7 +446,7 @@ mod tests {
             let report = outcome.map(|to| (to.iterations, to.residual)).map_err(|failure| failure.first());
             (report, [halves.first.known, halves.second.known])
         };
-        let solved = Ok((2, 4.0));
+        let solved = Ok(([2], 4.0));
         // nothing to remember yet
         assert_eq!(advance(9.0), (solved, [false, false]));
         assert_eq!(advance(9.0), (solved, [true, true]));

@@ -19,8 +19,8 @@ pub struct Solution<T: Batch, U, I> {
     pub unknown: U,
     /// The equation evaluated there, or so near that it makes no difference.
     pub evaluation: Evaluation<U, I>,
-    /// Iterations made, in whichever lane took the most.
-    pub iterations: u32,
+    /// Iterations made.
+    pub iterations: T::Each<u32>,
     /// The residual's size relative to the right side's, as sums of magnitudes.
     pub residual: T,
     /// The lanes in which the residual did not come down to roundoff.
@@ -44,6 +44,18 @@ pub fn solve<T: Batch, K: Kernel<T>>(
     T::outline(Solve { kernel, state, step, start, wanted })
 }
 
+/// [`solve`] in line.
+#[inline(always)]
+pub(crate) fn solve_in_line<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    start: &K::Unknown,
+    wanted: T::Mask,
+) -> SolutionOf<T, K> {
+    Solve { kernel, state, step, start, wanted }.done()
+}
+
 struct Solve<'a, T: Batch, K: Kernel<T>> {
     kernel: &'a K,
     state: &'a K::State,
@@ -65,17 +77,20 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
         let mut residual = relative(&evaluation);
         let mut open = wanted & !residual.at_most(roundoff);
         let mut unsolved = T::Mask::splat(false);
-        let mut iterations = 0;
-        while open.any() {
-            if iterations == MAX_ITERATIONS {
+        let mut iterations = T::each(|_| 0);
+        for round in 0.. {
+            if !open.any() {
+                break;
+            }
+            if round == MAX_ITERATIONS {
                 // where it stagnates this was a slow way, but down to roundoff
                 unsolved = unsolved | (open & !residual.at_most(stagnation));
                 break;
             }
-            iterations += 1;
+            iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
             let correction = kernel.correction(state, step, &unknown, &evaluation);
             let candidate = subtract(open, &unknown, &correction, T::of(1.0));
-            let there = evaluated(kernel, state, step, &candidate);
+            let there = kernel.evaluate(state, step, &candidate);
             let then = relative(&there);
             let better = open & then.below(residual);
             let worse = open & !better;
@@ -157,6 +172,12 @@ fn backtrack<T: Batch, K: Kernel<T>>(
         }
     }
     open
+}
+
+/// What is counted in each lane, together.
+#[inline(always)]
+pub(crate) fn sum<T: Batch>(a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
+    T::each(|lane| a.as_ref()[lane] + b.as_ref()[lane])
 }
 
 /// `yes` where the mask is true, `no` elsewhere.
@@ -254,7 +275,7 @@ mod tests {
     #[test]
     fn without_an_unknown_the_equation_is_evaluated_once() {
         let solution = solve(&Explicit, &[1.0], &(), &[], true);
-        assert_eq!((solution.iterations, solution.residual, solution.unsolved), (0, 0.0, false));
+        assert_eq!((solution.iterations, solution.residual, solution.unsolved), ([0], 0.0, false));
         assert_eq!((solution.evaluation.iterate, EVALUATIONS.load(Ordering::Relaxed)), (0, 1));
     }
 }

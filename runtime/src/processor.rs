@@ -9,7 +9,7 @@ use core::arch::x86_64::*;
 use core::mem::transmute_copy;
 
 use crate::lanes::{Portable, Processor};
-use crate::scalar::{Real, Work};
+use crate::scalar::{FUSED, Real, Work};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
@@ -105,6 +105,8 @@ processors! {
         add(a, b) = _mm256_add_pd(a, b);
         sub(a, b) = _mm256_sub_pd(a, b);
         mul(a, b) = _mm256_mul_pd(a, b);
+        plus(a, b, c) = if FUSED { _mm256_fmadd_pd(b, c, a) } else { _mm256_add_pd(a, _mm256_mul_pd(b, c)) };
+        minus(a, b, c) = if FUSED { _mm256_fnmadd_pd(b, c, a) } else { _mm256_sub_pd(a, _mm256_mul_pd(b, c)) };
         div(a, b) = _mm256_div_pd(a, b);
         sqrt(a) = _mm256_sqrt_pd(a);
         neg(a) = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
@@ -120,6 +122,8 @@ processors! {
         add(a, b) = _mm512_add_pd(a, b);
         sub(a, b) = _mm512_sub_pd(a, b);
         mul(a, b) = _mm512_mul_pd(a, b);
+        plus(a, b, c) = if FUSED { _mm512_fmadd_pd(b, c, a) } else { _mm512_add_pd(a, _mm512_mul_pd(b, c)) };
+        minus(a, b, c) = if FUSED { _mm512_fnmadd_pd(b, c, a) } else { _mm512_sub_pd(a, _mm512_mul_pd(b, c)) };
         div(a, b) = _mm512_div_pd(a, b);
         sqrt(a) = _mm512_sqrt_pd(a);
         neg(a) = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
@@ -146,6 +150,16 @@ impl Processor for Portable {
         add(a, b) = [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])];
         sub(a, b) = [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])];
         mul(a, b) = [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])];
+        plus(a, b, c) = if FUSED {
+            [_mm_fmadd_pd(b[0], c[0], a[0]), _mm_fmadd_pd(b[1], c[1], a[1])]
+        } else {
+            [_mm_add_pd(a[0], _mm_mul_pd(b[0], c[0])), _mm_add_pd(a[1], _mm_mul_pd(b[1], c[1]))]
+        };
+        minus(a, b, c) = if FUSED {
+            [_mm_fnmadd_pd(b[0], c[0], a[0]), _mm_fnmadd_pd(b[1], c[1], a[1])]
+        } else {
+            [_mm_sub_pd(a[0], _mm_mul_pd(b[0], c[0])), _mm_sub_pd(a[1], _mm_mul_pd(b[1], c[1]))]
+        };
         div(a, b) = [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])];
         sqrt(a) = [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])];
         neg(a) = [_mm_xor_pd(a[0], _mm_set1_pd(-0.0)), _mm_xor_pd(a[1], _mm_set1_pd(-0.0))];

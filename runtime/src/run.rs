@@ -115,11 +115,14 @@ impl RunReport {
         if self.steps == 0 { 0.0 } else { self.iterations as f64 / self.steps as f64 }
     }
 
+    #[inline(always)]
     fn count(&mut self, step: &StepReport) {
         self.steps += 1;
         self.iterations += u64::from(step.iterations);
         self.max_iterations = self.max_iterations.max(step.iterations);
-        self.max_residual = self.max_residual.max(step.residual);
+        if step.residual > self.max_residual {
+            self.max_residual = step.residual;
+        }
     }
 }
 

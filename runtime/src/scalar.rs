@@ -4,6 +4,12 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
+/// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
+/// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
+///
+/// Never without `std`, where nalgebra does it in software.
+pub const FUSED: bool = cfg!(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")));
+
 /// What straight-line code needs of a number: `f64`, `f32`, and anything that is a Copy
 /// [`RealField`] (dual numbers for one).
 pub trait Scalar:
@@ -21,6 +27,16 @@ pub trait Scalar:
 {
     /// The scalar nearest to `value`.
     fn of(value: f64) -> Self;
+    /// `self + a b`, rounded once if the program is [built](FUSED) for processors with an instruction for it, else twice.
+    #[inline(always)]
+    fn plus(self, a: Self, b: Self) -> Self {
+        self + a * b
+    }
+    /// `self − a b`, rounded likewise.
+    #[inline(always)]
+    fn minus(self, a: Self, b: Self) -> Self {
+        self - a * b
+    }
     /// `√self`.
     fn sqrt(self) -> Self;
     /// `e^self`.
@@ -69,6 +85,14 @@ impl<T: RealField + Copy> Scalar for T {
     fn of(value: f64) -> Self {
         nalgebra::convert(value)
     }
+    #[inline(always)]
+    fn plus(self, a: Self, b: Self) -> Self {
+        if FUSED { nalgebra::ComplexField::mul_add(a, b, self) } else { self + a * b }
+    }
+    #[inline(always)]
+    fn minus(self, a: Self, b: Self) -> Self {
+        if FUSED { nalgebra::ComplexField::mul_add(-a, b, self) } else { self - a * b }
+    }
     delegate!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh);
     #[inline(always)]
     fn powf(self, exponent: Self) -> Self {
@@ -88,7 +112,7 @@ impl<T: RealField + Copy> Scalar for T {
     }
 }
 
-/// Numbers that steps are taken with: one, or several side by side ([`Lanes`](crate::lanes::Lanes)), each of which goes its own way.
+/// Numbers that steps are taken with: one, or several side by side, each of which goes its own way.
 ///
 /// What holds for some of them and not for others is a [`Mask`], and both ways are then computed and one [selected](Self::select): no
 /// lane's result depends on what is in another.

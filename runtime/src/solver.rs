@@ -2,10 +2,10 @@
 //! strongly, else by Newton's iteration.
 //!
 //! Successive solutions are samples of a smooth course, so that the next one is known to many digits before anything is solved. The sweep
-//! `x ← L⁻¹ right(x)` of an equation `L x = right(x)` takes off the factor by which it contracts, about the angle turned in a step; one or two
-//! of them bring what is left below rounding. Whether they did is checked at every step: the change that a sweep makes, times a bound for the
-//! contraction, bounds the error after it. The bound is measured, along all unknowns, at the start and every 64 steps; where it is not
-//! small, or sweeps do not do what they should, Newton's iteration takes over.
+//! `x ← L⁻¹ right(x)` of an equation `L x = right(x)` takes off the factor by which it contracts, about the angle turned in a step; in small
+//! steps one or two of them bring what is left below rounding. Whether they did is checked at every step: the change that a sweep makes,
+//! times a bound for the contraction, bounds the error after it. The bound is measured, along all unknowns, at the start and every 128
+//! steps; where it is not small, or sweeps do not do what they should, Newton's iteration takes over.
 
 use crate::kernel::{Components, Kernel};
 use crate::newton::{self, Solution, SolutionOf, select, size};
@@ -16,85 +16,113 @@ const DEPTH: usize = 8;
 /// The numbers of earlier solutions that are tried.
 const DEPTHS: [usize; 6] = [1, 2, 3, 4, 6, 8];
 /// Steps between two looks at how well extrapolation and sweeps do.
-const INTERVAL: u32 = 64;
+const INTERVAL: u32 = 128;
 /// Sweeps contract strongly if their bound is at most this.
-const STRONG: f64 = 0.1;
+const STRONG: f64 = 0.5;
 /// What the bound is multiplied by, for it may grow until it is measured again.
 const SAFETY: f64 = 2.0;
-/// The most sweeps of a step.
-const SWEEPS: u32 = 6;
-/// Those after which it is no longer a step like the others.
-const FEW: u32 = 2;
+/// The most sweeps of a step: more, and Newton's iteration is faster.
+const SWEEPS: u32 = 12;
 /// An error this small, in units of epsilon, is roundoff.
 const ROUNDOFF: f64 = 2.0;
+/// Sweeps do not change less, in units of epsilon, if only for rounding.
+const NOISE: f64 = 8.0;
 /// The change of the last sweep, in units of epsilon: what is evaluated before it serves for the solution too.
 const LAST_CHANGE: f64 = 256.0;
 
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy, Debug)]
 pub struct Solver<T, U> {
-    /// Earlier solutions, the oldest first: those from `first` on, [`DEPTH`] of them, zeros where there were none.
+    /// Where the earlier solutions point.
+    guess: Apart<U>,
+    /// Earlier solutions in a ring, each one twice, so that all are in a row wherever they begin; zeros where there were none.
     solutions: [U; 2 * DEPTH],
-    first: usize,
+    /// The place of the oldest, which the next one will take.
+    oldest: usize,
     /// How many there were, up to [`DEPTH`].
     count: usize,
     /// Steps until the next look.
     due: u32,
-    /// The coefficients of the extrapolation, in the same order.
+    /// Whether sweeps are to be made in all lanes.
+    is_strong: bool,
+    /// The coefficients of the extrapolation, the oldest solution's first.
     weights: [T; DEPTH],
-    /// A bound for the contraction of sweeps.
-    contraction: T,
     /// How much a sweep may change, in units of the unknown, to be the last one; negative if sweeps are not to be made.
     slack: T,
+    /// What such a change means for the residual, relative to the equation's terms.
+    residual: T,
+}
+
+/// Components that do not lie side by side: `i` is in the first or second array as it is even or odd.
+///
+/// What is stored in pieces of one size and loaded in pieces of another has to wait until it is in the cache, and the next step waits for it.
+/// Side by side the compiler would load other pairs than it stored.
+#[derive(Clone, Copy, Debug)]
+struct Apart<U>([U; 2]);
+
+impl<U> Apart<U> {
+    #[inline(always)]
+    fn together<T>(&self) -> U
+    where
+        U: Components<T>,
+        T: Copy,
+    {
+        let mut together = self.0[0];
+        for (i, component) in together.as_mut().iter_mut().enumerate() {
+            *component = self.0[i % 2].as_ref()[i];
+        }
+        together
+    }
+
+    #[inline(always)]
+    fn put<T>(&mut self, components: &U)
+    where
+        U: Components<T>,
+        T: Copy,
+    {
+        for (i, component) in components.as_ref().iter().enumerate() {
+            self.0[i % 2].as_mut()[i] = *component;
+        }
+    }
 }
 
 /// Remembers nothing.
 impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
     fn default() -> Self {
-        let zero = T::of(0.0);
+        let nothing = U::from_fn(|_| T::of(0.0));
         Self {
-            solutions: [U::from_fn(|_| zero); 2 * DEPTH],
-            first: 0,
+            guess: Apart([nothing; 2]),
+            solutions: [nothing; 2 * DEPTH],
+            oldest: 0,
             count: 0,
             due: 0,
+            is_strong: false,
             weights: weights(1),
-            contraction: T::of(1.0),
             slack: T::of(-1.0),
+            residual: T::of(0.0),
         }
     }
 }
 
 impl<T: Batch, U: Components<T>> Solver<T, U> {
-    /// Solves a step's equation as most are solved, from where the earlier solutions point, by a few sweeps. None if these do not solve it
-    /// in all lanes.
+    /// Solves a step's equation as most are solved, from where the earlier solutions point, by sweeps. None if these do not solve it in all
+    /// lanes.
     #[inline(always)]
-    pub fn few_sweeps<K>(&self, kernel: &K, state: &K::State, step: &K::Step) -> Option<SolutionOf<T, K>>
+    pub fn by_sweeps<K>(&self, kernel: &K, state: &K::State, step: &K::Step) -> Option<SolutionOf<T, K>>
     where
         K: Kernel<T, Unknown = U>,
     {
-        if self.solutions[0].as_ref().is_empty() {
-            let unknown = self.solutions[0];
-            let evaluation = kernel.evaluate(state, step, &unknown);
-            let unsolved = T::Mask::splat(false);
-            return Some(Solution { unknown, evaluation, iterations: 0, residual: T::of(0.0), unsolved });
+        let guess = self.guess.together();
+        if guess.as_ref().is_empty() {
+            let evaluation = kernel.evaluate(state, step, &guess);
+            let (iterations, unsolved) = (T::each(|_| 0), T::Mask::splat(false));
+            return Some(Solution { unknown: guess, evaluation, iterations, residual: T::of(0.0), unsolved });
         }
-        if self.due == 0 || !self.is_strong().all() {
+        if self.due == 0 || !self.is_strong {
             return None;
         }
-        let mut point = self.extrapolated(&self.weights);
-        for iterations in 1..=FEW {
-            let evaluation = kernel.evaluate(state, step, &point);
-            let unknown = kernel.sweep(state, step, &evaluation.right)?;
-            let (change, size) = distance(&point, &unknown);
-            let solved = change.at_most(self.slack * size);
-            if solved.all() {
-                let residual = self.contraction * change / (size + T::of(TINY));
-                return Some(Solution { unknown, evaluation, iterations, residual, unsolved: !solved });
-            }
-            // solved lanes wait: the same again gives the same
-            point = select(solved, &point, &unknown);
-        }
-        None
+        let (_, solution) = self.sweeps::<K, true>(kernel, state, step, &guess, T::Mask::splat(true))?;
+        (!solution.unsolved.any()).then_some(solution)
     }
 
     /// Solves a step's equation by whatever it takes. If the state is `known`, the one that the last step led to, the search starts where the
@@ -104,27 +132,29 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        if self.solutions[0].as_ref().is_empty() {
-            return newton::solve(kernel, state, step, &self.solutions[0], T::Mask::splat(false));
+        let guess = self.guess.together();
+        if guess.as_ref().is_empty() {
+            return newton::solve(kernel, state, step, &guess, T::Mask::splat(false));
         }
         if !known {
             *self = Self::default();
         }
-        let guess =
-            if self.count == 0 { kernel.start(state, step) } else { self.extrapolated(&self.weights) };
-        let strong = self.is_strong();
-        let swept = if strong.any() { self.sweeps(kernel, state, step, &guess, strong) } else { None };
+        let guess = if self.count == 0 { kernel.start(state, step) } else { guess };
+        let strong = T::of(0.0).below(self.slack);
+        let swept =
+            if strong.any() { self.sweeps::<K, false>(kernel, state, step, &guess, strong) } else { None };
         let solution = match swept {
             Some((_, swept)) if !swept.unsolved.any() => swept,
             Some((point, swept)) => {
                 let left = swept.unsolved;
                 // where sweeps do not do what they should they are not made again before the next look
                 self.slack = T::select(left, T::of(-1.0), self.slack);
+                self.is_strong = false;
                 let solved = self.newton(kernel, state, step, &select(left, &guess, &point), left);
                 Solution {
                     unknown: select(left, &solved.unknown, &swept.unknown),
                     evaluation: solved.evaluation,
-                    iterations: swept.iterations + solved.iterations,
+                    iterations: newton::sum::<T>(swept.iterations, solved.iterations),
                     residual: T::select(left, solved.residual, swept.residual),
                     unsolved: solved.unsolved,
                 }
@@ -135,12 +165,6 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             self.look(kernel, state, step, &solution.unknown);
         }
         solution
-    }
-
-    /// Whether sweeps contract strongly.
-    #[inline(always)]
-    fn is_strong(&self) -> T::Mask {
-        T::of(0.0).below(self.slack)
     }
 
     /// Newton's iteration in the `wanted` lanes.
@@ -156,14 +180,14 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        let mut solution = newton::solve(kernel, state, step, start, wanted);
+        let mut solution = newton::solve_in_line(kernel, state, step, start, wanted);
         if self.count > 1 && solution.unsolved.any() {
             // the course was not as smooth as that
             let left = solution.unsolved;
             let start = select(left, &self.latest(), &solution.unknown);
             let again = newton::solve(kernel, state, step, &start, left);
             solution = Solution {
-                iterations: solution.iterations + again.iterations,
+                iterations: newton::sum::<T>(solution.iterations, again.iterations),
                 residual: T::select(left, again.residual, solution.residual),
                 ..again
             };
@@ -171,9 +195,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         solution
     }
 
-    /// Sweeps until the change is small enough in the `wanted` lanes. Returns where the equation was evaluated the last time, too.
+    /// Sweeps until the change is small enough in the `wanted` lanes. Returns where the equation was evaluated the last time, too. None if the
+    /// equation is not one for sweeps. What is rare is not compiled in line.
     #[inline(always)]
-    fn sweeps<K>(
+    fn sweeps<K, const IN_LINE: bool>(
         &self,
         kernel: &K,
         state: &K::State,
@@ -185,70 +210,84 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         K: Kernel<T, Unknown = U>,
     {
         let mut point = *guess;
-        let mut iterations = 0;
+        let mut iterations = T::each(|_| 1);
+        let mut sweeps = 1;
         loop {
-            iterations += 1;
-            let evaluation = newton::evaluated(kernel, state, step, &point);
+            let evaluation = if IN_LINE {
+                kernel.evaluate(state, step, &point)
+            } else {
+                newton::evaluated(kernel, state, step, &point)
+            };
             let unknown = kernel.sweep(state, step, &evaluation.right)?;
             let (change, size) = distance(&point, &unknown);
-            let solved = change.at_most(self.slack * size);
-            if (solved | !wanted).all() || iterations == SWEEPS {
-                let residual = self.contraction * change / (size + T::of(TINY));
-                let solution =
-                    Solution { unknown, evaluation, iterations, residual, unsolved: !(solved & wanted) };
-                return Some((point, solution));
+            let open = wanted & !change.at_most(self.slack * size);
+            if !open.any() || sweeps == SWEEPS {
+                let (residual, unsolved) = (self.residual, open | !wanted);
+                return Some((point, Solution { unknown, evaluation, iterations, residual, unsolved }));
             }
             // solved lanes wait: the same again gives the same
-            point = select(wanted & !solved, &unknown, &point);
+            point = select(open, &unknown, &point);
+            iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
+            sweeps += 1;
         }
     }
 
-    /// Where the earlier solutions point: the polynomial through them, one step on.
+    /// The earlier solutions, the oldest first.
     #[inline(always)]
-    fn extrapolated(&self, weights: &[T; DEPTH]) -> U {
+    fn window(&self) -> &[U] {
         // below DEPTH, which the compiler then knows too
-        let first = self.first % DEPTH;
-        let window = &self.solutions[first..first + DEPTH];
-        // two sums, for each has to wait for itself; the latest comes last, for the step before has only just brought it
-        let (mut older, mut newer) = (self.solutions[0], self.solutions[0]);
-        for (i, (older, newer)) in older.as_mut().iter_mut().zip(newer.as_mut()).enumerate() {
-            *older = weights[0] * window[0].as_ref()[i];
-            *newer = weights[DEPTH / 2] * window[DEPTH / 2].as_ref()[i];
-        }
-        for j in 1..DEPTH / 2 {
-            for (i, (older, newer)) in older.as_mut().iter_mut().zip(newer.as_mut()).enumerate() {
-                *older = *older + weights[j] * window[j].as_ref()[i];
-                *newer = *newer + weights[DEPTH / 2 + j] * window[DEPTH / 2 + j].as_ref()[i];
+        let oldest = self.oldest % DEPTH;
+        &self.solutions[oldest..oldest + DEPTH]
+    }
+
+    /// Where the solutions point, from the oldest in a window of [`DEPTH`] to the `latest` at its end: the polynomial through them, one
+    /// step on.
+    #[inline(always)]
+    fn extrapolated(weights: &[T; DEPTH], window: &[U], latest: &U) -> U {
+        // two sums, for each has to wait for itself; and the latest on top, for the step has only just brought it
+        const MIDDLE: usize = DEPTH / 2;
+        let mut sum = *latest;
+        for (i, sum) in sum.as_mut().iter_mut().enumerate() {
+            let mut older = weights[0] * window[0].as_ref()[i];
+            let mut newer = weights[MIDDLE] * window[MIDDLE].as_ref()[i];
+            for j in 1..MIDDLE {
+                older = older.plus(weights[j], window[j].as_ref()[i]);
             }
+            for j in MIDDLE + 1..DEPTH - 1 {
+                newer = newer.plus(weights[j], window[j].as_ref()[i]);
+            }
+            *sum = (older + newer).plus(weights[DEPTH - 1], *sum);
         }
-        for (older, newer) in older.as_mut().iter_mut().zip(newer.as_ref()) {
-            *older = *older + *newer;
-        }
-        older
+        sum
     }
 
     fn latest(&self) -> U {
-        self.solutions[self.first % DEPTH + DEPTH - 1]
+        self.window()[DEPTH - 1]
     }
 
     /// Remembers the solution of a step that [`solve`](Self::solve) solved.
     #[inline(always)]
-    pub fn push(&mut self, unknown: U) {
+    pub fn push(&mut self, unknown: &U) {
         self.push_usual(unknown);
         self.count = (self.count + 1).min(DEPTH);
     }
 
-    /// Remembers the solution of a step that [`few_sweeps`](Self::few_sweeps) solved, and forgets the oldest.
+    /// Remembers the solution of a step that [`by_sweeps`](Self::by_sweeps) solved, and forgets the oldest.
     #[inline(always)]
-    pub fn push_usual(&mut self, unknown: U) {
-        let first = self.first % DEPTH;
-        self.solutions[first + DEPTH] = unknown;
-        self.first = first + 1;
-        if self.first == DEPTH {
-            self.solutions.copy_within(DEPTH.., 0);
-            self.first = 0;
-        }
+    pub fn push_usual(&mut self, unknown: &U) {
+        let oldest = self.oldest % DEPTH;
+        // in the window that begins one later
+        let window = &self.solutions[oldest + 1..=oldest + DEPTH];
+        self.guess.put(&Self::extrapolated(&self.weights, window, unknown));
+        self.solutions[oldest] = *unknown;
+        self.solutions[oldest + DEPTH] = *unknown;
+        self.oldest = oldest + 1;
         self.due = self.due.saturating_sub(1);
+    }
+
+    /// Forgets all.
+    pub fn forget(&mut self) {
+        *self = Self::default();
     }
 
     /// Sees how many earlier solutions would have pointed best at this one, and how strongly sweeps contract there.
@@ -257,13 +296,14 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        self.due = if self.count + 1 < DEPTH { 0 } else { INTERVAL };
+        self.due = if self.count < DEPTH { 0 } else { INTERVAL };
         // with one solution there is nothing to choose, and with none the first will be the latest
         self.weights = weights(1);
         let mut least = T::of(0.0);
         for depth in DEPTHS.into_iter().filter(|&depth| depth <= self.count) {
             let candidate = weights(depth);
-            let (error, _) = distance(&self.extrapolated(&candidate), solution);
+            let guess = Self::extrapolated(&candidate, self.window(), &self.latest());
+            let (error, _) = distance(&guess, solution);
             let better = error.below(least) | T::Mask::splat(depth == 1);
             least = T::select(better, error, least);
             self.weights = core::array::from_fn(|j| T::select(better, candidate[j], self.weights[j]));
@@ -271,25 +311,31 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let contraction = contraction(kernel, state, step, solution);
         let bound = T::of(SAFETY) * contraction.unwrap_or(T::of(1.0));
         let strong = bound.at_most(T::of(STRONG));
-        self.contraction = T::select(strong, bound, T::of(1.0));
         // an error of ROUNDOFF where the bound says so
         let slack = T::of(ROUNDOFF * T::EPSILON) / (bound + T::of(TINY));
         let most = T::of(LAST_CHANGE * T::EPSILON);
+        let least = T::of(NOISE * T::EPSILON);
         let slack = T::select(slack.at_most(most), slack, most);
+        let slack = T::select(slack.at_most(least), least, slack);
         self.slack = T::select(strong, slack, T::of(-1.0));
+        self.residual = T::select(strong, bound * slack, T::of(0.0));
+        self.is_strong = strong.all();
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        let mut numbers = [self.first, self.count, self.due as usize].map(|number| T::of(number as f64));
+        let mut numbers = [self.oldest, self.count, self.due as usize].map(|number| T::of(number as f64));
         visit(&mut numbers);
         // the same in all lanes
-        let [first, count, due] = numbers.map(|number| number.lane(0).to_f64());
-        (self.first, self.count, self.due) = (first as usize, (count as usize).min(DEPTH), due as u32);
-        visit(core::slice::from_mut(&mut self.contraction));
+        let [oldest, count, due] = numbers.map(|number| number.lane(0).to_f64());
+        (self.oldest, self.count, self.due) = (oldest as usize, (count as usize).min(DEPTH), due as u32);
         visit(core::slice::from_mut(&mut self.slack));
+        visit(core::slice::from_mut(&mut self.residual));
         visit(&mut self.weights);
         self.solutions.iter_mut().for_each(|solution| visit(solution.as_mut()));
+        self.is_strong = T::of(0.0).below(self.slack).all();
+        let guess = Self::extrapolated(&self.weights, self.window(), &self.latest());
+        self.guess.put(&guess);
     }
 }
 
@@ -297,14 +343,24 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
 const TINY: f64 = 1e-37;
 
 /// The coefficients of the polynomial through the last `depth` values, one step on: `(−1)^{a−1} (depth over a)` for the value `a` steps ago.
-fn weights<T: Scalar>(depth: usize) -> [T; DEPTH] {
-    let mut weights = [T::of(0.0); DEPTH];
-    let mut binomial = 1.0;
-    for (a, weight) in (1..=depth).zip(weights.iter_mut().rev()) {
-        binomial *= (depth + 1 - a) as f64 / a as f64;
-        *weight = T::of(if a % 2 == 1 { binomial } else { -binomial });
+const WEIGHTS: [[f64; DEPTH]; DEPTH] = {
+    let mut weights = [[0.0; DEPTH]; DEPTH];
+    let mut depth = 1;
+    while depth <= DEPTH {
+        let (mut a, mut binomial) = (1, 1);
+        while a <= depth {
+            binomial = binomial * (depth + 1 - a) / a;
+            weights[depth - 1][DEPTH - a] = if a % 2 == 1 { binomial as f64 } else { -(binomial as f64) };
+            a += 1;
+        }
+        depth += 1;
     }
     weights
+};
+
+/// [`WEIGHTS`] for a depth of 1 to [`DEPTH`].
+fn weights<T: Scalar>(depth: usize) -> [T; DEPTH] {
+    WEIGHTS[(depth - 1) % DEPTH].map(T::of)
 }
 
 /// The norm of the derivative of the sweep, by differences; none if there are no sweeps. The norm is that of [`distance`]: the largest sum
@@ -365,11 +421,16 @@ mod tests {
     fn the_window_moves_and_forgets() {
         let mut solver = Solver::<f64, [f64; 1]>::default();
         for k in 0..40 {
-            assert_eq!(solver.count, (k as usize).min(DEPTH));
-            solver.push([f64::from(k)]);
-            assert_eq!(solver.extrapolated(&weights(1)), [f64::from(k)]);
-            assert_eq!(solver.latest(), [f64::from(k)]);
+            assert_eq!(solver.count, k.min(DEPTH));
+            solver.push(&[k as f64]);
+            assert_eq!(solver.guess.together(), [k as f64]);
+            assert_eq!(solver.latest(), [k as f64]);
         }
-        assert_eq!(solver.extrapolated(&weights(8)), [40.0]);
+        solver.weights = weights(8);
+        solver.push(&[40.0]);
+        assert_eq!(solver.guess.together(), [41.0]);
+        let before = solver;
+        solver.memory(&mut |_| ());
+        assert_eq!(solver.guess.together(), before.guess.together());
     }
 }

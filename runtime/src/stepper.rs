@@ -171,6 +171,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
                 *state = S::State::from_components(&next);
                 self.left = Some(next);
                 self.taken += 1;
+                // of the only lane
+                let iterations = iterations.as_ref().iter().sum();
                 Ok(StepReport { iterations, residual: residual.to_f64() })
             }
             Err(failure) => Err(failure.first()),

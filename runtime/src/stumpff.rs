@@ -78,7 +78,10 @@ pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     } else if within(z, LONG) {
         let z2 = z * z;
         let z4 = z2 * z2;
-        let sum = |k| quartet(k, z, z2) + z4 * (quartet(k + 8, z, z2) + z4 * quartet(k + 16, z, z2));
+        let sum = |k| {
+            let rest = quartet(k + 8, z, z2).plus(z4, quartet(k + 16, z, z2));
+            quartet(k, z, z2).plus(z4, rest)
+        };
         let [k, l] = highest::<N>();
         downward(z, [sum(k), sum(l)])
     } else {
@@ -92,8 +95,9 @@ pub(crate) fn short<T: Scalar, const N: usize>(z: T) -> [T; N] {
     let z2 = z * z;
     let z4 = z2 * z2;
     let [k, l] = highest::<N>();
-    let [even, odd] =
-        [quartet(k, z, z2) + z4 * quartet(k + 8, z, z2), quartet(l, z, z2) + z4 * quartet(l + 8, z, z2)];
+    // no closure, since it could not say that it is to be inlined
+    let even = quartet(k, z, z2).plus(z4, quartet(k + 8, z, z2));
+    let odd = quartet(l, z, z2).plus(z4, quartet(l + 8, z, z2));
     downward(z, [even, odd])
 }
 
@@ -113,9 +117,9 @@ fn inverse_factorial<T: Scalar>(m: usize) -> T {
 /// on without the result, and Horner's would keep it waiting longer.
 #[inline(always)]
 fn quartet<T: Scalar>(k: usize, z: T, z2: T) -> T {
-    let low = inverse_factorial::<T>(k) - z * inverse_factorial(k + 2);
-    let high = inverse_factorial::<T>(k + 4) - z * inverse_factorial(k + 6);
-    low + z2 * high
+    let low = inverse_factorial::<T>(k).minus(z, inverse_factorial(k + 2));
+    let high = inverse_factorial::<T>(k + 4).minus(z, inverse_factorial(k + 6));
+    low.plus(z2, high)
 }
 
 /// Which members a family is computed [`downward`] from; of a family of one, twice the one.
@@ -129,7 +133,7 @@ fn downward<T: Scalar, const N: usize>(z: T, [even, odd]: [T; 2]) -> [T; N] {
     let mut c = [even; N];
     c[N - 1] = odd;
     for k in (0..N.saturating_sub(2)).rev() {
-        c[k] = inverse_factorial::<T>(k) - z * c[k + 2];
+        c[k] = inverse_factorial::<T>(k).minus(z, c[k + 2]);
     }
     c
 }

@@ -224,6 +224,18 @@ fn all_may_fail() {
 
 #[cfg(feature = "parallel")]
 #[test]
+fn at_no_time_in_particular_nobody_moves() {
+    let (systems, states) = pendulums();
+    let mut ensemble = Ensemble::<Pendulum, Cayley>::new(&systems, states, 0.05).unwrap();
+    assert_eq!(ensemble.run(300).failures, 0);
+    let before: Vec<_> = ensemble.states().collect();
+    ensemble.set_time(f64::INFINITY);
+    assert_eq!(ensemble.run(1).failures, MEMBERS);
+    assert!(ensemble.failed().iter().all(|failed| failed.source == StepError::NotFinite));
+    assert!(ensemble.states().eq(before));
+}
+
+#[test]
 fn threads_make_no_difference() {
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

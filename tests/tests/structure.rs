@@ -2,6 +2,7 @@
 
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
+use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl};
 use coadjoint_tests::for_each_system_and_retraction;
 use coadjoint_tests::measure::largest;
 use coadjoint_tests::random::Random;
@@ -11,7 +12,7 @@ use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, Heav
 const SAMPLES: usize = 25;
 
 /// A state as one column: attitude, then momentum and advected vectors.
-fn components<S: Sample>(state: &S::State) -> Vec<f64> {
+fn components<S: System<Scalar = f64>>(state: &S::State) -> Vec<f64> {
     state.to_components().as_ref().to_vec()
 }
 
@@ -47,7 +48,7 @@ fn step<S: Sample + Discretized<M>, M>(system: &S, h: f64, state: &S::State) -> 
 }
 
 /// The largest difference of two states' components; attitudes as quaternions.
-fn distance<S: Sample>(a: &S::State, b: &S::State) -> f64 {
+fn distance<S: System<Scalar = f64>>(a: &S::State, b: &S::State) -> f64 {
     largest(components::<S>(a).iter().zip(components::<S>(b)).map(|(a, b)| a - b))
 }
 
@@ -379,6 +380,57 @@ fn a_step_depends_on_the_state_alone() {
         }
     }
     for_each_system_and_retraction!(check);
+}
+
+/// … and so it does in a long run, in which the stepper has settled to its usual ways, across a change of the control or of the state that
+/// comes from outside.
+#[test]
+fn a_settled_stepper_gives_the_same_steps() {
+    fn check<S: Sample + Discretized<M>, M>(what: &str) {
+        let (system, state) = S::sample(&mut Random::new(14));
+        settled::<S, M>(what, &system, state, &[S::Control::default(), S::Control::default()]);
+    }
+    for_each_system_and_retraction!(check);
+    let (quadrotor, loose) = Quadrotor::loose();
+    let push = |thrust: f64, moment: f64| QuadrotorControl { thrust, moment: vector![moment, 0.1, -moment] };
+    let controls = [push(5.0, 0.0), push(-3.0, 0.02)];
+    settled::<Quadrotor, Cayley>("quadrotor, Cayley", &quadrotor, loose.clone(), &controls);
+    settled::<Quadrotor, Exponential>("quadrotor, exponential", &quadrotor, loose, &controls);
+}
+
+/// Compares each step of a run with that of a fresh stepper.
+fn settled<S: System<Scalar = f64> + Discretized<M>, M>(
+    what: &str,
+    system: &S,
+    mut state: S::State,
+    controls: &[S::Control; 2],
+) {
+    let fresh = |state: &S::State, time: f64, control: &S::Control| {
+        let mut stepper = system.stepper::<M>(0.01).expect("a stepper");
+        stepper.set_time(time);
+        let mut state = state.clone();
+        stepper.step_with(&mut state, control).expect("a step");
+        state
+    };
+    let mut stepper = system.stepper::<M>(0.01).expect("a stepper");
+    let mut usual = 0;
+    for k in 0..600 {
+        let control = &controls[usize::from((200..450).contains(&k))];
+        if k == 333 {
+            // in the midst of usual steps the state is another's
+            state = fresh(&state, 0.0, control);
+        }
+        let expected = fresh(&state, stepper.time(), control);
+        let report = stepper.step_with(&mut state, control).expect("a step");
+        usual += u32::from(report.iterations <= 6);
+        let difference = distance::<S>(&state, &expected);
+        assert!(
+            difference < 2e-14,
+            "{what}: step {k} differs by {difference:e} from that of a fresh stepper"
+        );
+    }
+    println!("{what}: {usual} usual steps");
+    assert!(usual > 500, "{what}: only {usual} steps were usual");
 }
 
 /// Newton's iteration converges quadratically, as it does with the true Jacobian only: from a first guess that is off by `O(h²)`,

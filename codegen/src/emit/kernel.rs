@@ -417,7 +417,8 @@ fn term(value: &Term) -> TokenStream {
     bound(value, Binding::Sum)
 }
 
-/// The term, in parentheses if what is around binds more tightly.
+/// The term, in parentheses if what is around binds more tightly. What a product is added to is told, by `plus` or `minus`: processors have an
+/// instruction for both together.
 fn bound(value: &Term, around: Binding) -> TokenStream {
     let (tokens, binding) = match value {
         Term::Number(number) => (constant(*number), Binding::Unary),
@@ -430,23 +431,33 @@ fn bound(value: &Term, around: Binding) -> TokenStream {
             (quote! { -#x }, Binding::Product)
         }
         Term::Sum(addends) => {
-            let mut sum = TokenStream::new();
-            for (i, (negative, addend)) in addends.iter().enumerate() {
-                // the grouping of a sum within a sum is meant
-                let addend = bound(addend, Binding::Product);
-                sum.extend(match (i, negative) {
-                    (0, _) => quote! { #addend },
-                    (_, false) => quote! { + #addend },
-                    (_, true) => quote! { - #addend },
-                });
-            }
-            (sum, Binding::Sum)
+            // the grouping of a sum within a sum is meant
+            let first =
+                addends.first().map_or_else(Default::default, |(_, first)| bound(first, Binding::Product));
+            let is_name = matches!(addends.first(), Some((_, Term::Name(_) | Term::Number(_))));
+            let start = (first, if is_name { Binding::Unary } else { Binding::Product });
+            addends.iter().skip(1).fold(start, |(sum, binding), (negative, addend)| match addend {
+                Term::Product(factors) => {
+                    let (last, others) = match factors.split_last() {
+                        Some((last, others)) => (bound(last, Binding::Sum), product(others)),
+                        None => Default::default(),
+                    };
+                    let sum = parenthesized(sum, binding, Binding::Unary);
+                    let method = if *negative { format_ident!("minus") } else { format_ident!("plus") };
+                    (quote! { #sum.#method(#others, #last) }, Binding::Unary)
+                }
+                _ => {
+                    let addend = bound(addend, Binding::Product);
+                    let operator = if *negative {
+                        quote! { - }
+                    } else {
+                        quote! { + }
+                    };
+                    (quote! { #sum #operator #addend }, Binding::Sum)
+                }
+            })
         }
-        Term::Product(factors) => {
-            let factors = factors.iter().map(|factor| bound(factor, Binding::Unary));
-            let product = factors.reduce(|product, factor| quote! { #product * #factor });
-            (product.unwrap_or_default(), Binding::Product)
-        }
+        Term::Product(factors) => (product(factors), Binding::Product),
         Term::Quotient(x, y) => {
             let (x, y) = (bound(x, Binding::Product), bound(y, Binding::Unary));
             (quote! { #x / #y }, Binding::Product)
@@ -466,11 +477,21 @@ fn bound(value: &Term, around: Binding) -> TokenStream {
             (quote! { T::atan2(#y, #x) }, Binding::Unary)
         }
     };
+    parenthesized(tokens, binding, around)
+}
+
+fn parenthesized(tokens: TokenStream, binding: Binding, around: Binding) -> TokenStream {
     if binding < around {
         quote! { (#tokens) }
     } else {
         tokens
     }
+}
+
+/// `a * b * …`
+fn product(factors: &[Term]) -> TokenStream {
+    let factors = factors.iter().map(|factor| bound(factor, Binding::Unary));
+    factors.reduce(|product, factor| quote! { #product * #factor }).unwrap_or_default()
 }
 
 /// `T::of(0.5)`; fractions that are not doubles are left to the compiler to round.

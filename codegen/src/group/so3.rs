@@ -137,7 +137,7 @@ impl Group for SO3 {
     }
 
     /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to the product's:
-    /// the root need not be waited for.
+    /// the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let quarter = squared_norm(x).scale(Number::ratio(1, 4));
         let one = quarter.arena().one();
@@ -150,11 +150,9 @@ impl Group for SO3 {
         };
         let turn = turn.hold();
         let moved = side.compose(self, g, &turn).hold();
-        // one Newton step, as in `normalize`
-        let root = inverse.sqrt();
-        let share = (root * inverse / 2).hold();
-        let length = root.scale(Number::ratio(3, 2)).hold() - squared_norm(&moved) * share;
-        let next = moved.scale(length.hold());
+        // one Newton step, as in `normalize`, for `g`
+        let correction = one.scale(Number::ratio(3, 2)) - squared_norm(g).scale(Number::ratio(1, 2)).hold();
+        let next = moved.scale((inverse.sqrt() * correction.hold()).hold());
         Moved { turn, moved, next }
     }
 

@@ -1,0 +1,341 @@
+//! Ensembles: one description, many states, each with parameters of its own.
+//!
+//! Members are stepped several at a time, side by side in the registers of the processor, and on all its cores. Each moves exactly as it would
+//! alone, with a [`Stepper`](crate::stepper::Stepper): to the last bit the same, whatever the processor, the number of threads, and the
+//! members beside it. One that fails stays where it was; the others go on.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! #[lie_poisson_system(group = SO3)]
+//! struct Body {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//! }
+//!
+//! // the same body, thrown in a hundred slightly different ways
+//! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+//! let states = (0..100).map(|k| BodyState {
+//!     attitude: UnitQuaternion::identity(),
+//!     momentum: vector![0.01, 2.0, 1e-4 * f64::from(k)],
+//! });
+//! let mut ensemble = Ensemble::<_, Cayley>::new(std::iter::repeat(&body), states, 0.01)?;
+//!
+//! // how far its middle axis has turned over
+//! let mut spread = Distribution::of(|_: &Body, state: &BodyState| state.momentum.y);
+//! let report = ensemble.run_watched(2_000, 500, &mut spread);
+//! assert_eq!((report.steps, report.failures), (2_000, 0));
+//! assert_eq!(spread.moments().len(), 5);
+//! assert_eq!(spread.moments()[0].deviation, 0.0);
+//! assert!(spread.moments()[4].deviation > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Threads are [rayon](https://docs.rs/rayon)'s: `RAYON_NUM_THREADS` in the environment, or a pool of one's own around the call, says how many.
+//! Without the feature `parallel` there is one.
+
+mod blocks;
+mod distribution;
+
+use core::fmt;
+use core::marker::PhantomData;
+use core::ops::ControlFlow;
+use std::boxed::Box;
+use std::vec::Vec;
+
+use thiserror::Error;
+
+use crate::error::{ParameterError, StepError};
+use crate::scalar::{Batch, Real};
+use crate::stepper::on_group;
+use crate::system::{Control, Discretized, State, System};
+pub use blocks::Instructions;
+use blocks::{Blocks, Clock, Marched};
+pub use distribution::{Distribution, Spread};
+
+/// Many states that move at the same time, with the scheme `M`.
+pub struct Ensemble<S: Discretized<M>, M> {
+    parameters: Vec<S::Parameters<S::Scalar>>,
+    blocks: Box<dyn Blocks<S>>,
+    /// Those that failed, in the order of their numbers.
+    failed: Vec<Failed>,
+    step: S::Scalar,
+    start: f64,
+    taken: u64,
+    scheme: PhantomData<fn() -> M>,
+}
+
+/// A member that failed. Its state is the last one that it reached.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error("member {member} could not take step {step}")]
+pub struct Failed {
+    /// Which member, from 0.
+    pub member: usize,
+    /// The step that it could not take, counted from 1.
+    pub step: u64,
+    /// What went wrong.
+    pub source: StepError,
+}
+
+/// An ensemble that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum EnsembleError {
+    /// A member's parameters, or the step, are not valid.
+    #[error("member {member}")]
+    Parameters {
+        /// Which member, from 0.
+        member: usize,
+        /// What is wrong with them.
+        source: ParameterError,
+    },
+    /// A member's state is not finite, or its configuration not on its group.
+    #[error("member {member}")]
+    State {
+        /// Which member, from 0.
+        member: usize,
+        /// What is wrong with it.
+        source: StepError,
+    },
+    /// There are more states than systems.
+    #[error(
+        "there are only {systems} systems for the states; `std::iter::repeat(&system)` gives all the same"
+    )]
+    TooFewSystems {
+        /// How many systems there are.
+        systems: usize,
+    },
+}
+
+/// How a run of an ensemble went.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EnsembleReport {
+    /// Steps that every member took, or failed at.
+    pub steps: u64,
+    /// Steps of all members together.
+    pub member_steps: u64,
+    /// Members that failed in this run.
+    pub failures: usize,
+    /// Whether an observer ended the run.
+    pub stopped: bool,
+}
+
+/// An ensemble at one time, for those who [watch](Watcher) it.
+pub struct Moment<'a, S: System> {
+    /// Steps taken in this run.
+    pub index: u64,
+    /// The time, in f64 whatever the scalar.
+    pub time: f64,
+    parameters: &'a [S::Parameters<S::Scalar>],
+    blocks: &'a dyn Blocks<S>,
+    failed: &'a [Failed],
+}
+
+impl<S: System> Moment<'_, S> {
+    /// How many members there are, those that failed included.
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether there is no member.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Those that have failed so far.
+    pub fn failed(&self) -> &[Failed] {
+        self.failed
+    }
+
+    /// The system and the state of each member that has not failed, with its number.
+    pub fn members(&self) -> impl Iterator<Item = (usize, S, S::State)> + '_ {
+        let alive = (0..self.len()).filter(|&member| self.blocks.is_alive(member));
+        alive.map(|member| {
+            let system = S::from_parameters(&self.parameters[member]);
+            (member, system, S::State::from_components(&self.blocks.state(member)))
+        })
+    }
+}
+
+impl<S: System> fmt::Debug for Moment<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Moment").field("index", &self.index).field("time", &self.time).finish_non_exhaustive()
+    }
+}
+
+/// Watches an ensemble. Closures do, and pairs show every moment to both.
+pub trait Watcher<S: System> {
+    /// Looks at one moment. [`ControlFlow::Break`] ends the run there.
+    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()>;
+}
+
+impl<S: System, F: FnMut(&Moment<'_, S>) -> ControlFlow<()>> Watcher<S> for F {
+    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()> {
+        self(moment)
+    }
+}
+
+impl<S: System, A: Watcher<S>, B: Watcher<S>> Watcher<S> for (A, B) {
+    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()> {
+        let first = self.0.watch(moment);
+        let second = self.1.watch(moment);
+        if first.is_break() { first } else { second }
+    }
+}
+
+impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
+    /// An ensemble of as many members as there are states, the first with the first system, and so on; `std::iter::repeat(&system)` gives all
+    /// the same system. All take steps of the same size.
+    ///
+    /// # Errors
+    /// If there are fewer systems than states, or a member's parameters, the step or a state are not what a stepper takes.
+    pub fn new<'s>(
+        systems: impl IntoIterator<Item = &'s S>,
+        states: impl IntoIterator<Item = S::State>,
+        step: S::Scalar,
+    ) -> Result<Self, EnsembleError> {
+        let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
+        Self::with_instructions(systems, states, step, widest)
+    }
+
+    /// As [`new`](Self::new), with arithmetic compiled for certain instructions; those that the processor has not are replaced by the portable
+    /// ones.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn with_instructions<'s>(
+        systems: impl IntoIterator<Item = &'s S>,
+        states: impl IntoIterator<Item = S::State>,
+        step: S::Scalar,
+        instructions: Instructions,
+    ) -> Result<Self, EnsembleError> {
+        let mut systems = systems.into_iter();
+        let mut members = Vec::new();
+        for (member, state) in states.into_iter().enumerate() {
+            let system = systems.next().ok_or(EnsembleError::TooFewSystems { systems: member })?;
+            // whatever a stepper refuses
+            if let Err(source) = system.stepper::<M>(step) {
+                return Err(EnsembleError::Parameters { member, source });
+            }
+            let components = state.to_components();
+            let is_finite = components.as_ref().iter().all(|x| x.is_finite());
+            let is_state = if is_finite { on_group(&state) } else { Err(StepError::NotFinite) };
+            is_state.map_err(|source| EnsembleError::State { member, source })?;
+            members.push((system.to_parameters(), components));
+        }
+        let blocks = instructions.blocks::<S, M>(&members, step);
+        let parameters = members.iter().map(|(parameters, _)| *parameters).collect();
+        Ok(Self { parameters, blocks, failed: Vec::new(), step, start: 0.0, taken: 0, scheme: PhantomData })
+    }
+
+    /// Takes `steps` steps. See [`failed`](Self::failed) for members that could not.
+    pub fn run(&mut self, steps: u64) -> EnsembleReport {
+        self.run_watched(steps, u64::MAX, &mut |_: &Moment<'_, S>| ControlFlow::Continue(()))
+    }
+
+    /// Takes `steps` steps and shows the ensemble to the watcher at the start, after each `interval` steps, and at the end. An interval of 0
+    /// counts as 1.
+    pub fn run_watched(
+        &mut self,
+        steps: u64,
+        interval: u64,
+        watcher: &mut impl Watcher<S>,
+    ) -> EnsembleReport {
+        let mut report = EnsembleReport::default();
+        let before = self.failed.len();
+        report.stopped = watcher.watch(&self.moment(0)).is_break();
+        while report.steps < steps && !report.stopped {
+            let stretch = interval.max(1).min(steps - report.steps);
+            let clock = Clock { start: self.start, step: self.step.to_f64(), taken: self.taken };
+            let Marched { mut failed, member_steps } = self.blocks.march(clock, stretch);
+            self.failed.append(&mut failed);
+            self.failed.sort_unstable_by_key(|failed| failed.member);
+            self.taken += stretch;
+            report.steps += stretch;
+            report.member_steps += member_steps;
+            report.stopped = watcher.watch(&self.moment(report.steps)).is_break();
+        }
+        report.failures = self.failed.len() - before;
+        report
+    }
+
+    fn moment(&self, index: u64) -> Moment<'_, S> {
+        Moment {
+            index,
+            time: self.time(),
+            parameters: &self.parameters,
+            blocks: &*self.blocks,
+            failed: &self.failed,
+        }
+    }
+
+    /// How many members there are.
+    pub fn len(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// Whether there is no member.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The step size.
+    pub fn step_size(&self) -> S::Scalar {
+        self.step
+    }
+
+    /// The time, in f64 whatever the scalar.
+    pub fn time(&self) -> f64 {
+        self.start + self.taken as f64 * self.step.to_f64()
+    }
+
+    /// Sets the time: the next step starts at `time`.
+    pub fn set_time(&mut self, time: f64) {
+        (self.start, self.taken) = (time, 0);
+    }
+
+    /// The system of a member; none if there are not so many.
+    pub fn system(&self, member: usize) -> Option<S> {
+        self.parameters.get(member).map(S::from_parameters)
+    }
+
+    /// The state of a member: of one that failed, the last that it reached; none if there are not so many.
+    pub fn state(&self, member: usize) -> Option<S::State> {
+        (member < self.len()).then(|| S::State::from_components(&self.blocks.state(member)))
+    }
+
+    /// The states of all members, in order.
+    pub fn states(&self) -> impl Iterator<Item = S::State> + '_ {
+        (0..self.len()).map(|member| S::State::from_components(&self.blocks.state(member)))
+    }
+
+    /// The members that failed, in order.
+    pub fn failed(&self) -> &[Failed] {
+        &self.failed
+    }
+
+    /// How many members are stepped side by side: that depends on the processor.
+    pub fn width(&self) -> usize {
+        self.blocks.width()
+    }
+
+    /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero.
+    pub fn control(&mut self, mut choose: impl FnMut(usize, &S::State) -> S::Control) {
+        for member in 0..self.len() {
+            let state = S::State::from_components(&self.blocks.state(member));
+            self.blocks.set_control(member, &choose(member, &state).to_components());
+        }
+    }
+}
+
+impl<S: Discretized<M>, M> fmt::Debug for Ensemble<S, M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ensemble")
+            .field("system", &S::NAME)
+            .field("scheme", &core::any::type_name::<M>())
+            .field("members", &self.parameters.len())
+            .field("failed", &self.failed.len())
+            .field("step", &self.step)
+            .finish_non_exhaustive()
+    }
+}
