@@ -52,7 +52,11 @@ extern crate self as coadjoint;
 
 #[cfg(feature = "std")]
 pub mod certify;
+#[cfg(feature = "std")]
+pub mod compensated;
 pub mod composition;
+#[cfg(feature = "std")]
+mod double;
 #[cfg(feature = "std")]
 pub mod ensemble;
 pub mod error;
@@ -62,7 +66,8 @@ pub mod geometry;
 pub mod guide;
 mod inertia;
 pub mod kernel;
-pub mod lanes;
+#[cfg(feature = "std")]
+mod lanes;
 mod literals;
 pub mod method;
 pub mod newton;

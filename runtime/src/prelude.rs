@@ -1,5 +1,7 @@
 //! Everything a description and its use need: `use coadjoint::prelude::*;`
 
+#[cfg(feature = "std")]
+pub use crate::compensated::Compensated;
 pub use crate::composition::{Order4, Order6, Order8, Order10};
 #[cfg(feature = "std")]
 pub use crate::ensemble::{Distribution, Ensemble};
