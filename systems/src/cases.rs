@@ -4,12 +4,13 @@
 
 use std::fmt;
 
+use coadjoint::ensemble::Instructions;
 use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 
 use crate::catalogued::Catalogued;
-use crate::classical::{AttitudeState, Integrator, OnSo3, Rk4Quaternion, Rkmk4, bodies};
+use crate::classical::{AttitudeState, Integrator, Method, OnSo3, Rk4Quaternion, Rkmk4, bodies};
 use crate::coupled_bodies::CoupledBodies;
 use crate::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use crate::heavy_top::HeavyTop;
@@ -49,7 +50,7 @@ impl fmt::Debug for Case {
 }
 
 /// What the other methods of a problem are compared with: the one that most people would write.
-pub const YARDSTICK: &str = "RK4 on unit quaternions";
+pub const YARDSTICK: &str = <Rk4Quaternion as Method>::NAME;
 
 /// The members of the ensembles.
 const MEMBERS: usize = 256;
@@ -100,8 +101,6 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
             start.momentum,
             SMatrix::identity(),
         )?,
-        together::<_, Cayley>(FREE, "Cayley, a member of an ensemble", &body, start)?,
-        together::<_, Exponential>(FREE, "exponential, a member of an ensemble", &body, start)?,
         classical(TOP, Rk4Quaternion, heavy, heavy_at),
         classical(TOP, Rkmk4, heavy, heavy_at),
         ours::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
@@ -124,9 +123,29 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
             y,
             Matrix4::identity(),
         )?,
-        together::<_, Cayley>(TOP, "Cayley, a member of an ensemble", &top, top_start)?,
-        together::<_, Exponential>(TOP, "exponential, a member of an ensemble", &top, top_start)?,
     ];
+    for (name, instructions, threads) in crews() {
+        let crew = |retraction: &str| format!("{retraction}, ensemble, {name}");
+        cases.push(together::<_, Cayley>(FREE, crew("Cayley"), &body, &start, instructions, threads)?);
+        cases.push(together::<_, Exponential>(
+            FREE,
+            crew("exponential"),
+            &body,
+            &start,
+            instructions,
+            threads,
+        )?);
+        cases.push(together::<_, Cayley>(TOP, crew("Cayley"), &top, &top_start, instructions, threads)?);
+        cases.push(together::<_, Exponential>(
+            TOP,
+            crew("exponential"),
+            &top,
+            &top_start,
+            instructions,
+            threads,
+        )?);
+    }
+    cases.sort_by_key(|case| case.problem);
     let (quadrotor, loose) = Quadrotor::loose();
     cases.push(ours::<_, Cayley>("quadrotor", "Cayley", &quadrotor, loose)?);
     cases.push(ours::<_, Exponential>("quadrotor", "exponential", &quadrotor, loose)?);
@@ -153,12 +172,25 @@ where
     Ok(Case::new(problem, method, move || stepper.step_with(&mut state, &control).is_ok()))
 }
 
-/// A step of a member of an ensemble, on one processor core.
+/// How ensembles are run: by all instructions that the processor has, on one of its cores and by the widest on two.
+fn crews() -> Vec<(String, Instructions, usize)> {
+    let mut crews: Vec<_> = Instructions::available()
+        .map(|instructions| (format!("{instructions:?}").to_lowercase(), instructions, 1))
+        .collect();
+    if let (Some((name, widest, _)), 2..) = (crews.last().cloned(), rayon::current_num_threads()) {
+        crews.push((format!("{name}, two cores"), widest, 2));
+    }
+    crews
+}
+
+/// A step of a member of an ensemble.
 fn together<S, M>(
     problem: &'static str,
-    method: &str,
+    method: String,
     system: &S,
-    state: S::State,
+    state: &S::State,
+    instructions: Instructions,
+    threads: usize,
 ) -> Result<Case, Box<dyn std::error::Error>>
 where
     S: Catalogued + Discretized<M> + 'static,
@@ -174,13 +206,14 @@ where
         }
         S::State::from_components(&components)
     });
-    let mut ensemble = Ensemble::<S, M>::new(std::iter::repeat(system), states, 0.01)?;
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let systems = std::iter::repeat(system);
+    let mut ensemble = Ensemble::<S, M>::with_instructions(systems, states, 0.01, instructions)?;
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let walk = move |steps: u64| {
         let steps = steps.div_ceil(MEMBERS as u64);
-        alone.install(|| ensemble.run(steps)).failures == 0
+        threads.install(|| ensemble.run(steps)).failures == 0
     };
-    Ok(Case { problem, method: method.to_owned(), steps: 400 * MEMBERS as u64, walk: Box::new(walk) })
+    Ok(Case { problem, method, steps: 400 * MEMBERS as u64, walk: Box::new(walk) })
 }
 
 /// The role of each component of a state, and its place.

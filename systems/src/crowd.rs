@@ -23,7 +23,7 @@ pub struct Crowd {
     pub step: f64,
     /// How many of them.
     pub steps: u64,
-    /// Steps between two looks at the members.
+    /// Steps between two looks at the members; 0 counts as 1.
     pub every: u64,
 }
 
@@ -50,7 +50,7 @@ pub struct Course {
     pub member_steps: u64,
     /// How many members are stepped side by side.
     pub width: usize,
-    /// The time that the steps took, s.
+    /// The time that the steps took, with the choice of controls, s.
     pub seconds: f64,
 }
 
@@ -69,43 +69,33 @@ pub fn run<S: Catalogued + 'static>(
     let mut ensemble = Ensemble::<S, Cayley>::new(&systems, states, crowd.step)?;
     let mut distributions: Vec<_> =
         shown.iter().map(|&shown| Distribution::of(quantity::<S>(shown))).collect();
-    let mut looking = 0.0;
-    let mut watcher = |moment: &Moment<'_, S>| {
-        let start = std::time::Instant::now();
-        for distribution in &mut distributions {
-            distribution.watch(moment)?;
+    let every = crowd.every.max(1);
+    let is_controlled = !S::Control::QUANTITIES.is_empty();
+    let (mut taken, mut member_steps, mut seconds) = (0, 0, 0.0);
+    loop {
+        if taken == crowd.steps || taken.is_multiple_of(every) {
+            ensemble.run_watched(0, 1, &mut |moment: &Moment<'_, S>| {
+                distributions.iter_mut().try_for_each(|distribution| distribution.watch(moment))
+            });
+            if watch(taken).is_break() {
+                break;
+            }
         }
-        looking += start.elapsed().as_secs_f64();
-        ControlFlow::Continue(())
-    };
-    let start = std::time::Instant::now();
-    let mut member_steps = 0;
-    if S::Control::QUANTITIES.is_empty() {
-        let mut both = (|moment: &Moment<'_, S>| watch(moment.index), watcher);
-        member_steps += ensemble.run_watched(crowd.steps, crowd.every, &mut both).member_steps;
-    } else {
-        let mut nobody = |_: &Moment<'_, S>| ControlFlow::Continue(());
-        for index in 0..crowd.steps {
+        if taken == crowd.steps {
+            break;
+        }
+        // to the next look, or until the control is to be chosen anew
+        let mut steps = (every - taken % every).min(crowd.steps - taken);
+        let start = std::time::Instant::now();
+        if is_controlled {
             let time = ensemble.time();
             ensemble.control(|member, state| systems[member].control(state, time));
-            let report = if index.is_multiple_of(crowd.every) {
-                if watch(index).is_break() {
-                    break;
-                }
-                // shown before the step, and the last time after it
-                let mut first = |moment: &Moment<'_, S>| match moment.index {
-                    0 => watcher(moment),
-                    _ => ControlFlow::Continue(()),
-                };
-                ensemble.run_watched(1, 1, &mut first)
-            } else {
-                ensemble.run_watched(1, 1, &mut nobody)
-            };
-            member_steps += report.member_steps;
+            steps = 1;
         }
-        ensemble.run_watched(0, 1, &mut watcher);
+        member_steps += ensemble.run(steps).member_steps;
+        seconds += start.elapsed().as_secs_f64();
+        taken += steps;
     }
-    let seconds = start.elapsed().as_secs_f64() - looking;
     Ok(Course {
         spreads: distributions.iter().map(|distribution| distribution.moments().to_vec()).collect(),
         failed: ensemble.failed().to_vec(),

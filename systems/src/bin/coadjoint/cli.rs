@@ -63,18 +63,11 @@ pub(crate) struct RunArguments {
     /// The order: steps of order 2, or symmetric compositions of them [default: 2]
     #[arg(long, value_enum)]
     pub(crate) order: Option<Order>,
-    /// The step, s; negative to go back in time [default: the system's own]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
-    pub(crate) step: Option<f64>,
-    /// How long to run, s [default: the system's own]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub(crate) duration: Option<f64>,
+    #[command(flatten)]
+    pub(crate) motion: MotionArguments,
     /// Write the state after every N-th step [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
-    /// Set a parameter or a part of the initial state: `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub(crate) set: Vec<String>,
     /// Draw the run too: what moves, and the errors of what is conserved
     #[arg(long)]
     pub(crate) plot: bool,
@@ -84,12 +77,26 @@ pub(crate) struct RunArguments {
     /// Keep a checkpoint here, so that `coadjoint resume FILE` can go on if the run is interrupted
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
-    /// The directory to write to
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub(crate) out: PathBuf,
     /// The format of the trajectory [default: csv]
     #[arg(long, value_enum)]
     pub(crate) format: Option<Format>,
+}
+
+/// What every motion needs.
+#[derive(Debug, Args)]
+pub(crate) struct MotionArguments {
+    /// Set a parameter or a part of the initial state: `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// The step, s; negative to go back in time [default: the system's own]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub(crate) step: Option<f64>,
+    /// How long to run, s [default: the system's own]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    pub(crate) duration: Option<f64>,
+    /// The directory to write to
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub(crate) out: PathBuf,
 }
 
 /// Which run to go on with.
@@ -124,27 +131,17 @@ pub(crate) struct EnsembleArguments {
     /// [default: momentum=1%]
     #[arg(long, value_name = "NAME=WIDTH")]
     pub(crate) spread: Vec<String>,
-    /// Set a parameter or a part of the initial state, for all members
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub(crate) set: Vec<String>,
+    #[command(flatten)]
+    pub(crate) motion: MotionArguments,
     /// What to show: `energy` or a component of the state [default: the momentum]
     #[arg(long, value_name = "NAME")]
     pub(crate) quantity: Vec<String>,
-    /// The step, s; negative to go back in time [default: the system's own]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
-    pub(crate) step: Option<f64>,
-    /// How long to run, s [default: the system's own]
-    #[arg(long, value_name = "T", allow_negative_numbers = true)]
-    pub(crate) duration: Option<f64>,
     /// Look at the members after every N-th step [default: 300 times in all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
     /// Another seed draws other members
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// The directory to write to
-    #[arg(long, value_name = "DIR", default_value = "out")]
-    pub(crate) out: PathBuf,
 }
 
 /// What to do with the times.

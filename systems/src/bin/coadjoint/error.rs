@@ -66,6 +66,9 @@ pub(crate) enum Error {
         /// Of how many schemes.
         wrong: usize,
     },
+    /// A standard case cannot be timed.
+    #[error("cannot be timed: {0}")]
+    Bench(String),
     /// A system of our own does not pass its own generator.
     #[error("the generator refuses `{system}`: {reason}")]
     Generator {
@@ -90,7 +93,7 @@ impl Error {
             ) => 2,
             Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
-            Error::Generator { .. } | Error::Claim { .. } => 1,
+            Error::Generator { .. } | Error::Claim { .. } | Error::Bench(_) => 1,
         }
     }
 

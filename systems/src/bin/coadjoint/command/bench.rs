@@ -33,14 +33,13 @@ struct Timed {
 
 /// Times the standard cases in turns, so that what slows the machine down slows all of them.
 pub(crate) fn bench(arguments: &BenchArguments, console: &mut dyn Write) -> Result<(), Error> {
-    let mine = |error: Box<dyn std::error::Error>| Error::Input(error.to_string());
-    let mut cases = cases::all().map_err(mine)?;
+    let mut cases = cases::all().map_err(|error| Error::Bench(error.to_string()))?;
     let mut best = vec![f64::INFINITY; cases.len()];
     for round in 0..=ROUNDS {
         for (case, best) in cases.iter_mut().zip(&mut best) {
             let start = Instant::now();
             if !case.walk(case.steps) {
-                return Err(Error::Input(format!("{}, {}: a step failed", case.problem, case.method)));
+                return Err(Error::Bench(format!("{}, {}: a step failed", case.problem, case.method)));
             }
             // the first time is for warming up
             if round > 0 {
@@ -62,7 +61,7 @@ pub(crate) fn bench(arguments: &BenchArguments, console: &mut dyn Write) -> Resu
         Results { processor: processor(), version: env!("CARGO_PKG_VERSION"), cases: timed.collect() };
     print(&results, console)?;
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&results).map_err(|error| Error::Input(error.to_string()))?;
+        let text = serde_json::to_string_pretty(&results).map_err(|error| Error::Bench(error.to_string()))?;
         write_text(path, &(text + "\n"))?;
         writeln!(console, "wrote {}", path.display())?;
     }

@@ -29,7 +29,7 @@ const MOST: usize = 3;
 pub(crate) fn ensemble(arguments: &EnsembleArguments, console: &mut dyn Write) -> Result<(), Error> {
     let entry = crate::suggest::system(&arguments.system)?;
     let mut setup = (entry.example)();
-    setting::apply(entry, &mut setup, &arguments.set)?;
+    setting::apply(entry, &mut setup, &arguments.motion.set)?;
     let mut notes = setting::settle(entry, &mut setup)?;
     let default = entry.state.iter().filter(|quantity| quantity.role == Role::Momentum);
     let spread = match arguments.spread.is_empty() {
@@ -38,8 +38,8 @@ pub(crate) fn ensemble(arguments: &EnsembleArguments, console: &mut dyn Write) -
     };
     let widths = setting::widths(entry, &setup, &spread)?;
     let shown = shown(entry, &arguments.quantity)?;
-    let step = arguments.step.unwrap_or(entry.step);
-    let (steps, note) = steps(step, arguments.duration.unwrap_or(entry.duration))?;
+    let step = arguments.motion.step.unwrap_or(entry.step);
+    let (steps, note) = steps(step, arguments.motion.duration.unwrap_or(entry.duration))?;
     notes.extend(note);
     for note in notes {
         writeln!(console, "note: {note}")?;
@@ -60,8 +60,8 @@ pub(crate) fn ensemble(arguments: &EnsembleArguments, console: &mut dyn Write) -
     let course = (entry.ensemble)(&setup, &crowd, &places, &mut watch)?;
     drop(progress);
 
-    make_directory(&arguments.out)?;
-    let stem = arguments.out.join(format!("{}-ensemble", entry.name));
+    make_directory(&arguments.motion.out)?;
+    let stem = arguments.motion.out.join(format!("{}-ensemble", entry.name));
     let table = stem.with_extension("csv");
     write_table(&table, &shown, &course)?;
     let pictures = figure(entry, &shown, &course, &crowd, &spread).write(&stem)?;

@@ -65,10 +65,10 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
         config.apply(path, entry, &mut setup)?;
         order = order.or(config.order(path)?);
     }
-    setting::apply(entry, &mut setup, &arguments.set)?;
+    setting::apply(entry, &mut setup, &arguments.motion.set)?;
     let mut notes = setting::settle(entry, &mut setup)?;
-    let step = arguments.step.or(config.run.step).unwrap_or(entry.step);
-    let duration = arguments.duration.or(config.run.duration).unwrap_or(entry.duration);
+    let step = arguments.motion.step.or(config.run.step).unwrap_or(entry.step);
+    let duration = arguments.motion.duration.or(config.run.duration).unwrap_or(entry.duration);
     let (steps, note) = steps(step, duration)?;
     notes.extend(note);
     for note in notes {
@@ -93,7 +93,7 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
         format: Some(arguments.format.or(config.run.format).unwrap_or(Format::Csv)),
         plot: arguments.plot,
         html: arguments.html.clone(),
-        out: arguments.out.clone(),
+        out: arguments.motion.out.clone(),
     })
 }
 
