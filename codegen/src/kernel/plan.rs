@@ -215,12 +215,18 @@ impl<'a> Plan<'a> {
                 None => return Signed { negative, op: number },
             }
         }
-        let mut parts: Vec<Op> = by_stage.into_values().map(|part| self.multiply(part)).collect();
-        let first = parts.remove(0);
-        Signed {
-            negative,
-            op: parts.into_iter().fold(first, |earlier, part| self.multiply(vec![earlier, part])),
+        // what comes last is multiplied by the product of all before in one product, so that any two of its factors can be shared
+        let mut parts = by_stage.into_values().peekable();
+        let mut earlier: Option<Op> = None;
+        while let Some(mut part) = parts.next() {
+            if parts.peek().is_some() {
+                part = vec![self.multiply(part)];
+            }
+            part.extend(earlier);
+            earlier = Some(self.multiply(part));
         }
+        let op = earlier.unwrap_or_else(|| self.intern(Operation::Number(Number::ONE)));
+        Signed { negative, op }
     }
 
     fn multiply(&mut self, mut factors: Vec<Op>) -> Op {
