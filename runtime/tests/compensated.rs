@@ -67,7 +67,7 @@ fn invariants_hold_to_one_rounding() {
         Top: Discretized<M>,
     {
         let (top, start) = top();
-        let mut state = start.clone();
+        let mut state = start;
         let mut stepper = top.stepper::<M>(0.01).unwrap();
         let mut drift: f64 = 0.0;
         for _ in 0..20_000 {
@@ -93,7 +93,7 @@ fn steps_are_the_same_but_for_rounding() {
     let (top, mut state) = top();
     let mut stepper = top.stepper::<Exponential>(0.02).unwrap();
     for _ in 0..200 {
-        let mut other = state.clone();
+        let mut other = state;
         top.stepper::<Compensated<Exponential>>(0.02).unwrap().step(&mut other).unwrap();
         stepper.step(&mut state).unwrap();
         let difference = (state.momentum - other.momentum).norm()
@@ -103,7 +103,7 @@ fn steps_are_the_same_but_for_rounding() {
     }
     let pendulum = Pendulum { inertia: 1.0, weight: 2.0 };
     let mut plain = PendulumState { position: vector![1.0], momentum: vector![0.3] };
-    let mut compensated = plain.clone();
+    let mut compensated = plain;
     let mut stepper = pendulum.stepper::<Cayley>(0.05).unwrap();
     let mut other = pendulum.stepper::<Compensated<Cayley>>(0.05).unwrap();
     for _ in 0..1_000 {
@@ -123,7 +123,7 @@ fn single_precision_comes_to_the_nearest_number() {
     let single = Single { inertia };
     let twice = Twice { inertia: inertia.cast() };
     let mut plain = SingleState { attitude: UnitQuaternion::identity(), momentum: start };
-    let mut compensated = plain.clone();
+    let mut compensated = plain;
     let mut exact = TwiceState { attitude: UnitQuaternion::identity(), momentum: start.cast() };
     // a step that is the same number in both
     let mut steppers = (
@@ -152,7 +152,7 @@ fn what_is_carried_can_be_written_down() {
     for _ in 0..100 {
         stepper.step(&mut state).unwrap();
     }
-    let (memory, mut saved) = (stepper.memory(), state.clone());
+    let (memory, mut saved) = (stepper.memory(), state);
     let mut other = top.stepper::<Compensated<Cayley>>(0.01).unwrap();
     other.recall(&memory).unwrap();
     for _ in 0..50 {
@@ -166,20 +166,20 @@ fn what_is_carried_can_be_written_down() {
 fn another_state_starts_anew_and_bad_ones_are_refused() {
     let (top, start) = top();
     let mut stepper = top.stepper::<Compensated<Cayley>>(0.01).unwrap();
-    let mut state = start.clone();
+    let mut state = start;
     for _ in 0..20 {
         stepper.step(&mut state).unwrap();
     }
-    let mut again = start.clone();
+    let mut again = start;
     stepper.step(&mut again).unwrap();
-    let mut fresh = start.clone();
+    let mut fresh = start;
     top.stepper::<Compensated<Cayley>>(0.01).unwrap().step(&mut fresh).unwrap();
     assert_eq!(again, fresh);
 
     let mut bad = TopState { momentum: vector![f64::NAN, 0.0, 0.0], ..start };
     assert_eq!(stepper.step(&mut bad), Err(StepError::NotFinite));
     // and goes on as if nothing had been
-    let mut expected = again.clone();
+    let mut expected = again;
     stepper.step(&mut again).unwrap();
     top.stepper::<Compensated<Cayley>>(0.01).unwrap().step(&mut expected).unwrap();
     assert!((again.momentum - expected.momentum).norm() < 3e-16);
@@ -189,7 +189,7 @@ fn another_state_starts_anew_and_bad_ones_are_refused() {
 fn members_of_an_ensemble_are_compensated_too() {
     let (top, start) = top();
     let states: Vec<_> = (0..11)
-        .map(|k| TopState { momentum: start.momentum * (1.0 + 0.01 * f64::from(k)), ..start.clone() })
+        .map(|k| TopState { momentum: start.momentum * (1.0 + 0.01 * f64::from(k)), ..start })
         .collect();
     let mut ensemble =
         Ensemble::<Top, Compensated<Cayley>>::new(std::iter::repeat(&top), states.clone(), 0.01).unwrap();

@@ -394,7 +394,7 @@ fn a_settled_stepper_gives_the_same_steps() {
     let (quadrotor, loose) = Quadrotor::loose();
     let push = |thrust: f64, moment: f64| QuadrotorControl { thrust, moment: vector![moment, 0.1, -moment] };
     let controls = [push(5.0, 0.0), push(-3.0, 0.02)];
-    settled::<Quadrotor, Cayley>("quadrotor, Cayley", &quadrotor, loose.clone(), &controls);
+    settled::<Quadrotor, Cayley>("quadrotor, Cayley", &quadrotor, loose, &controls);
     settled::<Quadrotor, Exponential>("quadrotor, exponential", &quadrotor, loose, &controls);
 }
 
