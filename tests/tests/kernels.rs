@@ -122,6 +122,7 @@ impl RandomStep {
             right: Vector(right.to_vec()),
             given: Vector(state[STATE - 1..].to_vec()).symbols(),
             domain,
+            turns: Vec::new(),
             next: Vector(next.to_vec()),
         };
         Symbolic { step, parameters: Vector(parameters).symbols(), state: Vector(state).symbols() }

@@ -229,6 +229,17 @@ pub(crate) fn trivialized_gradient<'a>(
     gradient(df.dot(&moved), &symbols).substitute(&zero)
 }
 
+/// `dR τ_x y`, from its dual.
+pub(crate) fn d_right<'a>(
+    group: &dyn Group,
+    retraction: Retraction,
+    x: &Vector<'a>,
+    y: &Vector<'a>,
+) -> Vector<'a> {
+    let m = placeholders(y.0[0].arena(), "m", y.len());
+    gradient(group.d_right_dual(retraction, x, &m).dot(y), &m.symbols())
+}
+
 /// What rotations keep of vectors in a space of dimension `leading + 1`: all lengths, and the inner products with the first
 /// `leading` vectors, on which those of the others depend.
 pub(crate) fn inner_products<'a>(vectors: &[Named<'_, 'a>], leading: usize) -> Vec<(String, Expr<'a>)> {

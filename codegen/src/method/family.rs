@@ -30,7 +30,7 @@
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
 use super::elimination::{Eliminated, Equation, eliminate};
-use super::{Member, Step, step_symbol};
+use super::{Member, Step, Turn, step_symbol};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
 use crate::group::{Element, Retraction};
 use crate::model::{Factor, Hamiltonian, System, plain};
@@ -133,6 +133,13 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         Vector(equations.iter().flat_map(|equation| part(equation).0.clone()).collect())
     };
 
+    let turns = system.factors.iter().zip(&motions).map(|(factor, motion)| {
+        let first = (factor.configuration.clone(), motion.y.scale(early));
+        let second = (motion.g_bar.clone(), motion.y_late.clone());
+        let turns = [(early, first), (late, second)].into_iter().filter(|(share, _)| !share.is_zero());
+        turns.map(|(_, (from, by))| Turn { from: settled(&from), by: settled(&by) }).collect()
+    });
+    let turns = turns.collect();
     let edge = if early.as_number() > late.as_number() { early } else { late };
     let domain = motions.iter().zip(&system.factors).filter_map(|(motion, factor)| {
         let margin = factor.algebra.group.domain(retraction, &motion.y.scale(edge))?;
@@ -142,6 +149,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         h: t,
         given: [system.time_symbol(), system.control_symbols()].concat(),
         domain: domain.collect(),
+        turns,
         unknown: join(|equation| &equation.unknown),
         start: join(|equation| &equation.start),
         left: join(|equation| &equation.left),

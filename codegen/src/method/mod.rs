@@ -2,6 +2,7 @@
 
 pub mod elimination;
 pub mod family;
+pub mod linearization;
 pub mod tangent_lift;
 
 use crate::expr::{Arena, Expr, Number, Symbol, Vector};
@@ -24,8 +25,18 @@ pub struct Step<'a> {
     pub right: Vector<'a>,
     /// Each positive while `x` is inside a retraction's domain.
     pub domain: Vec<Expr<'a>>,
+    /// How the configuration of each factor is moved, one turn after the other.
+    pub turns: Vec<Vec<Turn<'a>>>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
+}
+
+/// One move of a configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
+pub struct Turn<'a> {
+    /// `g`, in stored coordinates.
+    pub from: Vector<'a>,
+    /// `x`
+    pub by: Vector<'a>,
 }
 
 /// What a step is made by.

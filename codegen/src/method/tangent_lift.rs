@@ -8,10 +8,10 @@
 //!
 //! as `τ(tξ)` commutes with `ξ`. Advected parameters are carried along, `a_{k+1} = τ(tξ)⁻¹ a`.
 
-use super::{Step, step_symbol};
-use crate::expr::{Arena, Expr, Symbol, Vector, gradient};
+use super::{Step, Turn, step_symbol};
+use crate::expr::{Arena, Expr, Symbol, Vector};
 use crate::geometry::{differential, force, hamiltonian_vector};
-use crate::group::{Group, Retraction, placeholders};
+use crate::group::{Retraction, d_right};
 use crate::model::{Hamiltonian, System};
 
 /// The step; of a system with a general Hamiltonian the one with the velocity `∂h/∂μ` and unit inertia would make no sense, so
@@ -36,6 +36,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
 
     let mut values: Vec<(Symbol, Expr<'a>)> = Vec::new();
     let mut domain = Vec::new();
+    let mut turns = Vec::new();
     let (mut velocities, mut accelerations) = (velocity.iter(), acceleration.iter());
     let mut velocity_next = Vec::new();
     for factor in &system.factors {
@@ -56,6 +57,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
             values.extend(a.symbols().into_iter().zip((a + &change).iter()));
         }
         domain.extend(algebra.group.domain(retraction, &x));
+        turns.push(vec![Turn { from: factor.configuration.clone(), by: x }]);
     }
     let momentum = match &system.hamiltonian {
         Hamiltonian::Mechanical { inertia, .. } => inertia.times(&Vector(velocity_next)),
@@ -72,12 +74,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
         left: Vector(Vec::new()),
         right: Vector(Vec::new()),
         domain,
+        turns,
         next: Vector(system.state_symbols().into_iter().filter_map(next).collect()),
     }
-}
-
-/// `dR τ_x y`, from its dual.
-fn d_right<'a>(group: &dyn Group, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-    let m = placeholders(y.0[0].arena(), "m", y.len());
-    gradient(group.d_right_dual(retraction, x, &m).dot(y), &m.symbols())
 }

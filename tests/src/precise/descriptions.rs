@@ -59,6 +59,70 @@ pub fn rigid_bodies() -> Vec<Description> {
     ]
 }
 
+/// One system of every kind that a step can be of: groups, sides, couplings, energies, forces, controls and time.
+pub fn all_kinds() -> Vec<Description> {
+    let describe = |name, attribute, item| Description { name, attribute, item };
+    let mut all = rigid_bodies();
+    all.extend([
+        describe(
+            "driven pendulum with a control",
+            quote! {
+                group = SO2,
+                potential = -weight * angle.cos_angle(),
+                force(angle = -friction * momentum + Vector1::new(drive * t.sin() + push)),
+                control(push: f64)
+            },
+            quote! { struct Pendulum { #[inertia] inertia: f64, weight: f64, friction: f64, drive: f64 } },
+        ),
+        describe(
+            "quadrotor",
+            quote! {
+                group(attitude: SO3, position: R3),
+                control(moment: R3, thrust: f64),
+                potential = mass * gravity * position.z,
+                force(attitude = moment, position = attitude * (thrust * Vector3::z()))
+            },
+            quote! {
+                struct Quadrotor { #[inertia(attitude)] inertia: Vector3<f64>, #[inertia(position)] mass: f64, gravity: f64 }
+            },
+        ),
+        describe(
+            "coupled bodies",
+            quote! {
+                group(first: SO3, second: SO3),
+                potential = {
+                    let between = first.inverse() * second;
+                    2.0 * stiffness * (1.0 - between.w.powi(2))
+                }
+            },
+            quote! {
+                struct Coupled {
+                    #[inertia(first)] first_inertia: Vector3<f64>,
+                    #[inertia(second)] second_inertia: Vector3<f64>,
+                    stiffness: f64
+                }
+            },
+        ),
+        describe("body in the plane", quote! { group = SE2 }, quote! { struct Disk { #[inertia] inertia: Matrix3<f64> } }),
+        describe("body in a fluid", quote! { group = SE3 }, quote! { struct Fish { #[inertia] inertia: Matrix6<f64> } }),
+        describe("spin", quote! { group = SU2 }, quote! { struct Spin { #[inertia] inertia: Vector3<f64> } }),
+        describe(
+            "free body in space coordinates",
+            quote! { group = SO3, invariance = right },
+            quote! { struct Body { #[inertia] inertia: Vector3<f64> } },
+        ),
+        describe(
+            "general energy",
+            quote! {
+                group = SO3,
+                hamiltonian = (momentum.dot(&momentum) / (2.0 * mass) + 1.0).sqrt() + momentum.x * momentum.y / 5.0
+            },
+            quote! { struct Fast { mass: f64 } },
+        ),
+    ]);
+    all
+}
+
 impl Description {
     /// The symbolic system.
     pub fn system<'a>(&self, arena: &'a Arena) -> System<'a> {

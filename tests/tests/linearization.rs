@@ -1,0 +1,161 @@
+//! The derivative of a step in closed form against differences of the step itself, with 77 digits.
+
+use coadjoint_codegen::expr::{Arena, Symbol, Vector};
+use coadjoint_codegen::group::{Group, Retraction};
+use coadjoint_codegen::method::linearization::Linearization;
+use coadjoint_codegen::method::{Member, Rule, Scheme, Step};
+use coadjoint_codegen::model::{Hamiltonian, System};
+use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
+use coadjoint_tests::precise::formula::{Formula, Point};
+use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
+use coadjoint_tests::precise::newton::Solver;
+use coadjoint_tests::precise::real::Real;
+use coadjoint_tests::precise::residuals::Residuals;
+
+/// Differences are good to half of the digits.
+const DIFFERENCE: f64 = 1e-45;
+
+/// `g exp(x)`
+fn moved(group: &dyn Group, g: &Column, x: &Column) -> Column {
+    let arena = Arena::new();
+    let formula = Formula::new(&arena, [group.coordinates().len(), group.dimension()], |[g, x]| {
+        group.compose(&g, &group.retract(Retraction::Exponential, &x))
+    });
+    formula.at([g, x])
+}
+
+/// The parts of a state, in the order of storage: symbols, and the group of those that are a configuration.
+fn parts<'a>(system: &System<'a>) -> Vec<(Vec<Symbol>, Option<&'static dyn Group>)> {
+    let mut parts = Vec::new();
+    for factor in &system.factors {
+        parts.push((factor.configuration.symbols(), Some(factor.algebra.group)));
+        parts.push((factor.momentum.symbols(), None));
+    }
+    for (factor, place) in system.advected_places() {
+        parts.push((factor.advected[place].value.symbols(), None));
+    }
+    parts
+}
+
+/// The state at a point, changed by something in tangent coordinates.
+fn changed(system: &System<'_>, point: &Point, change: &Column) -> Point {
+    let mut changed = point.clone();
+    let mut from = 0;
+    for (symbols, group) in parts(system) {
+        let value = point.get(&symbols);
+        let length = group.map_or(symbols.len(), Group::dimension);
+        let part = change.part(from, length);
+        let value = match group {
+            Some(group) => moved(group, &value, &part),
+            None => &value + &part,
+        };
+        changed.set(&symbols, &value);
+        from += length;
+    }
+    changed
+}
+
+/// The change of stored coordinates in tangent coordinates: `T δ = change` with the tangent map `T` of the place.
+fn trivialized(system: &System<'_>, state: &Column, change: &Column) -> Column {
+    let mut all = Vec::new();
+    let mut from = 0;
+    for (symbols, group) in parts(system) {
+        let (place, part) = (state.part(from, symbols.len()), change.part(from, symbols.len()));
+        from += symbols.len();
+        let Some(group) = group else {
+            all.extend(part.0);
+            continue;
+        };
+        let n = group.dimension();
+        let zero = Column(vec![Real::from(0); n]);
+        let tangent =
+            Matrix::of_linear(n, |direction| derivative(&zero, direction, |x| moved(group, &place, x)));
+        let dual = tangent.transpose();
+        all.extend((&dual * &tangent).solve(&(&dual * &part)).0);
+    }
+    Column(all)
+}
+
+fn schemes(system: &System<'_>, retraction: Retraction) -> Vec<Scheme> {
+    let members = [(0, 1), (1, 2), (1, 1), (3, 10)];
+    let member = |(n, d)| Member::new(n, d).expect("between 0 and 1");
+    let mut rules: Vec<Rule> = members.into_iter().map(|s| Rule::Family(member(s))).collect();
+    if matches!(system.hamiltonian, Hamiltonian::Mechanical { .. }) {
+        rules.push(Rule::TangentLift);
+    }
+    rules.into_iter().map(|rule| Scheme { retraction, rule }).collect()
+}
+
+#[test]
+fn derivatives_are_those_of_the_step() {
+    let mut residuals = Residuals::new();
+    for (seed, description) in (51..).zip(all_kinds()) {
+        for retraction in Retraction::ALL {
+            let arena = Arena::new();
+            let system = description.system(&arena);
+            for scheme in schemes(&system, retraction) {
+                let step = scheme.step(&arena, &system);
+                check(&arena, &system, &step, scheme, seed, &mut residuals);
+            }
+        }
+    }
+}
+
+fn check<'a>(
+    arena: &'a Arena,
+    system: &System<'a>,
+    step: &Step<'a>,
+    scheme: Scheme,
+    seed: u64,
+    residuals: &mut Residuals,
+) {
+    let linearization = Linearization::new(arena, system, scheme.retraction, step);
+    let Linearization { state, control, parameters, next } = &linearization;
+    let mut point = random_point(system, seed);
+    point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
+    let solver = Solver::new(step);
+    let solved = solver.solve(&point);
+    let end = solver.next(&solved);
+    let after = |point: &Point| solver.next(&solver.solve(point));
+
+    // the transpose is one: λ·(Dφ δ) = (Dφ* λ)·δ, and knows no δ
+    let adjoint = linearization.adjoint(arena);
+    let mut along = solved.clone();
+    let mut random = coadjoint_tests::random::Random::new(seed + 200);
+    along.set(&adjoint.next.symbols(), &Column::random(next.len(), &mut random));
+    let by = [&adjoint.state, &adjoint.control, &adjoint.parameters].map(|by| along.vector(by));
+    let changes = [state, control, parameters];
+    for change in changes {
+        along.set(&change.symbols(), &Column::random(change.len(), &mut random));
+    }
+    let forward = along.vector(next).dot(&along.vector(&adjoint.next));
+    let backward = by.iter().zip(changes).map(|(by, change)| by.dot(&along.vector(change)));
+    let backward = backward.fold(Real::from(0), |sum, part| sum + part);
+    residuals.vanish("λ·(Dφ δ) − (Dφ* λ)·δ", &(forward - backward), 1e-70);
+
+    // along one random direction in all, and each of its kinds alone
+    let symbols = [state, control, parameters].map(Vector::symbols);
+    let mut random = coadjoint_tests::random::Random::new(seed + 100);
+    let directions = symbols.each_ref().map(|symbols| Column::random(symbols.len(), &mut random));
+    for kinds in [[true, false, false], [false, true, false], [false, false, true], [true; 3]] {
+        let direction = |kind: usize| directions[kind].scale(&Real::from(i64::from(kinds[kind])));
+        let mut along = solved.clone();
+        for (kind, symbols) in symbols.iter().enumerate() {
+            along.set(symbols, &direction(kind));
+        }
+        let closed = along.vector(next);
+
+        let shifted = |by: &Column| {
+            let by = &by.0[0];
+            let mut shifted = changed(system, &point, &direction(0).scale(by));
+            for (kind, symbols) in [(1, system.control_symbols()), (2, system.parameter_symbols())] {
+                shifted.set(&symbols, &(&point.get(&symbols) + &direction(kind).scale(by)));
+            }
+            after(&shifted)
+        };
+        let one = Column(vec![Real::from(1)]);
+        let difference = derivative(&Column(vec![Real::from(0)]), &one, shifted);
+        let definition = trivialized(system, &end, &difference);
+        residuals.agree("Dφ δ", &closed, &definition, DIFFERENCE);
+    }
+}
