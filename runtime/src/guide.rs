@@ -341,6 +341,12 @@ pub mod ensembles {
     //! * Members move exactly as they would alone: neither the processor, nor the number of threads, nor their order makes a difference.
     //!   So a member that is odd can be run again by itself, with a [`Stepper`](crate::Stepper) and all its observers.
     //! * All schemes and compositions work, in `f64` and in `f32`, where twice as many go side by side.
+    //!
+    //! # Very long
+    //!
+    //! In 10⁷ steps and more the roundings of single steps begin to add up. [`Compensated<M>`](crate::compensated::Compensated) takes the steps
+    //! of any scheme `M` with twice as many digits: invariants then hold to one rounding, however long the run. It is slow, and for one
+    //! trajectory or many alike.
 }
 
 pub mod reading {

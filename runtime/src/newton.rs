@@ -44,18 +44,6 @@ pub fn solve<T: Batch, K: Kernel<T>>(
     T::outline(Solve { kernel, state, step, start, wanted })
 }
 
-/// [`solve`] in line.
-#[inline(always)]
-pub(crate) fn solve_in_line<T: Batch, K: Kernel<T>>(
-    kernel: &K,
-    state: &K::State,
-    step: &K::Step,
-    start: &K::Unknown,
-    wanted: T::Mask,
-) -> SolutionOf<T, K> {
-    Solve { kernel, state, step, start, wanted }.done()
-}
-
 struct Solve<'a, T: Batch, K: Kernel<T>> {
     kernel: &'a K,
     state: &'a K::State,
@@ -90,7 +78,7 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
             iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
             let correction = kernel.correction(state, step, &unknown, &evaluation);
             let candidate = subtract(open, &unknown, &correction, T::of(1.0));
-            let there = kernel.evaluate(state, step, &candidate);
+            let there = evaluated(kernel, state, step, &candidate);
             let then = relative(&there);
             let better = open & then.below(residual);
             let worse = open & !better;

@@ -180,7 +180,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        let mut solution = newton::solve_in_line(kernel, state, step, start, wanted);
+        let mut solution = newton::solve(kernel, state, step, start, wanted);
         if self.count > 1 && solution.unsolved.any() {
             // the course was not as smooth as that
             let left = solution.unsolved;
