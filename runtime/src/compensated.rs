@@ -3,7 +3,7 @@
 //! A step in double precision rounds its state, and rounds in much the same way step after step: beside the random walk of the roundings,
 //! which grows like the square root of their number, invariants drift a little, about 10⁻¹⁸ a step. After 10⁷ steps the drift is ahead.
 //! [`Compensated<M>`] takes the steps of the scheme `M` with twice as many digits and carries those that the state has no room for from
-//! step to step. What is left is one rounding, of the state that is shown. A step takes some thirty times as long.
+//! step to step. What is left is one rounding, of the state that is shown. A step takes about a hundred times as long.
 //!
 //! ```
 //! use coadjoint::prelude::*;
