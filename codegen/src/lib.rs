@@ -29,7 +29,8 @@ use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
-use kernel::Kernel;
+use kernel::{Derivative, Kernel};
+use method::linearization::Linearization;
 use method::{Member, Rule, Scheme};
 use model::System;
 use parse::{Attribute, Item};
@@ -69,11 +70,21 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let system = System::build(&arena, &attribute, &item, diagnostics);
     // of a description that does not fit together nothing can be emitted that would compile
     let system = system.filter(|_| sound)?;
-    let kernels = schemes(&system, &attribute.methods)
+    let steps = schemes(&system, &attribute.methods).into_iter().map(|scheme| {
+        let step = scheme.step(&arena, &system);
+        let kernel = Kernel::new(&arena, &step);
+        (scheme, step, kernel)
+    });
+    let steps: Vec<_> = steps.collect();
+    // after all kernels, which are the same with and without them
+    let kernels = steps
         .into_iter()
-        .map(|scheme| {
-            let step = scheme.step(&arena, &system);
-            (scheme, Kernel::new(&arena, &step))
+        .map(|(scheme, step, kernel)| {
+            let derivative = attribute.derivatives.then(|| {
+                let linearization = Linearization::new(&arena, &system, scheme.retraction, &step);
+                Derivative::new(&arena, &step, &linearization)
+            });
+            (scheme, kernel, derivative)
         })
         .collect();
 

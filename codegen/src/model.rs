@@ -322,10 +322,15 @@ impl<'a> System<'a> {
         self.factors.iter().map(|factor| factor.algebra.group.dimension()).sum()
     }
 
+    /// The fields' symbols.
+    pub fn field_symbols(&self) -> Vec<Symbol> {
+        self.parameters.iter().flat_map(|field| field.symbols.iter().copied()).collect()
+    }
+
     /// The parameters' symbols in the order of the flat array: fields, then constants.
     pub fn parameter_symbols(&self) -> Vec<Symbol> {
-        let fields = self.parameters.iter().flat_map(|field| field.symbols.iter().copied());
-        fields.chain(self.constants.iter().filter_map(|constant| constant.symbol.as_symbol())).collect()
+        let constants = self.constants.iter().filter_map(|constant| constant.symbol.as_symbol());
+        self.field_symbols().into_iter().chain(constants).collect()
     }
 
     /// The state's symbols in the order of the flat array.

@@ -42,13 +42,13 @@ use crate::system::Discretized;
 /// The coefficients of a symmetric composition.
 pub trait Coefficients {
     /// One `X` for each of its steps.
-    type Steps<X: Clone + Send + Sync>: Clone + AsMut<[X]> + Send + Sync;
+    type Steps<X: Clone + Send + Sync>: Clone + AsRef<[X]> + AsMut<[X]> + Send + Sync;
     /// The order of the composition of symmetric steps of order 2.
     const ORDER: u32;
     /// The `γᵢ`, of which those after the middle repeat those before it.
     const GAMMA: &'static [f64];
-    /// One `X` for each `γ`.
-    fn steps<X: Clone + Send + Sync>(make: impl FnMut(f64) -> X) -> Self::Steps<X>;
+    /// One `X` for each step, made one after the other, of its number.
+    fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> Self::Steps<X>;
 }
 
 /// The symmetric composition with coefficients `C` of steps with the symmetric scheme `M` of order 2.
@@ -87,9 +87,8 @@ macro_rules! coefficients {
             const ORDER: u32 = $order;
             const GAMMA: &'static [f64] = &symmetric::<$n>(&$half);
 
-            fn steps<X: Clone + Send + Sync>(mut make: impl FnMut(f64) -> X) -> [X; $n] {
-                const GAMMA: [f64; $n] = symmetric(&$half);
-                GAMMA.map(|gamma| make(gamma))
+            fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> [X; $n] {
+                core::array::from_fn(make)
             }
         }
     };
@@ -154,9 +153,9 @@ coefficients! {
 /// The composed method: a base method for each step, each with a memory of its own.
 #[derive(Debug)]
 pub struct Composition<C: Coefficients, B: Method> {
-    steps: C::Steps<B>,
+    pub(crate) steps: C::Steps<B>,
     /// The composed step.
-    step: B::Scalar,
+    pub(crate) step: B::Scalar,
     /// Whether all steps remember solutions of one and the same composed step.
     whole: bool,
 }
@@ -174,7 +173,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     type Control = B::Control;
 
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        let steps = C::steps(|gamma| B::new(parameters, step * B::Scalar::of(gamma)));
+        let steps = C::steps(|k| B::new(parameters, step * B::Scalar::of(C::GAMMA[k])));
         Self { steps, step, whole: false }
     }
 

@@ -55,6 +55,7 @@ pub mod certify;
 #[cfg(feature = "std")]
 pub mod compensated;
 pub mod composition;
+pub mod derivative;
 #[cfg(feature = "std")]
 mod double;
 #[cfg(feature = "std")]
@@ -105,6 +106,7 @@ pub use system::{Control, Discretized, NoControl, State, System};
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::derivative::{Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;
     pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};

@@ -178,6 +178,24 @@ impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
 }
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// The solution of the last step's equation.
+    pub(crate) fn solution(&self) -> K::Unknown {
+        self.solver.latest()
+    }
+
+    /// The state after a step whose equation has this solution.
+    pub(crate) fn next(
+        &self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        unknown: &K::Unknown,
+    ) -> K::State {
+        let begun = self.kernel.begin(state, time, control);
+        let evaluation = self.kernel.evaluate(state, &begun, unknown);
+        self.kernel.finish(state, &begun, unknown, &evaluation)
+    }
+
     #[inline(always)]
     fn is_inside(&self, state: &K::State, begun: &K::Step, solution: &SolutionOf<T, K>) -> T::Mask {
         T::of(0.0).below(self.kernel.domain(state, begun, &solution.unknown, &solution.evaluation))
@@ -298,10 +316,10 @@ impl<T: Batch> Course<T> {
 /// Half a step with the method `A`, then half a step with `B`, which starts at the time at which the first ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Halves<A: Method, B> {
-    first: A,
-    second: B,
+    pub(crate) first: A,
+    pub(crate) second: B,
     /// Half of the step.
-    half: A::Scalar,
+    pub(crate) half: A::Scalar,
     /// Whether both halves remember solutions of one and the same step.
     whole: bool,
 }
@@ -348,7 +366,7 @@ where
 
 /// A method between whose steps the momentum is carried in space coordinates.
 pub struct Carried<S: Isolated, B: Method> {
-    base: B,
+    pub(crate) base: B,
     /// Whether there was a step.
     has_stepped: bool,
     /// The momentum since then.

@@ -116,7 +116,7 @@ impl RunReport {
     }
 
     #[inline(always)]
-    fn count(&mut self, step: &StepReport) {
+    pub(crate) fn count(&mut self, step: &StepReport) {
         self.steps += 1;
         self.iterations += u64::from(step.iterations);
         self.max_iterations = self.max_iterations.max(step.iterations);

@@ -261,7 +261,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         sum
     }
 
-    fn latest(&self) -> U {
+    /// The latest solution.
+    pub(crate) fn latest(&self) -> U {
         self.window()[DEPTH - 1]
     }
 

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use crate::derivative::{Blocks, Differentiable, Linearizable, StepDerivative, StepJacobian, jacobian};
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
 use crate::method::{Advanced, Method, visit_flag};
@@ -177,6 +178,66 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             }
             Err(failure) => Err(failure.first()),
         }
+    }
+}
+
+impl<S, M> Stepper<S, M>
+where
+    S: Discretized<M> + Differentiable,
+    S::Method<S::Scalar>: Linearizable<S>,
+{
+    /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with).
+    #[inline]
+    pub fn step_with_derivative(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+    ) -> Result<(StepDerivative<S, S::Method<S::Scalar>>, StepReport), StepError> {
+        let (components, time) = (state.to_components(), self.time());
+        let report = self.step_with(state, control)?;
+        let derivative = self.derivative(&components, time, &control.to_components(), &self.method.trace());
+        Ok((StepDerivative::new(derivative), report))
+    }
+
+    /// Takes one step with `control` held from its start to its end, and gives the derivatives of the next state that are asked for:
+    /// [`ByState`](crate::derivative::ByState), [`ByControl`](crate::derivative::ByControl),
+    /// [`ByParameters`](crate::derivative::ByParameters), or several of them, `(ByState, ByControl)`. In [left-trivialized
+    /// coordinates](crate::derivative#coordinates).
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with).
+    #[inline]
+    pub fn step_with_jacobian<B: Blocks<S>>(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        _: B,
+    ) -> Result<StepJacobian<B::Jacobian>, StepError> {
+        let (components, time) = (state.to_components(), self.time());
+        let report = self.step_with(state, control)?;
+        let derivative = self.derivative(&components, time, &control.to_components(), &self.method.trace());
+        Ok(StepJacobian { jacobian: jacobian::<S, S::Method<S::Scalar>, B>(&derivative), report })
+    }
+
+    /// The solutions of the last step's equations.
+    #[cfg(feature = "std")]
+    pub(crate) fn trace(&self) -> <S::Method<S::Scalar> as Linearizable<S>>::Trace {
+        self.method.trace()
+    }
+
+    /// The derivative of a step of this size.
+    #[inline(always)]
+    pub(crate) fn derivative(
+        &self,
+        state: &S::StateComponents<S::Scalar>,
+        time: S::Scalar,
+        control: &S::ControlComponents<S::Scalar>,
+        trace: &<S::Method<S::Scalar> as Linearizable<S>>::Trace,
+    ) -> <S::Method<S::Scalar> as Linearizable<S>>::Derivative {
+        self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
     }
 }
 

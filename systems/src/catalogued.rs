@@ -1,15 +1,17 @@
 //! What every system of this crate has beside its description.
 
+use coadjoint::derivative::Differentiable;
 use coadjoint::geometry::Geometry;
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
 
 /// A system with what the program needs to show it.
 ///
-/// Every scheme that the program offers is there: a description asks for `methods(Midpoint, SymplecticEulerB)`.
+/// Every scheme that the program offers is there: a description asks for `methods(Midpoint, SymplecticEulerB), derivatives`.
 pub trait Catalogued:
     System<Scalar = f64>
     + Geometry
+    + Differentiable
     + Discretized<Exponential>
     + Discretized<Cayley>
     + Generated<SymplecticEulerA<Exponential>>

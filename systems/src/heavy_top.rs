@@ -17,7 +17,7 @@ use crate::catalogued::Catalogued;
     group = SO3,
     advected(gamma: R3),
     potential = weight * gamma.dot(&chi),
-    methods(Midpoint, SymplecticEulerB),
+    methods(Midpoint, SymplecticEulerB), derivatives,
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeavyTop {

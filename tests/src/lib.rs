@@ -1,5 +1,6 @@
 //! What the tests share: systems to test on, deterministic random numbers, measures of what comes out.
 
+pub mod dual;
 pub mod measure;
 pub mod precise;
 pub mod random;

@@ -2,7 +2,7 @@
 
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
-use coadjoint_codegen::method::linearization::Linearization;
+use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Member, Rule, Scheme, Step};
 use coadjoint_codegen::model::{Hamiltonian, System};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
@@ -110,7 +110,7 @@ fn check<'a>(
     residuals: &mut Residuals,
 ) {
     let linearization = Linearization::new(arena, system, scheme.retraction, step);
-    let Linearization { state, control, parameters, next } = &linearization;
+    let Linearization { state, control, parameters, next, .. } = &linearization;
     let mut point = random_point(system, seed);
     point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
     let solver = Solver::new(step);
@@ -133,6 +133,24 @@ fn check<'a>(
     let backward = backward.fold(Real::from(0), |sum, part| sum + part);
     residuals.vanish("λ·(Dφ δ) − (Dφ* λ)·δ", &(forward - backward), 1e-70);
 
+    // the matrices are of the same map
+    let Matrices { through, columns } = linearization.matrices(arena);
+    let all = changes.into_iter().zip(&columns).flat_map(|(change, columns)| change.iter().zip(columns));
+    let (mut product, mut of_unknown) = (Column(vec![Real::from(0); next.len()]), None::<Column>);
+    for (change, (explicit, unknown)) in all {
+        let by = along.vector(&Vector(vec![change]));
+        product = &product + &along.vector(explicit).scale(&by.0[0]);
+        let part = along.vector(unknown).scale(&by.0[0]);
+        of_unknown = Some(of_unknown.map_or(part.clone(), |sum| &sum + &part));
+    }
+    let of_unknown = of_unknown.expect("a state has components").0;
+    for (column, by) in through.iter().zip(&of_unknown) {
+        product = &product + &along.vector(column).scale(by);
+    }
+    for (product, closed) in product.0.iter().zip(along.vector(next).0) {
+        residuals.vanish("(A + B W) δ − Dφ δ", &(product.clone() - closed), 1e-70);
+    }
+
     // along one random direction in all, and each of its kinds alone
     let symbols = [state, control, parameters].map(Vector::symbols);
     let mut random = coadjoint_tests::random::Random::new(seed + 100);
@@ -148,7 +166,7 @@ fn check<'a>(
         let shifted = |by: &Column| {
             let by = &by.0[0];
             let mut shifted = changed(system, &point, &direction(0).scale(by));
-            for (kind, symbols) in [(1, system.control_symbols()), (2, system.parameter_symbols())] {
+            for (kind, symbols) in [(1, system.control_symbols()), (2, system.field_symbols())] {
                 shifted.set(&symbols, &(&point.get(&symbols) + &direction(kind).scale(by)));
             }
             after(&shifted)

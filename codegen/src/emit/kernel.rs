@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::docs;
+use super::{Names, docs};
 use crate::expr::{Function, Number};
 use crate::kernel::{Kernel, Section, Statement, SymbolNames, Term};
 use crate::method::{Rule, Scheme};
@@ -40,36 +40,33 @@ pub(super) fn size(length: usize) -> Literal {
 }
 
 /// A name of the kernel's own making.
-fn local(name: &str) -> Ident {
+pub(super) fn local(name: &str) -> Ident {
     Ident::new(name, Span::mixed_site())
+}
+
+/// What the struct with a kernel's constants is called.
+pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {
+    format_ident!("{}{}", names.system, scheme.name())
 }
 
 /// The kernel of one system and scheme:
 ///
 /// ```text
-/// const _: () = {
-///     pub struct HeavyTopCayley<T> { …constants }
-///     impl Generated<Family<Cayley, 0, 1>> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
+/// pub struct HeavyTopCayley<T> { …constants }
+/// impl Generated<Family<Cayley, 0, 1>> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
 ///
-///     const _: () = {
-///         pub struct Step<T> { … }
-///         pub struct Iterate<T> { … }
-///         impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
-///     };
+/// const _: () = {
+///     pub struct Step<T> { … }
+///     pub struct Iterate<T> { … }
+///     impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
 /// };
 /// ```
 ///
 /// The inner block does not name the system, which may be called `Step` or `Kernel`, too.
-pub(super) fn kernel(
-    system: &Ident,
-    private: &TokenStream,
-    coadjoint: &TokenStream,
-    scheme: Scheme,
-    kernel: &Kernel,
-    layout: &Layout,
-) -> TokenStream {
+pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &Layout) -> TokenStream {
+    let Names { system, private, coadjoint, .. } = names;
     let retraction = format_ident!("{}", scheme.retraction.name());
-    let name = format_ident!("{system}{}", scheme.name());
+    let name = kernel_name(names, scheme);
     let marker = match scheme.rule {
         Rule::Family(member) => {
             let (n, d) = (member.numerator, member.denominator);
@@ -146,8 +143,6 @@ pub(super) fn kernel(
     let domain_doc = docs::line(&edge);
 
     quote! {
-        #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
-        const _: () = {
             #constants
 
             #[automatically_derived]
@@ -248,6 +243,15 @@ pub(super) fn kernel(
             }
 
             };
+    }
+}
+
+/// What belongs to one scheme, in a block of its own.
+pub(super) fn block(content: &TokenStream) -> TokenStream {
+    quote! {
+        #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
+        const _: () = {
+            #content
         };
     }
 }
@@ -284,7 +288,7 @@ pub(super) fn function(
 }
 
 /// A struct of named scalars.
-fn fields(name: &Ident, doc: &str, fields: &[String]) -> TokenStream {
+pub(super) fn fields(name: &Ident, doc: &str, fields: &[String]) -> TokenStream {
     let doc = docs::line(doc);
     if fields.is_empty() {
         return quote! {
@@ -356,7 +360,7 @@ impl Inputs<'_> {
 }
 
 /// `let t = time;`
-fn unpack_time(name: &str, section: &Section) -> TokenStream {
+pub(super) fn unpack_time(name: &str, section: &Section) -> TokenStream {
     if !section.inputs.iter().any(|input| input == name) {
         return quote! {};
     }
@@ -364,7 +368,7 @@ fn unpack_time(name: &str, section: &Section) -> TokenStream {
     quote! { let #name = time; }
 }
 
-fn unpack_array(array: &str, names: &[String], section: &Section) -> TokenStream {
+pub(super) fn unpack_array(array: &str, names: &[String], section: &Section) -> TokenStream {
     let array = format_ident!("{array}");
     unpack_array_from(quote! { *#array }, names, section)
 }
@@ -385,7 +389,7 @@ fn unpack_array_from(array: TokenStream, names: &[String], section: &Section) ->
     quote! { let [#(#patterns),* #rest] = #array; }
 }
 
-fn statement(statement: &Statement) -> TokenStream {
+pub(super) fn statement(statement: &Statement) -> TokenStream {
     match statement {
         Statement::Let { name, value } => {
             let (name, value) = (local(name), term(value));
@@ -413,7 +417,7 @@ enum Binding {
     Unary,
 }
 
-fn term(value: &Term) -> TokenStream {
+pub(super) fn term(value: &Term) -> TokenStream {
     bound(value, Binding::Sum)
 }
 

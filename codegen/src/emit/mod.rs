@@ -1,5 +1,6 @@
 //! Emission: tokens from models and kernels. No mathematics is done here.
 
+mod derivative;
 mod docs;
 mod expressions;
 mod geometry;
@@ -14,7 +15,7 @@ use quote::{format_ident, quote};
 
 use crate::diagnostics::list;
 use crate::expr::Arena;
-use crate::kernel::Kernel;
+use crate::kernel::{Derivative, Kernel};
 use crate::method::Scheme;
 use crate::model::{Role, System};
 
@@ -76,6 +77,8 @@ pub struct Expansion {
     pub system: TokenStream,
     /// The `Geometry` implementation.
     pub geometry: TokenStream,
+    /// The `Differentiable` implementation, if derivatives are asked for.
+    pub tangents: TokenStream,
     /// Each step: its intermediate representation and its code.
     pub steps: Vec<StepExpansion>,
 }
@@ -88,14 +91,19 @@ pub struct StepExpansion {
     pub kernel: Kernel,
     /// Its code.
     pub tokens: TokenStream,
+    /// Its derivative, if derivatives are asked for: the intermediate representation and the code.
+    pub derivative: Option<(Derivative, TokenStream)>,
 }
 
 impl Expansion {
     /// All of it.
     pub fn into_tokens(self) -> TokenStream {
-        let Self { declaration, state, expressions, system, geometry, steps } = self;
-        let steps = steps.into_iter().map(|step| step.tokens);
-        quote! { #declaration #state #expressions #system #geometry #(#steps)* }
+        let Self { declaration, state, expressions, system, geometry, tangents, steps } = self;
+        let steps = steps.into_iter().map(|StepExpansion { tokens, derivative, .. }| {
+            let derivative = derivative.map(|(_, tokens)| tokens);
+            kernel::block(&quote! { #tokens #derivative })
+        });
+        quote! { #declaration #state #expressions #system #geometry #tangents #(#steps)* }
     }
 }
 
@@ -105,17 +113,21 @@ pub fn expansion<'a>(
     system: &System<'a>,
     item: &syn::ItemStruct,
     names: &Names,
-    kernels: Vec<(Scheme, Kernel)>,
+    kernels: Vec<(Scheme, Kernel, Option<Derivative>)>,
 ) -> Expansion {
     let steps: Vec<StepExpansion> = kernels
         .into_iter()
-        .map(|(scheme, kernel)| {
+        .map(|(scheme, kernel, derivative)| {
             let layout = Layout::new(system, &kernel.symbols);
-            let tokens =
-                kernel::kernel(&names.system, &names.private, &names.coadjoint, scheme, &kernel, &layout);
-            StepExpansion { scheme, kernel, tokens }
+            let tokens = kernel::kernel(names, scheme, &kernel, &layout);
+            let derivative = derivative.map(|derivative| {
+                let tokens = derivative::derivative(system, names, scheme, &derivative);
+                (derivative, tokens)
+            });
+            StepExpansion { scheme, kernel, tokens, derivative }
         })
         .collect();
+    let differentiable = steps.iter().any(|step| step.derivative.is_some());
     let derived = description(system, names, &steps);
     Expansion {
         declaration: declaration(item, &derived, names),
@@ -123,6 +135,7 @@ pub fn expansion<'a>(
         expressions: expressions::expressions(system, names),
         system: system::system(arena, system, names),
         geometry: geometry::geometry(arena, system, names),
+        tangents: differentiable.then(|| derivative::tangents(system, names)).unwrap_or_default(),
         steps,
     }
 }

@@ -29,6 +29,8 @@ pub enum Stage {
     Step,
     /// When Newton's unknown is known.
     Iteration,
+    /// When the changes are known that a derivative is applied to.
+    Change,
 }
 
 /// An elementary function of one argument.

@@ -37,6 +37,11 @@ impl<'a> Derivative<'a> {
         Self { arena, direction, known: FxHashMap::default() }
     }
 
+    /// Takes the derivative of one expression as known, wherever it occurs.
+    pub fn know(&mut self, expr: Expr<'a>, derivative: Expr<'a>) {
+        self.known.insert(expr.id, derivative.id);
+    }
+
     /// Of one expression.
     pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let id = self.visit(expr.id);

@@ -3,6 +3,7 @@
 //! A [`Kernel`] has one [`Section`] for each function of the runtime's `Kernel` trait. Every value is computed in the
 //! earliest section that can; values that later sections need again are kept in named fields.
 
+mod derivative;
 mod factor;
 mod plan;
 mod schedule;
@@ -12,6 +13,7 @@ use rustc_hash::FxHashMap;
 
 use crate::expr::{Arena, Function, Matrix, Number, Stage, Symbol, Vector};
 use crate::method::Step;
+pub use derivative::Derivative;
 use factor::Factoring;
 use plan::{Plan, Signed};
 use schedule::{Namer, Schedule};

@@ -23,6 +23,14 @@ pub(super) struct Outputs {
     pub next: Vec<Signed>,
 }
 
+/// What linear maps are made of, and the maps.
+pub(super) struct Maps {
+    pub fields: Vec<String>,
+    pub point: Section,
+    pub maps: Vec<Section>,
+    pub symbols: SymbolNames,
+}
+
 /// Where a value is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Home {
@@ -84,6 +92,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         for op in self.plan.ops() {
             let home = match self.plan.stage(op) {
                 Stage::Parameters => Home::New,
+                Stage::Change => Home::Local,
                 Stage::Step if stepping.contains(&op) || self.is_given(op) => Home::Begin,
                 Stage::Iteration if evaluating.contains(&op) => Home::Evaluate,
                 // Stumpff functions of one argument are computed together
@@ -118,6 +127,42 @@ impl<'p, 'a> Schedule<'p, 'a> {
             residual: Vec::new(),
             right: Vec::new(),
             h: None,
+            symbols: SymbolNames(self.symbols),
+        }
+    }
+
+    /// One section for all that linear maps of changes are made of, and one for each of them, which finds all that there.
+    pub(super) fn maps(mut self, outputs: &[Vec<Signed>]) -> Maps {
+        let results: Vec<Op> = outputs.iter().flatten().map(|signed| signed.op).collect();
+        let all = self.cone(&results);
+        let linear = |op: &Op| self.plan.stage(*op) == Stage::Change;
+        let operands: Vec<Op> =
+            all.iter().filter(|op| linear(op)).flat_map(|&op| self.plan.operation(op).operands()).collect();
+        let point = self.cone(&operands.into_iter().filter(|op| !linear(op)).collect::<Vec<_>>());
+        for op in self.plan.ops() {
+            let symbol = matches!(self.plan.operation(op), Operation::Symbol(_));
+            let home = if linear(&op) || !(symbol || point.contains(&op)) { Home::Local } else { Home::New };
+            self.homes.insert(op, home);
+        }
+        let mut used: Vec<Op> = results.clone();
+        for op in all {
+            if self.homes[&op] == Home::Local {
+                used.extend(self.plan.operation(op).operands());
+            }
+        }
+        used.retain(|op| {
+            self.homes[op] == Home::New && !matches!(self.plan.operation(*op), Operation::Number(_))
+        });
+        used.sort_unstable();
+        used.dedup();
+        for &op in &used {
+            let name = self.name(op);
+            self.kept.insert(op, name);
+        }
+        Maps {
+            fields: self.fields(Home::New),
+            point: self.section(Some(Home::New), &used, &[]),
+            maps: outputs.iter().map(|results| self.section(Some(Home::Local), &[], results)).collect(),
             symbols: SymbolNames(self.symbols),
         }
     }
@@ -218,6 +263,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
             Stage::Parameters => "p",
             Stage::Step => "s",
             Stage::Iteration => "i",
+            Stage::Change => "d",
         };
         self.namer.numbered(prefix)
     }

@@ -11,22 +11,30 @@
 //! differentiated:
 //!
 //! ```text
-//! g τ(x):  δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx = δ + dR τ_{−x} (δx − [x, δ])
+//! g τ(x):  δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx = δ − dL τ_x [x, δ] + dL τ_x δx
 //! τ(x) g:  δ' = δ + Ad_{g⁻¹} dL τ_x δx
 //! ```
+//!
+//! So does that of advected parameters, which these turns carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
 use super::Step;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::{Group, Retraction, d_right, placeholders};
-use crate::model::{Factor, Side, System};
+use crate::model::{Advected, Factor, Side, System};
 
 /// The change of the next state with all that it depends on: linear in the changes, which are symbols.
 pub struct Linearization<'a> {
+    /// The change of the unknown.
+    pub unknown: Vector<'a>,
+    /// What this is, by the step's equation.
+    pub solution: Vector<'a>,
+    /// The change of the next state, from that of the unknown and all others.
+    pub partial: Vector<'a>,
     /// The change of the state in the order of storage, with an element of the algebra in the place of each configuration.
     pub state: Vector<'a>,
     /// The change of the controls.
     pub control: Vector<'a>,
-    /// The change of the parameters, constants included.
+    /// The change of the parameters: the system's fields.
     pub parameters: Vector<'a>,
     /// The change of the next state, in the order of [`state`](Self::state).
     pub next: Vector<'a>,
@@ -36,13 +44,14 @@ impl<'a> Linearization<'a> {
     /// Of a step with this retraction.
     pub fn new(arena: &'a Arena, system: &System<'a>, retraction: Retraction, step: &Step<'a>) -> Self {
         let changes = |name: &str, count: usize| {
-            let symbol = |k: usize| arena.symbol(format!("{name}_{}", k + 1), Stage::Iteration);
+            let symbol = |k: usize| arena.symbol(format!("{name}_{}", k + 1), Stage::Change);
             Vector((0..count).map(symbol).collect())
         };
         let rows: Vec<Row<'_, 'a>> = rows(system);
         let state = changes("state_change", rows.iter().map(Row::len).sum());
         let control = changes("control_change", system.control_symbols().len());
-        let parameters = changes("parameter_change", system.parameter_symbols().len());
+        let fields = system.field_symbols();
+        let parameters = changes("parameter_change", fields.len());
 
         let mut direction: Vec<(Symbol, Expr<'a>)> = Vec::new();
         let mut starts = state.0.clone().into_iter();
@@ -53,57 +62,92 @@ impl<'a> Linearization<'a> {
                     let stored = tangent(factor.algebra.group, &factor.configuration, &change);
                     direction.extend(factor.configuration.symbols().into_iter().zip(stored.iter()));
                 }
-                Row::Linear(symbols) => direction.extend(symbols.iter().copied().zip(change.iter())),
+                Row::Momentum(symbols) => direction.extend(symbols.iter().copied().zip(change.iter())),
+                Row::Advected(_, factor, place) => {
+                    direction.extend(factor.advected[*place].value.symbols().into_iter().zip(change.iter()));
+                }
             }
         }
         direction.extend(system.control_symbols().into_iter().zip(control.iter()));
-        direction.extend(system.parameter_symbols().into_iter().zip(parameters.iter()));
+        direction.extend(fields.into_iter().zip(parameters.iter()));
 
         // what the unknown does
-        let unknown = step.unknown.symbols();
-        if !unknown.is_empty() {
-            let residual = &step.left - &step.right;
-            let mut explicit = Derivative::along(arena, &direction);
-            let shift = residual.map(|component| -explicit.of(component));
-            let change = residual.jacobian(&unknown).map(Expr::hold).solve(&shift.hold()).hold();
-            direction.extend(unknown.into_iter().zip(change.iter()));
-        }
+        let symbols = step.unknown.symbols();
+        let unknown = changes("unknown_change", symbols.len());
+        let residual = &step.left - &step.right;
+        let mut explicit = Derivative::along(arena, &direction);
+        let shift = residual.map(|component| -explicit.of(component)).hold();
+        let solution = residual.jacobian(&symbols).map(Expr::hold).solve(&shift).hold();
+        direction.extend(symbols.into_iter().zip(unknown.iter()));
 
         let mut total = Derivative::along(arena, &direction);
+        // both sides change alike, and the left one is simple
+        for (left, right) in step.left.iter().zip(step.right.iter()) {
+            let change = total.of(left);
+            total.know(right, change);
+        }
         let mut along = |vector: &Vector<'a>| vector.map(|component| total.of(component));
         let stored = system.state_symbols();
-        let mut next = Vec::new();
+        let mut partial = Vec::new();
         let mut starts = state.0.clone().into_iter();
         for row in &rows {
             let change = Vector(starts.by_ref().take(row.len()).collect());
-            match row {
+            let turned = match row {
                 Row::Configuration(index, factor) => {
                     let group = factor.algebra.group;
-                    let moved = step.turns[*index].iter().fold(change, |change, turn| {
+                    step.turns[*index].iter().fold(change, |change, turn| {
                         let by = along(&turn.by);
-                        let backwards = turn.by.scale(-arena.one());
                         match system.side {
                             Side::Left => {
-                                let inner = &by - &group.bracket(&turn.by, &change);
-                                &change + &d_right(group, retraction, &backwards, &inner)
+                                let carried = group.bracket(&turn.by, &change);
+                                let carried = d_left(group, retraction, &turn.by, &carried);
+                                &(&change - &carried) + &d_left(group, retraction, &turn.by, &by)
                             }
                             Side::Right => {
-                                let inner = d_right(group, retraction, &backwards, &by);
+                                let inner = d_left(group, retraction, &turn.by, &by);
                                 &change + &to_body(group, &turn.from, &inner)
                             }
                         }
                         .hold()
-                    });
-                    next.extend(moved.0);
+                    })
                 }
-                Row::Linear(symbols) => {
+                Row::Momentum(symbols) => {
                     let of = |symbol: &Symbol| stored.iter().position(|known| known == symbol);
                     let values = symbols.iter().filter_map(of).map(|k| step.next.0[k]);
-                    next.extend(along(&Vector(values.collect())).0);
+                    along(&Vector(values.collect()))
                 }
-            }
+                Row::Advected(index, factor, place) => {
+                    let algebra = &factor.algebra;
+                    let sign = arena.number(system.side.sign());
+                    let one = |a: &Vector<'a>| -> Vec<Vector<'a>> {
+                        let none = |other: &Advected<'a>| other.value.scale(arena.zero());
+                        let mut all: Vec<_> = factor.advected.iter().map(none).collect();
+                        all[*place] = a.clone();
+                        all
+                    };
+                    let carry = |x: &Vector<'a>, a: &Vector<'a>| {
+                        let mean = algebra.d_right_dual_spaces(retraction, x, &one(a));
+                        a + &algebra.coadjoint_spaces(x, &mean)[*place]
+                    };
+                    let start = (factor.advected[*place].value.clone(), change);
+                    let turns = step.turns[*index].iter();
+                    let (_, change) = turns.fold(start, |(a, change), turn| {
+                        let x = turn.by.scale(sign);
+                        let turned = d_left(algebra.group, retraction, &x, &along(&turn.by).scale(sign));
+                        let a = carry(&x, &a).hold();
+                        let turned = &algebra.coadjoint_spaces(&turned.hold(), &one(&a))[*place];
+                        let change = &carry(&x, &change) + turned;
+                        (a, change.hold())
+                    });
+                    change
+                }
+            };
+            partial.extend(turned.0);
         }
-        Self { state, control, parameters, next: Vector(next) }
+        let partial = Vector(partial);
+        let found: Vec<_> = unknown.symbols().into_iter().zip(solution.iter()).collect();
+        let next = partial.substitute(&found);
+        Self { unknown, solution, partial, state, control, parameters, next }
     }
 }
 
@@ -122,7 +166,7 @@ pub struct Adjoint<'a> {
 impl<'a> Linearization<'a> {
     /// The transpose, by the reverse mode: as many operations as the linearization itself has, or few more.
     pub fn adjoint(&self, arena: &'a Arena) -> Adjoint<'a> {
-        let costate = |k: usize| arena.symbol(format!("costate_{}", k + 1), Stage::Iteration);
+        let costate = |k: usize| arena.symbol(format!("costate_{}", k + 1), Stage::Change);
         let next = Vector((0..self.next.len()).map(costate).collect());
         let changes = [&self.state, &self.control, &self.parameters];
         let symbols: Vec<Symbol> = changes.iter().flat_map(|change| change.symbols()).collect();
@@ -133,12 +177,43 @@ impl<'a> Linearization<'a> {
     }
 }
 
+/// A [`Linearization`] as matrices: `explicit + through · unknown` for each of the changes.
+pub struct Matrices<'a> {
+    /// The derivative of the next state by the unknown, column by column.
+    pub through: Vec<Vector<'a>>,
+    /// For state, controls and parameters and each of their components: the derivatives by it of the next state with the unknown as it
+    /// is, and of the unknown.
+    pub columns: [Vec<(Vector<'a>, Vector<'a>)>; 3],
+}
+
+impl<'a> Linearization<'a> {
+    /// As matrices.
+    pub fn matrices(&self, arena: &'a Arena) -> Matrices<'a> {
+        let changes = [&self.unknown, &self.state, &self.control, &self.parameters];
+        let all: Vec<Symbol> = changes.iter().flat_map(|change| change.symbols()).collect();
+        let along = |one: Symbol| -> Vec<(Symbol, Expr<'a>)> {
+            let component = |symbol| if symbol == one { arena.one() } else { arena.zero() };
+            all.iter().map(|&symbol| (symbol, component(symbol))).collect()
+        };
+        let column = |one: Symbol| {
+            let unit = along(one);
+            (self.partial.substitute(&unit), self.solution.substitute(&unit))
+        };
+        let [through, columns @ ..] =
+            changes.map(|change| change.symbols().into_iter().map(column).collect());
+        let through: Vec<(Vector<'a>, Vector<'a>)> = through;
+        Matrices { through: through.into_iter().map(|(next, _)| next).collect(), columns }
+    }
+}
+
 /// A part of the state, in the order of storage.
 enum Row<'s, 'a> {
-    /// The configuration of a factor.
+    /// The configuration of a factor, the so-and-so-many-th.
     Configuration(usize, &'s Factor<'a>),
-    /// A momentum or an advected parameter.
-    Linear(Vec<Symbol>),
+    /// Its momentum.
+    Momentum(Vec<Symbol>),
+    /// One of its advected parameters.
+    Advected(usize, &'s Factor<'a>, usize),
 }
 
 impl Row<'_, '_> {
@@ -146,7 +221,8 @@ impl Row<'_, '_> {
     fn len(&self) -> usize {
         match self {
             Self::Configuration(_, factor) => factor.algebra.group.dimension(),
-            Self::Linear(symbols) => symbols.len(),
+            Self::Momentum(symbols) => symbols.len(),
+            Self::Advected(_, factor, place) => factor.advected[*place].value.len(),
         }
     }
 }
@@ -154,11 +230,19 @@ impl Row<'_, '_> {
 fn rows<'s, 'a>(system: &'s System<'a>) -> Vec<Row<'s, 'a>> {
     let factors = system.factors.iter().enumerate();
     let of_factors = factors.flat_map(|(index, factor)| {
-        [Row::Configuration(index, factor), Row::Linear(factor.momentum.symbols())]
+        [Row::Configuration(index, factor), Row::Momentum(factor.momentum.symbols())]
     });
-    let advected = system.advected_places();
-    let advected = advected.map(|(factor, place)| Row::Linear(factor.advected[place].value.symbols()));
+    let advected = system.advected_places().map(|(factor, place)| {
+        let index = system.factors.iter().position(|other| std::ptr::eq(other, factor));
+        // it is one of them
+        Row::Advected(index.unwrap_or_default(), factor, place)
+    });
     of_factors.chain(advected).collect()
+}
+
+/// `dL τ_x y = dR τ_{−x} y`
+fn d_left<'a>(group: &dyn Group, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+    d_right(group, retraction, &-x, y)
 }
 
 /// The change of the stored coordinates where `g` becomes `g exp(δ)`.

@@ -37,11 +37,14 @@ pub const FORCE: Key = Key { name: "force", example: "force = moment - friction 
 pub const INVARIANCE: Key = Key { name: "invariance", example: "invariance = right" };
 /// The members of the family of steps to generate beside those that are always there.
 pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
+/// Whether the derivatives of the steps are generated.
+pub(super) const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives" };
 /// Where the runtime crate is found.
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-const KEYS: [Key; 9] = [GROUP, ADVECTED, POTENTIAL, HAMILTONIAN, CONTROL, FORCE, INVARIANCE, METHODS, CRATE];
+const KEYS: [Key; 10] =
+    [GROUP, ADVECTED, POTENTIAL, HAMILTONIAN, CONTROL, FORCE, INVARIANCE, METHODS, DERIVATIVES, CRATE];
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
 #[derive(Debug, Default)]
@@ -62,6 +65,8 @@ pub struct Attribute {
     pub right: bool,
     /// `methods(Midpoint, …)`
     pub methods: Vec<Rule>,
+    /// `derivatives`
+    pub derivatives: bool,
     /// `crate = …`
     pub krate: Option<syn::Path>,
     /// The keys that were there, whether or not their values could be read.
@@ -174,10 +179,24 @@ impl Attribute {
             FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
             INVARIANCE => invariance(&value, diagnostics).map(|right| target.right = right),
             METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
+            DERIVATIVES => flag(&value, known).map(|()| target.derivatives = true),
             _ => crate_path(&value, diagnostics).map(|path| target.krate = path),
         };
         finish_entry(input, &value, read, diagnostics);
     }
+}
+
+/// Nothing: the key alone says it.
+fn flag(input: ParseStream<'_>, key: Key) -> syn::Result<()> {
+    if input.is_empty() || input.peek(Token![,]) {
+        return Ok(());
+    }
+    if input.peek(Token![=]) || input.peek(token::Paren) {
+        let name = key.name;
+        return Err(input.error(format!("`{name}` takes no value: it is there or not; write `{name}` alone")));
+    }
+    // a forgotten comma, which is noticed elsewhere
+    Ok(())
 }
 
 /// `= value`. `None` where the value is missing, which is reported.
@@ -469,7 +488,8 @@ fn starts_entry(input: ParseStream<'_>) -> bool {
     let ahead = input.fork();
     let Ok(name) = Ident::parse_any(&ahead) else { return false };
     let known = KEYS.iter().any(|key| name == key.name);
-    ahead.peek(Token![:]) || known && (ahead.peek(Token![=]) || ahead.peek(token::Paren))
+    let alone = name == DERIVATIVES.name && (ahead.is_empty() || ahead.peek(Token![,]));
+    ahead.peek(Token![:]) || alone || known && (ahead.peek(Token![=]) || ahead.peek(token::Paren))
 }
 
 /// Everything up to and with the next comma.

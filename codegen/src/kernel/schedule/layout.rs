@@ -164,9 +164,8 @@ impl Layout<'_, '_, '_> {
                     match plan.operation(factor) {
                         // a reciprocal of its own rounds once more, and only pays where it is used again and time counts
                         Operation::Reciprocal(x)
-                            if plan.stage(op) == Stage::Parameters
-                                || (self.uses[&factor] == 1
-                                    && !self.schedule.is_input(self.home, factor)) =>
+                            if !self.schedule.is_input(self.home, factor)
+                                && (plan.stage(op) == Stage::Parameters || self.uses[&factor] == 1) =>
                         {
                             below.push(self.term(*x));
                         }

@@ -1,0 +1,166 @@
+//! Jacobians as matrices, block by block.
+
+use core::fmt::Debug;
+
+use nalgebra::SMatrix;
+
+use super::{AllChanges, Differentiable, Linearizable, StateChange, Wanted};
+use crate::scalar::{Real, Scalar};
+use crate::stepper::StepReport;
+
+/// A step with its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepJacobian<J> {
+    /// The matrices that were asked for, in the order in which they were.
+    pub jacobian: J,
+    /// How the step went.
+    pub report: StepReport,
+}
+
+/// A matrix whose size is in its type.
+pub trait Dense<T>: Copy + PartialEq + Debug {
+    /// How many rows it has.
+    const ROWS: usize;
+    /// All zeros.
+    fn zeros() -> Self;
+    /// Its entries, column by column.
+    fn as_slice(&self) -> &[T];
+    /// Its entries, column by column.
+    fn as_mut_slice(&mut self) -> &mut [T];
+    /// The matrix of these entries, column by column.
+    fn from_column(entries: &[T]) -> Self
+    where
+        T: Copy,
+    {
+        let mut matrix = Self::zeros();
+        matrix.as_mut_slice().iter_mut().zip(entries).for_each(|(entry, value)| *entry = *value);
+        matrix
+    }
+}
+
+impl<T: Scalar, const R: usize, const C: usize> Dense<T> for SMatrix<T, R, C> {
+    const ROWS: usize = R;
+
+    #[inline]
+    fn zeros() -> Self {
+        Self::from_fn(|_, _| T::of(0.0))
+    }
+    #[inline]
+    fn as_slice(&self) -> &[T] {
+        SMatrix::as_slice(self)
+    }
+    #[inline]
+    fn as_mut_slice(&mut self) -> &mut [T] {
+        SMatrix::as_mut_slice(self)
+    }
+}
+
+/// The derivatives by the state.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ByState;
+/// The derivatives by the controls.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ByControl;
+/// The derivatives by the parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ByParameters;
+
+/// The derivatives of the next state that are asked for: [`ByState`], [`ByControl`], [`ByParameters`], or several of them, as `(ByState,
+/// ByControl)`. Others are not computed.
+pub trait Blocks<S: Differentiable>: Wanted {
+    /// The matrix, or the matrices in the order asked for.
+    type Jacobian;
+
+    /// The matrices of these columns.
+    #[doc(hidden)]
+    fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian;
+}
+
+/// The matrix of these columns.
+#[inline]
+fn dense<T: Scalar, M: Dense<T>, C: AsRef<[T]>>(columns: &[C]) -> M {
+    let mut matrix = M::zeros();
+    for (to, column) in matrix.as_mut_slice().chunks_exact_mut(M::ROWS.max(1)).zip(columns) {
+        to.iter_mut().zip(column.as_ref()).for_each(|(entry, number)| *entry = *number);
+    }
+    matrix
+}
+
+macro_rules! single {
+    ($($blocks:ident $part:tt $state:literal $control:literal $parameters:literal,)*) => {
+        $(impl Wanted for $blocks {
+            const STATE: bool = $state;
+            const CONTROL: bool = $control;
+            const PARAMETERS: bool = $parameters;
+        }
+
+        impl<S: Differentiable> Blocks<S> for $blocks {
+            type Jacobian = S::$blocks;
+
+            #[inline]
+            fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian {
+                dense(columns.$part.as_ref())
+            }
+        })*
+    };
+}
+single! { ByState 0 true false false, ByControl 1 false true false, ByParameters 2 false false true, }
+
+macro_rules! several {
+    ($($blocks:ident),*) => {
+        impl<$($blocks: Wanted),*> Wanted for ($($blocks,)*) {
+            const STATE: bool = $($blocks::STATE)||*;
+            const CONTROL: bool = $($blocks::CONTROL)||*;
+            const PARAMETERS: bool = $($blocks::PARAMETERS)||*;
+        }
+
+        impl<S: Differentiable, $($blocks: Blocks<S>),*> Blocks<S> for ($($blocks,)*) {
+            type Jacobian = ($($blocks::Jacobian,)*);
+
+            #[inline]
+            fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian {
+                ($($blocks::of(columns),)*)
+            }
+        }
+    };
+}
+several!(A, B);
+several!(A, B, C);
+
+/// The blocks that are asked for.
+#[inline]
+pub(crate) fn jacobian<S, D, B>(derivative: &D::Derivative) -> B::Jacobian
+where
+    S: Differentiable,
+    D: Linearizable<S, Scalar = S::Scalar>,
+    B: Blocks<S>,
+{
+    B::of(&D::columns::<B>(derivative))
+}
+
+/// Where a part of a state, of controls or of parameters is within a change of these: from which entry on, and how many. Generated, as
+/// `TopPart::MOMENTUM`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part<const FROM: usize, const LENGTH: usize>;
+
+/// Blocks of matrices and vectors, by the parts of what they are derivatives of.
+pub trait Block<T, const R: usize, const C: usize> {
+    /// The derivative of a part of the next state by a part of what the matrix is a derivative by: output, then input. The sizes are checked
+    /// when it is compiled.
+    fn block<const I: usize, const M: usize, const J: usize, const N: usize>(
+        &self,
+        output: Part<I, M>,
+        input: Part<J, N>,
+    ) -> SMatrix<T, M, N>;
+}
+
+impl<T: Real + nalgebra::Scalar, const R: usize, const C: usize> Block<T, R, C> for SMatrix<T, R, C> {
+    fn block<const I: usize, const M: usize, const J: usize, const N: usize>(
+        &self,
+        _: Part<I, M>,
+        _: Part<J, N>,
+    ) -> SMatrix<T, M, N> {
+        const { assert!(I + M <= R && J + N <= C, "these parts are not in this matrix") };
+        SMatrix::from_fn(|i, j| self[(I + i, J + j)])
+    }
+}

@@ -1,0 +1,386 @@
+//! Derivatives of methods: of one solved equation, and by the chain rule of what is composed of such.
+
+use super::{
+    AllChanges, ControlChange, Differentiable, Entry, Linearized, ParameterChange, StateChange, add,
+};
+use crate::composition::{Coefficients, Composition};
+use crate::geometry::Isolated;
+use crate::kernel::Components;
+use crate::method::{Carried, Halves, Method, OneStep};
+use crate::scalar::{Batch, Scalar};
+
+/// Which of the derivatives are wanted.
+pub trait Wanted {
+    /// Those by the state.
+    const STATE: bool;
+    /// Those by the controls.
+    const CONTROL: bool;
+    /// Those by the parameters.
+    const PARAMETERS: bool;
+}
+
+/// A method whose steps of the system `S` have derivatives.
+#[diagnostic::on_unimplemented(
+    message = "the steps of this scheme have no derivatives",
+    note = "derivatives are asked for in the description, with `derivatives`"
+)]
+pub trait Linearizable<S: Differentiable>: Method {
+    /// The solutions of a step's equations.
+    type Trace: Clone + Send + Sync;
+    /// The derivative of a step.
+    type Derivative: Clone + Send + Sync;
+
+    /// The solutions of the last step's equations, if it succeeded.
+    fn trace(&self) -> Self::Trace;
+
+    /// Where a step leads to, from the solutions of its equations.
+    fn replay(
+        &self,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        trace: &Self::Trace,
+    ) -> Self::State;
+
+    /// The derivative of a step, from the solutions of its equations; `step` is the method's.
+    fn derivative(
+        &self,
+        parameters: &Self::Parameters,
+        step: Self::Scalar,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        trace: &Self::Trace,
+    ) -> Self::Derivative;
+
+    /// The change of the next state.
+    fn tangent(
+        derivative: &Self::Derivative,
+        state: &StateChange<S, Self::Scalar>,
+        control: &ControlChange<S, Self::Scalar>,
+        parameters: &ParameterChange<S, Self::Scalar>,
+    ) -> StateChange<S, Self::Scalar>;
+
+    /// The transpose.
+    fn adjoint(
+        derivative: &Self::Derivative,
+        costate: &StateChange<S, Self::Scalar>,
+    ) -> AllChanges<S, Self::Scalar>;
+
+    /// As matrices, column by column. Zeros in the place of those that are not wanted.
+    fn columns<W: Wanted>(derivative: &Self::Derivative) -> AllColumns<S, Self::Scalar>;
+}
+
+/// The columns of derivatives by state, controls and parameters.
+pub type AllColumns<S, T> = AllChanges<S, StateChange<S, T>>;
+
+fn zeros<T: Scalar, C: Components<T>>() -> C {
+    C::from_fn(|_| T::of(0.0))
+}
+
+/// What is wanted, or no column that is not zero.
+#[inline(always)]
+fn wanted<T, V, C>(is_wanted: bool, columns: impl FnOnce() -> C) -> C
+where
+    T: Scalar,
+    V: Components<T> + Entry,
+    C: Components<V>,
+{
+    if is_wanted { columns() } else { C::from_fn(|_| zeros()) }
+}
+
+impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneStep<T, K> {
+    type Trace = K::Unknown;
+    type Derivative = K::Point;
+
+    #[inline]
+    fn trace(&self) -> K::Unknown {
+        self.solution()
+    }
+
+    #[inline]
+    fn replay(&self, state: &K::State, time: T, control: &K::Control, trace: &K::Unknown) -> K::State {
+        self.next(state, time, control, trace)
+    }
+
+    #[inline(always)]
+    fn derivative(
+        &self,
+        parameters: &K::Parameters,
+        step: T,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        trace: &K::Unknown,
+    ) -> K::Point {
+        K::point(parameters, step, state, time, control, trace)
+    }
+
+    #[inline]
+    fn tangent(
+        point: &K::Point,
+        state: &StateChange<S, T>,
+        control: &ControlChange<S, T>,
+        parameters: &ParameterChange<S, T>,
+    ) -> StateChange<S, T> {
+        K::tangent(point, state, control, parameters)
+    }
+
+    #[inline]
+    fn adjoint(point: &K::Point, costate: &StateChange<S, T>) -> AllChanges<S, T> {
+        K::adjoint(point, costate)
+    }
+
+    #[inline(always)]
+    fn columns<W: Wanted>(point: &K::Point) -> AllColumns<S, T> {
+        (
+            wanted(W::STATE, || K::by_state(point)),
+            wanted(W::CONTROL, || K::by_control(point)),
+            wanted(W::PARAMETERS, || K::by_parameters(point)),
+        )
+    }
+}
+
+/// Takes derivatives back through one part of a step: by the state there, and those by controls and parameters on top of what the later parts
+/// contribute.
+fn back<S: Differentiable, D: Linearizable<S>>(
+    derivative: &D::Derivative,
+    (costate, mut control, mut parameters): AllChanges<S, D::Scalar>,
+) -> AllChanges<S, D::Scalar> {
+    let (state, here, own) = D::adjoint(derivative, &costate);
+    add(control.as_mut(), here.as_ref());
+    add(parameters.as_mut(), own.as_ref());
+    (state, control, parameters)
+}
+
+/// Where taking derivatives back begins.
+fn end<S: Differentiable, D: Linearizable<S>>(
+    costate: &StateChange<S, D::Scalar>,
+) -> AllChanges<S, D::Scalar> {
+    (*costate, zeros(), zeros())
+}
+
+/// What is wanted of the parts of a step for what is wanted of the whole.
+struct OfParts<W>(core::marker::PhantomData<W>);
+
+impl<W: Wanted> Wanted for OfParts<W> {
+    const STATE: bool = true;
+    const CONTROL: bool = W::CONTROL;
+    const PARAMETERS: bool = W::PARAMETERS;
+}
+
+/// The derivatives of the parts so far, followed by one more.
+fn forth<S: Differentiable, D: Linearizable<S>, W: Wanted>(
+    derivative: &D::Derivative,
+    (mut state, mut control, mut parameters): AllColumns<S, D::Scalar>,
+) -> AllColumns<S, D::Scalar> {
+    let (by_state, by_control, by_parameters) = D::columns::<OfParts<W>>(derivative);
+    let through = |column: &StateChange<S, D::Scalar>, mut sum: StateChange<S, D::Scalar>| {
+        for (by, column) in column.as_ref().iter().zip(by_state.as_ref()) {
+            for (sum, entry) in sum.as_mut().iter_mut().zip(column.as_ref()) {
+                *sum = sum.plus(*entry, *by);
+            }
+        }
+        sum
+    };
+    if W::STATE {
+        state.as_mut().iter_mut().for_each(|column| *column = through(column, zeros()));
+    }
+    for (column, own) in control.as_mut().iter_mut().zip(by_control.as_ref()) {
+        if W::CONTROL {
+            *column = through(column, *own);
+        }
+    }
+    for (column, own) in parameters.as_mut().iter_mut().zip(by_parameters.as_ref()) {
+        if W::PARAMETERS {
+            *column = through(column, *own);
+        }
+    }
+    (state, control, parameters)
+}
+
+/// The derivatives before the first part.
+fn start<S: Differentiable, D: Linearizable<S>>() -> AllColumns<S, D::Scalar> {
+    let unit = |j: usize| Components::from_fn(|i| D::Scalar::of(if i == j { 1.0 } else { 0.0 }));
+    (Components::from_fn(unit), Components::from_fn(|_| zeros()), Components::from_fn(|_| zeros()))
+}
+
+impl<S, A, B> Linearizable<S> for Halves<A, B>
+where
+    S: Differentiable,
+    A: Linearizable<S>,
+    B: Linearizable<
+            S,
+            Scalar = A::Scalar,
+            Parameters = A::Parameters,
+            State = A::State,
+            Control = A::Control,
+        >,
+{
+    type Trace = (A::Trace, B::Trace);
+    type Derivative = (A::Derivative, B::Derivative);
+
+    fn trace(&self) -> Self::Trace {
+        (self.first.trace(), self.second.trace())
+    }
+
+    fn replay(
+        &self,
+        state: &A::State,
+        time: A::Scalar,
+        control: &A::Control,
+        (first, second): &Self::Trace,
+    ) -> A::State {
+        let middle = self.first.replay(state, time, control, first);
+        self.second.replay(&middle, time + self.half, control, second)
+    }
+
+    fn derivative(
+        &self,
+        parameters: &A::Parameters,
+        _: A::Scalar,
+        state: &A::State,
+        time: A::Scalar,
+        control: &A::Control,
+        (first, second): &Self::Trace,
+    ) -> Self::Derivative {
+        let half = self.half;
+        let middle = self.first.replay(state, time, control, first);
+        let second = self.second.derivative(parameters, half, &middle, time + half, control, second);
+        (self.first.derivative(parameters, half, state, time, control, first), second)
+    }
+
+    fn tangent(
+        (first, second): &Self::Derivative,
+        state: &StateChange<S, A::Scalar>,
+        control: &ControlChange<S, A::Scalar>,
+        parameters: &ParameterChange<S, A::Scalar>,
+    ) -> StateChange<S, A::Scalar> {
+        B::tangent(second, &A::tangent(first, state, control, parameters), control, parameters)
+    }
+
+    fn adjoint(
+        (first, second): &Self::Derivative,
+        costate: &StateChange<S, A::Scalar>,
+    ) -> AllChanges<S, A::Scalar> {
+        back::<S, A>(first, back::<S, B>(second, end::<S, B>(costate)))
+    }
+
+    fn columns<W: Wanted>((first, second): &Self::Derivative) -> AllColumns<S, A::Scalar> {
+        forth::<S, B, W>(second, A::columns::<W>(first))
+    }
+}
+
+impl<S: Differentiable, C: Coefficients, B: Linearizable<S>> Linearizable<S> for Composition<C, B> {
+    type Trace = C::Steps<B::Trace>;
+    type Derivative = C::Steps<B::Derivative>;
+
+    fn trace(&self) -> Self::Trace {
+        C::steps(|k| self.steps.as_ref()[k].trace())
+    }
+
+    fn replay(
+        &self,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        trace: &Self::Trace,
+    ) -> B::State {
+        let (mut state, mut done) = (*state, 0.0);
+        for ((part, trace), gamma) in self.steps.as_ref().iter().zip(trace.as_ref()).zip(C::GAMMA) {
+            state = part.replay(&state, time + B::Scalar::of(done) * self.step, control, trace);
+            done += gamma;
+        }
+        state
+    }
+
+    fn derivative(
+        &self,
+        parameters: &B::Parameters,
+        _: B::Scalar,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        trace: &Self::Trace,
+    ) -> Self::Derivative {
+        let (mut state, mut done) = (*state, 0.0);
+        C::steps(|k| {
+            let (part, trace, gamma) = (&self.steps.as_ref()[k], &trace.as_ref()[k], C::GAMMA[k]);
+            let start = time + B::Scalar::of(done) * self.step;
+            let step = B::Scalar::of(gamma) * self.step;
+            let derivative = part.derivative(parameters, step, &state, start, control, trace);
+            state = part.replay(&state, start, control, trace);
+            done += gamma;
+            derivative
+        })
+    }
+
+    fn tangent(
+        derivative: &Self::Derivative,
+        state: &StateChange<S, B::Scalar>,
+        control: &ControlChange<S, B::Scalar>,
+        parameters: &ParameterChange<S, B::Scalar>,
+    ) -> StateChange<S, B::Scalar> {
+        let parts = derivative.as_ref().iter();
+        parts.fold(*state, |state, part| B::tangent(part, &state, control, parameters))
+    }
+
+    fn adjoint(
+        derivative: &Self::Derivative,
+        costate: &StateChange<S, B::Scalar>,
+    ) -> AllChanges<S, B::Scalar> {
+        derivative.as_ref().iter().rfold(end::<S, B>(costate), |later, part| back::<S, B>(part, later))
+    }
+
+    fn columns<W: Wanted>(derivative: &Self::Derivative) -> AllColumns<S, B::Scalar> {
+        derivative.as_ref().iter().fold(start::<S, B>(), |earlier, part| forth::<S, B, W>(part, earlier))
+    }
+}
+
+/// Carrying the momentum changes what rounding makes of it, not the map.
+impl<S, B> Linearizable<S> for Carried<S, B>
+where
+    S: Isolated + Differentiable,
+    B: Linearizable<S>,
+    B: Method<State = S::StateComponents<<B as Method>::Scalar>>,
+{
+    type Trace = B::Trace;
+    type Derivative = B::Derivative;
+
+    fn trace(&self) -> B::Trace {
+        self.base.trace()
+    }
+
+    fn replay(&self, state: &B::State, time: B::Scalar, control: &B::Control, trace: &B::Trace) -> B::State {
+        self.base.replay(state, time, control, trace)
+    }
+
+    fn derivative(
+        &self,
+        parameters: &B::Parameters,
+        step: B::Scalar,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        trace: &B::Trace,
+    ) -> B::Derivative {
+        self.base.derivative(parameters, step, state, time, control, trace)
+    }
+
+    fn tangent(
+        derivative: &B::Derivative,
+        state: &StateChange<S, B::Scalar>,
+        control: &ControlChange<S, B::Scalar>,
+        parameters: &ParameterChange<S, B::Scalar>,
+    ) -> StateChange<S, B::Scalar> {
+        B::tangent(derivative, state, control, parameters)
+    }
+
+    fn adjoint(derivative: &B::Derivative, costate: &StateChange<S, B::Scalar>) -> AllChanges<S, B::Scalar> {
+        B::adjoint(derivative, costate)
+    }
+
+    fn columns<W: Wanted>(derivative: &B::Derivative) -> AllColumns<S, B::Scalar> {
+        B::columns::<W>(derivative)
+    }
+}

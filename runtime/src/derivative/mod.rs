@@ -1,0 +1,282 @@
+//! Derivatives of the step that is really taken, exact to rounding: what control, estimation and identification linearize.
+//!
+//! Asked for with `derivatives` in the description. The code of each step is then accompanied by that of its derivative, in closed form: the
+//! implicit function theorem on the step's own equation, with all second derivatives of potentials and forces. Nothing is done by
+//! differences.
+//!
+//! # Coordinates
+//!
+//! Changes are in left-trivialized tangent coordinates, in the order of the state's fields: a configuration `g` changes by an element `δ` of
+//! the Lie algebra, from `g` to `g exp(δ)`, whichever the side of the group is; momenta and advected parameters change by what is added to
+//! them. Controls and parameters change by what is added to their components, constants of the description excepted. The entries of an
+//! inertia matrix count one by one, as the step reads them: what is meant are changes that leave it symmetric.
+//!
+//! Jacobians are named, and their blocks taken, output first, then input: the block (`MOMENTUM`, `ATTITUDE`) is the derivative of the next momentum by the
+//! attitude.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//! use coadjoint::derivative::{Block, ByParameters, ByState};
+//!
+//! #[lie_poisson_system(
+//!     group = SO3,
+//!     advected(gamma: R3),
+//!     potential = weight * gamma.dot(&chi),
+//!     derivatives,
+//! )]
+//! struct Top {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//!     weight: f64,
+//!     chi: Vector3<f64>,
+//! }
+//!
+//! let top = Top { inertia: vector![1.0, 2.0, 2.5], weight: 1.0, chi: Vector3::z() };
+//! let mut state = TopState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5], gamma: Vector3::z() };
+//! let mut stepper = top.stepper::<Cayley>(0.01)?;
+//!
+//! let step = stepper.step_with_jacobian(&mut state, &Default::default(), (ByState, ByParameters))?;
+//! let (by_state, by_parameters) = step.jacobian;
+//! assert_eq!(by_state.shape(), (9, 9));
+//! // more momentum, more turn: about h / inertia
+//! let turn = by_state.block(TopPart::ATTITUDE, TopPart::MOMENTUM);
+//! assert!((turn[(0, 0)] - 0.01).abs() < 1e-4);
+//! // more weight, more moment: about h chi × gamma, which is nothing for a top that stands upright
+//! assert!(by_parameters.block(TopPart::MOMENTUM, TopPart::WEIGHT).norm() < 1e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Products without a matrix
+//!
+//! [`step_with_derivative`](crate::Stepper::step_with_derivative) gives the derivative as a linear map, to be applied to
+//! [changes](StepDerivative::tangent), or [backwards](StepDerivative::adjoint) to the derivatives of a function of the next state. Over a
+//! whole run these are those of a `Recording`, which keeps few states and takes the steps between them a second time.
+
+mod blocks;
+mod method;
+#[cfg(feature = "std")]
+mod run;
+
+use core::fmt;
+
+pub(crate) use blocks::jacobian;
+pub use blocks::{Block, Blocks, ByControl, ByParameters, ByState, Dense, Part, StepJacobian};
+pub use method::{AllColumns, Linearizable, Wanted};
+#[cfg(feature = "std")]
+pub use run::{Moment, Recording};
+
+use crate::kernel::{Components, Kernel};
+use crate::scalar::Scalar;
+use crate::system::System;
+
+/// A system whose steps have derivatives, and the spaces that these act between.
+#[diagnostic::on_unimplemented(
+    message = "there are no derivatives of the steps of `{Self}`",
+    note = "derivatives are asked for in the description, with `derivatives`"
+)]
+pub trait Differentiable: System {
+    /// A change of the state, in the order of its fields.
+    type StateChange<V: Entry>: Components<V>;
+    /// A change of the controls.
+    type ControlChange<V: Entry>: Components<V>;
+    /// A change of the parameters.
+    type ParameterChange<V: Entry>: Components<V>;
+    /// A change of the state as nalgebra's vector.
+    type StateVector: Dense<Self::Scalar>;
+    /// A change of the controls.
+    type ControlVector: Dense<Self::Scalar>;
+    /// A change of the parameters.
+    type ParameterVector: Dense<Self::Scalar>;
+    /// The derivative of the next state by the state.
+    type ByState: Dense<Self::Scalar>;
+    /// The derivative of the next state by the controls.
+    type ByControl: Dense<Self::Scalar>;
+    /// The derivative of the next state by the parameters.
+    type ByParameters: Dense<Self::Scalar>;
+}
+
+/// The derivative of a generated step of the system `S`, as generated: straight-line code in two stages, the point and then linear maps of
+/// changes.
+pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
+    /// What the derivative is made of at one point.
+    type Point: Copy + Send + Sync;
+
+    /// At the solution `unknown` of the step's equation.
+    fn point(
+        parameters: &Self::Parameters,
+        step: T,
+        state: &Self::State,
+        time: T,
+        control: &Self::Control,
+        unknown: &Self::Unknown,
+    ) -> Self::Point;
+
+    /// The change of the next state.
+    fn tangent(
+        point: &Self::Point,
+        state: &StateChange<S, T>,
+        control: &ControlChange<S, T>,
+        parameters: &ParameterChange<S, T>,
+    ) -> StateChange<S, T>;
+
+    /// The derivatives by state, controls and parameters of a function of the next state, from its own there: the transpose.
+    fn adjoint(point: &Self::Point, costate: &StateChange<S, T>) -> AllChanges<S, T>;
+
+    /// The derivative by the state as a matrix, column by column.
+    fn by_state(point: &Self::Point) -> StateChange<S, StateChange<S, T>>;
+    /// The derivative by the controls.
+    fn by_control(point: &Self::Point) -> ControlChange<S, StateChange<S, T>>;
+    /// The derivative by the parameters.
+    fn by_parameters(point: &Self::Point) -> ParameterChange<S, StateChange<S, T>>;
+}
+
+/// What the entries of a change can be: numbers, or columns of them.
+pub trait Entry: Copy + PartialEq + fmt::Debug + Send + Sync + 'static {}
+
+impl<V: Copy + PartialEq + fmt::Debug + Send + Sync + 'static> Entry for V {}
+
+type StateChange<S, V> = <S as Differentiable>::StateChange<V>;
+type ControlChange<S, V> = <S as Differentiable>::ControlChange<V>;
+type ParameterChange<S, V> = <S as Differentiable>::ParameterChange<V>;
+
+/// Changes of state, controls and parameters; or the columns of derivatives by them.
+pub type AllChanges<S, V> = (
+    <S as Differentiable>::StateChange<V>,
+    <S as Differentiable>::ControlChange<V>,
+    <S as Differentiable>::ParameterChange<V>,
+);
+
+/// A matrix, column by column, from changes of the state to such.
+pub type Columns<S, T> = StateChange<S, StateChange<S, T>>;
+
+/// Adds one change to another.
+fn add<T: Scalar>(sum: &mut [T], part: &[T]) {
+    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum = *sum + *part);
+}
+
+/// Adds `Σ columns[k] · by[k]`.
+#[doc(hidden)]
+#[inline(always)]
+pub fn add_product<T: Scalar, const N: usize, const K: usize>(
+    sum: &mut [T; N],
+    columns: &[[T; N]; K],
+    by: &[T; K],
+) {
+    for (column, by) in columns.iter().zip(by) {
+        for (sum, entry) in sum.iter_mut().zip(column) {
+            *sum = sum.plus(*entry, *by);
+        }
+    }
+}
+
+/// A change of the state, the controls and the parameters of a system. None by default.
+///
+/// Also the [derivatives](Gradient) of a function by them.
+pub struct Changes<S: Differentiable> {
+    /// Of the state.
+    pub state: S::StateVector,
+    /// Of the controls.
+    pub control: S::ControlVector,
+    /// Of the parameters.
+    pub parameters: S::ParameterVector,
+}
+
+/// The derivatives of a function by the state, the controls and the parameters of a system.
+pub type Gradient<S> = Changes<S>;
+
+impl<S: Differentiable> Changes<S> {
+    fn from_arrays((state, control, parameters): &AllChanges<S, S::Scalar>) -> Self {
+        Self {
+            state: Dense::from_column(state.as_ref()),
+            control: Dense::from_column(control.as_ref()),
+            parameters: Dense::from_column(parameters.as_ref()),
+        }
+    }
+
+    fn to_arrays(&self) -> AllChanges<S, S::Scalar> {
+        (to_array(&self.state), to_array(&self.control), to_array(&self.parameters))
+    }
+}
+
+fn to_array<T: Scalar, C: Components<T>>(vector: &impl Dense<T>) -> C {
+    C::from_fn(|i| vector.as_slice().get(i).copied().unwrap_or_else(|| T::of(0.0)))
+}
+
+// written out, because derived they would ask the same of `S`
+impl<S: Differentiable> Clone for Changes<S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Differentiable> Copy for Changes<S> {}
+
+impl<S: Differentiable> Default for Changes<S> {
+    fn default() -> Self {
+        Self { state: Dense::zeros(), control: Dense::zeros(), parameters: Dense::zeros() }
+    }
+}
+
+impl<S: Differentiable> PartialEq for Changes<S> {
+    fn eq(&self, other: &Self) -> bool {
+        self.state == other.state && self.control == other.control && self.parameters == other.parameters
+    }
+}
+
+impl<S: Differentiable> fmt::Debug for Changes<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { state, control, parameters } = self;
+        f.debug_struct("Changes")
+            .field("state", state)
+            .field("control", control)
+            .field("parameters", parameters)
+            .finish()
+    }
+}
+
+/// The derivative of one step, of the method `D`, as a linear map.
+pub struct StepDerivative<S: Differentiable, D: Linearizable<S>> {
+    derivative: D::Derivative,
+    system: core::marker::PhantomData<S>,
+}
+
+impl<S, D> StepDerivative<S, D>
+where
+    S: Differentiable,
+    D: Linearizable<S, Scalar = S::Scalar>,
+{
+    pub(crate) fn new(derivative: D::Derivative) -> Self {
+        Self { derivative, system: core::marker::PhantomData }
+    }
+
+    /// The change of the next state that a change makes.
+    pub fn tangent(&self, changes: &Changes<S>) -> S::StateVector {
+        let (state, control, parameters) = changes.to_arrays();
+        let next = D::tangent(&self.derivative, &state, &control, &parameters);
+        Dense::from_column(next.as_ref())
+    }
+
+    /// The derivatives by state, controls and parameters of a function of the next state whose derivative there is `costate`: the transpose
+    /// of [`tangent`](Self::tangent).
+    pub fn adjoint(&self, costate: &S::StateVector) -> Gradient<S> {
+        Changes::from_arrays(&D::adjoint(&self.derivative, &to_array(costate)))
+    }
+
+    /// As matrices: the blocks that are asked for.
+    pub fn jacobian<B: Blocks<S>>(&self, _: B) -> B::Jacobian {
+        blocks::jacobian::<S, D, B>(&self.derivative)
+    }
+}
+
+// written out, because derived it would ask the same of `S` and `D`
+impl<S: Differentiable, D: Linearizable<S>> Clone for StepDerivative<S, D> {
+    fn clone(&self) -> Self {
+        Self { derivative: self.derivative.clone(), system: self.system }
+    }
+}
+
+impl<S: Differentiable, D: Linearizable<S>> fmt::Debug for StepDerivative<S, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StepDerivative").field("system", &S::NAME).finish_non_exhaustive()
+    }
+}

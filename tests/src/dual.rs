@@ -1,0 +1,233 @@
+//! Derivatives of steps by dual numbers: what derivatives in closed form are compared with.
+//!
+//! The generated code of a step takes any scalar, dual numbers too, and Newton's iteration on them finds the derivative of the solution with
+//! the solution. Nothing of what the derivatives in closed form are made of has a part in it.
+
+use coadjoint::composition::{Coefficients, Composed};
+use coadjoint::kernel::{Components, Kernel};
+use coadjoint::prelude::*;
+use coadjoint::scalar::Scalar;
+use coadjoint::scheme::{Family, TangentLift};
+use coadjoint::system::{Generated, Quantity, Role};
+use num_dual::Dual64;
+
+/// A scheme whose steps can be taken with any numbers.
+pub trait AnyStep<S: System> {
+    /// The state after a step.
+    fn step<T: Scalar>(
+        parameters: &S::Parameters<T>,
+        step: T,
+        state: &S::StateComponents<T>,
+        time: T,
+        control: &S::ControlComponents<T>,
+    ) -> S::StateComponents<T>;
+}
+
+/// Enough for Newton's iteration from the state to come to rest, its derivative too.
+const ITERATIONS: usize = 25;
+
+/// One step of generated code.
+pub fn solved<T: Scalar, K: Kernel<T>>(
+    parameters: &K::Parameters,
+    step: T,
+    state: &K::State,
+    time: T,
+    control: &K::Control,
+) -> K::State {
+    let kernel = K::new(parameters, step);
+    let begun = kernel.begin(state, time, control);
+    let mut unknown = kernel.start(state, &begun);
+    for _ in 0..ITERATIONS {
+        let evaluation = kernel.evaluate(state, &begun, &unknown);
+        let correction = kernel.correction(state, &begun, &unknown, &evaluation);
+        unknown = K::Unknown::from_fn(|i| unknown.as_ref()[i] - correction.as_ref()[i]);
+    }
+    kernel.finish(state, &begun, &unknown, &kernel.evaluate(state, &begun, &unknown))
+}
+
+impl<S: Generated<Self>, R, const N: u32, const D: u32> AnyStep<S> for Family<R, N, D> {
+    fn step<T: Scalar>(
+        parameters: &S::Parameters<T>,
+        step: T,
+        state: &S::StateComponents<T>,
+        time: T,
+        control: &S::ControlComponents<T>,
+    ) -> S::StateComponents<T> {
+        solved::<T, S::Kernel<T>>(parameters, step, state, time, control)
+    }
+}
+
+impl<S: Generated<Self>, R> AnyStep<S> for TangentLift<R> {
+    fn step<T: Scalar>(
+        parameters: &S::Parameters<T>,
+        step: T,
+        state: &S::StateComponents<T>,
+        time: T,
+        control: &S::ControlComponents<T>,
+    ) -> S::StateComponents<T> {
+        solved::<T, S::Kernel<T>>(parameters, step, state, time, control)
+    }
+}
+
+impl<S, R> AnyStep<S> for StormerVerlet<R>
+where
+    S: Generated<SymplecticEulerA<R>> + Generated<SymplecticEulerB<R>>,
+{
+    fn step<T: Scalar>(
+        parameters: &S::Parameters<T>,
+        step: T,
+        state: &S::StateComponents<T>,
+        time: T,
+        control: &S::ControlComponents<T>,
+    ) -> S::StateComponents<T> {
+        let half = T::of(0.5) * step;
+        let middle = <SymplecticEulerA<R> as AnyStep<S>>::step(parameters, half, state, time, control);
+        <SymplecticEulerB<R> as AnyStep<S>>::step(parameters, half, &middle, time + half, control)
+    }
+}
+
+impl<S: System, C: Coefficients, M: AnyStep<S>> AnyStep<S> for Composed<C, M> {
+    fn step<T: Scalar>(
+        parameters: &S::Parameters<T>,
+        step: T,
+        state: &S::StateComponents<T>,
+        time: T,
+        control: &S::ControlComponents<T>,
+    ) -> S::StateComponents<T> {
+        let (mut state, mut time) = (*state, time);
+        for &gamma in C::GAMMA {
+            let part = T::of(gamma) * step;
+            state = M::step(parameters, part, &state, time, control);
+            time = time + part;
+        }
+        state
+    }
+}
+
+/// What changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// A component of a change of the state, in left-trivialized coordinates.
+    State(usize),
+    /// A component of the controls.
+    Control(usize),
+    /// A component of the parameters.
+    Parameters(usize),
+}
+
+/// A column of the derivative of a step of the scheme `M`.
+pub fn column<S, M>(
+    system: &S,
+    step: f64,
+    state: &S::State,
+    time: f64,
+    control: &S::Control,
+    input: Input,
+) -> Vec<f64>
+where
+    S: System<Scalar = f64>,
+    M: AnyStep<S>,
+{
+    let place = state.to_components();
+    let mut start: Vec<Dual64> = place.as_ref().iter().map(|&x| Dual64::from_re(x)).collect();
+    let (mut stored, mut trivialized) = (0, 0);
+    for quantity in S::State::QUANTITIES {
+        let (n, dimension) = (quantity.components.len(), dimension(quantity));
+        if let Input::State(index) = input
+            && (trivialized..trivialized + dimension).contains(&index)
+        {
+            let mut unit = vec![0.0; dimension];
+            unit[index - trivialized] = 1.0;
+            let change = tangent(quantity, &place.as_ref()[stored..stored + n], &unit);
+            start[stored..stored + n].iter_mut().zip(change).for_each(|(x, change)| x.eps = change);
+        }
+        stored += n;
+        trivialized += dimension;
+    }
+    let parameters = system.to_parameters();
+    let parameters = S::Parameters::from_fn(|i| {
+        Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i))))
+    });
+    let control = control.to_components();
+    let control = S::ControlComponents::from_fn(|i| {
+        Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i))))
+    });
+    let start = S::StateComponents::from_fn(|i| start[i]);
+    let end = M::step(&parameters, Dual64::from_re(step), &start, Dual64::from_re(time), &control);
+
+    let (re, eps): (Vec<f64>, Vec<f64>) = end.as_ref().iter().map(|x| (x.re, x.eps)).unzip();
+    let mut column = Vec::new();
+    let mut stored = 0;
+    for quantity in S::State::QUANTITIES {
+        let all = stored..stored + quantity.components.len();
+        column.extend(trivial(quantity, &re[all.clone()], &eps[all.clone()]));
+        stored = all.end;
+    }
+    column
+}
+
+/// How many numbers a change of a part of the state is.
+pub fn dimension(quantity: &Quantity) -> usize {
+    match (quantity.role, quantity.components) {
+        (Role::Configuration, ["re", "im"]) => 1,
+        (Role::Configuration, ["re", "im", ..] | ["w", "x", "y", "z"]) => 3,
+        (Role::Configuration, ["w", ..] | [_, _, _, _, _, _, _]) => 6,
+        (_, components) => components.len(),
+    }
+}
+
+fn quaternion(parts: &[f64]) -> Quaternion<f64> {
+    Quaternion::new(parts[0], parts[1], parts[2], parts[3])
+}
+
+/// The change of the stored components of `g` where this becomes `g exp(δ)`.
+fn tangent(quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
+    if quantity.role != Role::Configuration || g.len() == change.len() {
+        return change.to_vec();
+    }
+    let turned = |q: &[f64], angle: &[f64]| {
+        let q = quaternion(q) * Quaternion::new(0.0, angle[0], angle[1], angle[2]) * 0.5;
+        vec![q.w, q.i, q.j, q.k]
+    };
+    match g.len() {
+        2 => vec![-g[1] * change[0], g[0] * change[0]],
+        4 if change.len() == 3 && quantity.components[0] == "re" => {
+            let (x, y) = (change[1], change[2]);
+            vec![-g[1] * change[0], g[0] * change[0], g[0] * x - g[1] * y, g[1] * x + g[0] * y]
+        }
+        4 => turned(g, change),
+        _ => {
+            let rotation = UnitQuaternion::new_unchecked(quaternion(&g[..4]));
+            let shift = rotation * Vector3::new(change[3], change[4], change[5]);
+            let mut all = turned(&g[..4], &change[..3]);
+            all.extend(shift.iter());
+            all
+        }
+    }
+}
+
+/// The other way round, at a `g` that may be off the group by rounding.
+fn trivial(quantity: &Quantity, g: &[f64], change: &[f64]) -> Vec<f64> {
+    if quantity.role != Role::Configuration || g.len() == dimension(quantity) {
+        return change.to_vec();
+    }
+    let turn = |q: &[f64], change: &[f64]| {
+        let turn = quaternion(q).conjugate() * quaternion(change) * 2.0;
+        vec![turn.i, turn.j, turn.k]
+    };
+    match g.len() {
+        2 => vec![g[0] * change[1] - g[1] * change[0]],
+        4 if quantity.components[0] == "re" => {
+            let (x, y) = (change[2], change[3]);
+            vec![g[0] * change[1] - g[1] * change[0], g[0] * x + g[1] * y, g[0] * y - g[1] * x]
+        }
+        4 => turn(g, change),
+        _ => {
+            let rotation = UnitQuaternion::new_unchecked(quaternion(&g[..4]));
+            let shift = rotation.inverse() * Vector3::new(change[4], change[5], change[6]);
+            let mut all = turn(&g[..4], &change[..4]);
+            all.extend(shift.iter());
+            all
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! Derivatives of steps, as generated: every block against dual numbers through the same step, and what must hold of them whatever the
+//! system.
+
+use coadjoint::composition::{Order4, Order10};
+use coadjoint::derivative::{ByControl, ByParameters, ByState, Changes, Dense, Differentiable, Linearizable};
+use coadjoint::geometry::{Geometry, Map};
+use coadjoint::kernel::Components;
+use coadjoint::nalgebra::{DMatrix, DVector};
+use coadjoint::prelude::*;
+use coadjoint::system::Role;
+use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_systems::*;
+use coadjoint_tests::dual::{self, AnyStep, Input};
+use coadjoint_tests::random::Random;
+
+/// Relative to the largest entry of a block.
+const ROUNDING: f64 = 1e-13;
+
+/// A system with something to start from, and a step.
+trait Example: System<Scalar = f64> + Geometry + Differentiable {
+    const STEP: f64;
+    /// Whether tangent vectors of [`Geometry`] are in the coordinates of derivatives.
+    const IS_LEFT: bool = true;
+    fn example() -> (Self, Self::State, Self::Control);
+}
+
+/// Of the systems that the program knows.
+macro_rules! examples {
+    ($($system:path),* $(,)?) => {
+        $(impl Example for $system {
+            const STEP: f64 = <Self as Catalogued>::STEP;
+            fn example() -> (Self, Self::State, Self::Control) {
+                let (system, state) = <Self as Catalogued>::example();
+                let control = system.control(&state, 0.0);
+                (system, state, control)
+            }
+        })*
+    };
+}
+examples! {
+    harmonic_oscillator::HarmonicOscillator, kepler::Kepler, planar_pendulum::PlanarPendulum,
+    free_rigid_body::FreeRigidBody, full_rigid_body::FullRigidBody,
+    heavy_top::HeavyTop, magnetic_top::MagneticTop, quadrotor::Quadrotor,
+    rigid_body_in_space::RigidBodyInSpace, gyrostat::Gyrostat, coupled_bodies::CoupledBodies,
+    kirchhoff::Kirchhoff,
+}
+
+/// Not as thin as the program's: about its axis that one has so little inertia that the derivative by this is all rounding.
+impl Example for spherical_pendulum::SphericalPendulum {
+    const STEP: f64 = <Self as Catalogued>::STEP;
+    fn example() -> (Self, Self::State, Self::Control) {
+        let pendulum = Self::rod(1.0, 1.0, 0.1);
+        let start = pendulum.sideways(60_f64.to_radians(), 0.4);
+        (pendulum, start, Default::default())
+    }
+}
+
+/// A sledge that is pushed and steered on a slope, with a wind that comes and goes.
+#[lie_poisson_system(
+    group = SE2,
+    control(push: f64, steer: f64),
+    potential = weight * pose.translation.x + 0.1 * weight * pose.translation.y.powi(2),
+    force = Vector3::new(steer + wind * t.sin(), push - drag * velocity.y, -drag * velocity.z),
+    derivatives,
+    methods(Midpoint, TangentLift),
+)]
+#[derive(Clone, Debug)]
+struct Sledge {
+    #[inertia]
+    inertia: Matrix3<f64>,
+    weight: f64,
+    wind: f64,
+    drag: f64,
+}
+
+impl Example for Sledge {
+    const STEP: f64 = 0.05;
+    fn example() -> (Self, SledgeState, SledgeControl) {
+        let inertia = matrix![2.0, 0.1, 0.3; 0.1, 1.5, 0.2; 0.3, 0.2, 1.2];
+        let pose = Isometry2::new(vector![0.3, -0.2], 0.4);
+        let state = SledgeState { pose, momentum: vector![0.5, -0.4, 0.8] };
+        let sledge = Self { inertia, weight: 1.5, wind: 0.4, drag: 0.3 };
+        (sledge, state, SledgeControl { push: 0.6, steer: -0.2 })
+    }
+}
+
+/// A right-invariant system with a direction that it takes along.
+#[lie_poisson_system(
+    group = SO3,
+    invariance = right,
+    advected(field: R3),
+    potential = strength * field.dot(&axis) + 0.2 * field.norm_squared().powi(2),
+    derivatives,
+    methods(Midpoint, SymplecticEulerB),
+)]
+#[derive(Clone, Debug)]
+struct Flow {
+    #[inertia]
+    inertia: Matrix3<f64>,
+    strength: f64,
+    axis: Vector3<f64>,
+}
+
+impl Example for Flow {
+    const STEP: f64 = 0.1;
+    const IS_LEFT: bool = false;
+    fn example() -> (Self, FlowState, <Self as System>::Control) {
+        let inertia = matrix![1.0, 0.1, 0.2; 0.1, 2.0, 0.3; 0.2, 0.3, 2.5];
+        let state = FlowState {
+            attitude: UnitQuaternion::new(vector![0.3, 0.1, -0.4]),
+            momentum: vector![0.5, -0.8, 1.1],
+            field: vector![0.2, 0.7, -0.3],
+        };
+        (Self { inertia, strength: 0.7, axis: vector![0.1, -0.5, 0.9] }, state, Default::default())
+    }
+}
+
+/// A spin in a field along an axis, and in its own.
+#[lie_poisson_system(
+    group = SU2,
+    hamiltonian = field * momentum.z + 0.5 * response * momentum.x.powi(2) + momentum.y.powi(4),
+    derivatives,
+    methods(Midpoint, SymplecticEulerB),
+)]
+#[derive(Clone, Debug)]
+struct Spin {
+    field: f64,
+    response: f64,
+}
+
+impl Example for Spin {
+    const STEP: f64 = 0.1;
+    fn example() -> (Self, SpinState, <Self as System>::Control) {
+        let spin = UnitQuaternion::new(vector![0.3, 0.1, -0.4]);
+        let state = SpinState { spin, momentum: vector![0.5, -0.8, 1.1] };
+        (Self { field: 0.7, response: 1.3 }, state, Default::default())
+    }
+}
+
+/// Near the example: parameters, a state and controls.
+fn sample<S: Example>(random: &mut Random) -> (S, S::State, S::Control) {
+    let (system, start, control) = S::example();
+    // all by one factor, so that what is symmetric stays so
+    let factor = random.between(0.8, 1.25);
+    let parameters = system.to_parameters();
+    let parameters = S::Parameters::from_fn(|i| factor * parameters.as_ref()[i]);
+    let system = S::from_parameters(&parameters);
+    system.validate().expect("valid parameters");
+
+    let zero = system.differential(&start, 0.0);
+    // momenta and advected parameters change in proportion: few moments are as large along all axes
+    let (components, mut sizes, mut stored) = (start.to_components(), Vec::new(), 0);
+    for quantity in S::State::QUANTITIES {
+        let part = &components.as_ref()[stored..stored + quantity.components.len()];
+        stored += part.len();
+        match quantity.role {
+            Role::Configuration => sizes.extend(vec![0.3; dual::dimension(quantity)]),
+            _ => sizes.extend(part.iter().map(|x| 0.3 * x)),
+        }
+    }
+    assert_eq!(zero.as_ref().len(), sizes.len());
+    let by = S::Tangent::from_fn(|i| sizes[i] * random.between(-1.0, 1.0));
+    let state = system.displace(&start, Map::Exponential, &by);
+    let control = control.to_components();
+    let control =
+        <S::Control as Control>::Components::from_fn(|i| control.as_ref()[i] + random.between(-0.5, 0.5));
+    (system, state, S::Control::from_components(&control))
+}
+
+fn matrix<M>(matrix: &M, rows: usize) -> DMatrix<f64>
+where
+    M: Dense<f64>,
+{
+    let entries = matrix.as_slice();
+    DMatrix::from_column_slice(rows, entries.len() / rows, entries)
+}
+
+/// The largest difference, relative to the largest entry.
+fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
+    assert_eq!(a.shape(), b.shape());
+    if a.is_empty() {
+        return 0.0;
+    }
+    let size = b.amax();
+    if size == 0.0 { a.amax() } else { (a - b).amax() / size }
+}
+
+/// The Poisson tensor at a state, column by column.
+fn poisson<S: Example>(system: &S, state: &S::State) -> DMatrix<f64> {
+    let n = <S::StateVector as Dense<f64>>::ROWS;
+    let columns = (0..n).map(|j| {
+        let unit = S::Tangent::from_fn(|i| f64::from(u8::from(i == j)));
+        DVector::from_column_slice(system.hamiltonian_vector(state, &unit).as_ref())
+    });
+    DMatrix::from_columns(&columns.collect::<Vec<_>>())
+}
+
+/// A step's Jacobians by all against dual numbers, products and transpose against the Jacobians.
+fn check<S, M>(worst: &mut f64)
+where
+    S: Example + Discretized<M>,
+    <S as Discretized<M>>::Method<f64>: Linearizable<S>,
+    M: AnyStep<S>,
+{
+    let scheme = core::any::type_name::<M>();
+    for seed in 0..3 {
+        let mut random = Random::new(seed + 1);
+        let (system, mut start, control) = sample::<S>(&mut random);
+        // wherever the motion leads to
+        let mut stepper = system.stepper::<M>(<S as Example>::STEP).expect("valid");
+        stepper.set_time(random.between(0.0, 3.0));
+        for _ in 0..30 {
+            stepper.step_with(&mut start, &control).expect("solvable");
+        }
+        let time = stepper.time();
+        let mut state = start.clone();
+        let all = (ByState, ByControl, ByParameters);
+        let (derivative, _) = stepper
+            .step_with_derivative(&mut state, &control)
+            .unwrap_or_else(|error| panic!("{} {scheme}: {error:?}", S::NAME));
+        let (by_state, by_control, by_parameters) = derivative.jacobian(all);
+        let n = by_state.as_slice().len().isqrt();
+        let blocks = [matrix(&by_state, n), matrix(&by_control, n), matrix(&by_parameters, n)];
+        let inputs: [fn(usize) -> Input; 3] = [Input::State, Input::Control, Input::Parameters];
+        for (block, input) in blocks.iter().zip(inputs) {
+            let columns: Vec<DVector<f64>> = (0..block.ncols())
+                .map(|j| {
+                    let column =
+                        dual::column::<S, M>(&system, <S as Example>::STEP, &start, time, &control, input(j));
+                    DVector::from_vec(column)
+                })
+                .collect();
+            let expected =
+                if columns.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&columns) };
+            let error = difference(block, &expected);
+            assert!(error < ROUNDING, "{} {scheme} {:?}: {error:e}", S::NAME, input(0));
+            *worst = worst.max(error);
+        }
+
+        if !S::FORCED && S::IS_LEFT {
+            let [by_state, ..] = &blocks;
+            let [before, after] = [&start, &state].map(|state| poisson(&system, state));
+            let carried = by_state * &before * by_state.transpose();
+            let size = by_state.map(f64::abs) * before.map(f64::abs) * by_state.transpose().map(f64::abs);
+            let error = (carried - after).amax() / size.amax();
+            assert!(error < ROUNDING, "{} {scheme}: D P Dᵀ is not P, {error:e}", S::NAME);
+            let error = (by_state.determinant() - 1.0).abs();
+            assert!(error < ROUNDING, "{} {scheme}: volume changes, {error:e}", S::NAME);
+        }
+
+        // blocks one by one are those of all together
+        let alone = (derivative.jacobian(ByState), derivative.jacobian((ByParameters, ByControl)));
+        assert_eq!(alone, (by_state, (by_parameters, by_control)));
+
+        // products are with the same matrices, and the transpose is one
+        let mut changes = Changes::<S>::default();
+        let mut fill = |slice: &mut [f64]| slice.iter_mut().for_each(|x| *x = random.between(-1.0, 1.0));
+        fill(changes.state.as_mut_slice());
+        fill(changes.control.as_mut_slice());
+        fill(changes.parameters.as_mut_slice());
+        let mut costate = <S::StateVector as Dense<f64>>::zeros();
+        fill(costate.as_mut_slice());
+        let column = |x: &[f64]| DVector::from_column_slice(x);
+        let parts = [&changes.state.as_slice(), &changes.control.as_slice(), &changes.parameters.as_slice()];
+        let product =
+            blocks.iter().zip(parts).map(|(block, part)| block * column(part)).sum::<DVector<f64>>();
+        let tangent = column(derivative.tangent(&changes).as_slice());
+        let size = product.amax();
+        assert!((&tangent - &product).amax() < ROUNDING * size, "{} {scheme}", S::NAME);
+
+        let gradient = derivative.adjoint(&costate);
+        let costate = column(costate.as_slice());
+        let gradients =
+            [&gradient.state.as_slice(), &gradient.control.as_slice(), &gradient.parameters.as_slice()];
+        for (block, gradient) in blocks.iter().zip(gradients) {
+            let product = block.tr_mul(&costate);
+            if !product.is_empty() {
+                let error = (column(gradient) - &product).amax();
+                assert!(error <= ROUNDING * product.amax(), "{} {scheme}: {error:e}", S::NAME);
+            }
+        }
+        // relative to the terms of the sums
+        let forward = costate.dot(&tangent);
+        let backward: f64 = gradients.iter().zip(parts).map(|(g, x)| column(g).dot(&column(x))).sum();
+        let terms: f64 = gradients
+            .iter()
+            .zip(parts)
+            .flat_map(|(g, x)| g.iter().zip(x.iter()))
+            .map(|(g, x)| (g * x).abs())
+            .sum();
+        let error = (forward - backward).abs() / terms;
+        assert!(error < 1e-13, "{} {scheme}: {error:e}", S::NAME);
+    }
+}
+
+macro_rules! all_schemes {
+    ($($system:path),* $(,)?) => {{
+        let mut worst = 0.0;
+        $(
+            all_schemes!($system, worst: Exponential, Cayley);
+        )*
+        worst
+    }};
+    ($system:path, $worst:ident: $($retraction:ident),*) => {
+        $(
+            check::<$system, Midpoint<$retraction>>(&mut $worst);
+            check::<$system, StormerVerlet<$retraction>>(&mut $worst);
+        )*
+    };
+}
+
+#[test]
+fn every_block_of_every_system_is_that_of_dual_numbers() {
+    let mut worst = all_schemes!(
+        harmonic_oscillator::HarmonicOscillator,
+        kepler::Kepler,
+        planar_pendulum::PlanarPendulum,
+        spherical_pendulum::SphericalPendulum,
+        free_rigid_body::FreeRigidBody,
+        full_rigid_body::FullRigidBody,
+        heavy_top::HeavyTop,
+        magnetic_top::MagneticTop,
+        quadrotor::Quadrotor,
+        rigid_body_in_space::RigidBodyInSpace,
+        gyrostat::Gyrostat,
+        coupled_bodies::CoupledBodies,
+        kirchhoff::Kirchhoff,
+        Sledge,
+        Flow,
+        Spin,
+    );
+    check::<Sledge, TangentLift<Exponential>>(&mut worst);
+    check::<Sledge, TangentLift<Cayley>>(&mut worst);
+    check::<quadrotor::Quadrotor, Order4<StormerVerlet<Cayley>>>(&mut worst);
+    check::<heavy_top::HeavyTop, Order10<SymplecticEulerA<Cayley>>>(&mut worst);
+    println!("largest relative error {worst:e}");
+}
