@@ -309,6 +309,32 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
 }
 
+/// Adds `Σ columns[k] · by[k]`, four entries at a time.
+#[inline(always)]
+pub(crate) fn add_product<const N: usize, const K: usize>(
+    sum: &mut [f64; N],
+    columns: &[[f64; N]; K],
+    by: &[f64; K],
+) {
+    type Four = Lanes<f64, 4, Portable>;
+    let mut start = 0;
+    while start + 4 <= N {
+        let of = |column: &[f64; N]| Four::from(core::array::from_fn(|i| column[start + i]));
+        let mut total = of(sum);
+        for (column, by) in columns.iter().zip(by) {
+            total = total.plus(of(column), Four::from([*by; 4]));
+        }
+        sum[start..start + 4].copy_from_slice(&total.0);
+        start += 4;
+    }
+    while start < N {
+        for (column, by) in columns.iter().zip(by) {
+            sum[start] = sum[start].plus(column[start], *by);
+        }
+        start += 1;
+    }
+}
+
 /// A truth for each of `N` lanes: all bits or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Truths<const N: usize>([u64; N]);

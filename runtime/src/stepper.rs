@@ -2,11 +2,13 @@
 
 use core::fmt;
 
-use crate::derivative::{Blocks, Differentiable, Linearizable, StepDerivative, StepJacobian, jacobian};
+use crate::derivative::{
+    Blocks, DerivativeOf, Differentiable, Linearizable, StepDerivative, StepJacobian, jacobian,
+};
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
 use crate::method::{Advanced, Method, visit_flag};
-use crate::scalar::{Batch, Real, Scalar};
+use crate::scalar::{Batch, Real, Scalar, Work};
 use crate::system::{Control, Discretized, State, System};
 
 /// How a step went.
@@ -181,6 +183,41 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     }
 }
 
+/// The derivatives of the last step.
+struct JacobianWork<'a, S: Discretized<M>, M, B> {
+    stepper: &'a Stepper<S, M>,
+    state: &'a S::StateComponents<S::Scalar>,
+    time: S::Scalar,
+    control: &'a S::ControlComponents<S::Scalar>,
+    blocks: core::marker::PhantomData<B>,
+}
+
+impl<S, M, B> Work for JacobianWork<'_, S, M, B>
+where
+    S: Discretized<M> + Differentiable,
+    S::Method<S::Scalar>: Linearizable<S>,
+    B: Blocks<S>,
+{
+    type Result = B::Jacobian;
+
+    #[inline(always)]
+    fn done(self) -> B::Jacobian {
+        let Self { stepper, state, time, control, .. } = self;
+        let derivative = stepper.derivative(state, time, control, &stepper.method.trace());
+        jacobian::<S, S::Method<S::Scalar>, B>(&derivative)
+    }
+}
+
+/// Does the work in a function compiled for the processor that the program runs on. What comes of it is the same: the operations are.
+#[inline]
+fn outline<W: Work>(work: W) -> W::Result {
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    if crate::processor::Avx2::is_here() {
+        return <crate::processor::Avx2 as crate::lanes::Processor>::outline(work);
+    }
+    work.done()
+}
+
 impl<S, M> Stepper<S, M>
 where
     S: Discretized<M> + Differentiable,
@@ -195,7 +232,7 @@ where
         &mut self,
         state: &mut S::State,
         control: &S::Control,
-    ) -> Result<(StepDerivative<S, S::Method<S::Scalar>>, StepReport), StepError> {
+    ) -> Result<(DerivativeOf<S, M>, StepReport), StepError> {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;
         let derivative = self.derivative(&components, time, &control.to_components(), &self.method.trace());
@@ -218,8 +255,14 @@ where
     ) -> Result<StepJacobian<B::Jacobian>, StepError> {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;
-        let derivative = self.derivative(&components, time, &control.to_components(), &self.method.trace());
-        Ok(StepJacobian { jacobian: jacobian::<S, S::Method<S::Scalar>, B>(&derivative), report })
+        let work = JacobianWork::<S, M, B> {
+            stepper: self,
+            state: &components,
+            time,
+            control: &control.to_components(),
+            blocks: core::marker::PhantomData,
+        };
+        Ok(StepJacobian { jacobian: outline(work), report })
     }
 
     /// The solutions of the last step's equations.

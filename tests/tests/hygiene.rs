@@ -40,6 +40,7 @@ mod the_crate_under_another_name {
         group = SO3,
         advected(gamma: R3),
         potential = weight * gamma.z,
+        derivatives,
     )]
     pub struct Renamed {
         #[inertia]
@@ -48,7 +49,7 @@ mod the_crate_under_another_name {
     }
 
     /// By an absolute path.
-    #[renamed::lie_poisson_system(crate = ::renamed, group = SO3)]
+    #[renamed::lie_poisson_system(crate = ::renamed, group = SO3, derivatives)]
     pub struct Absolute {
         #[inertia]
         inertia: Vector3<f64>,
@@ -112,6 +113,7 @@ mod without_a_prelude {
             let tilt = gamma.dot(&chi);
             weight * tilt + tilt.sin() * field.cross(&gamma).norm_squared() + (response * field).x
         },
+        derivatives,
     )]
     #[derive(::core::clone::Clone)]
     pub struct Bare {
@@ -123,7 +125,7 @@ mod without_a_prelude {
     }
 
     /// A body.
-    #[::coadjoint::lie_poisson_system(group = SO3)]
+    #[::coadjoint::lie_poisson_system(group = SO3, derivatives)]
     pub struct BareBody {
         #[inertia]
         pub inertia: f64,
@@ -232,6 +234,7 @@ mod shadowed {
         group = SO3,
         advected(gamma: R3),
         potential = weight * gamma.dot(&chi) + gamma.norm_squared().sqrt(),
+        derivatives,
     )]
     pub struct Top {
         #[inertia]
@@ -264,6 +267,7 @@ mod called {
                                                                                 group = SO3,
                                                                                 advected(gamma: R3),
                                                                                 potential = weight * gamma.x,
+        derivatives,
                                                                             )]
                 #[derive(Clone, Debug)]
                 pub struct $name {
@@ -313,6 +317,7 @@ mod fields {
         advected(state: R3, r#type: R3, eta: R3),
         potential = step * state.dot(&unknown) + h * r#type.x.powi(2) + c2 * t0 * eta_x
             + x0 * r#type.y * eta.z + r#fn * u0.dot(&eta),
+        derivatives,
     )]
     #[derive(Clone, Debug)]
     pub struct Awkward {
@@ -373,6 +378,7 @@ mod fields {
         advected(parameters: R3, evaluation: R3, residual: R3),
         potential = parameters_x * parameters.x + chi_y * evaluation.dot(&energy) + iterate * residual.z
             + momentum_x * residual.x * attitude_w,
+        derivatives,
     )]
     #[derive(Clone, Debug)]
     pub struct Clashing {
@@ -501,7 +507,7 @@ pub mod strict {
     const LENGTH: f64 = 1.5;
 
     /// A body.
-    #[lie_poisson_system(group = SO3)]
+    #[lie_poisson_system(group = SO3, derivatives)]
     #[derive(Clone, Debug, PartialEq)]
     pub struct Body {
         /// Principal moments of inertia.
@@ -510,7 +516,7 @@ pub mod strict {
     }
 
     /// Seen in the crate.
-    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x)]
+    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x, derivatives)]
     #[derive(Clone, Debug, PartialEq)]
     pub(crate) struct Inner {
         /// Moment of inertia.
@@ -519,7 +525,7 @@ pub mod strict {
     }
 
     /// Seen here.
-    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x)]
+    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x, derivatives)]
     #[derive(Clone, Debug, PartialEq)]
     struct Private {
         /// Moment of inertia.
@@ -532,19 +538,19 @@ pub mod strict {
 mod visibilities {
     use coadjoint::prelude::*;
 
-    #[lie_poisson_system(group = SO3)]
+    #[lie_poisson_system(group = SO3, derivatives)]
     pub struct Public {
         #[inertia]
         pub inertia: f64,
     }
 
-    #[lie_poisson_system(group = SO3)]
+    #[lie_poisson_system(group = SO3, derivatives)]
     pub(crate) struct Crate {
         #[inertia]
         pub(crate) inertia: f64,
     }
 
-    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x)]
+    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x, derivatives)]
     struct Private {
         #[inertia]
         inertia: f64,
@@ -553,13 +559,13 @@ mod visibilities {
     mod inner {
         use coadjoint::prelude::*;
 
-        #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x)]
+        #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x, derivatives)]
         pub(super) struct Super {
             #[inertia]
             pub(super) inertia: f64,
         }
 
-        #[lie_poisson_system(group = SO3)]
+        #[lie_poisson_system(group = SO3, derivatives)]
         pub(in crate::visibilities) struct Within {
             #[inertia]
             pub(in crate::visibilities) inertia: f64,
@@ -581,7 +587,7 @@ mod visibilities {
     fn systems_live_in_functions() {
         const LOCAL: f64 = 0.5;
 
-        #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = LOCAL * gamma.x)]
+        #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = LOCAL * gamma.x, derivatives)]
         #[derive(Debug)]
         struct Inside {
             #[inertia]
@@ -609,7 +615,7 @@ mod attributes {
     /// A body.
     ///
     /// With a second paragraph.
-    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.dot(&chi))]
+    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.dot(&chi), derivatives)]
     #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
     #[serde(deny_unknown_fields, rename_all = "kebab-case")]
     #[must_use]

@@ -46,7 +46,8 @@ pub(super) fn local(name: &str) -> Ident {
 
 /// What the struct with a kernel's constants is called.
 pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {
-    format_ident!("{}{}", names.system, scheme.name())
+    // at the place of the macro, not of the user's name, whose style is then not ours to answer for
+    format_ident!("{}{}", names.system.to_string().trim_start_matches("r#"), scheme.name())
 }
 
 /// The kernel of one system and scheme:

@@ -135,7 +135,11 @@ pub fn expansion<'a>(
         expressions: expressions::expressions(system, names),
         system: system::system(arena, system, names),
         geometry: geometry::geometry(arena, system, names),
-        tangents: differentiable.then(|| derivative::tangents(system, names)).unwrap_or_default(),
+        tangents: if differentiable {
+            derivative::tangents(system, names)
+        } else {
+            quote! {}
+        },
         steps,
     }
 }

@@ -77,11 +77,14 @@ pub trait Blocks<S: Differentiable>: Wanted {
 }
 
 /// The matrix of these columns.
-#[inline]
+#[inline(always)]
 fn dense<T: Scalar, M: Dense<T>, C: AsRef<[T]>>(columns: &[C]) -> M {
     let mut matrix = M::zeros();
+    // plain loops, to be compiled for the processor that this is compiled for
     for (to, column) in matrix.as_mut_slice().chunks_exact_mut(M::ROWS.max(1)).zip(columns) {
-        to.iter_mut().zip(column.as_ref()).for_each(|(entry, number)| *entry = *number);
+        for (entry, number) in to.iter_mut().zip(column.as_ref()) {
+            *entry = *number;
+        }
     }
     matrix
 }
@@ -97,7 +100,7 @@ macro_rules! single {
         impl<S: Differentiable> Blocks<S> for $blocks {
             type Jacobian = S::$blocks;
 
-            #[inline]
+            #[inline(always)]
             fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian {
                 dense(columns.$part.as_ref())
             }
@@ -117,7 +120,7 @@ macro_rules! several {
         impl<S: Differentiable, $($blocks: Blocks<S>),*> Blocks<S> for ($($blocks,)*) {
             type Jacobian = ($($blocks::Jacobian,)*);
 
-            #[inline]
+            #[inline(always)]
             fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian {
                 ($($blocks::of(columns),)*)
             }
@@ -128,7 +131,7 @@ several!(A, B);
 several!(A, B, C);
 
 /// The blocks that are asked for.
-#[inline]
+#[inline(always)]
 pub(crate) fn jacobian<S, D, B>(derivative: &D::Derivative) -> B::Jacobian
 where
     S: Differentiable,

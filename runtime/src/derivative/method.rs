@@ -74,19 +74,12 @@ pub trait Linearizable<S: Differentiable>: Method {
 /// The columns of derivatives by state, controls and parameters.
 pub type AllColumns<S, T> = AllChanges<S, StateChange<S, T>>;
 
-fn zeros<T: Scalar, C: Components<T>>() -> C {
-    C::from_fn(|_| T::of(0.0))
+fn no_columns<T: Scalar, V: Components<T> + Entry, C: Components<V>>() -> C {
+    C::from_fn(|_| zeros())
 }
 
-/// What is wanted, or no column that is not zero.
-#[inline(always)]
-fn wanted<T, V, C>(is_wanted: bool, columns: impl FnOnce() -> C) -> C
-where
-    T: Scalar,
-    V: Components<T> + Entry,
-    C: Components<V>,
-{
-    if is_wanted { columns() } else { C::from_fn(|_| zeros()) }
+fn zeros<T: Scalar, C: Components<T>>() -> C {
+    C::from_fn(|_| T::of(0.0))
 }
 
 impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneStep<T, K> {
@@ -133,11 +126,11 @@ impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneSt
 
     #[inline(always)]
     fn columns<W: Wanted>(point: &K::Point) -> AllColumns<S, T> {
-        (
-            wanted(W::STATE, || K::by_state(point)),
-            wanted(W::CONTROL, || K::by_control(point)),
-            wanted(W::PARAMETERS, || K::by_parameters(point)),
-        )
+        // no closures: these would not be compiled for the processor that this is compiled for
+        let by_state = if W::STATE { K::by_state(point) } else { no_columns::<T, _, _>() };
+        let by_control = if W::CONTROL { K::by_control(point) } else { no_columns::<T, _, _>() };
+        let by_parameters = if W::PARAMETERS { K::by_parameters(point) } else { no_columns::<T, _, _>() };
+        (by_state, by_control, by_parameters)
     }
 }
 

@@ -67,7 +67,7 @@ pub use run::{Moment, Recording};
 
 use crate::kernel::{Components, Kernel};
 use crate::scalar::Scalar;
-use crate::system::System;
+use crate::system::{Discretized, System};
 
 /// A system whose steps have derivatives, and the spaces that these act between.
 #[diagnostic::on_unimplemented(
@@ -162,6 +162,19 @@ pub fn add_product<T: Scalar, const N: usize, const K: usize>(
     columns: &[[T; N]; K],
     by: &[T; K],
 ) {
+    #[cfg(feature = "std")]
+    {
+        use core::any::Any;
+        // known when it is compiled: doubles are worked on side by side, which the compiler does not see by itself
+        let doubles = (
+            (sum as &mut dyn Any).downcast_mut::<[f64; N]>(),
+            (columns as &dyn Any).downcast_ref::<[[f64; N]; K]>(),
+            (by as &dyn Any).downcast_ref::<[f64; K]>(),
+        );
+        if let (Some(sum), Some(columns), Some(by)) = doubles {
+            return crate::lanes::add_product(sum, columns, by);
+        }
+    }
     for (column, by) in columns.iter().zip(by) {
         for (sum, entry) in sum.iter_mut().zip(column) {
             *sum = sum.plus(*entry, *by);
@@ -193,7 +206,7 @@ impl<S: Differentiable> Changes<S> {
         }
     }
 
-    fn to_arrays(&self) -> AllChanges<S, S::Scalar> {
+    fn arrays(&self) -> AllChanges<S, S::Scalar> {
         (to_array(&self.state), to_array(&self.control), to_array(&self.parameters))
     }
 }
@@ -234,6 +247,9 @@ impl<S: Differentiable> fmt::Debug for Changes<S> {
     }
 }
 
+/// The derivative of a step of the scheme `M` as a linear map.
+pub type DerivativeOf<S, M> = StepDerivative<S, <S as Discretized<M>>::Method<<S as System>::Scalar>>;
+
 /// The derivative of one step, of the method `D`, as a linear map.
 pub struct StepDerivative<S: Differentiable, D: Linearizable<S>> {
     derivative: D::Derivative,
@@ -251,7 +267,7 @@ where
 
     /// The change of the next state that a change makes.
     pub fn tangent(&self, changes: &Changes<S>) -> S::StateVector {
-        let (state, control, parameters) = changes.to_arrays();
+        let (state, control, parameters) = changes.arrays();
         let next = D::tangent(&self.derivative, &state, &control, &parameters);
         Dense::from_column(next.as_ref())
     }

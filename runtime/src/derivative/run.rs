@@ -122,6 +122,11 @@ where
         self.steps
     }
 
+    /// How many states are kept: about the square root of the number of steps.
+    pub fn states_kept(&self) -> usize {
+        self.checkpoints.len()
+    }
+
     /// The change of the last state that a change of the first makes, with changes of the parameters and of the controls over all steps.
     ///
     /// # Errors
