@@ -5,8 +5,9 @@
 //! 3. [Choosing retraction and method](choosing)
 //! 4. [Forces and controls](forces)
 //! 5. [Many at once](ensembles)
-//! 6. [Reading the generated code](reading)
-//! 7. [The mathematics](mathematics), with the paper's equations and its misprints
+//! 6. [Derivatives](derivatives): control, estimation, identification
+//! 7. [Reading the generated code](reading)
+//! 8. [The mathematics](mathematics), with the paper's equations and its misprints
 //!
 //! The figures, and what each shows, are in the documentation of the crate `coadjoint-systems`: `coadjoint_systems::figures`.
 
@@ -19,7 +20,7 @@ pub mod beginning {
     //! cargo run --release                                  # the paper's heavy top: a table, trajectories and a figure under out/
     //! cargo run --release -- list                          # the systems that are there
     //! cargo run --release -- view lagrange_top             # a page for the browser that plays a motion
-    //! cargo run --release -- figures                       # all figures of the paper, and two more
+    //! cargo run --release -- figures                       # all figures of the paper, and five more
     //! ```
     //!
     //! **2. Make a crate**, with this in its `Cargo.toml` (nothing else is needed; `serde` only if states are to be written to files):
@@ -347,6 +348,82 @@ pub mod ensembles {
     //! In 10⁷ steps and more the roundings of single steps begin to add up. [`Compensated<M>`](crate::compensated::Compensated) takes the steps
     //! of any scheme `M` with twice as many digits: invariants then hold to one rounding, however long the run. It is slow, and for one
     //! trajectory or many alike.
+}
+
+pub mod derivatives {
+    //! # Derivatives
+    //!
+    //! Control, estimation and identification need to know how the motion changes where something else does: the state, a control, a
+    //! parameter. With `derivatives` in the description that is generated with the steps: the derivative of the step that is really taken,
+    //! not of the continuous equations, exact to rounding at any step size.
+    //!
+    //! **What changes.** A configuration `g` becomes `g exp(δ)`, with `δ` in the algebra: three numbers for a rotation, in body axes, whatever it
+    //! is stored as. Momenta, advected parameters, controls and parameters change by what is added to them. All parts of a state lie one after
+    //! the other, as its fields do; `TopPart::MOMENTUM` says where.
+    //!
+    //! **As matrices**, where they are small and all of them is wanted:
+    //!
+    //! ```
+    //! use coadjoint::derivative::{Block, ByControl, ByParameters, ByState};
+    //! use coadjoint::prelude::*;
+    //!
+    //! #[lie_poisson_system(group = SO3, control(torque: R3), force = torque - drag * momentum, derivatives)]
+    //! struct Craft {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //!     drag: f64,
+    //! }
+    //!
+    //! let craft = Craft { inertia: vector![1.0, 2.0, 2.5], drag: 0.01 };
+    //! let mut state = CraftState { attitude: UnitQuaternion::identity(), momentum: vector![0.3, -0.2, 0.5] };
+    //! let mut stepper = craft.stepper::<Cayley>(0.1)?;
+    //! let control = CraftControl { torque: vector![0.1, 0.0, 0.0] };
+    //!
+    //! // only what is asked for is computed
+    //! let blocks = (ByState, ByControl, ByParameters);
+    //! let (a, b, p) = stepper.step_with_jacobian(&mut state, &control, blocks)?.jacobian;
+    //! assert_eq!((a.shape(), b.shape(), p.shape()), ((6, 6), (6, 3), (6, 4)));
+    //! // output first, then input: the momentum by the drag
+    //! let by_drag = p.block(CraftPart::MOMENTUM, CraftPart::DRAG);
+    //! assert!((by_drag + 0.1 * state.momentum).norm() < 2e-2);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! **As products**, where one direction is wanted, or one function of the result. Forwards, along a run:
+    //!
+    //! ```
+    //! use coadjoint::derivative::Changes;
+    //! use coadjoint::prelude::*;
+    //!
+    //! #[lie_poisson_system(group = SO3, derivatives)]
+    //! struct Body {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //! }
+    //!
+    //! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    //! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.01, 2.0, 0.01] };
+    //! let mut stepper = body.stepper::<Exponential>(0.05)?;
+    //! let mut changes = Changes::<Body>::default();
+    //! changes.state[3] = 1.0;
+    //! for _ in 0..200 {
+    //!     let (derivative, _) = stepper.step_with_derivative(&mut state, &NoControl::default())?;
+    //!     changes.state = derivative.tangent(&changes);
+    //! }
+    //! // about its middle axis a body is unstable
+    //! assert!(changes.state.norm() > 10.0);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! Backwards, a [`Recording`](crate::derivative::Recording) gives the derivatives of one function of the end of a run, and of states on the way, by the
+    //! start, by every control and by all parameters, for about four times the run itself.
+    //!
+    //! What is worked out with these: `coadjoint_systems::applications`.
+    //!
+    //! **What must hold** and is tested: every block agrees with dual numbers through the same step; `D P(x) Dᵀ = P(x')` with the Poisson tensor
+    //! `P`, and `det D = 1`, where no force acts; the product backwards is the transpose of that forwards.
+    //!
+    //! Steps of [`Compensated`](crate::compensated) schemes have none of their own: take those of the scheme itself.
 }
 
 pub mod reading {

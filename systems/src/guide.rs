@@ -29,6 +29,11 @@
 //! **Large steps.** Where RK4's error grows with the fifth power of the step, and with the time, ours stay what they are. Above a tenth of a radian
 //! or so for each step the exponential's energy is the better one after long times; before RK4 gives up it has lost the Casimirs altogether.
 //!
+//! **Identify, steer, estimate.** What the exact derivatives of steps are for, on one spacecraft: its inertia from noisy gyroscopes by Gauss and
+//! Newton's method, a manoeuvre with few pulses and the least effort by direct shooting, attitude and momentum from stars by an error-state Kalman
+//! filter. Steps are long, and yet Newton's iterations end at rounding and the filter knows how good it is: what they are told about the
+//! motion is exact.
+//!
 //! # When it pays, and when not
 //!
 //! It pays

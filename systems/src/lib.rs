@@ -4,6 +4,7 @@
 //! Everything else here treats all systems alike.
 //!
 //! * [`catalogue`]: all systems behind one interface, and [`simulation`]: their runs with flat lists of numbers
+//! * `applications`: identification, steering and estimation with the exact derivatives of steps
 //! * [`classical`]: the integrators that ours are compared with
 //! * [`guide`]: the figures that the program draws, and when a structure-preserving step pays
 //!
@@ -29,6 +30,8 @@ pub mod quadrotor;
 pub mod rigid_body_in_space;
 pub mod spherical_pendulum;
 
+#[cfg(feature = "program")]
+pub mod applications;
 #[cfg(feature = "program")]
 pub mod cases;
 #[cfg(feature = "program")]

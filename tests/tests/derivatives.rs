@@ -2,7 +2,9 @@
 //! system.
 
 use coadjoint::composition::{Order4, Order10};
-use coadjoint::derivative::{ByControl, ByParameters, ByState, Changes, Dense, Differentiable, Linearizable};
+use coadjoint::derivative::{
+    ByControl, ByParameters, ByState, Changes, Dense, Differentiable, Linearizable, Recording,
+};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::kernel::Components;
 use coadjoint::nalgebra::{DMatrix, DVector};
@@ -334,4 +336,133 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
     check::<quadrotor::Quadrotor, Order4<StormerVerlet<Cayley>>>(&mut worst);
     check::<heavy_top::HeavyTop, Order10<SymplecticEulerA<Cayley>>>(&mut worst);
     println!("largest relative error {worst:e}");
+}
+
+/// A run of a quadrotor with controls that change, and with its derivative on the way.
+#[test]
+fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
+    use quadrotor::{Quadrotor, QuadrotorControl};
+    const STEPS: u64 = 130;
+    let mut random = Random::new(7);
+    let (system, start, control) = sample::<Quadrotor>(&mut random);
+    let control = |step: u64| QuadrotorControl { thrust: control.thrust + (step as f64).sin(), ..control };
+    let mut stepper = system.stepper::<Cayley>(0.01).expect("valid");
+    stepper.set_time(0.3);
+
+    // all of it by matrices, step by step
+    type Columns = coadjoint::nalgebra::SMatrix<f64, 12, 12>;
+    let (mut by_start, mut by_parameters) = (Columns::identity(), None);
+    let mut by_controls = Vec::new();
+    let mut state = start;
+    for step in 0..STEPS {
+        let blocks = (ByState, ByControl, ByParameters);
+        let taken = stepper.step_with_jacobian(&mut state, &control(step), blocks).expect("solvable");
+        let (a, b, p) = taken.jacobian;
+        by_start = a * by_start;
+        by_parameters = Some(by_parameters.map_or(p, |earlier| a * earlier + p));
+        by_controls.iter_mut().for_each(|earlier| *earlier = a * *earlier);
+        by_controls.push(b);
+    }
+    let by_parameters = by_parameters.expect("steps");
+
+    let mut again = system.stepper::<Cayley>(0.01).expect("valid");
+    again.set_time(0.3);
+    let mut end = start;
+    let run = Recording::new(&mut again, &mut end, STEPS, control).expect("solvable");
+    assert_eq!((end, again.time(), run.steps()), (state, stepper.time(), STEPS));
+    // the square root of the steps, and no more
+    assert!(run.states_kept() <= 12, "{}", run.states_kept());
+
+    let mut changes = Changes::<Quadrotor>::default();
+    let mut fill = |slice: &mut [f64]| slice.iter_mut().for_each(|x| *x = random.between(-1.0, 1.0));
+    fill(changes.state.as_mut_slice());
+    fill(changes.control.as_mut_slice());
+    fill(changes.parameters.as_mut_slice());
+    let mut costate = changes.state;
+    fill(costate.as_mut_slice());
+
+    let by_control = by_controls.iter().sum::<coadjoint::nalgebra::SMatrix<f64, 12, 4>>();
+    let product =
+        by_start * changes.state + by_control * changes.control + by_parameters * changes.parameters;
+    let tangent = run.tangent(&changes).expect("as before");
+    assert!((tangent - product).amax() < ROUNDING * product.amax(), "{tangent} {product}");
+
+    let mut visited = Vec::new();
+    let gradient = run.gradient_with(&costate, |moment| visited.push((moment.step, *moment.control)));
+    let gradient = gradient.expect("as before");
+    let (forward, backward) = (
+        costate.dot(&tangent),
+        gradient.state.dot(&changes.state)
+            + gradient.control.dot(&changes.control)
+            + gradient.parameters.dot(&changes.parameters),
+    );
+    let terms = gradient.state.component_mul(&changes.state).map(f64::abs).sum()
+        + gradient.control.component_mul(&changes.control).map(f64::abs).sum()
+        + gradient.parameters.component_mul(&changes.parameters).map(f64::abs).sum();
+    assert!((forward - backward).abs() < 1e-13 * terms, "{forward} {backward}");
+    // every control by itself, the last one first
+    assert_eq!(visited.len() as u64, STEPS);
+    for ((step, of_control), expected) in visited.iter().zip((0..STEPS).rev()) {
+        assert_eq!(*step, expected);
+        let product = by_controls[*step as usize].tr_mul(&costate);
+        assert!((of_control - product).amax() < ROUNDING * product.amax().max(1.0), "{step}");
+    }
+    assert_eq!(gradient, Changes { state: gradient.state, ..run.gradient(&costate).expect("as before") });
+
+    // a function of all states on the way: the sum of what each contributes
+    let total = run.gradient_with(&costate, |moment| *moment.costate += costate).expect("as before").state;
+    let mut expected = by_start.tr_mul(&costate);
+    let (mut state, mut stepper) = (start, system.stepper::<Cayley>(0.01).expect("valid"));
+    stepper.set_time(0.3);
+    let mut so_far = Columns::identity();
+    for step in 0..STEPS {
+        expected += so_far.tr_mul(&costate);
+        let taken = stepper.step_with_jacobian(&mut state, &control(step), ByState).expect("solvable");
+        so_far = taken.jacobian * so_far;
+    }
+    assert!((total - expected).amax() < ROUNDING * expected.amax(), "{total} {expected}");
+
+    // no step, no change
+    let none = Recording::new(&mut stepper, &mut state, 0, control).expect("nothing to do");
+    assert_eq!(none.gradient(&costate).expect("nothing to do").state, costate);
+    assert_eq!(none.tangent(&changes).expect("nothing to do"), changes.state);
+}
+
+/// What cannot be stepped has no derivative, and is as before.
+#[test]
+fn an_error_leaves_the_state() {
+    let (system, start, _) = sample::<free_rigid_body::FreeRigidBody>(&mut Random::new(3));
+    let mut state = start;
+    state.momentum.x = f64::NAN;
+    let mut stepper = system.stepper::<Cayley>(0.1).expect("valid");
+    let error = stepper.step_with_jacobian(&mut state, &NoControl::default(), ByState);
+    assert_eq!(error.map(|step| step.report), Err(StepError::NotFinite));
+    assert_eq!((state.attitude, state.momentum.yz()), (start.attitude, start.momentum.yz()));
+    let failed = Recording::new(&mut stepper, &mut state, 5, |_| NoControl::default());
+    assert_eq!(failed.expect_err("no number").step, 1);
+    assert_eq!(stepper.time(), 0.0);
+}
+
+/// Carrying the momentum in space does not change the map, nor its derivative.
+#[test]
+fn a_carried_momentum_has_the_same_derivative() {
+    let (system, start, control) = sample::<free_rigid_body::FreeRigidBody>(&mut Random::new(4));
+    fn jacobian<M>(
+        system: &free_rigid_body::FreeRigidBody,
+        mut state: free_rigid_body::FreeRigidBodyState,
+        control: &NoControl<f64>,
+    ) -> coadjoint::nalgebra::Matrix6<f64>
+    where
+        free_rigid_body::FreeRigidBody: Discretized<M>,
+        <free_rigid_body::FreeRigidBody as Discretized<M>>::Method<f64>:
+            Linearizable<free_rigid_body::FreeRigidBody>,
+    {
+        let mut stepper = system.stepper::<M>(0.05).expect("valid");
+        stepper.step_with(&mut state, control).expect("solvable");
+        stepper.step_with_jacobian(&mut state, control, ByState).expect("solvable").jacobian
+    }
+    let plain = jacobian::<Midpoint<Cayley>>(&system, start, &control);
+    let carried = jacobian::<RightLift<Midpoint<Cayley>>>(&system, start, &control);
+    assert!((plain - carried).amax() < ROUNDING * plain.amax(), "{plain} {carried}");
+    assert!((plain - coadjoint::nalgebra::Matrix6::identity()).amax() > 1e-3);
 }

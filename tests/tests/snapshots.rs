@@ -71,6 +71,15 @@ fn steps_of_the_free_rigid_body() {
 }
 
 #[test]
+fn the_derivative_of_a_step_of_the_free_rigid_body() {
+    let input = description(FREE_RIGID_BODY);
+    let steps = expansion(input).steps;
+    let step = steps.into_iter().find(|step| step.scheme.retraction == Retraction::Cayley);
+    let (_, tokens) = step.and_then(|step| step.derivative).expect("derivatives are asked for");
+    assert_snapshot("free_rigid_body_cayley_derivative", &beside(input, &pretty(tokens)));
+}
+
+#[test]
 fn steps_of_the_heavy_top() {
     let input = description(HEAVY_TOP);
     for (name, retraction) in

@@ -54,9 +54,10 @@ impl<'a> Vector<'a> {
         self.map(|x| factor * x)
     }
 
-    /// Dot product, or the pairing of a vector with a covector. `arena` gives the zero of an empty one.
+    /// Dot product, or the pairing of a vector with a covector.
     pub fn dot(&self, other: &Self) -> Expr<'a> {
         let mut products = self.iter().zip(other.iter()).map(|(a, b)| a * b);
+        // no description can make an empty one: there are no types of vectors and no groups of dimension 0
         let first = products.next().expect("the vectors of the catalogue have at least one component");
         products.fold(first, |sum, product| sum + product)
     }

@@ -20,7 +20,7 @@
 use super::Step;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::{Group, Retraction, d_right, placeholders};
-use crate::model::{Advected, Factor, Side, System};
+use crate::model::{Advected, Factor, Side, System, plain};
 
 /// The change of the next state with all that it depends on: linear in the changes, which are symbols.
 pub struct Linearization<'a> {
@@ -43,15 +43,23 @@ pub struct Linearization<'a> {
 impl<'a> Linearization<'a> {
     /// Of a step with this retraction.
     pub fn new(arena: &'a Arena, system: &System<'a>, retraction: Retraction, step: &Step<'a>) -> Self {
-        let changes = |name: &str, count: usize| {
-            let symbol = |k: usize| arena.symbol(format!("{name}_{}", k + 1), Stage::Change);
-            Vector((0..count).map(symbol).collect())
+        let change = |of: String| arena.symbol(format!("d_{of}"), Stage::Change);
+        let changes = |symbols: &[Symbol]| {
+            Vector(symbols.iter().map(|&symbol| change(arena.symbol_info(symbol).name)).collect())
         };
         let rows: Vec<Row<'_, 'a>> = rows(system);
-        let state = changes("state_change", rows.iter().map(Row::len).sum());
-        let control = changes("control_change", system.control_symbols().len());
+        let state = rows.iter().flat_map(|row| match row {
+            Row::Configuration(_, factor) => {
+                let axes = factor.algebra.group.axes().iter();
+                axes.map(|axis| change(format!("{}_{axis}", plain(&factor.name)))).collect()
+            }
+            Row::Momentum(symbols) => changes(symbols).0,
+            Row::Advected(_, factor, place) => changes(&factor.advected[*place].value.symbols()).0,
+        });
+        let state = Vector(state.collect());
+        let control = changes(&system.control_symbols());
         let fields = system.field_symbols();
-        let parameters = changes("parameter_change", fields.len());
+        let parameters = changes(&fields);
 
         let mut direction: Vec<(Symbol, Expr<'a>)> = Vec::new();
         let mut starts = state.0.clone().into_iter();
@@ -73,7 +81,7 @@ impl<'a> Linearization<'a> {
 
         // what the unknown does
         let symbols = step.unknown.symbols();
-        let unknown = changes("unknown_change", symbols.len());
+        let unknown = changes(&symbols);
         let residual = &step.left - &step.right;
         let mut explicit = Derivative::along(arena, &direction);
         let shift = residual.map(|component| -explicit.of(component)).hold();
@@ -166,8 +174,12 @@ pub struct Adjoint<'a> {
 impl<'a> Linearization<'a> {
     /// The transpose, by the reverse mode: as many operations as the linearization itself has, or few more.
     pub fn adjoint(&self, arena: &'a Arena) -> Adjoint<'a> {
-        let costate = |k: usize| arena.symbol(format!("costate_{}", k + 1), Stage::Change);
-        let next = Vector((0..self.next.len()).map(costate).collect());
+        let names = self.state.symbols().into_iter().map(|symbol| arena.symbol_info(symbol).name);
+        let next = Vector(
+            names
+                .map(|name| arena.symbol(format!("by_{}", name.trim_start_matches("d_")), Stage::Change))
+                .collect(),
+        );
         let changes = [&self.state, &self.control, &self.parameters];
         let symbols: Vec<Symbol> = changes.iter().flat_map(|change| change.symbols()).collect();
         let mut derivatives = gradient(self.next.dot(&next), &symbols).0.into_iter();

@@ -7,6 +7,7 @@ use coadjoint::{ParameterError, RunError};
 use thiserror::Error;
 
 use crate::interrupt;
+use coadjoint_systems::applications::Failure;
 use coadjoint_systems::classical::Diverged;
 use coadjoint_systems::simulation::SimulationError;
 
@@ -28,6 +29,9 @@ pub(crate) enum Error {
     /// A classical integrator could not go on.
     #[error("{0}")]
     Diverged(#[from] Diverged),
+    /// An application of derivatives could not be computed.
+    #[error("{0}")]
+    Application(#[from] Failure),
     /// A file or directory could not be written.
     #[error("cannot write {}: {source}", .path.display())]
     Write {
@@ -91,7 +95,7 @@ impl Error {
                 | SimulationError::Ensemble(_)
                 | SimulationError::NotSymmetric { .. },
             ) => 2,
-            Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) => 3,
+            Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) | Error::Application(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } | Error::Bench(_) => 1,
         }

@@ -13,9 +13,13 @@
 //! | [6.3](quadrotor) | the quadrotor with the thrust of hover, over 30 minutes |
 //! | [work](work) | what accuracy costs: error against time, orders 2 to 10 and the classical methods |
 //! | [steps](steps) | large steps for long times: what each method still keeps |
+//! | [identify](applications::identify) | derivatives of steps: a spacecraft's inertia from noisy gyroscopes |
+//! | [steer](applications::steer) | derivatives of steps: a manoeuvre with few pulses and the least effort |
+//! | [estimate](applications::estimate) | derivatives of steps: attitude and momentum from stars, by a Kalman filter |
 //!
 //! What of it differs from the paper's text, and when a structure-preserving step pays, is in the crate's guide.
 
+pub(crate) mod applications;
 pub(crate) mod bodies;
 #[cfg(test)]
 mod claims;
@@ -89,6 +93,21 @@ pub(crate) static DRAWINGS: &[Drawing] = &[
         name: "steps",
         about: "long runs at large steps: what each method still keeps",
         draw: || steps::Steps::measure(steps::DURATION).map(|measured| measured.figure()),
+    },
+    Drawing {
+        name: "identify",
+        about: "a spacecraft's inertia from noisy gyroscopes, by exact derivatives of steps",
+        draw: applications::identify,
+    },
+    Drawing {
+        name: "steer",
+        about: "a manoeuvre with few pulses and the least effort, by exact derivatives of steps",
+        draw: applications::steer,
+    },
+    Drawing {
+        name: "estimate",
+        about: "attitude and momentum from stars: a Kalman filter with exact derivatives of steps",
+        draw: applications::estimate,
     },
 ];
 

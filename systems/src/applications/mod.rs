@@ -1,0 +1,66 @@
+//! What exact derivatives of steps are for, worked out on one spacecraft: [identification] of its inertia, [steering] to another attitude,
+//! [estimation] of where it points and how it turns.
+//!
+//! Each is the textbook's algorithm with the linearization of the step that is really taken: what Gauss–Newton, shooting and the Kalman filter
+//! are told about the motion is exact, so that they converge as they should, at any step size.
+
+pub mod estimation;
+pub mod identification;
+pub mod steering;
+
+use coadjoint::prelude::*;
+use coadjoint::{ParameterError, StepError};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// A spacecraft that thrusters turn.
+///
+/// ```text
+/// Π̇ = Π × 𝓘⁻¹Π + τ,   Ṙ = R (𝓘⁻¹Π)^
+/// ```
+#[lie_poisson_system(group = SO3, control(torque: R3), force = torque, derivatives)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spacecraft {
+    /// Tensor of inertia about the centre of mass, body frame, kg m².
+    #[inertia]
+    pub inertia: Matrix3<f64>,
+}
+
+impl Spacecraft {
+    /// A small one, with axes that are not those of its inertia.
+    pub fn small() -> Self {
+        Self { inertia: matrix![1.8, 0.12, -0.2; 0.12, 2.4, 0.15; -0.2, 0.15, 1.2] }
+    }
+}
+
+/// Why something could not be computed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// A stepper could not be built.
+    #[error("the spacecraft is none")]
+    Parameters(#[from] ParameterError),
+    /// A step could not be taken.
+    #[error("a step could not be taken")]
+    Step(#[from] StepError),
+    /// The equations do not determine what is sought.
+    #[error("what is measured or done does not determine what is sought")]
+    Singular,
+}
+
+/// Noise that is the same for the same seed.
+struct Noise(ChaCha8Rng);
+
+impl Noise {
+    fn new(seed: u64) -> Self {
+        Self(ChaCha8Rng::seed_from_u64(seed))
+    }
+
+    /// Normally distributed, each component with this standard deviation: Box and Muller's.
+    fn vector(&mut self, deviation: f64) -> Vector3<f64> {
+        // evenly distributed between 0 and 1, never 0
+        let mut even = || ((self.0.next_u64() >> 11) as f64 + 0.5) * 2_f64.powi(-53);
+        Vector3::from_fn(|_, _| {
+            deviation * (-2.0 * even().ln()).sqrt() * (std::f64::consts::TAU * even()).cos()
+        })
+    }
+}
