@@ -40,7 +40,6 @@ mod the_crate_under_another_name {
         group = SO3,
         advected(gamma: R3),
         potential = weight * gamma.z,
-        derivatives,
     )]
     pub struct Renamed {
         #[inertia]
@@ -125,7 +124,7 @@ mod without_a_prelude {
     }
 
     /// A body.
-    #[::coadjoint::lie_poisson_system(group = SO3, derivatives)]
+    #[::coadjoint::lie_poisson_system(group = SO3)]
     pub struct BareBody {
         #[inertia]
         pub inertia: f64,
@@ -259,16 +258,16 @@ mod shadowed {
 /// A system may be called what the generated code calls something else, and come out of a user's own macro.
 mod called {
     macro_rules! system {
-        ($module:ident, $name:ident, $state:ident) => {
+        ($module:ident, $name:ident, $state:ident $(, $derivatives:ident)?) => {
             mod $module {
                 use coadjoint::nalgebra::Vector3;
 
                 #[coadjoint::lie_poisson_system(
                                                                                 group = SO3,
                                                                                 advected(gamma: R3),
-                                                                                potential = weight * gamma.x,
-        derivatives,
-                                                                            )]
+                                                                                potential = weight * gamma.x
+                    $(, $derivatives)?
+                )]
                 #[derive(Clone, Debug)]
                 pub struct $name {
                     #[inertia]
@@ -290,15 +289,17 @@ mod called {
             }
         };
     }
-    system!(step, Step, StepState);
+    system!(step, Step, StepState, derivatives);
     system!(iterate, Iterate, IterateState);
-    system!(kernel, Kernel, KernelState);
-    system!(scalar, Scalar, ScalarState);
+    system!(kernel, Kernel, KernelState, derivatives);
+    system!(scalar, Scalar, ScalarState, derivatives);
     system!(evaluation, Evaluation, EvaluationState);
     system!(state, State, StateState);
-    system!(the_system, System, SystemState);
+    system!(the_system, System, SystemState, derivatives);
     system!(discretized, Discretized, DiscretizedState);
-    system!(t, T, TState);
+    system!(t, T, TState, derivatives);
+    system!(point, Point, PointState, derivatives);
+    system!(linearized, Linearized, LinearizedState, derivatives);
     system!(result, Result, ResultState);
     system!(vector, Vec, VecState);
     system!(cayley, Cayley, CayleyState);
@@ -507,7 +508,7 @@ pub mod strict {
     const LENGTH: f64 = 1.5;
 
     /// A body.
-    #[lie_poisson_system(group = SO3, derivatives)]
+    #[lie_poisson_system(group = SO3)]
     #[derive(Clone, Debug, PartialEq)]
     pub struct Body {
         /// Principal moments of inertia.
@@ -516,7 +517,7 @@ pub mod strict {
     }
 
     /// Seen in the crate.
-    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x, derivatives)]
+    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.x)]
     #[derive(Clone, Debug, PartialEq)]
     pub(crate) struct Inner {
         /// Moment of inertia.
@@ -538,13 +539,13 @@ pub mod strict {
 mod visibilities {
     use coadjoint::prelude::*;
 
-    #[lie_poisson_system(group = SO3, derivatives)]
+    #[lie_poisson_system(group = SO3)]
     pub struct Public {
         #[inertia]
         pub inertia: f64,
     }
 
-    #[lie_poisson_system(group = SO3, derivatives)]
+    #[lie_poisson_system(group = SO3)]
     pub(crate) struct Crate {
         #[inertia]
         pub(crate) inertia: f64,
@@ -565,7 +566,7 @@ mod visibilities {
             pub(super) inertia: f64,
         }
 
-        #[lie_poisson_system(group = SO3, derivatives)]
+        #[lie_poisson_system(group = SO3)]
         pub(in crate::visibilities) struct Within {
             #[inertia]
             pub(in crate::visibilities) inertia: f64,
@@ -615,7 +616,7 @@ mod attributes {
     /// A body.
     ///
     /// With a second paragraph.
-    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.dot(&chi), derivatives)]
+    #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = gamma.dot(&chi))]
     #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
     #[serde(deny_unknown_fields, rename_all = "kebab-case")]
     #[must_use]

@@ -170,6 +170,9 @@ pub(crate) struct ShowArguments {
     /// Only the step built on this map; `exp` for short
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
+    /// The code of the steps' derivatives, too
+    #[arg(long)]
+    pub(crate) derivatives: bool,
 }
 
 /// Which steps to certify.

@@ -14,16 +14,16 @@ use coadjoint_systems::simulation::Retraction;
 
 pub(crate) fn show(arguments: &ShowArguments, console: &mut dyn Write) -> Result<(), Error> {
     let entry = crate::suggest::system(&arguments.system)?;
-    let code = generated(entry, arguments.retraction)
+    let code = generated(entry, arguments.retraction, arguments.derivatives)
         .map_err(|error| Error::Generator { system: entry.name, reason: error.to_string() })?;
     write!(console, "{code}")?;
     Ok(())
 }
 
-/// The code generated from an entry's source, for one retraction or all.
-fn generated(entry: &Entry, retraction: Option<Retraction>) -> syn::Result<String> {
+/// The code generated from an entry's source, for one retraction or all, with its derivatives or without.
+fn generated(entry: &Entry, retraction: Option<Retraction>, derivatives: bool) -> syn::Result<String> {
     let (attribute, item) = description(entry.source)?;
-    let tokens = expand(attribute, item, retraction)?;
+    let tokens = expand(attribute, item, retraction, derivatives)?;
     Ok(prettyplease::unparse(&syn::parse2(tokens)?))
 }
 
@@ -32,6 +32,7 @@ fn expand(
     attribute: TokenStream,
     item: TokenStream,
     retraction: Option<Retraction>,
+    derivatives: bool,
 ) -> syn::Result<TokenStream> {
     let mut expansion = coadjoint_codegen::expand(attribute, item)?;
     if let Some(retraction) = retraction {
@@ -40,6 +41,10 @@ fn expand(
             Retraction::Cayley => group::Retraction::Cayley,
         };
         expansion.steps.retain(|step| step.scheme.retraction == wanted);
+    }
+    if !derivatives {
+        expansion.tangents = TokenStream::new();
+        expansion.steps.iter_mut().for_each(|step| step.derivative = None);
     }
     Ok(expansion.into_tokens())
 }
@@ -87,9 +92,11 @@ mod tests {
     fn every_system_can_be_shown() {
         for entry in CATALOGUE {
             for retraction in [None, Some(Retraction::Exponential), Some(Retraction::Cayley)] {
-                let code = generated(entry, retraction).expect("its own generator takes it");
-                assert!(code.contains("struct"), "{}", entry.name);
+                let code = generated(entry, retraction, false).expect("its own generator takes it");
+                assert!(code.contains("struct") && !code.contains("Linearized"), "{}", entry.name);
             }
+            let code = generated(entry, Some(Retraction::Cayley), true).expect("its own generator takes it");
+            assert!(code.contains("impl<T: Scalar> Linearized<T"), "{}", entry.name);
         }
     }
 }
