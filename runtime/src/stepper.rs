@@ -218,11 +218,8 @@ fn outline<W: Work>(work: W) -> W::Result {
     work.done()
 }
 
-impl<S, M> Stepper<S, M>
-where
-    S: Discretized<M> + Differentiable,
-    S::Method<S::Scalar>: Linearizable<S>,
-{
+// what derivatives need is asked for by each function, so that the compiler says what is missing where it is
+impl<S: Discretized<M>, M> Stepper<S, M> {
     /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
     ///
     /// # Errors
@@ -232,7 +229,11 @@ where
         &mut self,
         state: &mut S::State,
         control: &S::Control,
-    ) -> Result<(DerivativeOf<S, M>, StepReport), StepError> {
+    ) -> Result<(DerivativeOf<S, M>, StepReport), StepError>
+    where
+        S: Differentiable,
+        S::Method<S::Scalar>: Linearizable<S>,
+    {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;
         let derivative = self.derivative(&components, time, &control.to_components(), &self.method.trace());
@@ -247,12 +248,17 @@ where
     /// # Errors
     /// As [`step_with`](Self::step_with).
     #[inline]
-    pub fn step_with_jacobian<B: Blocks<S>>(
+    pub fn step_with_jacobian<B>(
         &mut self,
         state: &mut S::State,
         control: &S::Control,
         _: B,
-    ) -> Result<StepJacobian<B::Jacobian>, StepError> {
+    ) -> Result<StepJacobian<B::Jacobian>, StepError>
+    where
+        S: Differentiable,
+        S::Method<S::Scalar>: Linearizable<S>,
+        B: Blocks<S>,
+    {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;
         let work = JacobianWork::<S, M, B> {
@@ -264,7 +270,13 @@ where
         };
         Ok(StepJacobian { jacobian: outline(work), report })
     }
+}
 
+impl<S, M> Stepper<S, M>
+where
+    S: Discretized<M> + Differentiable,
+    S::Method<S::Scalar>: Linearizable<S>,
+{
     /// The solutions of the last step's equations.
     #[cfg(feature = "std")]
     pub(crate) fn trace(&self) -> <S::Method<S::Scalar> as Linearizable<S>>::Trace {
