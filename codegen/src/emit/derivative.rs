@@ -4,7 +4,9 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
-use super::kernel::{Layout, fields, kernel_name, local, size, statement, term, unpack_array, unpack_time};
+use super::kernel::{
+    Layout, fields, keep, kernel_name, local, size, statement, term, unpack_array, unpack_fields, unpack_time,
+};
 use super::{Names, docs};
 use crate::kernel::{Derivative, Section, Term};
 use crate::method::Scheme;
@@ -19,7 +21,7 @@ use crate::model::{Role, System};
 /// };
 /// ```
 ///
-/// What stands in it does not name the system, which may be called `Point` or `Change`, too.
+/// What stands in it does not name the system, which may be called `Point` or `Linearized`, too.
 pub(super) fn derivative(
     system: &System<'_>,
     names: &Names,
@@ -50,21 +52,11 @@ pub(super) fn derivative(
         ];
         let step = h.iter().filter(|h| point.inputs.contains(h)).map(|h| local(h));
         let statements = point.statements.iter().map(statement);
-        let values = values.iter().map(|value| local(value));
-        let kept = match values.len() {
-            0 => quote! { Point(::core::marker::PhantomData) },
-            _ => quote! { Point { #(#values),* } },
-        };
+        let kept = keep(&point_name, values);
         quote! { #(#unpack)* #(let #step = step;)* #(#statements)* #kept }
     };
     let body = |section: &Section, arrays: &[(&str, &Vec<String>)]| {
-        let used: Vec<Ident> =
-            values.iter().filter(|name| section.inputs.contains(name)).map(|name| local(name)).collect();
-        let values = match used.len() {
-            0 => quote! {},
-            all if all == values.len() => quote! { let Point { #(#used),* } = *point; },
-            _ => quote! { let Point { #(#used),*, .. } = *point; },
-        };
+        let values = unpack_fields(&quote! { Point }, values, section, &quote! { *point });
         let arrays = arrays.iter().map(|(array, names)| unpack_array(array, names, section));
         let statements = section.statements.iter().map(statement);
         quote! { #values #(#arrays)* #(#statements)* }
@@ -105,14 +97,7 @@ pub(super) fn derivative(
                     let (place, none) = (size(j), by.iter().all(is_zero));
                     let by = array(by);
                     let add = quote! { #private::add_product(&mut columns[#place], &through, &#by); };
-                    (
-                        array(explicit),
-                        if none {
-                            quote! {}
-                        } else {
-                            add
-                        },
-                    )
+                    (array(explicit), if none { TokenStream::new() } else { add })
                 })
                 .unzip();
             quote! {
@@ -183,9 +168,15 @@ pub(super) fn derivative(
 pub(super) fn tangents(system: &System<'_>, names: &Names) -> TokenStream {
     let Names { private, coadjoint, system: name, scalar, visibility, .. } = names;
     let mut places = Vec::new();
+    let mut taken = std::collections::BTreeSet::new();
     let mut place = |of: &str, field: &Ident, from: usize, length: usize| {
         let text = field.unraw().to_string();
-        let constant = Ident::new(&text.to_uppercase(), field.span());
+        let mut constant = text.to_uppercase();
+        // fields may differ by their cases alone
+        while !taken.insert(constant.clone()) {
+            constant.push('_');
+        }
+        let constant = Ident::new(&constant, field.span());
         let doc = docs::line(&format!("`{text}` in {of}."));
         let (from, length) = (size(from), size(length));
         places.push(quote! { #doc pub const #constant: #coadjoint::derivative::Part<#from, #length> = #coadjoint::derivative::Part; });

@@ -94,13 +94,6 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
         let statements = section.statements.iter().map(statement);
         quote! { #unpack #(#statements)* #result }
     };
-    let keep = |name: &Ident, values: &[String]| {
-        let values = values.iter().map(|value| local(value));
-        match values.len() {
-            0 => quote! { #name(::core::marker::PhantomData) },
-            _ => quote! { #name { #(#values),* } },
-        }
-    };
     let array = |results: &[Term]| {
         let results = results.iter().map(term);
         quote! { [#(#results),*] }
@@ -306,6 +299,31 @@ pub(super) fn fields(name: &Ident, doc: &str, fields: &[String]) -> TokenStream 
     }
 }
 
+/// A struct of [`fields`] with the values that are called so.
+pub(super) fn keep(name: &Ident, values: &[String]) -> TokenStream {
+    let values = values.iter().map(|value| local(value));
+    match values.len() {
+        0 => quote! { #name(::core::marker::PhantomData) },
+        _ => quote! { #name { #(#values),* } },
+    }
+}
+
+/// `let Step { s0, s1, .. } = *step;` with those that a section uses.
+pub(super) fn unpack_fields(
+    pattern: &TokenStream,
+    names: &[String],
+    section: &Section,
+    from: &TokenStream,
+) -> TokenStream {
+    let used: Vec<Ident> =
+        names.iter().filter(|name| section.inputs.contains(name)).map(|name| local(name)).collect();
+    match used.len() {
+        0 => quote! {},
+        all if all == names.len() => quote! { let #pattern { #(#used),* } = #from; },
+        _ => quote! { let #pattern { #(#used),*, .. } = #from; },
+    }
+}
+
 /// What the functions of one kernel can take their inputs from.
 struct Inputs<'k> {
     kernel: &'k Kernel,
@@ -318,13 +336,7 @@ impl Inputs<'_> {
     fn unpack(&self, section: &Section) -> TokenStream {
         let Self { kernel, layout, name } = self;
         let fields = |pattern: TokenStream, names: &[String], from: TokenStream| {
-            let used: Vec<Ident> =
-                names.iter().filter(|name| section.inputs.contains(name)).map(|name| local(name)).collect();
-            match used.len() {
-                0 => quote! {},
-                all if all == names.len() => quote! { let #pattern { #(#used),* } = #from; },
-                _ => quote! { let #pattern { #(#used),*, .. } = #from; },
-            }
+            unpack_fields(&pattern, names, section, &from)
         };
         let is = |other: &Section| std::ptr::eq(section, other);
         if is(&kernel.new) {

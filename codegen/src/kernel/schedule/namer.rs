@@ -16,7 +16,7 @@ pub(in crate::kernel) struct Namer {
 /// Words that generated functions use for themselves, and the language's.
 #[rustfmt::skip]
 const RESERVED: &[&str] = &[
-    "state", "step", "unknown", "evaluation", "point", "costate", "parameters", "time", "control", "self", "super", "crate", "as", "async", "await", "break",
+    "state", "step", "unknown", "evaluation", "point", "costate", "through", "columns", "parameters", "time", "control", "self", "super", "crate", "as", "async", "await", "break",
     "const", "continue", "dyn", "else", "enum", "extern", "false", "fn", "for", "if", "impl", "in", "let", "loop", "match",
     "mod", "move", "mut", "pub", "ref", "return", "static", "struct", "trait", "true", "type", "unsafe", "use", "where",
     "while", "yield", "abstract", "become", "box", "do", "final", "gen", "macro", "override", "priv", "try", "typeof",
