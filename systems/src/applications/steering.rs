@@ -2,7 +2,7 @@
 //!
 //! Direct shooting: the end of the motion, `e(u) = (log(g*⁻¹ g_N), Π_N)`, is a function of all pulses `u`, and its derivative `E` comes along
 //! with the steps, `S' = A S + B`, by state and control. Of all pulses that make `e + E (u' − u)` zero the next ones are those of least norm,
-//! `u' = Eᵀ (E Eᵀ)⁻¹ (E u − e)`. Where this comes to rest `u = Eᵀλ`: no change that keeps the end makes the effort less.
+//! `u' = Eᵀ (E Eᵀ)⁻¹ (E u − e)`. Where this comes to rest `u = Eᵀλ`: to first order, no change that keeps the end makes the effort less.
 
 use coadjoint::derivative::{ByControl, ByState};
 use coadjoint::prelude::*;

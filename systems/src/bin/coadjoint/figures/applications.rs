@@ -99,7 +99,7 @@ pub(crate) fn steer() -> Result<Figure, Error> {
     Ok(Figure {
         title: "Steering: from rest to rest in another attitude with eight pulses of torque".to_owned(),
         caption: vec![format!(
-            "A turn by {} rad in {} s. After {} iterations the end is missed by {}, and no change of the pulses that keeps the end takes \
+            "A turn by {} rad in {} s. After {} iterations the end is missed by {}, and to first order no change of the pulses that keeps the end takes \
              less effort, {} N² m². The derivatives of the end by the pulses are those of the steps themselves, so that the last \
              iterations converge to rounding.",
             format_args!("{:.2}", target.angle()),
