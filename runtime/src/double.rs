@@ -203,6 +203,7 @@ impl<T: Batch> Batch for Double<T> {
     const LANES: usize = T::LANES;
     /// Half of the digits that are added: beyond, equations are solved for nothing.
     const EPSILON: f64 = if T::Number::IS_DOUBLE { 3.3e-24 } else { 4.1e-11 };
+    const LEAST: f64 = T::LEAST / T::EPSILON;
 
     #[inline(always)]
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> T::Each<X> {
@@ -240,6 +241,11 @@ impl<T: Batch> Batch for Double<T> {
     #[inline(always)]
     fn select(mask: T::Mask, yes: Self, no: Self) -> Self {
         Self { high: T::select(mask, yes.high, no.high), low: T::select(mask, yes.low, no.low) }
+    }
+    /// The sum and the product have all digits that there are.
+    #[inline(always)]
+    fn plus_once(self, a: Self, b: Self) -> Self {
+        self + a * b
     }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {

@@ -439,7 +439,8 @@ pub mod reading {
     //! * [`Geometry`](crate::geometry::Geometry): local coordinates, differential and Poisson structure;
     //! * a [`Kernel`](crate::kernel::Kernel) for each scheme and retraction.
     //!
-    //! A kernel has one function for each stage, and every value is computed in the earliest one that can:
+    //! A kernel has one function for each stage, and every value is computed in the earliest one that can, but what only the next state is
+    //! made of, at the end:
     //!
     //! | function | when | what |
     //! |---|---|---|
@@ -451,9 +452,9 @@ pub mod reading {
     //! | `correction` | once a Newton iteration | Newton's, with the closed-form Jacobian |
     //! | `domain`, `finish` | once a step | the retraction's margin; the next state |
     //!
-    //! Names follow the mathematics: `eta` is the step times the velocity, `momentum_mean` the mean momentum `μ̄`, `turn` the retraction
-    //! of `eta`, `kick` what potential and forces add to the momentum, `gamma_mean` and `gamma_next` an advected parameter at the
-    //! intermediate point and after the step. `Stumpff` functions `c0, c1, …` take the place of sines and cosines.
+    //! Names follow the mathematics: `eta` is the step times the velocity (`half_eta` half of it, the unknown where the Cayley map turns),
+    //! `momentum_mean` the mean momentum `μ̄` (`twice_momentum_mean` twice that), `turn` the retraction of `eta`, `kick` what potential and
+    //! forces add to the momentum, `gamma_mean` and `gamma_next` an advected parameter at the intermediate point and after the step. `Stumpff` functions `c0, c1, …` take the place of sines and cosines.
     //!
     //! Where the equation is explicit or linear, there is no unknown (`[T; 0]`), and `evaluate` and `correction` are empty.
 }

@@ -1,7 +1,7 @@
 //! The interface between generated straight-line code and the runtime that drives it.
 //!
 //! One step of any scheme solves `left(x) = right(x)` for the unknown `x` (the family's `η = t ζ`, with `t` the step
-//! and `ζ` the velocity) and then updates the state. Every intermediate value is computed at the earliest of three
+//! and `ζ` the velocity, or half of it where the retraction is a function of the half) and then updates the state. Every intermediate value is computed at the earliest of three
 //! stages: when the stepper is built, once a step, once a Newton iteration.
 //!
 //! A step that is explicit has nothing to solve for: its unknown is `[T; 0]`.

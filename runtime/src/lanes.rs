@@ -41,6 +41,10 @@ pub(crate) trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 
     fn plus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// `a − b c`, as [`Scalar::minus`].
     fn minus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// Whether there is an instruction for [`plus_once`](Self::plus_once).
+    const FUSES: bool;
+    /// `a + b c`, rounded once, if there [is](Self::FUSES) an instruction for it.
+    fn plus_once(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// `a / b`
     fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `−a`
@@ -85,6 +89,8 @@ impl Processor for Portable {
     fn mul((): (), (): ()) {}
     fn plus((): (), (): (), (): ()) {}
     fn minus((): (), (): (), (): ()) {}
+    const FUSES: bool = false;
+    fn plus_once((): (), (): (), (): ()) {}
     fn div((): (), (): ()) {}
     fn neg((): ()) {}
     fn abs((): ()) {}
@@ -247,6 +253,7 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
 
     const LANES: usize = N;
     const EPSILON: f64 = X::EPSILON;
+    const LEAST: f64 = X::LEAST;
 
     #[inline(always)]
     fn each<Y: Copy + Send + Sync>(value: impl FnMut(usize) -> Y) -> [Y; N] {
@@ -302,6 +309,17 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
             *x = if mask.0[k] != 0 { yes.0[k] } else { *x };
         }
         Self(numbers, P::Alignment::default())
+    }
+    #[inline(always)]
+    fn plus_once(self, a: Self, b: Self) -> Self {
+        if const { Self::NATIVE && P::FUSES } {
+            return Self::from_vector(P::plus_once(self.vector(), a.vector(), b.vector()));
+        }
+        let mut numbers = self.0;
+        for (k, x) in numbers.iter_mut().enumerate() {
+            *x = x.plus_once(a.0[k], b.0[k]);
+        }
+        Self::from(numbers)
     }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {
@@ -407,12 +425,33 @@ mod tests {
         };
         for (i, j) in (0..numbers.len()).flat_map(|i| (0..numbers.len()).map(move |j| (i, j))) {
             let (x, y, z) = (lanes(i), lanes(j), lanes(i + 2 * j));
-            let together =
-                [x + y, x - y, x * y, x / y, -x, x.sqrt(), Batch::abs(x), x.plus(y, z), x.minus(y, z)];
+            let together = [
+                x + y,
+                x - y,
+                x * y,
+                x / y,
+                -x,
+                x.sqrt(),
+                Batch::abs(x),
+                x.plus(y, z),
+                x.minus(y, z),
+                x.plus_once(y, z),
+            ];
             let (at_most, below, larger) = (x.at_most(y), x.below(y), Lanes::select(x.below(y), y, x));
             for lane in 0..N {
                 let (x, y, z) = (x.lane(lane), y.lane(lane), z.lane(lane));
-                let alone = [x + y, x - y, x * y, x / y, -x, x.sqrt(), x.abs(), x.plus(y, z), x.minus(y, z)];
+                let alone = [
+                    x + y,
+                    x - y,
+                    x * y,
+                    x / y,
+                    -x,
+                    x.sqrt(),
+                    x.abs(),
+                    x.plus(y, z),
+                    x.minus(y, z),
+                    y.mul_add(z, x),
+                ];
                 for (together, alone) in together.iter().zip(alone) {
                     let together = together.lane(lane);
                     assert!(together.is_same(alone) || together.is_nan() && alone.is_nan(), "{x} {y} {z}");

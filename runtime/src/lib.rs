@@ -61,6 +61,8 @@ mod double;
 #[cfg(feature = "std")]
 pub mod ensemble;
 pub mod error;
+#[cfg(feature = "std")]
+pub mod fused;
 pub mod generic;
 pub mod geometry;
 #[cfg(feature = "std")]

@@ -23,8 +23,8 @@ pub trait Method: Clone + Send + Sync {
     /// The method for these parameters and this step.
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
-    /// The state after a step that starts at `time`, with `control` held until it ends. If the state is `known`, the one that the last
-    /// step led to, the solution is sought from the last ones on, which only makes it faster; the time is then that of a step like the last.
+    /// The state after a step that starts at `time`, with `control` held until it ends. If the state is [`known`](Known), the one that the
+    /// last step led to, the solution is sought from the last ones on, which only makes it faster; the time is then that of a step like the last.
     ///
     /// # Errors
     /// If state, time or control is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
@@ -34,12 +34,83 @@ pub trait Method: Clone + Send + Sync {
         state: &Self::State,
         time: Self::Scalar,
         control: &Self::Control,
-        known: bool,
+        known: &impl Known,
     ) -> Outcome<Self::Scalar, Self::State>;
+
+    /// Takes steps, up to `most`, with `control` held all the time, for as long as they are as most steps are; from a state that is
+    /// [known](Known). Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance).
+    #[inline(always)]
+    fn march(
+        &mut self,
+        _state: &mut Self::State,
+        _clock: Clock,
+        _control: &Self::Control,
+        _most: u64,
+    ) -> Marched<Self::Scalar> {
+        Marched::default()
+    }
 
     /// Shows what the method carries from one step to the next, in pieces of always the same lengths, to be read or replaced. What is in
     /// no piece follows from the parameters and the step.
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [Self::Scalar]));
+}
+
+/// When steps are taken: the next one starts at `start + taken · step`.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// Where steps are counted from.
+    pub start: f64,
+    /// How long each of them is.
+    pub step: f64,
+    /// How many there were.
+    pub taken: u64,
+}
+
+impl Clock {
+    /// When the step after so many more starts: not accumulated, so that it does not drift.
+    #[inline(always)]
+    pub fn after(&self, steps: u64) -> f64 {
+        self.start + (self.taken + steps) as f64 * self.step
+    }
+}
+
+/// How some steps went, in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Marched<T: Batch> {
+    /// Steps taken.
+    pub steps: u64,
+    /// Iterations of all of them together.
+    pub iterations: T::Each<u64>,
+    /// The most iterations that one step took.
+    pub max_iterations: T::Each<u32>,
+    /// The largest residual left in a step's equation.
+    pub max_residual: T,
+}
+
+impl<T: Batch> Default for Marched<T> {
+    #[inline(always)]
+    fn default() -> Self {
+        Self {
+            steps: 0,
+            iterations: T::each(|_| 0),
+            max_iterations: T::each(|_| 0),
+            max_residual: T::of(0.0),
+        }
+    }
+}
+
+/// Whether the state at which a step starts is the one that the last step led to. Not simply a truth: to find out takes time, and most
+/// steps can go ahead before they ask.
+pub trait Known {
+    /// Finds out.
+    fn is_so(&self) -> bool;
+}
+
+impl Known for bool {
+    #[inline(always)]
+    fn is_so(&self) -> bool {
+        *self
+    }
 }
 
 /// Where a step has led to.
@@ -104,24 +175,35 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         state: &K::State,
         time: T,
         control: &K::Control,
-        known: bool,
+        known: &impl Known,
     ) -> Outcome<T, K::State> {
-        // Nearly all steps go this way. Whatever is not as usual, be it a number that is not finite, sends them the other.
-        if known {
-            let begun = self.kernel.begin(state, time, control);
-            if let Some(solution) = self.solver.by_sweeps(&self.kernel, state, &begun) {
-                let advanced = self.finish(state, &begun, &solution);
-                let usual =
-                    self.is_inside(state, &begun, &solution) & surely_finite(&advanced.state, control);
-                if usual.all() {
-                    self.solver.push_usual(&solution.unknown);
-                    return Ok(advanced);
-                }
-            }
+        if let Some(advanced) = self.usual(state, time, control, known) {
+            return Ok(advanced);
         }
         // copies, so that the other way needs no addresses
         let (state, control) = (*state, *control);
+        let known = known.is_so();
         T::outline(Anyhow { method: self, state: &state, time, control: &control, known })
+    }
+
+    #[inline(always)]
+    fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
+        self.solver.effort();
+        // not in memory
+        let mut now = *state;
+        let mut steps = 0;
+        while steps < most {
+            let Some(advanced) = self.usual(&now, T::of(clock.after(steps)), control, &true) else { break };
+            now = advanced.state;
+            steps += 1;
+        }
+        *state = now;
+        let (effort, residual) = self.solver.effort();
+        if steps == 0 || <K::Unknown as AsRef<[T]>>::as_ref(&self.solver.latest()).is_empty() {
+            return Marched { steps, ..Marched::default() };
+        }
+        let iterations = T::each(|lane| steps + effort.more.as_ref()[lane]);
+        Marched { steps, iterations, max_iterations: effort.most, max_residual: residual }
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -178,6 +260,31 @@ impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
 }
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// A step as nearly all are. None, and nothing has happened, if something is not as usual, be it a number that is not finite.
+    #[inline(always)]
+    fn usual(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        known: &impl Known,
+    ) -> Option<Advanced<T, K::State>> {
+        if !self.solver.is_settled() {
+            return None;
+        }
+        let begun = self.kernel.begin(state, time, control);
+        let solution = self.solver.by_sweeps(&self.kernel, state, &begun)?;
+        let advanced = self.finish(state, &begun, &solution);
+        let usual = self.is_inside(state, &begun, &solution) & surely_finite(&advanced.state, control);
+        // asked for last, so that what waits for the last step to end does not stand before what this one begins with
+        if usual.all() & known.is_so() {
+            self.solver.push_usual(&solution.unknown);
+            return Some(advanced);
+        }
+        self.solver.aim();
+        None
+    }
+
     /// The solution of the last step's equation.
     pub(crate) fn solution(&self) -> K::Unknown {
         self.solver.latest()
@@ -252,7 +359,7 @@ impl<B: Method> Work for Part<'_, B> {
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        self.method.advance(self.state, self.time, self.control, self.known)
+        self.method.advance(self.state, self.time, self.control, &self.known)
     }
 }
 
@@ -345,9 +452,9 @@ where
         state: &A::State,
         time: A::Scalar,
         control: &A::Control,
-        known: bool,
+        known: &impl Known,
     ) -> Outcome<A::Scalar, A::State> {
-        let known = known && self.whole;
+        let known = known.is_so() && self.whole;
         // until both are through
         self.whole = false;
         let mut course = Course::new();
@@ -401,8 +508,9 @@ where
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,
-        known: bool,
+        known: &impl Known,
     ) -> Outcome<B::Scalar, B::State> {
+        let known = known.is_so();
         let spatial = if known && self.has_stepped { self.spatial } else { S::in_space(state) };
         let mut course = Course::new();
         let next = course.part(&mut self.base, state, time, control, known)?;
@@ -443,9 +551,9 @@ mod tests {
             _: &[f64; 0],
             time: f64,
             &[limit]: &[f64; 1],
-            known: bool,
+            known: &impl Known,
         ) -> Outcome<f64, [f64; 0]> {
-            self.known = known;
+            self.known = known.is_so();
             let advanced = Advanced { state: [], iterations: [1], residual: time };
             if time > limit {
                 return Err(Failure { errors: [Some(StepError::OutsideDomain)], advanced });
@@ -460,7 +568,7 @@ mod tests {
     fn halves_remember_whole_steps_only() {
         let mut halves = Halves::<Half, Half>::new(&[], 2.0);
         let mut advance = |limit: f64| {
-            let outcome = halves.advance(&[], 3.0, &[limit], true);
+            let outcome = halves.advance(&[], 3.0, &[limit], &true);
             let report = outcome.map(|to| (to.iterations, to.residual)).map_err(|failure| failure.first());
             (report, [halves.first.known, halves.second.known])
         };

@@ -14,12 +14,22 @@ use crate::system::System;
 pub trait Observer<S: System> {
     /// Looks at one tick. [`ControlFlow::Break`] ends the run there.
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()>;
+    /// The index of the next tick after `index` that it has to see; it may be shown others, too. Steps to which nobody wants to be a
+    /// witness are taken [together](crate::stepper::Stepper::steps_with).
+    #[inline]
+    fn next(&self, index: u64) -> u64 {
+        index + 1
+    }
 }
 
 impl<S: System, O: Observer<S> + ?Sized> Observer<S> for &mut O {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         (**self).observe(tick)
+    }
+    #[inline]
+    fn next(&self, index: u64) -> u64 {
+        (**self).next(index)
     }
 }
 
@@ -28,6 +38,10 @@ impl<S: System> Observer<S> for () {
     #[inline]
     fn observe(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {
         ControlFlow::Continue(())
+    }
+    #[inline]
+    fn next(&self, _: u64) -> u64 {
+        u64::MAX
     }
 }
 
@@ -39,6 +53,10 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
         let second = self.1.observe(tick);
         if first.is_break() { first } else { second }
     }
+    #[inline]
+    fn next(&self, index: u64) -> u64 {
+        self.0.next(index).min(self.1.next(index))
+    }
 }
 
 impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
@@ -48,6 +66,10 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
             Some(observer) => observer.observe(tick),
             None => ControlFlow::Continue(()),
         }
+    }
+    #[inline]
+    fn next(&self, index: u64) -> u64 {
+        self.as_ref().map_or(u64::MAX, |observer| observer.next(index))
     }
 }
 
@@ -102,6 +124,16 @@ impl<S: System, O: Observer<S>> Observer<S> for Every<O> {
             ControlFlow::Continue(())
         }
     }
+    #[inline]
+    fn next(&self, index: u64) -> u64 {
+        next_multiple(index, self.interval)
+    }
+}
+
+/// The multiple of an interval after an index.
+#[inline]
+fn next_multiple(index: u64, interval: u64) -> u64 {
+    (index / interval + 1).saturating_mul(interval)
 }
 
 /// Measures how well energy and Casimirs are kept, against the first state it sees.
@@ -244,6 +276,9 @@ mod record {
                 self.states.push(tick.state.clone());
             }
             ControlFlow::Continue(())
+        }
+        fn next(&self, index: u64) -> u64 {
+            super::next_multiple(index, self.interval)
         }
     }
 

@@ -6,6 +6,8 @@ pub use crate::composition::{Order4, Order6, Order8, Order10};
 #[cfg(feature = "std")]
 pub use crate::ensemble::{Distribution, Ensemble};
 pub use crate::error::{ParameterError, StepError};
+#[cfg(feature = "std")]
+pub use crate::fused::Fused;
 pub use crate::lie_poisson_system;
 #[cfg(feature = "std")]
 pub use crate::observe::Record;

@@ -8,14 +8,16 @@
 use core::arch::x86_64::*;
 use core::mem::transmute_copy;
 
+use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
-use crate::scalar::{FUSED, Real, Work};
+use crate::scalar::{Batch, FUSED, Real, Work, combination};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
-    ($vector:ident of $lanes:literal doubles: $($name:ident($($operand:ident),*) = $operation:expr;)*) => {
+    ($vector:ident of $lanes:literal doubles, fuses: $fuses:expr; $($name:ident($($operand:ident),*) = $operation:expr;)*) => {
         type Vector = $vector;
         const DOUBLES: usize = $lanes;
+        const FUSES: bool = $fuses;
 
         #[inline(always)]
         fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> $vector {
@@ -99,9 +101,10 @@ macro_rules! processors {
     };
 }
 processors! {
-    /// x86-64 with four doubles in a register.
-    Avx2 in avx2 for "avx2": Bytes32 of 32 bytes {
-        __m256d of 4 doubles:
+    /// x86-64 with four doubles in a register, and with products and sums rounded once.
+    Avx2 in avx2 for "avx2", "fma": Bytes32 of 32 bytes {
+        __m256d of 4 doubles, fuses: true;
+        plus_once(a, b, c) = _mm256_fmadd_pd(b, c, a);
         add(a, b) = _mm256_add_pd(a, b);
         sub(a, b) = _mm256_sub_pd(a, b);
         mul(a, b) = _mm256_mul_pd(a, b);
@@ -118,7 +121,8 @@ processors! {
 
     /// x86-64 with eight doubles in a register.
     Avx512 in avx512 for "avx512f", "avx512dq", "avx512vl": Bytes64 of 64 bytes {
-        __m512d of 8 doubles:
+        __m512d of 8 doubles, fuses: true;
+        plus_once(a, b, c) = _mm512_fmadd_pd(b, c, a);
         add(a, b) = _mm512_add_pd(a, b);
         sub(a, b) = _mm512_sub_pd(a, b);
         mul(a, b) = _mm512_mul_pd(a, b);
@@ -146,7 +150,13 @@ impl Processor for Portable {
     }
 
     operations! {
-        Two of 4 doubles:
+        Two of 4 doubles, fuses: FUSED;
+        plus_once(a, b, c) = if FUSED {
+            [_mm_fmadd_pd(b[0], c[0], a[0]), _mm_fmadd_pd(b[1], c[1], a[1])]
+        } else {
+            // not asked for
+            a
+        };
         add(a, b) = [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])];
         sub(a, b) = [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])];
         mul(a, b) = [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])];
@@ -171,4 +181,83 @@ impl Processor for Portable {
             _mm_or_pd(_mm_and_pd(mask[1], yes[1]), _mm_andnot_pd(mask[1], no[1])),
         ];
     }
+}
+
+/// [`Batch::combined`] of numbers alone: two components at a time.
+#[inline(always)]
+pub(crate) fn combined<T: Batch, U: Components<T>>(a: &[T], x: &[U], b: &[T], y: &[U]) -> U {
+    let mut combined = x[0];
+    let components = combined.as_mut();
+    let mut i = 0;
+    while i + 2 <= components.len() {
+        let [low, high] = numbers(add(pairs(a, x, i), pairs(b, y, i)));
+        (components[i], components[i + 1]) = (T::of(low), T::of(high));
+        i += 2;
+    }
+    if i < components.len() {
+        components[i] = combination(a, x, i) + combination(b, y, i);
+    }
+    combined
+}
+
+/// [`Batch::keep`] of numbers alone.
+#[inline(always)]
+pub(crate) fn keep<T: Batch, U: Components<T>>(place: &mut U, term: &U) {
+    assert!(T::PAIRS, "a double");
+    let (place, term) = (place.as_mut(), term.as_ref());
+    let mut i = 0;
+    while i + 2 <= place.len() {
+        // SAFETY: two numbers from `i` on, as just compared, that are doubles
+        unsafe { _mm_storeu_pd(place.as_mut_ptr().add(i).cast(), pair(term, i)) };
+        i += 2;
+    }
+    if i < place.len() {
+        place[i] = term[i];
+    }
+}
+
+/// `Σ_j weights[j] terms[j]`, of the components `i` and `i + 1`.
+#[inline(always)]
+fn pairs<T: Batch, U: Components<T>>(weights: &[T], terms: &[U], i: usize) -> __m128d {
+    let mut sum: Option<__m128d> = None;
+    for (weight, term) in weights.iter().zip(terms) {
+        let weight = weight.lane(0).to_f64();
+        // SAFETY: any processor that the program is built for has these instructions
+        sum = Some(unsafe {
+            let (weight, term) = (_mm_set1_pd(weight), pair(term.as_ref(), i));
+            match sum {
+                None => _mm_mul_pd(weight, term),
+                Some(sum) if FUSED => _mm_fmadd_pd(weight, term, sum),
+                Some(sum) => _mm_add_pd(sum, _mm_mul_pd(weight, term)),
+            }
+        });
+    }
+    // there are weights
+    sum.unwrap_or_else(|| unsafe { _mm_setzero_pd() })
+}
+
+/// Two components.
+#[inline(always)]
+fn pair<T: Batch>(components: &[T], i: usize) -> __m128d {
+    // SAFETY: any x86-64 has this instruction
+    unsafe { _mm_set_pd(components[i + 1].lane(0).to_f64(), components[i].lane(0).to_f64()) }
+}
+
+#[inline(always)]
+fn add(a: __m128d, b: __m128d) -> __m128d {
+    // SAFETY: any x86-64 has this instruction
+    unsafe { _mm_add_pd(a, b) }
+}
+
+#[inline(always)]
+fn numbers(pair: __m128d) -> [f64; 2] {
+    // SAFETY: any x86-64 has these instructions
+    unsafe { [_mm_cvtsd_f64(pair), _mm_cvtsd_f64(_mm_unpackhi_pd(pair, pair))] }
+}
+
+/// Does the work in a function of its own, compiled for [`plus_once`](Batch::plus_once) where the processor has an instruction
+/// for it.
+#[inline]
+pub(crate) fn outline_fused<W: Work>(work: W) -> W::Result {
+    if Avx2::is_here() { Avx2::outline(work) } else { Portable::outline(work) }
 }

@@ -117,11 +117,23 @@ impl RunReport {
 
     #[inline(always)]
     pub(crate) fn count(&mut self, step: &StepReport) {
-        self.steps += 1;
-        self.iterations += u64::from(step.iterations);
-        self.max_iterations = self.max_iterations.max(step.iterations);
-        if step.residual > self.max_residual {
-            self.max_residual = step.residual;
+        self.add(&Self {
+            steps: 1,
+            stopped: false,
+            iterations: u64::from(step.iterations),
+            max_iterations: step.iterations,
+            max_residual: step.residual,
+        });
+    }
+
+    /// Counts the steps of another report, too.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, more: &Self) {
+        self.steps += more.steps;
+        self.iterations += more.iterations;
+        self.max_iterations = self.max_iterations.max(more.max_iterations);
+        if more.max_residual > self.max_residual {
+            self.max_residual = more.max_residual;
         }
     }
 }
@@ -144,6 +156,10 @@ pub struct RunError {
 pub trait Controller<S: System> {
     /// The control to be held over the step that starts from `state` at `time`.
     fn control(&mut self, state: &S::State, time: f64) -> S::Control;
+    /// Whether it is the same at all times, so that it need not be asked for before every step.
+    fn is_constant(&self) -> bool {
+        false
+    }
 }
 
 impl<S: System, F: FnMut(&S::State, f64) -> S::Control> Controller<S> for F {
@@ -161,6 +177,10 @@ impl<S: System> Controller<S> for Uncontrolled {
     #[inline]
     fn control(&mut self, _: &S::State, _: f64) -> S::Control {
         S::Control::default()
+    }
+    #[inline]
+    fn is_constant(&self) -> bool {
+        true
     }
 }
 
@@ -259,8 +279,18 @@ where
             if report.steps >= count {
                 return Ok(report);
             }
+            let control = self.controller.control(self.state, self.stepper.now());
+            let unseen = self.unseen(count - report.steps);
+            if unseen > 0 {
+                match self.stepper.steps_with(self.state, &control, unseen) {
+                    Ok(steps) => report.add(&steps),
+                    Err(error) => {
+                        report.add(&error.report);
+                        return Err(RunError { report, ..error });
+                    }
+                }
+            }
             let time = self.stepper.now();
-            let control = self.controller.control(self.state, time);
             match self.stepper.step_with(self.state, &control) {
                 Ok(step) => {
                     report.count(&step);
@@ -271,6 +301,16 @@ where
                 }
             }
         }
+    }
+
+    /// How many of the next steps, at most so many, are all the same to those who watch and control; the one after these is not.
+    #[inline]
+    fn unseen(&self, most: u64) -> u64 {
+        if !self.controller.is_constant() {
+            return 0;
+        }
+        let index = self.stepper.steps_taken();
+        self.observer.next(index).saturating_sub(index).min(most).saturating_sub(1)
     }
 
     #[inline]

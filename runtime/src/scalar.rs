@@ -4,6 +4,8 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
+use crate::kernel::Components;
+
 /// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
 /// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
 ///
@@ -91,7 +93,7 @@ impl<T: RealField + Copy> Scalar for T {
     }
     #[inline(always)]
     fn minus(self, a: Self, b: Self) -> Self {
-        if FUSED { nalgebra::ComplexField::mul_add(-a, b, self) } else { self - a * b }
+        if FUSED { nalgebra::ComplexField::mul_add(a, -b, self) } else { self - a * b }
     }
     delegate!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh);
     #[inline(always)]
@@ -128,6 +130,8 @@ pub trait Batch: Scalar {
     const LANES: usize;
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
+    /// The least number of full precision that is larger than zero.
+    const LEAST: f64;
 
     /// What `value` gives for each lane.
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> Self::Each<X>;
@@ -147,9 +151,54 @@ pub trait Batch: Scalar {
     fn below(self, limit: Self) -> Self::Mask;
     /// `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// `Σ_j a[j] x[j] + Σ_j b[j] y[j]`, each sum from its first term on.
+    #[inline(always)]
+    fn combined<U: Components<Self>>(a: &[Self], x: &[U], b: &[Self], y: &[U]) -> U {
+        #[cfg(all(feature = "std", target_arch = "x86_64"))]
+        if const { Self::PAIRS && Self::ONCE == FUSED } {
+            return crate::processor::combined(a, x, b, y);
+        }
+        // no closure, which would not be compiled for the processor that its caller is compiled for
+        let mut combined = x[0];
+        for (i, component) in combined.as_mut().iter_mut().enumerate() {
+            *component = combination(a, x, i) + combination(b, y, i);
+        }
+        combined
+    }
+    /// Puts a term where [`combined`](Self::combined) will find it, in the pieces in which it is loaded there: what is stored in others has to
+    /// wait until it is in the cache.
+    #[inline(always)]
+    fn keep<U: Components<Self>>(place: &mut U, term: &U) {
+        #[cfg(all(feature = "std", target_arch = "x86_64"))]
+        if const { Self::PAIRS } {
+            return crate::processor::keep(place, term);
+        }
+        *place = *term;
+    }
+    /// Whether it is one double, of which any processor adds and multiplies two at a time.
+    const PAIRS: bool = false;
+    /// Whether [`plus`](Scalar::plus) is [`plus_once`](Self::plus_once).
+    const ONCE: bool = FUSED;
+    /// `self + a b`, rounded once.
+    fn plus_once(self, a: Self, b: Self) -> Self;
     /// Does the work in a function of its own, compiled for what these numbers need of the processor: for what comes rarely, and for what
     /// is compiled once for several callers.
     fn outline<W: Work>(work: W) -> W::Result;
+    /// The same, compiled for what [`plus_once`](Self::plus_once) needs too, as far as the processor has it.
+    #[inline(always)]
+    fn outline_fused<W: Work>(work: W) -> W::Result {
+        Self::outline(work)
+    }
+}
+
+/// `Σ_j weights[j] terms[j][i]`
+#[inline(always)]
+pub(crate) fn combination<T: Scalar, U: Components<T>>(weights: &[T], terms: &[U], i: usize) -> T {
+    let mut sum = weights[0] * terms[0].as_ref()[i];
+    for j in 1..weights.len() {
+        sum = sum.plus(weights[j], terms[j].as_ref()[i]);
+    }
+    sum
 }
 
 /// Something to do, with all that it needs. Not a closure, since these cannot say that they are always to be inlined.
@@ -219,6 +268,8 @@ macro_rules! real {
 
             const LANES: usize = 1;
             const EPSILON: f64 = $t::EPSILON as f64;
+            const LEAST: f64 = $t::MIN_POSITIVE as f64;
+            const PAIRS: bool = Self::IS_DOUBLE;
 
             #[inline(always)]
             fn each<X: Copy + Send + Sync>(mut value: impl FnMut(usize) -> X) -> [X; 1] {
@@ -256,9 +307,18 @@ macro_rules! real {
             fn select(mask: bool, yes: Self, no: Self) -> Self {
                 if mask { yes } else { no }
             }
+            #[inline(always)]
+            fn plus_once(self, a: Self, b: Self) -> Self {
+                nalgebra::ComplexField::mul_add(a, b, self)
+            }
             #[inline(never)]
             fn outline<W: Work>(work: W) -> W::Result {
                 work.done()
+            }
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            #[inline(always)]
+            fn outline_fused<W: Work>(work: W) -> W::Result {
+                crate::processor::outline_fused(work)
             }
         })*
     };

@@ -4,27 +4,32 @@
 //! Successive solutions are samples of a smooth course, so that the next one is known to many digits before anything is solved. The sweep
 //! `x ← L⁻¹ right(x)` of an equation `L x = right(x)` takes off the factor by which it contracts, about the angle turned in a step; in small
 //! steps one or two of them bring what is left below rounding. Whether they did is checked at every step: the change that a sweep makes,
-//! times a bound for the contraction, bounds the error after it. The bound is measured, along all unknowns, at the start and every 128
-//! steps; where it is not small, or sweeps do not do what they should, Newton's iteration takes over.
+//! times a bound for the contraction, bounds the error after it. The bound is measured, along all unknowns, at the start and from time to
+//! time; where it is not small, or sweeps do not do what they should, Newton's iteration takes over. What a sweep may change is compared
+//! with the unknown's size at that time: sweeps contract as the angle turned in a step, so that when the motion gets faster or slower the
+//! error remains what it was, relative to the unknown.
 
 use crate::kernel::{Components, Kernel};
 use crate::newton::{self, Solution, SolutionOf, select, size};
-use crate::scalar::{Batch, Mask, Real, Scalar};
+use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 
 /// The most earlier solutions that the next one is extrapolated from.
 const DEPTH: usize = 8;
 /// The numbers of earlier solutions that are tried.
 const DEPTHS: [usize; 6] = [1, 2, 3, 4, 6, 8];
-/// Steps between two looks at how well extrapolation and sweeps do.
-const INTERVAL: u32 = 128;
+/// Steps between two looks at how well extrapolation and sweeps do: at first, and in the long run.
+const INTERVALS: [u32; 2] = [128, 1024];
 /// Sweeps contract strongly if their bound is at most this.
 const STRONG: f64 = 0.5;
 /// What the bound is multiplied by, for it may grow until it is measured again.
 const SAFETY: f64 = 2.0;
 /// The most sweeps of a step: more, and Newton's iteration is faster.
 const SWEEPS: u32 = 12;
-/// An error this small, in units of epsilon, is roundoff.
-const ROUNDOFF: f64 = 2.0;
+/// An error of the unknown this small, in units of epsilon, is roundoff, and never is one that is larger than this.
+const ROUNDOFF: [f64; 2] = [2.0, 8.0];
+/// An error this small, in units of epsilon, makes no difference to the state, next to what is rounded there. The unknown changes the state
+/// by about as much as sweeps contract: by the angle turned in a step.
+const NO_DIFFERENCE: f64 = 0.1;
 /// Sweeps do not change less, in units of epsilon, if only for rounding.
 const NOISE: f64 = 8.0;
 /// The change of the last sweep, in units of epsilon: what is evaluated before it serves for the solution too.
@@ -32,7 +37,7 @@ const LAST_CHANGE: f64 = 256.0;
 
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Solver<T, U> {
+pub struct Solver<T: Batch, U> {
     /// Where the earlier solutions point.
     guess: Apart<U>,
     /// Earlier solutions in a ring, each one twice, so that all are in a row wherever they begin; zeros where there were none.
@@ -43,14 +48,46 @@ pub struct Solver<T, U> {
     count: usize,
     /// Steps until the next look.
     due: u32,
+    /// Steps from the next look to the one after it.
+    interval: u32,
     /// Whether sweeps are to be made in all lanes.
     is_strong: bool,
     /// The coefficients of the extrapolation, the oldest solution's first.
     weights: [T; DEPTH],
-    /// How much a sweep may change, in units of the unknown, to be the last one; negative if sweeps are not to be made.
-    slack: T,
+    /// The square of the change that a sweep may make to be the last one; negative if sweeps are not to be made.
+    tolerance: T,
     /// What such a change means for the residual, relative to the equation's terms.
     residual: T,
+    /// What steps solved by sweeps took beyond one sweep each.
+    effort: Effort<T>,
+}
+
+/// Sweeps beyond the first of each step, and the most sweeps of one.
+#[derive(Clone, Copy)]
+pub(crate) struct Effort<T: Batch> {
+    pub more: T::Each<u64>,
+    pub most: T::Each<u32>,
+}
+
+impl<T: Batch> core::fmt::Debug for Effort<T> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let (more, most) = (self.more.as_ref(), self.most.as_ref());
+        f.debug_struct("Effort").field("more", &more).field("most", &most).finish()
+    }
+}
+
+impl<T: Batch> Effort<T> {
+    fn none() -> Self {
+        Self { more: T::each(|_| 0), most: T::each(|_| 1) }
+    }
+
+    fn count(&mut self, iterations: &T::Each<u32>) {
+        let counts = self.more.as_mut().iter_mut().zip(self.most.as_mut());
+        for ((more, most), iterations) in counts.zip(iterations.as_ref()) {
+            *more += u64::from(*iterations - 1);
+            *most = (*most).max(*iterations);
+        }
+    }
 }
 
 /// Components that do not lie side by side: `i` is in the first or second array as it is even or odd.
@@ -96,19 +133,34 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
             oldest: 0,
             count: 0,
             due: 0,
+            interval: INTERVALS[0],
             is_strong: false,
             weights: weights(1),
-            slack: T::of(-1.0),
+            tolerance: T::of(-1.0),
             residual: T::of(0.0),
+            effort: Effort::none(),
         }
     }
 }
 
 impl<T: Batch, U: Components<T>> Solver<T, U> {
+    /// What steps that were solved by sweeps took since this was asked the last time, and the residual that they left.
+    pub(crate) fn effort(&mut self) -> (Effort<T>, T) {
+        (core::mem::replace(&mut self.effort, Effort::none()), self.residual)
+    }
+
+    /// Whether the next step is one like most: to be solved by sweeps, without a look.
+    #[inline(always)]
+    pub fn is_settled(&self) -> bool {
+        self.guess.0[0].as_ref().is_empty() || self.due != 0 && self.is_strong
+    }
+
     /// Solves a step's equation as most are solved, from where the earlier solutions point, by sweeps. None if these do not solve it in all
     /// lanes.
+    ///
+    /// After a solution the guess is the next step's: [`push_usual`](Self::push_usual) it, or [`aim`](Self::aim) anew.
     #[inline(always)]
-    pub fn by_sweeps<K>(&self, kernel: &K, state: &K::State, step: &K::Step) -> Option<SolutionOf<T, K>>
+    pub fn by_sweeps<K>(&mut self, kernel: &K, state: &K::State, step: &K::Step) -> Option<SolutionOf<T, K>>
     where
         K: Kernel<T, Unknown = U>,
     {
@@ -118,11 +170,34 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             let (iterations, unsolved) = (T::each(|_| 0), T::Mask::splat(false));
             return Some(Solution { unknown: guess, evaluation, iterations, residual: T::of(0.0), unsolved });
         }
-        if self.due == 0 || !self.is_strong {
-            return None;
+        // The order is that in which the processor, which does not see far ahead, is to go: what the next guess takes from the solutions
+        // that there are while this one is waited for, and the next guess before what follows from this solution, for the next step waits
+        // for it.
+        let earlier = earlier(&self.weights, &self.window()[1..]);
+        let mut point = guess;
+        let mut iterations = T::each(|_| 1);
+        let mut sweeps = 1;
+        loop {
+            let evaluation = kernel.evaluate(state, step, &point);
+            let unknown = kernel.sweep(state, step, &evaluation.right)?;
+            self.guess.put(&continued(&self.weights, &earlier, &unknown));
+            let open = !squared_distance(&point, &unknown).at_most(self.tolerance);
+            if !open.any() {
+                let (residual, unsolved) = (self.residual, T::Mask::splat(false));
+                if sweeps > 1 {
+                    self.effort.count(&iterations);
+                }
+                return Some(Solution { unknown, evaluation, iterations, residual, unsolved });
+            }
+            if sweeps == SWEEPS {
+                self.aim();
+                return None;
+            }
+            // solved lanes wait: the same again gives the same
+            point = select(open, &unknown, &point);
+            iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
+            sweeps += 1;
         }
-        let (_, solution) = self.sweeps::<K, true>(kernel, state, step, &guess, T::Mask::splat(true))?;
-        (!solution.unsolved.any()).then_some(solution)
     }
 
     /// Solves a step's equation by whatever it takes. If the state is `known`, the one that the last step led to, the search starts where the
@@ -140,16 +215,15 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             *self = Self::default();
         }
         let guess = if self.count == 0 { kernel.start(state, step) } else { guess };
-        let strong = T::of(0.0).below(self.slack);
-        let swept =
-            if strong.any() { self.sweeps::<K, false>(kernel, state, step, &guess, strong) } else { None };
+        let mut wanting = T::Mask::splat(self.due == 0);
+        let strong = T::of(0.0).below(self.tolerance);
+        let swept = if strong.any() { self.sweeps(kernel, state, step, &guess, strong) } else { None };
         let solution = match swept {
             Some((_, swept)) if !swept.unsolved.any() => swept,
             Some((point, swept)) => {
                 let left = swept.unsolved;
-                // where sweeps do not do what they should they are not made again before the next look
-                self.slack = T::select(left, T::of(-1.0), self.slack);
-                self.is_strong = false;
+                // where sweeps do not do what they should there has to be a look
+                wanting = wanting | (left & strong);
                 let solved = self.newton(kernel, state, step, &select(left, &guess, &point), left);
                 Solution {
                     unknown: select(left, &solved.unknown, &swept.unknown),
@@ -161,8 +235,12 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             }
             None => self.newton(kernel, state, step, &guess, T::Mask::splat(true)),
         };
-        if self.due == 0 {
-            self.look(kernel, state, step, &solution.unknown);
+        if wanting.any() {
+            self.look(kernel, state, step, &solution.unknown, wanting);
+        }
+        if self.due == 0 && self.count == DEPTH {
+            self.due = self.interval;
+            self.interval = (2 * self.interval).min(INTERVALS[1]);
         }
         solution
     }
@@ -196,9 +274,9 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     }
 
     /// Sweeps until the change is small enough in the `wanted` lanes. Returns where the equation was evaluated the last time, too. None if the
-    /// equation is not one for sweeps. What is rare is not compiled in line.
+    /// equation is not one for sweeps.
     #[inline(always)]
-    fn sweeps<K, const IN_LINE: bool>(
+    fn sweeps<K>(
         &self,
         kernel: &K,
         state: &K::State,
@@ -213,14 +291,9 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let mut iterations = T::each(|_| 1);
         let mut sweeps = 1;
         loop {
-            let evaluation = if IN_LINE {
-                kernel.evaluate(state, step, &point)
-            } else {
-                newton::evaluated(kernel, state, step, &point)
-            };
+            let evaluation = newton::evaluated(kernel, state, step, &point);
             let unknown = kernel.sweep(state, step, &evaluation.right)?;
-            let (change, size) = distance(&point, &unknown);
-            let open = wanted & !change.at_most(self.slack * size);
+            let open = wanted & !squared_distance(&point, &unknown).at_most(self.tolerance);
             if !open.any() || sweeps == SWEEPS {
                 let (residual, unsolved) = (self.residual, open | !wanted);
                 return Some((point, Solution { unknown, evaluation, iterations, residual, unsolved }));
@@ -240,27 +313,6 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         &self.solutions[oldest..oldest + DEPTH]
     }
 
-    /// Where the solutions point, from the oldest in a window of [`DEPTH`] to the `latest` at its end: the polynomial through them, one
-    /// step on.
-    #[inline(always)]
-    fn extrapolated(weights: &[T; DEPTH], window: &[U], latest: &U) -> U {
-        // two sums, for each has to wait for itself; and the latest on top, for the step has only just brought it
-        const MIDDLE: usize = DEPTH / 2;
-        let mut sum = *latest;
-        for (i, sum) in sum.as_mut().iter_mut().enumerate() {
-            let mut older = weights[0] * window[0].as_ref()[i];
-            let mut newer = weights[MIDDLE] * window[MIDDLE].as_ref()[i];
-            for j in 1..MIDDLE {
-                older = older.plus(weights[j], window[j].as_ref()[i]);
-            }
-            for j in MIDDLE + 1..DEPTH - 1 {
-                newer = newer.plus(weights[j], window[j].as_ref()[i]);
-            }
-            *sum = (older + newer).plus(weights[DEPTH - 1], *sum);
-        }
-        sum
-    }
-
     /// The latest solution.
     pub(crate) fn latest(&self) -> U {
         self.window()[DEPTH - 1]
@@ -271,19 +323,23 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     pub fn push(&mut self, unknown: &U) {
         self.push_usual(unknown);
         self.count = (self.count + 1).min(DEPTH);
+        self.aim();
     }
 
     /// Remembers the solution of a step that [`by_sweeps`](Self::by_sweeps) solved, and forgets the oldest.
     #[inline(always)]
     pub fn push_usual(&mut self, unknown: &U) {
         let oldest = self.oldest % DEPTH;
-        // in the window that begins one later
-        let window = &self.solutions[oldest + 1..=oldest + DEPTH];
-        self.guess.put(&Self::extrapolated(&self.weights, window, unknown));
-        self.solutions[oldest] = *unknown;
-        self.solutions[oldest + DEPTH] = *unknown;
+        T::keep(&mut self.solutions[oldest], unknown);
+        T::keep(&mut self.solutions[oldest + DEPTH], unknown);
         self.oldest = oldest + 1;
         self.due = self.due.saturating_sub(1);
+    }
+
+    /// Sets the guess to where the solutions point.
+    #[inline(always)]
+    pub fn aim(&mut self) {
+        T::outline(Aim(self));
     }
 
     /// Forgets all.
@@ -291,53 +347,103 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         *self = Self::default();
     }
 
-    /// Sees how many earlier solutions would have pointed best at this one, and how strongly sweeps contract there.
+    /// Sees, in the `wanting` lanes, how many earlier solutions would have pointed best at this one, and how strongly sweeps contract there.
     #[inline(always)]
-    fn look<K>(&mut self, kernel: &K, state: &K::State, step: &K::Step, solution: &U)
+    fn look<K>(&mut self, kernel: &K, state: &K::State, step: &K::Step, solution: &U, wanting: T::Mask)
     where
         K: Kernel<T, Unknown = U>,
     {
-        self.due = if self.count < DEPTH { 0 } else { INTERVAL };
         // with one solution there is nothing to choose, and with none the first will be the latest
-        self.weights = weights(1);
+        let mut best = weights(1);
         let mut least = T::of(0.0);
         for depth in DEPTHS.into_iter().filter(|&depth| depth <= self.count) {
             let candidate = weights(depth);
-            let guess = Self::extrapolated(&candidate, self.window(), &self.latest());
-            let (error, _) = distance(&guess, solution);
+            let guess = extrapolated(&candidate, self.window());
+            let error = squared_distance(&guess, solution);
             let better = error.below(least) | T::Mask::splat(depth == 1);
             least = T::select(better, error, least);
-            self.weights = core::array::from_fn(|j| T::select(better, candidate[j], self.weights[j]));
+            best = core::array::from_fn(|j| T::select(better, candidate[j], best[j]));
         }
+        self.weights = core::array::from_fn(|j| T::select(wanting, best[j], self.weights[j]));
         let contraction = contraction(kernel, state, step, solution);
         let bound = T::of(SAFETY) * contraction.unwrap_or(T::of(1.0));
-        let strong = bound.at_most(T::of(STRONG));
-        // an error of ROUNDOFF where the bound says so
-        let slack = T::of(ROUNDOFF * T::EPSILON) / (bound + T::of(TINY));
+        let per_bound = T::of(1.0) / (bound + T::of(TINY));
+        // the error that is left
+        let error = T::of(NO_DIFFERENCE) * per_bound;
+        let [least, most] = ROUNDOFF.map(T::of);
+        let error = T::select(error.at_most(most), error, most);
+        let error = T::select(error.at_most(least), least, error);
+        let slack = T::of(T::EPSILON) * error * per_bound;
         let most = T::of(LAST_CHANGE * T::EPSILON);
         let least = T::of(NOISE * T::EPSILON);
         let slack = T::select(slack.at_most(most), slack, most);
         let slack = T::select(slack.at_most(least), least, slack);
-        self.slack = T::select(strong, slack, T::of(-1.0));
-        self.residual = T::select(strong, bound * slack, T::of(0.0));
-        self.is_strong = strong.all();
+        let size = square(solution);
+        let tolerance = slack * slack * size;
+        // neither too small nor too large for numbers of the kind, with room for what is to come
+        let sizeable =
+            T::of(T::LEAST / T::EPSILON).at_most(tolerance) & size.at_most(T::of(T::EPSILON / T::LEAST));
+        let strong = bound.at_most(T::of(STRONG)) & sizeable;
+        let tolerance = T::select(strong, tolerance, T::of(-1.0));
+        self.tolerance = T::select(wanting, tolerance, self.tolerance);
+        self.residual = T::select(wanting, T::select(strong, bound * slack, T::of(0.0)), self.residual);
+        self.is_strong = T::of(0.0).below(self.tolerance).all();
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        let mut numbers = [self.oldest, self.count, self.due as usize].map(|number| T::of(number as f64));
+        let numbers = [self.oldest, self.count, self.due as usize, self.interval as usize];
+        let mut numbers = numbers.map(|number| T::of(number as f64));
         visit(&mut numbers);
         // the same in all lanes
-        let [oldest, count, due] = numbers.map(|number| number.lane(0).to_f64());
-        (self.oldest, self.count, self.due) = (oldest as usize, (count as usize).min(DEPTH), due as u32);
-        visit(core::slice::from_mut(&mut self.slack));
+        let [oldest, count, due, interval] = numbers.map(|number| number.lane(0).to_f64());
+        (self.oldest, self.count) = (oldest as usize, (count as usize).min(DEPTH));
+        (self.due, self.interval) = (due as u32, interval as u32);
+        visit(core::slice::from_mut(&mut self.tolerance));
         visit(core::slice::from_mut(&mut self.residual));
         visit(&mut self.weights);
         self.solutions.iter_mut().for_each(|solution| visit(solution.as_mut()));
-        self.is_strong = T::of(0.0).below(self.slack).all();
-        let guess = Self::extrapolated(&self.weights, self.window(), &self.latest());
-        self.guess.put(&guess);
+        self.is_strong = T::of(0.0).below(self.tolerance).all();
+        self.aim();
     }
+}
+
+/// Sets the guess to where the solutions point.
+struct Aim<'a, T: Batch, U>(&'a mut Solver<T, U>);
+
+impl<T: Batch, U: Components<T>> Work for Aim<'_, T, U> {
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let guess = extrapolated(&self.0.weights, self.0.window());
+        self.0.guess.put(&guess);
+    }
+}
+
+/// Where the solutions point, the oldest first: the polynomial through them, one step on.
+#[inline(always)]
+fn extrapolated<T: Batch, U: Components<T>>(weights: &[T; DEPTH], window: &[U]) -> U {
+    continued(weights, &earlier(weights, window), &window[DEPTH - 1])
+}
+
+/// What all solutions but the latest contribute to it.
+#[inline(always)]
+fn earlier<T: Batch, U: Components<T>>(weights: &[T; DEPTH], window: &[U]) -> U {
+    // two sums, for each has to wait for itself
+    const MIDDLE: usize = DEPTH / 2;
+    let (older, newer) = (&weights[..MIDDLE], &weights[MIDDLE..DEPTH - 1]);
+    T::combined(older, &window[..MIDDLE], newer, &window[MIDDLE..DEPTH - 1])
+}
+
+/// The same with the latest.
+#[inline(always)]
+fn continued<T: Scalar, U: Components<T>>(weights: &[T; DEPTH], earlier: &U, latest: &U) -> U {
+    let mut sum = *earlier;
+    for (sum, latest) in sum.as_mut().iter_mut().zip(latest.as_ref()) {
+        *sum = sum.plus(weights[DEPTH - 1], *latest);
+    }
+    sum
 }
 
 /// Nothing next to any unknown, and yet no zero.
@@ -364,8 +470,8 @@ fn weights<T: Scalar>(depth: usize) -> [T; DEPTH] {
     WEIGHTS[(depth - 1) % DEPTH].map(T::of)
 }
 
-/// The norm of the derivative of the sweep, by differences; none if there are no sweeps. The norm is that of [`distance`]: the largest sum
-/// of a column. Not a number if any component is.
+/// The norm of the derivative of the sweep, by differences: the root of the sum of all entries' squares, which bounds how much longer the
+/// sweep makes any change. None if there are no sweeps; not a number if any component is.
 #[inline(always)]
 fn contraction<T: Batch, K: Kernel<T>>(
     kernel: &K,
@@ -379,26 +485,40 @@ fn contraction<T: Batch, K: Kernel<T>>(
     // at rest: as far as a thousandth of a radian
     let moves = T::of(0.0).below(size);
     let offset = T::of(1e-3) * T::select(moves, size, T::of(1.0));
-    let mut largest = T::of(0.0);
+    let per_offset = T::of(1.0) / offset;
+    let mut squares = T::of(0.0);
     for i in 0..unknown.as_ref().len() {
         let mut there = *unknown;
         there.as_mut()[i] = there.as_ref()[i] + offset;
-        let (change, _) = distance(&here, &sweep(&there)?);
-        let column = change / offset;
-        let smaller = column.at_most(largest) | !largest.at_most(largest);
-        largest = T::select(smaller, largest, column);
+        for (here, there) in here.as_ref().iter().zip(sweep(&there)?.as_ref()) {
+            let slope = per_offset * (*there - *here);
+            squares = squares.plus(slope, slope);
+        }
     }
-    Some(largest)
+    Some(squares.sqrt())
 }
 
-/// The distance between two unknowns and the size of the second, as sums of magnitudes; not-a-number if any component is.
+/// The sum of the squares of the components; not-a-number if any component is. Most kernels compute it too, in this order, and the compiler
+/// makes one of both.
 #[inline(always)]
-fn distance<T: Batch, U: Components<T>>(a: &U, b: &U) -> (T, T) {
-    let mut sums = (T::of(0.0), T::of(0.0));
-    for (a, b) in a.as_ref().iter().zip(b.as_ref()) {
-        sums = (sums.0 + (*a - *b).abs(), sums.1 + b.abs());
+fn square<T: Scalar, U: Components<T>>(x: &U) -> T {
+    // no closures, which would not be compiled for the processor that the caller is compiled for
+    let [first, rest @ ..] = x.as_ref() else { return T::of(0.0) };
+    let mut sum = *first * *first;
+    for x in rest {
+        sum = sum.plus(*x, *x);
     }
-    sums
+    sum
+}
+
+/// The square of the distance between two unknowns; not-a-number if any component is.
+#[inline(always)]
+fn squared_distance<T: Scalar, U: Components<T>>(a: &U, b: &U) -> T {
+    let mut difference = *a;
+    for (a, b) in difference.as_mut().iter_mut().zip(b.as_ref()) {
+        *a = *a - *b;
+    }
+    square(&difference)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! The stepper: a method with its step, for people to call.
 
+use core::cell::Cell;
 use core::fmt;
 
 use crate::derivative::{
@@ -7,7 +8,8 @@ use crate::derivative::{
 };
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
-use crate::method::{Advanced, Method, visit_flag};
+use crate::method::{Advanced, Clock, Known, Method, visit_flag};
+use crate::run::{RunError, RunReport};
 use crate::scalar::{Batch, Real, Scalar, Work};
 use crate::system::{Control, Discretized, State, System};
 
@@ -161,15 +163,21 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[inline]
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         let components = state.to_components();
-        let known = match &self.left {
-            Some(left) => is_same(left.as_ref(), components.as_ref()),
-            None => false,
+        let known = LeftThere {
+            left: self.left.as_ref().map(AsRef::as_ref),
+            state: components.as_ref(),
+            answer: Cell::new(None),
         };
-        if !known {
-            on_group(state)?;
+        let time = S::Scalar::of(self.clock().after(0));
+        let outcome = self.method.advance(&components, time, &control.to_components(), &known);
+        if !known.is_so()
+            && let Err(error) = on_group(state)
+        {
+            // the method may remember a step from there
+            self.left = None;
+            return Err(error);
         }
-        let control = control.to_components();
-        match self.method.advance(&components, self.time(), &control, known) {
+        match outcome {
             Ok(Advanced { state: next, iterations, residual }) => {
                 *state = S::State::from_components(&next);
                 self.left = Some(next);
@@ -180,6 +188,74 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             }
             Err(failure) => Err(failure.first()),
         }
+    }
+
+    /// Takes `count` steps with `control` held all the time. The result is that of as many single steps, to the last bit, and it takes less
+    /// time: what happens once a step for the caller's sake, happens once here.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
+    /// let energy = body.energy(&state);
+    /// let mut stepper = body.stepper::<Cayley>(0.01)?;
+    /// let report = stepper.steps_with(&mut state, &NoControl::default(), 10_000)?;
+    /// assert_eq!((report.steps, stepper.time()), (10_000, 100.0));
+    /// assert!((body.energy(&state) - energy).abs() < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a step cannot be taken, as [`step_with`](Self::step_with); state and time are then the last ones that were reached.
+    #[inline]
+    pub fn steps_with(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        count: u64,
+    ) -> Result<RunReport, RunError> {
+        let mut report = RunReport::default();
+        while report.steps < count {
+            let mut components = state.to_components();
+            if self.left.as_ref().is_some_and(|left| is_same(left.as_ref(), components.as_ref())) {
+                let most = count - report.steps;
+                let marched =
+                    self.method.march(&mut components, self.clock(), &control.to_components(), most);
+                *state = S::State::from_components(&components);
+                self.left = Some(components);
+                self.taken += marched.steps;
+                report.add(&RunReport {
+                    steps: marched.steps,
+                    stopped: false,
+                    // of the only lane
+                    iterations: marched.iterations.as_ref().iter().sum(),
+                    max_iterations: marched.max_iterations.as_ref().iter().sum(),
+                    max_residual: marched.max_residual.to_f64(),
+                });
+                if report.steps == count {
+                    break;
+                }
+            }
+            match self.step_with(state, control) {
+                Ok(step) => report.count(&step),
+                Err(source) => {
+                    let (step, time) = (self.taken + 1, self.clock().after(0));
+                    return Err(RunError { step, time, report, source });
+                }
+            }
+        }
+        Ok(report)
+    }
+
+    fn clock(&self) -> Clock {
+        Clock { start: self.start, step: self.step.to_f64(), taken: self.taken }
     }
 }
 
@@ -296,6 +372,26 @@ where
     }
 }
 
+/// Whether a state is the one that the last step led to.
+struct LeftThere<'a, T> {
+    left: Option<&'a [T]>,
+    state: &'a [T],
+    /// Once found.
+    answer: Cell<Option<bool>>,
+}
+
+impl<T: Real> Known for LeftThere<'_, T> {
+    #[inline(always)]
+    fn is_so(&self) -> bool {
+        let answer = self.answer.get().unwrap_or_else(|| match self.left {
+            Some(left) => is_same(left, self.state),
+            None => false,
+        });
+        self.answer.set(Some(answer));
+        answer
+    }
+}
+
 /// Whether all numbers are the same, without a branch.
 #[inline(always)]
 fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
@@ -358,6 +454,16 @@ pub trait Stepping {
         state: &mut <Self::System as System>::State,
         control: &<Self::System as System>::Control,
     ) -> Result<StepReport, StepError>;
+    /// [`Stepper::steps_with`]
+    ///
+    /// # Errors
+    /// As there.
+    fn steps_with(
+        &mut self,
+        state: &mut <Self::System as System>::State,
+        control: &<Self::System as System>::Control,
+        count: u64,
+    ) -> Result<RunReport, RunError>;
 }
 
 impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
@@ -370,7 +476,7 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
 
     #[inline]
     fn now(&self) -> f64 {
-        self.start + self.taken as f64 * self.step.to_f64()
+        self.clock().after(0)
     }
 
     #[inline]
@@ -399,6 +505,16 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
     #[inline]
     fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         Stepper::step_with(self, state, control)
+    }
+
+    #[inline]
+    fn steps_with(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        count: u64,
+    ) -> Result<RunReport, RunError> {
+        Stepper::steps_with(self, state, control, count)
     }
 }
 

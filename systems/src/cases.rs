@@ -79,6 +79,10 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
         classical(FREE, Rkmk4, plain, at),
         ours::<_, Cayley>(FREE, "Cayley", &body, start)?,
         ours::<_, Exponential>(FREE, "exponential", &body, start)?,
+        one_by_one::<_, Cayley>(FREE, "Cayley", &body, start)?,
+        one_by_one::<_, Exponential>(FREE, "exponential", &body, start)?,
+        ours::<_, Fused<Cayley>>(FREE, "Cayley, fused", &body, start)?,
+        ours::<_, Fused<Exponential>>(FREE, "exponential, fused", &body, start)?,
         ours::<_, Order4<Cayley>>(FREE, "Cayley, order 4", &body, start)?,
         ours::<_, Order6<Cayley>>(FREE, "Cayley, order 6", &body, start)?,
         ours::<_, Order8<Cayley>>(FREE, "Cayley, order 8", &body, start)?,
@@ -105,6 +109,10 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
         classical(TOP, Rkmk4, heavy, heavy_at),
         ours::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
         ours::<_, Exponential>(TOP, "exponential", &top, top_start)?,
+        one_by_one::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
+        one_by_one::<_, Exponential>(TOP, "exponential", &top, top_start)?,
+        ours::<_, Fused<Cayley>>(TOP, "Cayley, fused", &top, top_start)?,
+        ours::<_, Fused<Exponential>>(TOP, "exponential, fused", &top, top_start)?,
         generic(
             TOP,
             "Cayley, generic stepper",
@@ -155,7 +163,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     Ok(cases)
 }
 
-/// A generated step, with the control that the system's law chooses at the start.
+/// Generated steps, taken together, with the control that the system's law chooses at the start.
 fn ours<S, M>(
     problem: &'static str,
     method: &str,
@@ -169,6 +177,25 @@ where
     let mut stepper = system.stepper::<M>(0.01)?;
     let control = system.control(&state, 0.0);
     let mut state = state;
+    let walk = move |steps| stepper.steps_with(&mut state, &control, steps).is_ok();
+    Ok(Case { problem, method: method.into(), steps: 20_000, walk: Box::new(walk) })
+}
+
+/// The same, one call for each.
+fn one_by_one<S, M>(
+    problem: &'static str,
+    method: &str,
+    system: &S,
+    state: S::State,
+) -> Result<Case, ParameterError>
+where
+    S: Catalogued + Discretized<M> + 'static,
+    M: 'static,
+{
+    let mut stepper = system.stepper::<M>(0.01)?;
+    let control = system.control(&state, 0.0);
+    let mut state = state;
+    let method = format!("{method}, one by one");
     Ok(Case::new(problem, method, move || stepper.step_with(&mut state, &control).is_ok()))
 }
 

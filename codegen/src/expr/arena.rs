@@ -459,6 +459,16 @@ impl<'a> Expr<'a> {
         }
     }
 
+    /// `(c, x)` with `self = c x`, where `c` is the number that it is a multiple by.
+    pub fn split_number(self) -> (Number, Self) {
+        match self.arena.node(self.id) {
+            Node::Sum(Sum { terms, constant }) if constant.is_zero() && terms.len() == 1 => {
+                (terms[0].1, self.arena.expr(terms[0].0))
+            }
+            _ => (Number::ONE, self),
+        }
+    }
+
     /// `self^exponent`
     pub fn powi(self, exponent: i32) -> Self {
         self.arena.expr(self.arena.product(Number::ONE, [(self.id, exponent)]))

@@ -1,5 +1,6 @@
 //! Small vectors and matrices of expressions, lowered to scalars as they are built.
 
+use super::Number;
 use super::arena::{Arena, Expr, Symbol};
 use super::diff::{Derivative, Substitution};
 
@@ -60,6 +61,17 @@ impl<'a> Vector<'a> {
         // no description can make an empty one: there are no types of vectors and no groups of dimension 0
         let first = products.next().expect("the vectors of the catalogue have at least one component");
         products.fold(first, |sum, product| sum + product)
+    }
+
+    /// `Σ xᵢ²`; a number that all components are multiples by stands in front.
+    pub fn squared_norm(&self) -> Expr<'a> {
+        let split: Vec<_> = self.iter().map(Expr::split_number).collect();
+        let factor = split.first().map_or(Number::ONE, |(number, _)| number.abs());
+        if split.iter().any(|(number, _)| number.abs() != factor) {
+            return self.dot(self);
+        }
+        let rest = Self(split.into_iter().map(|(_, x)| x).collect());
+        rest.dot(&rest) * rest.0[0].arena().number(factor * factor)
     }
 
     /// Cross product in R³.

@@ -104,6 +104,10 @@ pub trait Group: Sync {
         momentum: Option<&Named<'_, 'a>>,
         advected: &[Named<'_, 'a>],
     ) -> Vec<(String, Expr<'a>)>;
+    /// What the unknown of a step is counted in: 2 where the retraction is a function of `η/2`, which is then the unknown.
+    fn unit(&self, _retraction: Retraction) -> i128 {
+        1
+    }
     /// Whether the group is a vector space, and its elements are vectors to a user's expressions.
     fn is_linear(&self) -> bool {
         false

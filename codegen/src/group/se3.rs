@@ -63,6 +63,9 @@ impl Group for SE3 {
         &["x", "y", "z", "w", "a", "b"]
     }
 
+    fn unit(&self, retraction: Retraction) -> i128 {
+        SO3.unit(retraction)
+    }
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         rigid().bracket(x, y)
     }

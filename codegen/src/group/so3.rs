@@ -17,11 +17,6 @@ use crate::model::Side;
 /// Rotations of space.
 pub struct SO3;
 
-/// `Σ aᵢ²`
-fn squared_norm<'a>(a: &Vector<'a>) -> Expr<'a> {
-    a.dot(a)
-}
-
 /// `v + a x × v + b x × (x × v)`, that is, `(1 + a x̂ + b x̂²) v`
 fn rotation_like<'a>(x: &Vector<'a>, v: &Vector<'a>, a: Expr<'a>, b: Expr<'a>) -> Vector<'a> {
     let once = x.cross(v);
@@ -73,12 +68,18 @@ impl Group for SO3 {
         &["x", "y", "z"]
     }
 
+    fn unit(&self, retraction: Retraction) -> i128 {
+        match retraction {
+            Retraction::Exponential => 1,
+            Retraction::Cayley => 2,
+        }
+    }
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }
 
     fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        let quarter = squared_norm(x).scale(Number::ratio(1, 4));
+        let quarter = x.squared_norm().scale(Number::ratio(1, 4));
         let (w, half) = match retraction {
             Retraction::Exponential => (quarter.stumpff(0), quarter.stumpff(1) / 2),
             Retraction::Cayley => {
@@ -92,7 +93,7 @@ impl Group for SO3 {
     }
 
     fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        let z = squared_norm(x);
+        let z = x.squared_norm();
         match retraction {
             Retraction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
             Retraction::Cayley => {
@@ -108,7 +109,7 @@ impl Group for SO3 {
             // dR exp is singular where |x| = 2π
             Retraction::Exponential => {
                 let edge = x.0[0].arena().number(Number::Float(std::f64::consts::TAU.powi(2)));
-                Some(edge - squared_norm(x))
+                Some(edge - x.squared_norm())
             }
             Retraction::Cayley => None,
         }
@@ -132,14 +133,14 @@ impl Group for SO3 {
 
     /// One Newton step of `|q|² = 1`: exact to rounding when `|q|` is off by rounding.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
-        let correction = (squared_norm(g) - 1) / 2;
+        let correction = (g.squared_norm() - 1) / 2;
         g - &g.scale(correction)
     }
 
     /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to the product's:
     /// the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
-        let quarter = squared_norm(x).scale(Number::ratio(1, 4));
+        let quarter = x.squared_norm().scale(Number::ratio(1, 4));
         let one = quarter.arena().one();
         let (turn, inverse) = match retraction {
             Retraction::Exponential => (self.retract(retraction, x), one),
@@ -151,7 +152,7 @@ impl Group for SO3 {
         let turn = turn.hold();
         let moved = side.compose(self, g, &turn).hold();
         // one Newton step, as in `normalize`, for `g`
-        let correction = one.scale(Number::ratio(3, 2)) - squared_norm(g).scale(Number::ratio(1, 2)).hold();
+        let correction = one.scale(Number::ratio(3, 2)) - g.squared_norm().scale(Number::ratio(1, 2)).hold();
         let next = moved.scale((inverse.sqrt() * correction.hold()).hold());
         Moved { turn, moved, next }
     }
@@ -230,7 +231,7 @@ impl Representation for Space {
     /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the tangent group
     /// of SO(3).
     fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
-        let z = squared_norm(x);
+        let z = x.squared_norm();
         match retraction {
             Retraction::Exponential => Translation {
                 fixed: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
@@ -246,7 +247,7 @@ impl Representation for Space {
 
     /// `exp x = 1 + c₁ x̂ + c₂ x̂²`, `cay x = 1 + (x̂ + x̂²/2)/(1 + z/4)`
     fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let z = squared_norm(x);
+        let z = x.squared_norm();
         match retraction {
             Retraction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
             Retraction::Cayley => {

@@ -16,7 +16,7 @@ pub struct SU2;
 /// `a = x/4` and `|a|²`
 fn quarter<'a>(x: &Vector<'a>) -> (Vector<'a>, Expr<'a>) {
     let a = x.scale(x.0[0].arena().number(Number::ratio(1, 4)));
-    let squared = x.dot(x).scale(Number::ratio(1, 16));
+    let squared = x.squared_norm().scale(Number::ratio(1, 16));
     (a, squared)
 }
 
@@ -57,6 +57,12 @@ impl Group for SU2 {
         SO3.axes()
     }
 
+    fn unit(&self, retraction: Retraction) -> i128 {
+        match retraction {
+            Retraction::Exponential => 1,
+            Retraction::Cayley => 4,
+        }
+    }
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }

@@ -184,13 +184,14 @@ impl<'a> Plan<'a> {
         parts.into_iter().fold(first, |earlier, part| self.sum(vec![earlier, part]))
     }
 
-    /// The sum in this order; the sign of the first addend goes outside, so that `a − b` and `b − a` are one node.
+    /// The sum in this order; the sign of a constant goes outside, else that of the first addend, so that `a − b` and `b − a` are one node.
     fn sum(&mut self, mut addends: Vec<Signed>) -> Signed {
         if let [one] = addends.as_slice() {
             return *one;
         }
         addends.sort_by_key(|addend| addend.op);
-        let flip = addends[0].negative;
+        let is_constant = |addend: &&Signed| matches!(self.operation(addend.op), Operation::Number(_));
+        let flip = addends.iter().find(is_constant).unwrap_or(&addends[0]).negative;
         let addends = addends.into_iter().map(|addend| (addend.negative ^ flip, addend.op)).collect();
         Signed { negative: flip, op: self.intern(Operation::Sum(addends)) }
     }

@@ -88,12 +88,16 @@ impl<'p, 'a> Schedule<'p, 'a> {
         let stepping: Vec<Op> = stepping.into_iter().flat_map(|signed| ops(signed)).collect();
         let stepping = self.cone(&stepping);
         let evaluating = self.cone(&ops(&outputs.evaluation));
+        let solving = [&outputs.evaluation, &outputs.correction, &outputs.sweep, &outputs.domain];
+        let solving: Vec<Op> = solving.into_iter().flat_map(|signed| ops(signed)).collect();
+        let solving = self.cone(&solving);
         let families: FxHashSet<Op> = evaluating.iter().filter_map(|&op| self.family(op)).collect();
         for op in self.plan.ops() {
             let home = match self.plan.stage(op) {
                 Stage::Parameters => Home::New,
                 Stage::Change => Home::Local,
-                Stage::Step if stepping.contains(&op) || self.is_given(op) => Home::Begin,
+                // What only the next state is made of is computed there, once a step too: the solution is not to wait behind it.
+                Stage::Step if solving.contains(&op) || self.is_given(op) => Home::Begin,
                 Stage::Iteration if evaluating.contains(&op) => Home::Evaluate,
                 // Stumpff functions of one argument are computed together
                 Stage::Iteration if self.family(op).is_some_and(|z| families.contains(&z)) => Home::Evaluate,

@@ -39,7 +39,15 @@ use crate::model::{Factor, Hamiltonian, System, plain};
 struct Motion<'a> {
     /// What names of its values begin with.
     prefix: String,
-    /// The group's part of `η`, symbols.
+    /// What the unknown is called.
+    name: &'static str,
+    /// What the name of a value begins with that has the unit for a factor.
+    times: &'static str,
+    /// What it is counted in.
+    unit: Expr<'a>,
+    /// The unknown, `y` in these units: symbols.
+    x: Vector<'a>,
+    /// The group's part of `η`.
     y: Vector<'a>,
     /// `(1−s) y`
     y_late: Vector<'a>,
@@ -60,6 +68,8 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     let motions: Vec<Motion<'a>> =
         system.factors.iter().map(|factor| Motion::new(system, factor, retraction, early, late)).collect();
     let y = Vector(motions.iter().flat_map(|motion| motion.y.0.clone()).collect());
+    // what is made of the unknown and multiplied by it again has its factor
+    let doubled = |element: Element<'a>, unit: Expr<'a>| element.scale(unit).hold().scale(unit.recip());
 
     // everything that the energy and the forces are functions of, at the intermediate point
     let momentum_mean = match &system.hamiltonian {
@@ -73,7 +83,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     let mut rights = Vec::new();
     let mut nexts = Vec::new();
     for (factor, motion) in system.factors.iter().zip(&motions) {
-        let Motion { prefix, y, y_late, .. } = motion;
+        let Motion { prefix, unit, x, y, y_late, .. } = motion;
         let algebra = &factor.algebra;
         let axes = algebra.group.axes();
         let w: Vec<Vector<'a>> = factor
@@ -94,7 +104,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
             base: factor.momentum.clone(),
             spaces: factor.advected.iter().map(|a| a.value.clone()).collect(),
         };
-        let before = algebra.d_right_dual(retraction, &eta_early, &m).hold();
+        let before = doubled(algebra.d_right_dual(retraction, &eta_early, &m), *unit);
         let m_minus = m.plus(&algebra.coadjoint(&eta_early, &before));
         let m_plus = match kick {
             Some(kick) => Element {
@@ -103,8 +113,9 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
             },
             None => m_minus.clone(),
         };
-        let after = algebra.d_right_dual(retraction, &eta_late, &m_plus).hold();
-        let m_bar = after.scale(late).plus(&before.scale(early)).hold();
+        let after = doubled(algebra.d_right_dual(retraction, &eta_late, &m_plus), *unit);
+        // in the equation it has the factor, too
+        let m_bar = after.scale(late).plus(&before.scale(early)).scale(*unit).hold();
         let m_next = m_plus.plus(&algebra.coadjoint(&eta_late, &after));
 
         // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
@@ -113,8 +124,8 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         moved.moved.named(&format!("{}_moved", plain(&factor.name)), algebra.group.coordinates());
         let g_next = moved.next;
 
-        y.dot(y).named(format!("{prefix}eta_squared"));
-        m_bar.base.named(&format!("{prefix}momentum_mean"), axes);
+        x.dot(x).named(format!("{prefix}{}_squared", motion.name));
+        m_bar.base.named(&format!("{prefix}{}momentum_mean", motion.times), axes);
         m_next.base.named(&format!("{prefix}momentum_next"), axes);
         for ((advected, space), (mean, next)) in
             factor.advected.iter().zip(&algebra.spaces).zip(motion.a_bar.iter().zip(&m_next.spaces))
@@ -177,7 +188,15 @@ impl<'a> Motion<'a> {
             let symbol = |axis: &&str| arena.symbol(format!("{prefix}{name}_{axis}"), Stage::Iteration);
             Vector(group.axes().iter().map(symbol).collect())
         };
-        let (y, mean) = (symbols("eta"), symbols("mu"));
+        let unit = group.unit(retraction);
+        let (name, times) = match unit {
+            1 => ("eta", ""),
+            2 => ("half_eta", "twice_"),
+            _ => ("quarter_eta", "times_"),
+        };
+        let (x, mean) = (symbols(name), symbols("mu"));
+        let unit = arena.number(Number::ratio(unit, 1));
+        let y = x.scale(unit);
         let sign = arena.number(system.side.sign());
         let (y_early, y_late) = (y.scale(early), y.scale(late));
         let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
@@ -197,7 +216,7 @@ impl<'a> Motion<'a> {
         let turn = turn.named(&format!("{prefix}turn_early"), group.coordinates());
         let g_bar = system.side.compose(group, &factor.configuration, &turn).hold();
         let g_bar = g_bar.named(&format!("{}_mean", plain(&factor.name)), group.coordinates());
-        Self { prefix, y, y_late, mean, a_bar, g_bar }
+        Self { prefix, name, times, unit, x, y, y_late, mean, a_bar, g_bar }
     }
 }
 
@@ -264,24 +283,26 @@ fn equations<'a>(
             let gradient = gradient(*energy, &system.momentum().symbols()).substitute(intermediate).scale(t);
             let mut equations = Vec::new();
             for (f, (factor, motion)) in system.factors.iter().zip(motions).enumerate() {
+                let mean = rights[f].scale(motion.unit.recip());
                 equations.push(Equation {
                     unknown: motion.mean.clone(),
                     left: motion.mean.clone(),
-                    right: rights[f].clone(),
-                    solved: rights[f].clone(),
+                    right: mean.clone(),
+                    solved: mean,
                     start: factor.momentum.clone(),
                     names: names(motion, "mu", factor),
                 });
             }
             for (f, (factor, motion)) in system.factors.iter().zip(motions).enumerate() {
-                let right = Vector(slice(&gradient, f));
+                let in_units = |of: &Vector<'a>| Vector(slice(of, f)).scale(motion.unit.recip());
+                let right = in_units(&gradient);
                 equations.push(Equation {
-                    unknown: motion.y.clone(),
-                    left: motion.y.clone(),
+                    unknown: motion.x.clone(),
+                    left: motion.x.clone(),
                     right: right.clone(),
                     solved: right,
-                    start: Vector(slice(&velocity, f)),
-                    names: names(motion, "eta", factor),
+                    start: in_units(&velocity),
+                    names: names(motion, motion.name, factor),
                 });
             }
             return equations;
@@ -296,17 +317,25 @@ fn equations<'a>(
                 .collect();
             let right = collect(&block, &|f| rights[f].0.clone());
             let names: Vec<String> =
-                block.iter().flat_map(|&f| names(&motions[f], "eta", &system.factors[f])).collect();
+                block.iter().flat_map(|&f| names(&motions[f], motions[f].name, &system.factors[f])).collect();
             let left = collect(&block, &|f| slice(momentum_mean, f));
+            let units = collect(&block, &|f| vec![motions[f].unit; motions[f].x.len()]);
+            let times =
+                |of: &Vector<'a>| Vector(of.iter().zip(units.iter()).map(|(x, unit)| x * unit).collect());
+            let per =
+                |of: &Vector<'a>| Vector(of.iter().zip(units.iter()).map(|(x, unit)| x / unit).collect());
+            let start = collect(&block, &|f| slice(&velocity, f));
+            let solved = inertia.block(&rows).solve_symmetric(&per(&right)).scale(t);
+            let left = times(&left);
             for (left, name) in left.iter().zip(&names) {
                 left.named(format!("inertia_{name}"));
             }
             Equation {
-                unknown: collect(&block, &|f| motions[f].y.0.clone()),
+                unknown: collect(&block, &|f| motions[f].x.0.clone()),
                 left,
-                solved: inertia.block(&rows).solve_symmetric(&right).scale(t),
+                solved: per(&solved),
                 right,
-                start: collect(&block, &|f| slice(&velocity, f)),
+                start: per(&start),
                 names,
             }
         })

@@ -6,19 +6,11 @@ use std::vec::Vec;
 use super::Failed;
 use crate::kernel::Components;
 use crate::lanes::{Lanes, Portable};
-use crate::method::{Failure, Method};
+use crate::method::{Clock, Failure, Method};
 #[cfg(target_arch = "x86_64")]
 use crate::processor::{Avx2, Avx512};
 use crate::scalar::{Batch, Real, Work};
 use crate::system::{Discretized, System};
-
-/// When a step takes place.
-#[derive(Clone, Copy)]
-pub(super) struct Clock {
-    pub start: f64,
-    pub step: f64,
-    pub taken: u64,
-}
 
 /// What came of some steps.
 pub(super) struct Marched {
@@ -252,18 +244,25 @@ where
         };
         let mut marched = Marched { failed: Vec::new(), member_steps: 0 };
         let mut members = alive(&block.lanes);
-        for k in 0..steps {
-            if members == 0 {
-                break;
-            }
-            let step = clock.taken + k;
-            let time = T::of(clock.start + step as f64 * clock.step);
+        let mut taken = 0;
+        while taken < steps && members > 0 {
             // at no time in particular the step is not one like the last
             let known = block.known && clock.start.is_finite();
-            match block.method.advance(&block.state, time, &block.control, known) {
+            if known {
+                let clock = Clock { taken: clock.taken + taken, ..clock };
+                let together = block.method.march(&mut block.state, clock, &block.control, steps - taken);
+                taken += together.steps;
+                marched.member_steps += together.steps * members;
+                if taken == steps {
+                    break;
+                }
+            }
+            let time = T::of(clock.after(taken));
+            taken += 1;
+            match block.method.advance(&block.state, time, &block.control, &known) {
                 Ok(advanced) => block.state = advanced.state,
                 Err(failure) => {
-                    block.bury(&failure, step + 1, &mut marched.failed);
+                    block.bury(&failure, clock.taken + taken, &mut marched.failed);
                     members = alive(&block.lanes);
                 }
             }

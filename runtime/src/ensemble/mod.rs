@@ -46,11 +46,12 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
+use crate::method::Clock;
 use crate::scalar::{Batch, Real};
 use crate::stepper::on_group;
 use crate::system::{Control, Discretized, State, System};
 pub use blocks::Instructions;
-use blocks::{Blocks, Clock, Marched};
+use blocks::{Blocks, Marched};
 pub use distribution::{Distribution, Spread};
 
 /// Many states that move at the same time, with the scheme `M`.

@@ -143,6 +143,11 @@ impl Layout<'_, '_, '_> {
             Operation::Sum(addends) => {
                 let mut terms: Vec<(bool, Term)> =
                     addends.iter().map(|&(negative, addend)| (negative, self.term(addend))).collect();
+                // next to a constant small numbers keep together
+                let has_constant = terms.iter().any(|(_, term)| matches!(term, Term::Number(_)));
+                if self.home == Some(Home::Evaluate) && !has_constant {
+                    terms = flat(terms);
+                }
                 match terms.iter().position(|(negative, _)| !negative) {
                     Some(first) => {
                         // read `a − b`, not `−b + a`
@@ -188,6 +193,19 @@ impl Layout<'_, '_, '_> {
             Operation::Atan2(y, x) => Term::Atan2(Box::new(self.term(*y)), Box::new(self.term(*x))),
         }
     }
+}
+
+/// A sum of sums as one, in which every product can be added as it is formed. Its roundings are those of the largest addend, once for each
+/// of the others: next to an unknown that is a small change itself they make no difference, in the state that it changes they would.
+fn flat(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
+    let mut flat = Vec::new();
+    for (negative, addend) in addends {
+        match addend {
+            Term::Sum(inner) => flat.extend(inner.into_iter().map(|(sign, term)| (sign ^ negative, term))),
+            other => flat.push((negative, other)),
+        }
+    }
+    flat
 }
 
 fn product(mut factors: Vec<Term>) -> Option<Term> {

@@ -1,0 +1,278 @@
+//! Products and sums rounded once, for speed.
+//!
+//! Processors multiply and add in one instruction, `a + b c`, and round once where two instructions round twice: half of a step's arithmetic
+//! is of this kind. A program that is built for any processor cannot count on the instruction. [`Fused<M>`] takes the steps of the scheme
+//! `M` with it all the same: whether the processor has it is found out when the program runs.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//!
+//! #[lie_poisson_system(group = SO3)]
+//! struct Body {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//! }
+//!
+//! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+//! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+//! let momentum = body.spatial_momentum(&state);
+//! let mut stepper = body.stepper::<Fused<Cayley>>(0.05)?;
+//! stepper.steps_with(&mut state, &NoControl::default(), 10_000)?;
+//! assert!((body.spatial_momentum(&state) - momentum).norm() < 1e-13);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The steps are those of `M` but for roundings, and the same on every machine: where the instruction is missing, as in processors from before
+//! 2013, the same result is found by a detour that takes many times as long. Steps taken [together](crate::stepper::Stepper::steps_with), as
+//! a [`Run`](crate::Run) takes them, gain the most. The wrapper goes outside: `Fused<Order4<Cayley>>`.
+
+use core::marker::PhantomData;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::kernel::Components;
+use crate::method::{Advanced, Clock, Failure, Known, Marched, Method, Outcome};
+use crate::scalar::{Batch, Mask, Scalar, Work};
+use crate::system::{Discretized, System};
+
+/// The scheme `M` with products and sums [rounded once](crate::fused).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fused<M>(PhantomData<M>);
+
+impl<S: Discretized<M>, M> Discretized<Fused<M>> for S {
+    type Method<T: Batch> = Fusion<S, M, T>;
+}
+
+/// A number, or several, of which [`plus`](Scalar::plus) and [`minus`](Scalar::minus) round once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Once<T>(T);
+
+/// A method with such numbers.
+pub struct Fusion<S: Discretized<M>, M, T: Batch>(S::Method<Once<T>>);
+
+impl<S: Discretized<M>, M, T: Batch> Clone for Fusion<S, M, T> {
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+#[inline(always)]
+fn wrapped<T: Batch, C: Components<T>, W: Components<Once<T>>>(components: &C) -> W {
+    W::from_fn(|k| Once(components.as_ref()[k]))
+}
+
+#[inline(always)]
+fn unwrapped<T: Batch, W: Components<Once<T>>, C: Components<T>>(components: &W) -> C {
+    C::from_fn(|k| components.as_ref()[k].0)
+}
+
+/// Does the work where the instructions are: numbers side by side are there already.
+#[inline(always)]
+fn inside<T: Batch, W: Work>(work: W) -> W::Result {
+    if const { T::LANES == 1 } { T::outline_fused(work) } else { work.done() }
+}
+
+struct Step<'a, B: Method, C> {
+    method: &'a mut B,
+    state: &'a C,
+    time: B::Scalar,
+    control: &'a B::Control,
+    known: bool,
+}
+
+impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, B, C> {
+    type Result = Outcome<T, C>;
+
+    #[inline(always)]
+    fn done(self) -> Outcome<T, C> {
+        let Self { method, state, time, control, known } = self;
+        let without = |advanced: Advanced<Once<T>, B::State>| Advanced {
+            state: unwrapped(&advanced.state),
+            iterations: advanced.iterations,
+            residual: advanced.residual.0,
+        };
+        match method.advance(&wrapped(state), time, control, &known) {
+            Ok(advanced) => Ok(without(advanced)),
+            Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
+        }
+    }
+}
+
+struct Steps<'a, B: Method, C> {
+    method: &'a mut B,
+    state: &'a mut C,
+    clock: Clock,
+    control: &'a B::Control,
+    most: u64,
+}
+
+impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Steps<'_, B, C> {
+    type Result = Marched<T>;
+
+    #[inline(always)]
+    fn done(self) -> Marched<T> {
+        let Self { method, state, clock, control, most } = self;
+        let mut now: B::State = wrapped(state);
+        let Marched { steps, iterations, max_iterations, max_residual } =
+            method.march(&mut now, clock, control, most);
+        *state = unwrapped(&now);
+        Marched { steps, iterations, max_iterations, max_residual: max_residual.0 }
+    }
+}
+
+impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
+    type Scalar = T;
+    type Parameters = <S as System>::Parameters<T>;
+    type State = S::StateComponents<T>;
+    type Control = S::ControlComponents<T>;
+
+    fn new(parameters: &Self::Parameters, step: T) -> Self {
+        Self(Method::new(&wrapped(parameters), Once(step)))
+    }
+
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        state: &Self::State,
+        time: T,
+        control: &Self::Control,
+        known: &impl Known,
+    ) -> Outcome<T, Self::State> {
+        let (time, control, known) = (Once(time), &wrapped(control), known.is_so());
+        inside::<T, _>(Step { method: &mut self.0, state, time, control, known })
+    }
+
+    #[inline(always)]
+    fn march(
+        &mut self,
+        state: &mut Self::State,
+        clock: Clock,
+        control: &Self::Control,
+        most: u64,
+    ) -> Marched<T> {
+        inside::<T, _>(Steps { method: &mut self.0, state, clock, control: &wrapped(control), most })
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        self.0.memory(&mut |numbers| {
+            numbers.iter_mut().for_each(|number| visit(core::slice::from_mut(&mut number.0)));
+        });
+    }
+}
+
+macro_rules! operators {
+    ($($trait:ident $name:ident,)*) => {
+        $(impl<T: Batch> $trait for Once<T> {
+            type Output = Self;
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self($trait::$name(self.0, other.0))
+            }
+        })*
+    };
+}
+operators! { Add add, Sub sub, Mul mul, Div div, }
+
+impl<T: Batch> Neg for Once<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+macro_rules! functions {
+    ($($name:ident($($operand:ident),*))*) => {
+        $(#[inline(always)]
+        fn $name(self $(, $operand: Self)*) -> Self {
+            Self(Scalar::$name(self.0 $(, $operand.0)*))
+        })*
+    };
+}
+
+impl<T: Batch> Scalar for Once<T> {
+    #[inline(always)]
+    fn of(value: f64) -> Self {
+        Self(T::of(value))
+    }
+    #[inline(always)]
+    fn plus(self, a: Self, b: Self) -> Self {
+        Self(self.0.plus_once(a.0, b.0))
+    }
+    #[inline(always)]
+    fn minus(self, a: Self, b: Self) -> Self {
+        // of the two, `b` is what comes later: nothing is kept negated
+        Self(self.0.plus_once(a.0, -b.0))
+    }
+    functions! {
+        sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
+        powf(exponent) atan2(x) min(other)
+    }
+    #[inline(always)]
+    fn stumpff<const N: usize>(self) -> [Self; N] {
+        if Batch::abs(self).below(Self::of(crate::stumpff::SHORT)).all() {
+            return crate::stumpff::short(self);
+        }
+        self.0.stumpff::<N>().map(Self)
+    }
+}
+
+impl<T: Batch> Batch for Once<T> {
+    type Number = T::Number;
+    type Mask = T::Mask;
+    type Each<X: Copy + Send + Sync> = T::Each<X>;
+
+    const LANES: usize = T::LANES;
+    const EPSILON: f64 = T::EPSILON;
+    const LEAST: f64 = T::LEAST;
+    const PAIRS: bool = T::PAIRS;
+    const ONCE: bool = true;
+
+    #[inline(always)]
+    fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> T::Each<X> {
+        T::each(value)
+    }
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> T::Number {
+        self.0.lane(lane)
+    }
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, number: T::Number) {
+        self.0.set_lane(lane, number);
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(Batch::abs(self.0))
+    }
+    #[inline(always)]
+    fn is_finite(self) -> T::Mask {
+        self.0.is_finite()
+    }
+    #[inline(always)]
+    fn is_same(self, other: Self) -> T::Mask {
+        self.0.is_same(other.0)
+    }
+    #[inline(always)]
+    fn at_most(self, limit: Self) -> T::Mask {
+        self.0.at_most(limit.0)
+    }
+    #[inline(always)]
+    fn below(self, limit: Self) -> T::Mask {
+        self.0.below(limit.0)
+    }
+    #[inline(always)]
+    fn select(mask: T::Mask, yes: Self, no: Self) -> Self {
+        Self(T::select(mask, yes.0, no.0))
+    }
+    #[inline(always)]
+    fn plus_once(self, a: Self, b: Self) -> Self {
+        Self(self.0.plus_once(a.0, b.0))
+    }
+    #[inline(always)]
+    fn outline<W: Work>(work: W) -> W::Result {
+        T::outline_fused(work)
+    }
+    #[inline(always)]
+    fn outline_fused<W: Work>(work: W) -> W::Result {
+        T::outline_fused(work)
+    }
+}
