@@ -36,7 +36,7 @@ use core::marker::PhantomData;
 
 use crate::double::Double;
 use crate::kernel::Components;
-use crate::method::{Advanced, Failure, Known, Method, Outcome};
+use crate::method::{Advanced, Failure, Method, Outcome};
 use crate::scalar::{Batch, Mask, Scalar};
 use crate::system::{Discretized, System};
 
@@ -104,14 +104,13 @@ impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
         state: &Self::State,
         time: T,
         control: &Self::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<T, Self::State> {
         let same = state.as_ref().iter().zip(self.state.as_ref());
-        let same =
-            same.fold(T::Mask::splat(known.is_so()), |same, (x, wide)| same & x.is_same(wide.parts()[0]));
+        let same = same.fold(T::Mask::splat(known), |same, (x, wide)| same & x.is_same(wide.parts()[0]));
         let wide: S::StateComponents<Wide<T>> = widened(state);
         let wide = crate::newton::select::<Wide<T>, _>(same, &self.state, &wide);
-        match self.base.advance(&wide, Double::exactly(time), &widened(control), &same.all()) {
+        match self.base.advance(&wide, Double::exactly(time), &widened(control), same.all()) {
             Ok(advanced) => Ok(self.remember(advanced)),
             Err(Failure { errors, advanced }) => {
                 let is_lost = errors.as_ref().iter().all(Option::is_some);

@@ -35,7 +35,7 @@
 
 use core::marker::PhantomData;
 
-use crate::method::{Course, Known, Method, Outcome, visit_flag};
+use crate::method::{Course, Method, Outcome, visit_flag};
 use crate::scalar::{Batch, Scalar};
 use crate::system::Discretized;
 
@@ -183,9 +183,9 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<B::Scalar, B::State> {
-        let known = known.is_so() && self.whole;
+        let known = known && self.whole;
         // until all are through
         self.whole = false;
         let mut state = *state;
@@ -218,7 +218,7 @@ where
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::method::{Advanced, Halves, Known};
+    use crate::method::{Advanced, Halves};
     use crate::retraction::Exponential;
     use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
     use crate::stepper::Stepper;
@@ -239,13 +239,7 @@ mod tests {
             Self(step)
         }
 
-        fn advance(
-            &mut self,
-            &[q]: &[f64; 1],
-            time: f64,
-            _: &[f64; 0],
-            _: &impl Known,
-        ) -> Outcome<f64, [f64; 1]> {
+        fn advance(&mut self, &[q]: &[f64; 1], time: f64, _: &[f64; 0], _: bool) -> Outcome<f64, [f64; 1]> {
             let step = self.0;
             Ok(Advanced { state: [q + step * (time + 0.5 * step)], iterations: [0], residual: 0.0 })
         }
@@ -258,7 +252,7 @@ mod tests {
         M: Method<Scalar = f64, Parameters = [f64; 0], State = [f64; 1], Control = [f64; 0]>,
     {
         let (start, step) = (3.0, 0.75);
-        let outcome = M::new(&[], step).advance(&[0.0], start, &[], &false);
+        let outcome = M::new(&[], step).advance(&[0.0], start, &[], false);
         let [q] = outcome.map_err(|failure| failure.first()).expect("explicit").state;
         let end: f64 = start + step;
         let exact = 0.5 * (end * end - start * start);

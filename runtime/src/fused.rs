@@ -30,7 +30,7 @@ use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::kernel::Components;
-use crate::method::{Advanced, Clock, Failure, Known, Marched, Method, Outcome};
+use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
 use crate::scalar::{Batch, Mask, Scalar, Work};
 use crate::system::{Discretized, System};
 
@@ -45,6 +45,13 @@ impl<S: Discretized<M>, M> Discretized<Fused<M>> for S {
 /// A number, or several, of which [`plus`](Scalar::plus) and [`minus`](Scalar::minus) round once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Once<T>(T);
+
+impl<T> From<T> for Once<T> {
+    #[inline(always)]
+    fn from(number: T) -> Self {
+        Self(number)
+    }
+}
 
 /// A method with such numbers.
 pub struct Fusion<S: Discretized<M>, M, T: Batch>(S::Method<Once<T>>);
@@ -90,7 +97,7 @@ impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, 
             iterations: advanced.iterations,
             residual: advanced.residual.0,
         };
-        match method.advance(&wrapped(state), time, control, &known) {
+        match method.advance(&wrapped(state), time, control, known) {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }
@@ -135,9 +142,9 @@ impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
         state: &Self::State,
         time: T,
         control: &Self::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<T, Self::State> {
-        let (time, control, known) = (Once(time), &wrapped(control), known.is_so());
+        let (time, control) = (Once(time), &wrapped(control));
         inside::<T, _>(Step { method: &mut self.0, state, time, control, known })
     }
 

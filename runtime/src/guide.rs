@@ -239,6 +239,15 @@ pub mod choosing {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
+    //! # Fast
+    //!
+    //! * Steps taken together take less time than one by one, with the same result: [`steps_with`](crate::Stepper::steps_with), and with it a
+    //!   [`Run`](crate::Run) between two ticks that somebody has to see. `Record::every(100)` and `run.every(100, …)` see every hundredth;
+    //!   an observer of your own says by [`next`](crate::Observer::next) which one it waits for, and a controller is asked before each.
+    //! * [`Fused<M>`](crate::fused::Fused) takes the steps of `M` with products and sums rounded once, by an instruction that is looked for when
+    //!   the program runs: the same on every machine, and other last digits than those of `M`.
+    //! * Many at once: [`ensembles`](super::ensembles).
+    //!
     //! Structure pays over long times, at large steps, where Casimirs must hold exactly, and in the statistics of many states. For one
     //! short trajectory to many digits, a good adaptive method that knows nothing of structure is faster.
 }
@@ -423,7 +432,7 @@ pub mod derivatives {
     //! **What must hold** and is tested: every block agrees with dual numbers through the same step; `D P(x) Dᵀ = P(x')` with the Poisson tensor
     //! `P`, and `det D = 1`, where no force acts; the product backwards is the transpose of that forwards.
     //!
-    //! Steps of [`Compensated`](crate::compensated) schemes have none of their own: take those of the scheme itself.
+    //! Steps of [`Compensated`](crate::compensated) and [`Fused`](crate::fused) schemes have none of their own: take those of the scheme itself.
 }
 
 pub mod reading {

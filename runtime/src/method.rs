@@ -23,7 +23,7 @@ pub trait Method: Clone + Send + Sync {
     /// The method for these parameters and this step.
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
-    /// The state after a step that starts at `time`, with `control` held until it ends. If the state is [`known`](Known), the one that the
+    /// The state after a step that starts at `time`, with `control` held until it ends. If the state is `known`, the one that the
     /// last step led to, the solution is sought from the last ones on, which only makes it faster; the time is then that of a step like the last.
     ///
     /// # Errors
@@ -34,11 +34,11 @@ pub trait Method: Clone + Send + Sync {
         state: &Self::State,
         time: Self::Scalar,
         control: &Self::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<Self::Scalar, Self::State>;
 
     /// Takes steps, up to `most`, with `control` held all the time, for as long as they are as most steps are; from a state that is
-    /// [known](Known). Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance).
+    /// known. Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance).
     #[inline(always)]
     fn march(
         &mut self,
@@ -55,7 +55,7 @@ pub trait Method: Clone + Send + Sync {
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [Self::Scalar]));
 }
 
-/// When steps are taken: the next one starts at `start + taken · step`.
+/// When steps are taken: the next one at `start + taken · step`.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Where steps are counted from.
@@ -96,20 +96,6 @@ impl<T: Batch> Default for Marched<T> {
             max_iterations: T::each(|_| 0),
             max_residual: T::of(0.0),
         }
-    }
-}
-
-/// Whether the state at which a step starts is the one that the last step led to. Not simply a truth: to find out takes time, and most
-/// steps can go ahead before they ask.
-pub trait Known {
-    /// Finds out.
-    fn is_so(&self) -> bool;
-}
-
-impl Known for bool {
-    #[inline(always)]
-    fn is_so(&self) -> bool {
-        *self
     }
 }
 
@@ -175,39 +161,57 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         state: &K::State,
         time: T,
         control: &K::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<T, K::State> {
-        if let Some(advanced) = self.usual(state, time, control, known) {
+        // Nearly all steps go this way. Whatever is not as usual sends them the other.
+        if known && let Some(advanced) = self.usual(state, time, control) {
             return Ok(advanced);
         }
-        // copies, so that the other way needs no addresses
-        let (state, control) = (*state, *control);
-        let known = known.is_so();
-        T::outline(Anyhow { method: self, state: &state, time, control: &control, known })
+        self.anyhow(state, time, control, known)
     }
 
     #[inline(always)]
     fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
-        self.solver.effort();
-        // not in memory
-        let mut now = *state;
-        let mut steps = 0;
-        while steps < most {
-            let Some(advanced) = self.usual(&now, T::of(clock.after(steps)), control, &true) else { break };
-            now = advanced.state;
-            steps += 1;
-        }
-        *state = now;
-        let (effort, residual) = self.solver.effort();
-        if steps == 0 || <K::Unknown as AsRef<[T]>>::as_ref(&self.solver.latest()).is_empty() {
-            return Marched { steps, ..Marched::default() };
-        }
-        let iterations = T::each(|lane| steps + effort.more.as_ref()[lane]);
-        Marched { steps, iterations, max_iterations: effort.most, max_residual: residual }
+        // out of line: once for all that take steps with it
+        T::outline(March { method: self, state, clock, control, most })
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         self.solver.memory(visit);
+    }
+}
+
+/// Steps of [`OneStep`] as nearly all are.
+struct March<'a, T: Batch, K: Kernel<T>> {
+    method: &'a mut OneStep<T, K>,
+    state: &'a mut K::State,
+    clock: Clock,
+    control: &'a K::Control,
+    most: u64,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for March<'_, T, K> {
+    type Result = Marched<T>;
+
+    #[inline(always)]
+    fn done(self) -> Marched<T> {
+        let Self { method, state, clock, control, most } = self;
+        method.solver.effort();
+        // not in memory
+        let mut now = *state;
+        let mut steps = 0;
+        while steps < most {
+            let Some(advanced) = method.usual(&now, T::of(clock.after(steps)), control) else { break };
+            now = advanced.state;
+            steps += 1;
+        }
+        *state = now;
+        let (effort, residual) = method.solver.effort();
+        if steps == 0 || method.solver.is_idle() {
+            return Marched { steps, ..Marched::default() };
+        }
+        let iterations = T::each(|lane| steps + effort.more.as_ref()[lane]);
+        Marched { steps, iterations, max_iterations: effort.most, max_residual: residual }
     }
 }
 
@@ -260,15 +264,24 @@ impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
 }
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
-    /// A step as nearly all are. None, and nothing has happened, if something is not as usual, be it a number that is not finite.
+    /// A step by whatever it takes.
     #[inline(always)]
-    fn usual(
+    fn anyhow(
         &mut self,
         state: &K::State,
         time: T,
         control: &K::Control,
-        known: &impl Known,
-    ) -> Option<Advanced<T, K::State>> {
+        known: bool,
+    ) -> Outcome<T, K::State> {
+        // copies, so that the other way needs no addresses
+        let (state, control) = (*state, *control);
+        T::outline(Anyhow { method: self, state: &state, time, control: &control, known })
+    }
+
+    /// A step as nearly all are. None, and nothing has happened, if something is not as usual, be it a number that is not
+    /// finite.
+    #[inline(always)]
+    fn usual(&mut self, state: &K::State, time: T, control: &K::Control) -> Option<Advanced<T, K::State>> {
         if !self.solver.is_settled() {
             return None;
         }
@@ -276,8 +289,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let solution = self.solver.by_sweeps(&self.kernel, state, &begun)?;
         let advanced = self.finish(state, &begun, &solution);
         let usual = self.is_inside(state, &begun, &solution) & surely_finite(&advanced.state, control);
-        // asked for last, so that what waits for the last step to end does not stand before what this one begins with
-        if usual.all() & known.is_so() {
+        if usual.all() {
             self.solver.push_usual(&solution.unknown);
             return Some(advanced);
         }
@@ -359,7 +371,7 @@ impl<B: Method> Work for Part<'_, B> {
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        self.method.advance(self.state, self.time, self.control, &self.known)
+        self.method.advance(self.state, self.time, self.control, self.known)
     }
 }
 
@@ -452,9 +464,9 @@ where
         state: &A::State,
         time: A::Scalar,
         control: &A::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<A::Scalar, A::State> {
-        let known = known.is_so() && self.whole;
+        let known = known && self.whole;
         // until both are through
         self.whole = false;
         let mut course = Course::new();
@@ -508,9 +520,8 @@ where
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,
-        known: &impl Known,
+        known: bool,
     ) -> Outcome<B::Scalar, B::State> {
-        let known = known.is_so();
         let spatial = if known && self.has_stepped { self.spatial } else { S::in_space(state) };
         let mut course = Course::new();
         let next = course.part(&mut self.base, state, time, control, known)?;
@@ -551,9 +562,9 @@ mod tests {
             _: &[f64; 0],
             time: f64,
             &[limit]: &[f64; 1],
-            known: &impl Known,
+            known: bool,
         ) -> Outcome<f64, [f64; 0]> {
-            self.known = known.is_so();
+            self.known = known;
             let advanced = Advanced { state: [], iterations: [1], residual: time };
             if time > limit {
                 return Err(Failure { errors: [Some(StepError::OutsideDomain)], advanced });
@@ -568,7 +579,7 @@ mod tests {
     fn halves_remember_whole_steps_only() {
         let mut halves = Halves::<Half, Half>::new(&[], 2.0);
         let mut advance = |limit: f64| {
-            let outcome = halves.advance(&[], 3.0, &[limit], &true);
+            let outcome = halves.advance(&[], 3.0, &[limit], true);
             let report = outcome.map(|to| (to.iterations, to.residual)).map_err(|failure| failure.first());
             (report, [halves.first.known, halves.second.known])
         };

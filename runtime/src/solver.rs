@@ -14,11 +14,19 @@ use crate::newton::{self, Solution, SolutionOf, select, size};
 use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 
 /// The most earlier solutions that the next one is extrapolated from.
-const DEPTH: usize = 8;
-/// The numbers of earlier solutions that are tried.
-const DEPTHS: [usize; 6] = [1, 2, 3, 4, 6, 8];
+const WINDOW: usize = 12;
+/// How many are kept: the next power of two, so that places are found by a mask.
+const KEPT: usize = WINDOW.next_power_of_two();
+/// So many of the most recent ones do for most systems.
+const RECENT: usize = 8;
+/// The polynomials that are tried: through how many of the solutions, or as near to them as can be, and of what degree.
+const FITS: [(usize, usize); 7] = [(1, 0), (2, 1), (3, 2), (4, 3), (6, 5), (RECENT, 7), (WINDOW, 9)];
 /// Steps between two looks at how well extrapolation and sweeps do: at first, and in the long run.
 const INTERVALS: [u32; 2] = [128, 1024];
+/// How often between two such looks sweeps may fail to do what they should, each time with a look of its own.
+const PATIENCE: f64 = 3.0;
+/// By how much the square of an error is to be smaller than a change that may be the last, for it may grow until it is looked at again.
+const MARGIN: f64 = 25.0;
 /// Sweeps contract strongly if their bound is at most this.
 const STRONG: f64 = 0.5;
 /// What the bound is multiplied by, for it may grow until it is measured again.
@@ -41,10 +49,10 @@ pub struct Solver<T: Batch, U> {
     /// Where the earlier solutions point.
     guess: Apart<U>,
     /// Earlier solutions in a ring, each one twice, so that all are in a row wherever they begin; zeros where there were none.
-    solutions: [U; 2 * DEPTH],
+    solutions: [U; 2 * KEPT],
     /// The place of the oldest, which the next one will take.
     oldest: usize,
-    /// How many there were, up to [`DEPTH`].
+    /// How many there were, up to [`WINDOW`].
     count: usize,
     /// Steps until the next look.
     due: u32,
@@ -53,11 +61,15 @@ pub struct Solver<T: Batch, U> {
     /// Whether sweeps are to be made in all lanes.
     is_strong: bool,
     /// The coefficients of the extrapolation, the oldest solution's first.
-    weights: [T; DEPTH],
+    weights: [T; WINDOW],
+    /// Whether those of solutions that are not recent are nothing.
+    is_short: bool,
     /// The square of the change that a sweep may make to be the last one; negative if sweeps are not to be made.
     tolerance: T,
     /// What such a change means for the residual, relative to the equation's terms.
     residual: T,
+    /// How often sweeps failed since the last look that was due.
+    failures: T,
     /// What steps solved by sweeps took beyond one sweep each.
     effort: Effort<T>,
 }
@@ -129,15 +141,17 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
         let nothing = U::from_fn(|_| T::of(0.0));
         Self {
             guess: Apart([nothing; 2]),
-            solutions: [nothing; 2 * DEPTH],
+            solutions: [nothing; 2 * KEPT],
             oldest: 0,
             count: 0,
             due: 0,
             interval: INTERVALS[0],
             is_strong: false,
-            weights: weights(1),
+            weights: weights(0),
+            is_short: true,
             tolerance: T::of(-1.0),
             residual: T::of(0.0),
+            failures: T::of(0.0),
             effort: Effort::none(),
         }
     }
@@ -149,10 +163,16 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         (core::mem::replace(&mut self.effort, Effort::none()), self.residual)
     }
 
+    /// Whether there is nothing to solve for.
+    #[inline(always)]
+    pub(crate) fn is_idle(&self) -> bool {
+        self.guess.0[0].as_ref().is_empty()
+    }
+
     /// Whether the next step is one like most: to be solved by sweeps, without a look.
     #[inline(always)]
     pub fn is_settled(&self) -> bool {
-        self.guess.0[0].as_ref().is_empty() || self.due != 0 && self.is_strong
+        self.is_idle() || self.due != 0 && self.is_strong
     }
 
     /// Solves a step's equation as most are solved, from where the earlier solutions point, by sweeps. None if these do not solve it in all
@@ -173,7 +193,9 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         // The order is that in which the processor, which does not see far ahead, is to go: what the next guess takes from the solutions
         // that there are while this one is waited for, and the next guess before what follows from this solution, for the next step waits
         // for it.
-        let earlier = earlier(&self.weights, &self.window()[1..]);
+        // the window begins one later then
+        let next = self.oldest % KEPT + KEPT - WINDOW + 1;
+        let earlier = earlier(&self.weights, &self.solutions[next..next + WINDOW - 1], self.is_short);
         let mut point = guess;
         let mut iterations = T::each(|_| 1);
         let mut sweeps = 1;
@@ -216,14 +238,22 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         }
         let guess = if self.count == 0 { kernel.start(state, step) } else { guess };
         let mut wanting = T::Mask::splat(self.due == 0);
+        if self.due == 0 {
+            self.failures = T::of(0.0);
+        }
         let strong = T::of(0.0).below(self.tolerance);
         let swept = if strong.any() { self.sweeps(kernel, state, step, &guess, strong) } else { None };
         let solution = match swept {
             Some((_, swept)) if !swept.unsolved.any() => swept,
             Some((point, swept)) => {
                 let left = swept.unsolved;
-                // where sweeps do not do what they should there has to be a look
-                wanting = wanting | (left & strong);
+                // where sweeps do not do what they should there has to be a look, and if it does not help, Newton's iteration until the next
+                let failed = left & strong;
+                self.failures = T::select(failed, self.failures + T::of(1.0), self.failures);
+                let hopeful = self.failures.at_most(T::of(PATIENCE));
+                wanting = wanting | (failed & hopeful);
+                self.tolerance = T::select(failed & !hopeful, T::of(-1.0), self.tolerance);
+                self.is_strong = T::of(0.0).below(self.tolerance).all();
                 let solved = self.newton(kernel, state, step, &select(left, &guess, &point), left);
                 Solution {
                     unknown: select(left, &solved.unknown, &swept.unknown),
@@ -238,7 +268,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         if wanting.any() {
             self.look(kernel, state, step, &solution.unknown, wanting);
         }
-        if self.due == 0 && self.count == DEPTH {
+        if self.due == 0 && self.count == WINDOW {
             self.due = self.interval;
             self.interval = (2 * self.interval).min(INTERVALS[1]);
         }
@@ -308,30 +338,30 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// The earlier solutions, the oldest first.
     #[inline(always)]
     fn window(&self) -> &[U] {
-        // below DEPTH, which the compiler then knows too
-        let oldest = self.oldest % DEPTH;
-        &self.solutions[oldest..oldest + DEPTH]
+        // below KEPT, which the compiler then knows too
+        let oldest = self.oldest % KEPT;
+        &self.solutions[oldest + KEPT - WINDOW..oldest + KEPT]
     }
 
     /// The latest solution.
     pub(crate) fn latest(&self) -> U {
-        self.window()[DEPTH - 1]
+        self.window()[WINDOW - 1]
     }
 
     /// Remembers the solution of a step that [`solve`](Self::solve) solved.
     #[inline(always)]
     pub fn push(&mut self, unknown: &U) {
         self.push_usual(unknown);
-        self.count = (self.count + 1).min(DEPTH);
+        self.count = (self.count + 1).min(WINDOW);
         self.aim();
     }
 
     /// Remembers the solution of a step that [`by_sweeps`](Self::by_sweeps) solved, and forgets the oldest.
     #[inline(always)]
     pub fn push_usual(&mut self, unknown: &U) {
-        let oldest = self.oldest % DEPTH;
+        let oldest = self.oldest % KEPT;
         T::keep(&mut self.solutions[oldest], unknown);
-        T::keep(&mut self.solutions[oldest + DEPTH], unknown);
+        T::keep(&mut self.solutions[oldest + KEPT], unknown);
         self.oldest = oldest + 1;
         self.due = self.due.saturating_sub(1);
     }
@@ -353,18 +383,6 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        // with one solution there is nothing to choose, and with none the first will be the latest
-        let mut best = weights(1);
-        let mut least = T::of(0.0);
-        for depth in DEPTHS.into_iter().filter(|&depth| depth <= self.count) {
-            let candidate = weights(depth);
-            let guess = extrapolated(&candidate, self.window());
-            let error = squared_distance(&guess, solution);
-            let better = error.below(least) | T::Mask::splat(depth == 1);
-            least = T::select(better, error, least);
-            best = core::array::from_fn(|j| T::select(better, candidate[j], best[j]));
-        }
-        self.weights = core::array::from_fn(|j| T::select(wanting, best[j], self.weights[j]));
         let contraction = contraction(kernel, state, step, solution);
         let bound = T::of(SAFETY) * contraction.unwrap_or(T::of(1.0));
         let per_bound = T::of(1.0) / (bound + T::of(TINY));
@@ -386,6 +404,24 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let strong = bound.at_most(T::of(STRONG)) & sizeable;
         let tolerance = T::select(strong, tolerance, T::of(-1.0));
         self.tolerance = T::select(wanting, tolerance, self.tolerance);
+        // with one solution there is nothing to choose, and with none the first will be the latest
+        let mut best = weights(0);
+        let mut least = T::of(0.0);
+        for (fit, (points, _)) in
+            FITS.into_iter().enumerate().filter(|(_, (points, _))| *points <= self.count)
+        {
+            let candidate = weights(fit);
+            let guess = extrapolated(&candidate, self.window(), points <= RECENT);
+            let error = squared_distance(&guess, solution);
+            let better = error.below(least) | T::Mask::splat(fit == 0);
+            // more than the recent ones only where these do not do
+            let better =
+                better & (T::Mask::splat(points <= RECENT) | !(T::of(MARGIN) * least).at_most(tolerance));
+            least = T::select(better, error, least);
+            best = core::array::from_fn(|j| T::select(better, candidate[j], best[j]));
+        }
+        self.weights = core::array::from_fn(|j| T::select(wanting, best[j], self.weights[j]));
+        self.is_short = is_short(&self.weights);
         self.residual = T::select(wanting, T::select(strong, bound * slack, T::of(0.0)), self.residual);
         self.is_strong = T::of(0.0).below(self.tolerance).all();
     }
@@ -397,15 +433,22 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         visit(&mut numbers);
         // the same in all lanes
         let [oldest, count, due, interval] = numbers.map(|number| number.lane(0).to_f64());
-        (self.oldest, self.count) = (oldest as usize, (count as usize).min(DEPTH));
+        (self.oldest, self.count) = (oldest as usize, (count as usize).min(WINDOW));
         (self.due, self.interval) = (due as u32, interval as u32);
         visit(core::slice::from_mut(&mut self.tolerance));
         visit(core::slice::from_mut(&mut self.residual));
+        visit(core::slice::from_mut(&mut self.failures));
         visit(&mut self.weights);
         self.solutions.iter_mut().for_each(|solution| visit(solution.as_mut()));
         self.is_strong = T::of(0.0).below(self.tolerance).all();
+        self.is_short = is_short(&self.weights);
         self.aim();
     }
+}
+
+/// Whether all but the recent solutions have no weight, in any lane.
+fn is_short<T: Batch>(weights: &[T; WINDOW]) -> bool {
+    weights[..WINDOW - RECENT].iter().all(|weight| Batch::abs(*weight).at_most(T::of(0.0)).all())
 }
 
 /// Sets the guess to where the solutions point.
@@ -416,32 +459,46 @@ impl<T: Batch, U: Components<T>> Work for Aim<'_, T, U> {
 
     #[inline(always)]
     fn done(self) {
-        let guess = extrapolated(&self.0.weights, self.0.window());
+        let guess = extrapolated(&self.0.weights, self.0.window(), self.0.is_short);
         self.0.guess.put(&guess);
     }
 }
 
 /// Where the solutions point, the oldest first: the polynomial through them, one step on.
 #[inline(always)]
-fn extrapolated<T: Batch, U: Components<T>>(weights: &[T; DEPTH], window: &[U]) -> U {
-    continued(weights, &earlier(weights, window), &window[DEPTH - 1])
+fn extrapolated<T: Batch, U: Components<T>>(weights: &[T; WINDOW], window: &[U], is_short: bool) -> U {
+    continued(weights, &earlier(weights, window, is_short), &window[WINDOW - 1])
 }
 
 /// What all solutions but the latest contribute to it.
 #[inline(always)]
-fn earlier<T: Batch, U: Components<T>>(weights: &[T; DEPTH], window: &[U]) -> U {
+fn earlier<T: Batch, U: Components<T>>(weights: &[T; WINDOW], window: &[U], is_short: bool) -> U {
     // two sums, for each has to wait for itself
-    const MIDDLE: usize = DEPTH / 2;
-    let (older, newer) = (&weights[..MIDDLE], &weights[MIDDLE..DEPTH - 1]);
-    T::combined(older, &window[..MIDDLE], newer, &window[MIDDLE..DEPTH - 1])
+    const RECENTLY: usize = WINDOW - RECENT;
+    const MIDDLE: usize = RECENTLY + RECENT / 2;
+    let mut sum = T::combined(
+        &weights[RECENTLY..MIDDLE],
+        &window[RECENTLY..MIDDLE],
+        &weights[MIDDLE..WINDOW - 1],
+        &window[MIDDLE..WINDOW - 1],
+    );
+    if !is_short {
+        const HALF: usize = RECENTLY / 2;
+        let long_ago =
+            T::combined(&weights[..HALF], &window[..HALF], &weights[HALF..RECENTLY], &window[HALF..RECENTLY]);
+        for (sum, long_ago) in sum.as_mut().iter_mut().zip(long_ago.as_ref()) {
+            *sum = *sum + *long_ago;
+        }
+    }
+    sum
 }
 
 /// The same with the latest.
 #[inline(always)]
-fn continued<T: Scalar, U: Components<T>>(weights: &[T; DEPTH], earlier: &U, latest: &U) -> U {
+fn continued<T: Scalar, U: Components<T>>(weights: &[T; WINDOW], earlier: &U, latest: &U) -> U {
     let mut sum = *earlier;
     for (sum, latest) in sum.as_mut().iter_mut().zip(latest.as_ref()) {
-        *sum = sum.plus(weights[DEPTH - 1], *latest);
+        *sum = sum.plus(weights[WINDOW - 1], *latest);
     }
     sum
 }
@@ -449,25 +506,65 @@ fn continued<T: Scalar, U: Components<T>>(weights: &[T; DEPTH], earlier: &U, lat
 /// Nothing next to any unknown, and yet no zero.
 const TINY: f64 = 1e-37;
 
-/// The coefficients of the polynomial through the last `depth` values, one step on: `(−1)^{a−1} (depth over a)` for the value `a` steps ago.
-const WEIGHTS: [[f64; DEPTH]; DEPTH] = {
-    let mut weights = [[0.0; DEPTH]; DEPTH];
-    let mut depth = 1;
-    while depth <= DEPTH {
-        let (mut a, mut binomial) = (1, 1);
-        while a <= depth {
-            binomial = binomial * (depth + 1 - a) / a;
-            weights[depth - 1][DEPTH - a] = if a % 2 == 1 { binomial as f64 } else { -(binomial as f64) };
-            a += 1;
+/// The coefficients that the [`FITS`] give to the solutions, the oldest first.
+const WEIGHTS: [[f64; WINDOW]; FITS.len()] = {
+    let mut weights = [[0.0; WINDOW]; FITS.len()];
+    let mut fit = 0;
+    while fit < FITS.len() {
+        let (points, degree) = FITS[fit];
+        let mut place = 0;
+        while place < points {
+            weights[fit][WINDOW - points + place] = weight(points as i128, degree as i128, place as i128);
+            place += 1;
         }
-        depth += 1;
+        fit += 1;
     }
     weights
 };
 
-/// [`WEIGHTS`] for a depth of 1 to [`DEPTH`].
-fn weights<T: Scalar>(depth: usize) -> [T; DEPTH] {
-    WEIGHTS[(depth - 1) % DEPTH].map(T::of)
+/// The coefficient of the value at `x`, of those at `0, …, n − 1`, in the value at `n` of the polynomial of this degree that is nearest to them
+/// all: `Σ_k t_k(n) t_k(x) / Σ_y t_k(y)²` with the discrete Chebyshev polynomials `t_k`, which are orthogonal on these places. Exact, but for
+/// the last division.
+const fn weight(n: i128, degree: i128, x: i128) -> f64 {
+    let (mut numerator, mut denominator) = (0, 1);
+    // t_{k−1} and t_k, there and here, and Σ t_k² = n (n² − 1) … (n² − k²) / (2k + 1), times 2k + 1
+    let (mut before, mut now) = ([0, 0], [1, 1]);
+    let mut square = n;
+    let mut k = 0;
+    loop {
+        let (mut above, mut below) = (now[0] * now[1] * (2 * k + 1), square);
+        let shared = gcd(above, below);
+        (above, below) = (above / shared, below / shared);
+        let shared = gcd(denominator, below);
+        numerator = numerator * (below / shared) + above * (denominator / shared);
+        denominator = denominator / shared * below;
+        let shared = gcd(numerator, denominator);
+        (numerator, denominator) = (numerator / shared, denominator / shared);
+        if k == degree {
+            return numerator as f64 / denominator as f64;
+        }
+        // (k + 1) t_{k+1}(y) = (2k + 1)(2y − n + 1) t_k(y) − k (n² − k²) t_{k−1}(y)
+        let there = (2 * k + 1) * (n + 1) * now[0] - k * (n * n - k * k) * before[0];
+        let here = (2 * k + 1) * (2 * x - n + 1) * now[1] - k * (n * n - k * k) * before[1];
+        before = now;
+        now = [there / (k + 1), here / (k + 1)];
+        k += 1;
+        square *= n * n - k * k;
+    }
+}
+
+/// The greatest common divisor; 1 if both are zero.
+const fn gcd(a: i128, b: i128) -> i128 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    if a == 0 { 1 } else { a }
+}
+
+/// The coefficients of one of the [`FITS`].
+fn weights<T: Scalar>(fit: usize) -> [T; WINDOW] {
+    WEIGHTS[fit % FITS.len()].map(T::of)
 }
 
 /// The norm of the derivative of the sweep, by differences: the root of the sum of all entries' squares, which bounds how much longer the
@@ -527,31 +624,46 @@ mod tests {
 
     #[test]
     fn weights_continue_polynomials() {
-        for depth in DEPTHS {
-            let weights: [f64; DEPTH] = weights(depth);
-            for degree in 0..depth as i32 {
-                // values at −8, …, −1, continued to 0
-                let sum: f64 = weights.iter().zip(-8..0).map(|(w, t)| w * f64::from(t).powi(degree)).sum();
-                let exact = if degree == 0 { 1.0 } else { 0.0 };
-                assert!((sum - exact).abs() < 1e-9 * 8_f64.powi(degree), "{depth} {degree}: {sum}");
+        for (fit, (points, degree)) in FITS.into_iter().enumerate() {
+            let weights: [f64; WINDOW] = weights(fit);
+            assert!(weights[..WINDOW - points].iter().all(|weight| *weight == 0.0));
+            for power in 0..=degree as i32 {
+                // values at −11, …, −1, continued to 0
+                let times = -(WINDOW as i32)..0;
+                let sum: f64 = weights.iter().zip(times).map(|(w, t)| w * f64::from(t).powi(power)).sum();
+                let exact = if power == 0 { 1.0 } else { 0.0 };
+                let size = f64::from(points as u32).powi(power);
+                assert!((sum - exact).abs() < 1e-12 * size, "{points} {degree} {power}: {sum}");
             }
         }
+        // through as many points as there are coefficients
+        let exact: [f64; WINDOW] = weights(5);
+        assert_eq!(exact[WINDOW - 8..], [-1.0, 8.0, -28.0, 56.0, -70.0, 56.0, -28.0, 8.0]);
+        // nearest to more of them: roundings count for less than with as many as the degree asks for
+        let size = |weights: [f64; WINDOW]| weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+        assert!(size(weights(6)) < size(exact) && size(weights(6)) > 90.0);
     }
 
     #[test]
     fn the_window_moves_and_forgets() {
         let mut solver = Solver::<f64, [f64; 1]>::default();
         for k in 0..40 {
-            assert_eq!(solver.count, k.min(DEPTH));
+            assert_eq!(solver.count, k.min(WINDOW));
             solver.push(&[k as f64]);
             assert_eq!(solver.guess.together(), [k as f64]);
             assert_eq!(solver.latest(), [k as f64]);
         }
-        solver.weights = weights(8);
-        solver.push(&[40.0]);
-        assert_eq!(solver.guess.together(), [41.0]);
-        let before = solver;
-        solver.memory(&mut |_| ());
-        assert_eq!(solver.guess.together(), before.guess.together());
+        for (fit, (points, degree)) in FITS.into_iter().enumerate().skip(1) {
+            solver.weights = weights(fit);
+            solver.is_short = is_short(&solver.weights);
+            assert_eq!(solver.is_short, points <= RECENT);
+            let next = 40.0 + fit as f64;
+            solver.push(&[next - 1.0]);
+            let [guess] = solver.guess.together();
+            assert!((guess - next).abs() < 1e-10, "{points} {degree}: {guess}");
+            let before = solver;
+            solver.memory(&mut |_| ());
+            assert_eq!(solver.guess.together(), before.guess.together());
+        }
     }
 }

@@ -1,6 +1,5 @@
 //! The stepper: a method with its step, for people to call.
 
-use core::cell::Cell;
 use core::fmt;
 
 use crate::derivative::{
@@ -8,7 +7,7 @@ use crate::derivative::{
 };
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
-use crate::method::{Advanced, Clock, Known, Method, visit_flag};
+use crate::method::{Advanced, Clock, Method, visit_flag};
 use crate::run::{RunError, RunReport};
 use crate::scalar::{Batch, Real, Scalar, Work};
 use crate::system::{Control, Discretized, State, System};
@@ -163,21 +162,11 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[inline]
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         let components = state.to_components();
-        let known = LeftThere {
-            left: self.left.as_ref().map(AsRef::as_ref),
-            state: components.as_ref(),
-            answer: Cell::new(None),
-        };
-        let time = S::Scalar::of(self.clock().after(0));
-        let outcome = self.method.advance(&components, time, &control.to_components(), &known);
-        if !known.is_so()
-            && let Err(error) = on_group(state)
-        {
-            // the method may remember a step from there
-            self.left = None;
-            return Err(error);
+        let known = self.is_left_at(&components);
+        if !known {
+            on_group(state)?;
         }
-        match outcome {
+        match self.method.advance(&components, self.time(), &control.to_components(), known) {
             Ok(Advanced { state: next, iterations, residual }) => {
                 *state = S::State::from_components(&next);
                 self.left = Some(next);
@@ -224,7 +213,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         let mut report = RunReport::default();
         while report.steps < count {
             let mut components = state.to_components();
-            if self.left.as_ref().is_some_and(|left| is_same(left.as_ref(), components.as_ref())) {
+            if self.is_left_at(&components) {
                 let most = count - report.steps;
                 let marched =
                     self.method.march(&mut components, self.clock(), &control.to_components(), most);
@@ -246,7 +235,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             match self.step_with(state, control) {
                 Ok(step) => report.count(&step),
                 Err(source) => {
-                    let (step, time) = (self.taken + 1, self.clock().after(0));
+                    let (step, time) = (self.taken + 1, Stepping::now(self));
                     return Err(RunError { step, time, report, source });
                 }
             }
@@ -254,8 +243,18 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         Ok(report)
     }
 
+    #[inline(always)]
     fn clock(&self) -> Clock {
         Clock { start: self.start, step: self.step.to_f64(), taken: self.taken }
+    }
+
+    /// Whether a state is the one that the last step led to.
+    #[inline(always)]
+    fn is_left_at(&self, state: &S::StateComponents<S::Scalar>) -> bool {
+        match &self.left {
+            Some(left) => is_same(left.as_ref(), state.as_ref()),
+            None => false,
+        }
     }
 }
 
@@ -369,26 +368,6 @@ where
         trace: &<S::Method<S::Scalar> as Linearizable<S>>::Trace,
     ) -> <S::Method<S::Scalar> as Linearizable<S>>::Derivative {
         self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
-    }
-}
-
-/// Whether a state is the one that the last step led to.
-struct LeftThere<'a, T> {
-    left: Option<&'a [T]>,
-    state: &'a [T],
-    /// Once found.
-    answer: Cell<Option<bool>>,
-}
-
-impl<T: Real> Known for LeftThere<'_, T> {
-    #[inline(always)]
-    fn is_so(&self) -> bool {
-        let answer = self.answer.get().unwrap_or_else(|| match self.left {
-            Some(left) => is_same(left, self.state),
-            None => false,
-        });
-        self.answer.set(Some(answer));
-        answer
     }
 }
 

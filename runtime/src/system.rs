@@ -438,7 +438,7 @@ mod tests {
     fn controls_default_to_zero() {
         assert_eq!(OscillatorControl::default().to_components(), [0.0]);
         assert_eq!(OscillatorControl::from_components(&[2.0]), OscillatorControl { force: 2.0 });
-        assert_eq!(NoControl::<f32>::default().to_components(), []);
+        assert_eq!(NoControl::<f32>::default().to_components(), [0.0_f32; 0]);
         assert_eq!(NoControl::<f32>::from_components(&[]), NoControl::default());
         assert_eq!(std::format!("{:?}", NoControl::<f64>::default()), "NoControl");
         assert_eq!(size_of::<NoControl<f64>>(), 0);

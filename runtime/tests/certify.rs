@@ -6,7 +6,7 @@ use coadjoint::certify;
 use coadjoint::certify::{Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::kernel::{Evaluation, Kernel};
-use coadjoint::method::{Known, Method, OneStep, Outcome};
+use coadjoint::method::{Method, OneStep, Outcome};
 use coadjoint::prelude::*;
 use coadjoint::scalar::{Batch, Scalar};
 use coadjoint::system::{Generated, Quantity};
@@ -364,13 +364,7 @@ impl<T: Batch> Method for Leak<T> {
         Self(Method::new(parameters, step))
     }
 
-    fn advance(
-        &mut self,
-        state: &[T; 7],
-        time: T,
-        control: &[T; 0],
-        known: &impl Known,
-    ) -> Outcome<T, [T; 7]> {
+    fn advance(&mut self, state: &[T; 7], time: T, control: &[T; 0], known: bool) -> Outcome<T, [T; 7]> {
         let mut advanced = self.0.advance(state, time, control, known)?;
         advanced.state[4..].iter_mut().for_each(|x| *x = *x * T::of(1.0 - 1e-8));
         Ok(advanced)

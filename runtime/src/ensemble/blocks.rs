@@ -249,8 +249,8 @@ where
             // at no time in particular the step is not one like the last
             let known = block.known && clock.start.is_finite();
             if known {
-                let clock = Clock { taken: clock.taken + taken, ..clock };
-                let together = block.method.march(&mut block.state, clock, &block.control, steps - taken);
+                let now = Clock { taken: clock.taken + taken, ..clock };
+                let together = block.method.march(&mut block.state, now, &block.control, steps - taken);
                 taken += together.steps;
                 marched.member_steps += together.steps * members;
                 if taken == steps {
@@ -259,7 +259,7 @@ where
             }
             let time = T::of(clock.after(taken));
             taken += 1;
-            match block.method.advance(&block.state, time, &block.control, &known) {
+            match block.method.advance(&block.state, time, &block.control, known) {
                 Ok(advanced) => block.state = advanced.state,
                 Err(failure) => {
                     block.bury(&failure, clock.taken + taken, &mut marched.failed);
