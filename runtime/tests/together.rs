@@ -96,7 +96,7 @@ fn a_run_that_is_watched_now_and_then_goes_as_one_by_one() {
 fn what_cannot_go_on_stops_where_single_steps_stop() {
     let system = Runaway { inertia: 1.0 };
     let start = RunawayState { position: vector![0.5], momentum: vector![0.2] };
-    let mut by_one = (system.stepper::<Exponential>(0.1).unwrap(), start.clone());
+    let mut by_one = (system.stepper::<Exponential>(0.1).unwrap(), start);
     let source = loop {
         if let Err(error) = by_one.0.step(&mut by_one.1) {
             break error;
@@ -104,7 +104,7 @@ fn what_cannot_go_on_stops_where_single_steps_stop() {
     };
     assert!(by_one.0.steps_taken_so_far() > 10, "it goes on for a while");
 
-    let mut together = (system.stepper::<Exponential>(0.1).unwrap(), start.clone());
+    let mut together = (system.stepper::<Exponential>(0.1).unwrap(), start);
     let error = together.0.steps_with(&mut together.1, &NoControl::default(), 1_000_000).unwrap_err();
     assert!(together.1 == by_one.1);
     let taken = by_one.0.steps_taken_so_far();
@@ -152,14 +152,14 @@ fn fused_steps_are_the_same_on_every_machine() {
         Top: Discretized<M>,
     {
         let after = |steps: u64| {
-            let mut state = start.clone();
+            let mut state = *start;
             let mut stepper = system.stepper::<Fused<M>>(step).unwrap();
             stepper.steps_with(&mut state, &NoControl::default(), steps).unwrap();
             state
         };
         assert!(after(1_500) == by_detour::<M>(system, start, step, 1_500));
         // not those of the plain scheme, but for roundings
-        let mut plain = start.clone();
+        let mut plain = *start;
         let mut stepper = system.stepper::<M>(step).unwrap();
         stepper.steps_with(&mut plain, &NoControl::default(), 100).unwrap();
         let distance = (plain.momentum - after(100).momentum).norm();
@@ -178,14 +178,14 @@ fn fused_members_move_as_they_would_alone() {
     for instructions in Instructions::available() {
         let mut ensemble = Ensemble::<Top, Fused<Cayley>>::with_instructions(
             &systems,
-            vec![start.clone(); systems.len()],
+            vec![start; systems.len()],
             0.02,
             instructions,
         )
         .unwrap();
         assert_eq!(ensemble.run(500).failures, 0);
         for (together, system) in ensemble.states().zip(&systems) {
-            let mut alone = start.clone();
+            let mut alone = start;
             let mut stepper = system.stepper::<Fused<Cayley>>(0.02).unwrap();
             stepper.steps_with(&mut alone, &NoControl::default(), 500).unwrap();
             assert!(together == alone, "{instructions:?}");
