@@ -192,7 +192,7 @@ impl<'a> Motion<'a> {
         let (name, times) = match unit {
             1 => ("eta", ""),
             2 => ("half_eta", "twice_"),
-            _ => ("quarter_eta", "times_"),
+            _ => ("quarter_eta", "four_times_"),
         };
         let (x, mean) = (symbols(name), symbols("mu"));
         let unit = arena.number(Number::ratio(unit, 1));
