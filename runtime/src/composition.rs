@@ -161,6 +161,7 @@ pub struct Composition<C: Coefficients, B: Method> {
 }
 
 impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
+    #[inline]
     fn clone(&self) -> Self {
         Self { steps: self.steps.clone(), step: self.step, whole: self.whole }
     }
@@ -172,6 +173,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     type State = B::State;
     type Control = B::Control;
 
+    #[inline]
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
         let steps = C::steps(|k| B::new(parameters, step * B::Scalar::of(C::GAMMA[k])));
         Self { steps, step, whole: false }
@@ -201,6 +203,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         course.end(state)
     }
 
+    #[inline]
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
         visit_flag(&mut self.whole, visit);
         self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));

@@ -61,6 +61,7 @@ mod double;
 #[cfg(feature = "std")]
 pub mod ensemble;
 pub mod error;
+mod extrapolation;
 #[cfg(feature = "std")]
 pub mod fused;
 pub mod generic;

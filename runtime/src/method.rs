@@ -164,8 +164,12 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         known: bool,
     ) -> Outcome<T, K::State> {
         // Nearly all steps go this way. Whatever is not as usual sends them the other.
-        if known && let Some(advanced) = self.usual(state, time, control) {
-            return Ok(advanced);
+        if known && self.solver.is_settled() {
+            let mut guess = self.solver.guess();
+            if let Some(advanced) = self.usual(state, time, control, &mut guess) {
+                self.solver.set_guess(&guess);
+                return Ok(advanced);
+            }
         }
         self.anyhow(state, time, control, known)
     }
@@ -198,14 +202,18 @@ impl<T: Batch, K: Kernel<T>> Work for March<'_, T, K> {
         let Self { method, state, clock, control, most } = self;
         method.solver.effort();
         // not in memory
-        let mut now = *state;
+        let (mut now, mut guess) = (*state, method.solver.guess());
         let mut steps = 0;
-        while steps < most {
-            let Some(advanced) = method.usual(&now, T::of(clock.after(steps)), control) else { break };
-            now = advanced.state;
+        while steps < most && method.solver.is_settled() {
+            let mut next = guess;
+            let Some(advanced) = method.usual(&now, T::of(clock.after(steps)), control, &mut next) else {
+                break;
+            };
+            (now, guess) = (advanced.state, next);
             steps += 1;
         }
         *state = now;
+        method.solver.set_guess(&guess);
         let (effort, residual) = method.solver.effort();
         if steps == 0 || method.solver.is_idle() {
             return Marched { steps, ..Marched::default() };
@@ -278,22 +286,24 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         T::outline(Anyhow { method: self, state: &state, time, control: &control, known })
     }
 
-    /// A step as nearly all are. None, and nothing has happened, if something is not as usual, be it a number that is not
-    /// finite.
+    /// A step as nearly all are, from a guess that becomes the next one's. None, and nothing has happened to anything else, if something is
+    /// not as usual, be it a number that is not finite.
     #[inline(always)]
-    fn usual(&mut self, state: &K::State, time: T, control: &K::Control) -> Option<Advanced<T, K::State>> {
-        if !self.solver.is_settled() {
-            return None;
-        }
+    fn usual(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        guess: &mut K::Unknown,
+    ) -> Option<Advanced<T, K::State>> {
         let begun = self.kernel.begin(state, time, control);
-        let solution = self.solver.by_sweeps(&self.kernel, state, &begun)?;
+        let solution = self.solver.by_sweeps(&self.kernel, state, &begun, guess)?;
         let advanced = self.finish(state, &begun, &solution);
         let usual = self.is_inside(state, &begun, &solution) & surely_finite(&advanced.state, control);
         if usual.all() {
             self.solver.push_usual(&solution.unknown);
             return Some(advanced);
         }
-        self.solver.aim();
         None
     }
 

@@ -11,6 +11,8 @@ pub const MAX_ITERATIONS: u32 = 24;
 const ROUNDOFF: f64 = 2.0;
 /// Where rounding keeps the residual above [`ROUNDOFF`], it may stagnate up to here (in units of epsilon).
 const STAGNATION: f64 = 256.0;
+/// Down there a correction that is no noise makes the residual smaller by far more than this factor.
+const PROGRESS: f64 = 0.25;
 
 /// A solution of the step's equation.
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +84,7 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
             let then = relative(&there);
             let better = open & then.below(residual);
             let worse = open & !better;
+            let stagnates = residual.at_most(stagnation) & !then.at_most(T::of(PROGRESS) * residual);
             if !worse.any() {
                 // where nothing was wanted, nothing has changed
                 (unknown, evaluation) = (candidate, there);
@@ -90,10 +93,8 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
                 let before = unknown;
                 unknown = select(better, &candidate, &before);
                 residual = T::select(better, then, residual);
-                // stagnation at roundoff: the better of the two stays
-                open = open & !(worse & residual.at_most(stagnation));
                 // far from the solution the full correction can overshoot: shorten it
-                let far = worse & open;
+                let far = worse & !stagnates;
                 if far.any() {
                     let lost = backtrack(kernel, state, step, &mut unknown, &correction, &mut residual, far);
                     unsolved = unsolved | lost;
@@ -103,7 +104,8 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
                     evaluation = evaluated(kernel, state, step, &unknown);
                 }
             }
-            open = open & !residual.at_most(roundoff);
+            // stagnation at roundoff: the better of the two stays
+            open = open & !stagnates & !residual.at_most(roundoff);
         }
         Solution { unknown, evaluation, iterations, residual, unsolved }
     }
@@ -171,14 +173,21 @@ pub(crate) fn sum<T: Batch>(a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
 /// `yes` where the mask is true, `no` elsewhere.
 #[inline(always)]
 pub(crate) fn select<T: Batch, U: Components<T>>(mask: T::Mask, yes: &U, no: &U) -> U {
-    U::from_fn(|i| T::select(mask, yes.as_ref()[i], no.as_ref()[i]))
+    let mut selected = *no;
+    for (selected, yes) in selected.as_mut().iter_mut().zip(yes.as_ref()) {
+        *selected = T::select(mask, *yes, *selected);
+    }
+    selected
 }
 
 /// `unknown − scale correction` where the mask is true.
 #[inline(always)]
 fn subtract<T: Batch, U: Components<T>>(mask: T::Mask, unknown: &U, correction: &U, scale: T) -> U {
     // a correction that is not wanted need not be finite
-    let moved = U::from_fn(|i| unknown.as_ref()[i] - scale * correction.as_ref()[i]);
+    let mut moved = *unknown;
+    for (moved, correction) in moved.as_mut().iter_mut().zip(correction.as_ref()) {
+        *moved = *moved - scale * *correction;
+    }
     select(mask, &moved, unknown)
 }
 

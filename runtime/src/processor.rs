@@ -183,7 +183,14 @@ impl Processor for Portable {
     }
 }
 
-/// [`Batch::combined`] of numbers alone: two components at a time.
+/// Whether [`combined`] can be asked for: whether the processor has its instructions.
+#[inline(always)]
+pub(crate) fn combines<T: Batch>() -> bool {
+    // the program was built for one that has, or it is looked for
+    T::ONCE == FUSED || std::is_x86_feature_detected!("fma")
+}
+
+/// [`Batch::combined`] of numbers alone, where the processor [has](combines) the instructions: two components at a time.
 #[inline(always)]
 pub(crate) fn combined<T: Batch, U: Components<T>>(a: &[T], x: &[U], b: &[T], y: &[U]) -> U {
     let mut combined = x[0];
@@ -222,12 +229,12 @@ fn pairs<T: Batch, U: Components<T>>(weights: &[T], terms: &[U], i: usize) -> __
     let mut sum: Option<__m128d> = None;
     for (weight, term) in weights.iter().zip(terms) {
         let weight = weight.lane(0).to_f64();
-        // SAFETY: any processor that the program is built for has these instructions
+        // SAFETY: the processor has these instructions, as was found out before
         sum = Some(unsafe {
             let (weight, term) = (_mm_set1_pd(weight), pair(term.as_ref(), i));
             match sum {
                 None => _mm_mul_pd(weight, term),
-                Some(sum) if FUSED => _mm_fmadd_pd(weight, term, sum),
+                Some(sum) if T::ONCE => _mm_fmadd_pd(weight, term, sum),
                 Some(sum) => _mm_add_pd(sum, _mm_mul_pd(weight, term)),
             }
         });

@@ -155,7 +155,7 @@ pub trait Batch: Scalar {
     #[inline(always)]
     fn combined<U: Components<Self>>(a: &[Self], x: &[U], b: &[Self], y: &[U]) -> U {
         #[cfg(all(feature = "std", target_arch = "x86_64"))]
-        if const { Self::PAIRS && Self::ONCE == FUSED } {
+        if const { Self::PAIRS } && crate::processor::combines::<Self>() {
             return crate::processor::combined(a, x, b, y);
         }
         // no closure, which would not be compiled for the processor that its caller is compiled for

@@ -108,34 +108,24 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[cfg(feature = "std")]
+    #[inline]
     pub fn memory(&self) -> std::vec::Vec<f64> {
-        let mut memory = std::vec![self.start, self.taken as f64];
-        self.clone().visit(&mut |piece| memory.extend(piece.iter().map(|number| number.to_f64())));
-        memory
+        let mut copy = self.clone();
+        written(self.start, self.taken, &mut |visit| copy.visit(visit))
     }
 
     /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
     ///
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
+    #[inline]
     pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let mut expected = 2;
-        self.visit(&mut |piece| expected += piece.len());
-        let [start, taken, rest @ ..] = memory else {
-            return Err(ParameterError::Memory { expected, got: memory.len() });
-        };
-        if memory.len() != expected {
-            return Err(ParameterError::Memory { expected, got: memory.len() });
-        }
-        (self.start, self.taken) = (*start, *taken as u64);
-        let mut rest = rest.iter();
-        self.visit(&mut |piece| {
-            piece.iter_mut().zip(&mut rest).for_each(|(number, value)| *number = S::Scalar::of(*value));
-        });
+        (self.start, self.taken) = read(memory, &mut |visit| self.visit(visit))?;
         Ok(())
     }
 
     /// Shows all numbers that are carried, besides the time.
+    #[inline]
     fn visit(&mut self, visit: &mut dyn FnMut(&mut [S::Scalar])) {
         let mut is_known = self.left.is_some();
         visit_flag(&mut is_known, visit);
@@ -232,7 +222,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
                     break;
                 }
             }
-            match self.step_with(state, control) {
+            match self.step_apart(state, control) {
                 Ok(step) => report.count(&step),
                 Err(source) => {
                     let (step, time) = (self.taken + 1, Stepping::now(self));
@@ -241,6 +231,12 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             }
         }
         Ok(report)
+    }
+
+    /// [`step_with`](Self::step_with), compiled once for all that do not need it inlined.
+    #[inline(never)]
+    fn step_apart(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
+        self.step_with(state, control)
     }
 
     #[inline(always)]
@@ -371,6 +367,36 @@ where
     }
 }
 
+/// Shows pieces of a memory to whoever reads or replaces them.
+type Show<'a, T> = dyn FnMut(&mut dyn FnMut(&mut [T])) + 'a;
+
+/// A memory written down. A function, like the next, so that it is compiled once for all steppers.
+#[cfg(feature = "std")]
+fn written<T: Real>(start: f64, taken: u64, show: &mut Show<'_, T>) -> std::vec::Vec<f64> {
+    let mut memory = std::vec![start, taken as f64];
+    show(&mut |piece| memory.extend(piece.iter().map(|number| number.to_f64())));
+    memory
+}
+
+/// Puts back what was written down; the start, and the steps since then.
+fn read<T: Real>(memory: &[f64], show: &mut Show<'_, T>) -> Result<(f64, u64), ParameterError> {
+    // above that not every count has its own number
+    const MOST: u64 = 1 << f64::MANTISSA_DIGITS;
+    let mut expected = 2;
+    show(&mut |piece| expected += piece.len());
+    let [start, taken, rest @ ..] = memory else {
+        return Err(ParameterError::Memory { expected, got: memory.len() });
+    };
+    if memory.len() != expected {
+        return Err(ParameterError::Memory { expected, got: memory.len() });
+    }
+    let mut rest = rest.iter();
+    show(&mut |piece| {
+        piece.iter_mut().zip(&mut rest).for_each(|(number, value)| *number = T::of(*value));
+    });
+    Ok((*start, (*taken as u64).min(MOST)))
+}
+
 /// Whether all numbers are the same, without a branch.
 #[inline(always)]
 fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
@@ -473,17 +499,19 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
     }
 
     #[cfg(feature = "std")]
+    #[inline]
     fn memory(&self) -> std::vec::Vec<f64> {
         Stepper::memory(self)
     }
 
+    #[inline]
     fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
         Stepper::recall(self, memory)
     }
 
     #[inline]
     fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
-        Stepper::step_with(self, state, control)
+        self.step_apart(state, control)
     }
 
     #[inline]

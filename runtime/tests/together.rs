@@ -117,6 +117,32 @@ fn what_cannot_go_on_stops_where_single_steps_stop() {
     assert!(run.1 == by_one.1);
 }
 
+#[test]
+fn no_memory_makes_a_stepper_panic() {
+    let (system, start) = top();
+    let mut stepper = system.stepper::<Cayley>(0.01).unwrap();
+    let mut state = start;
+    stepper.steps_with(&mut state, &NoControl::default(), 200).unwrap();
+    let memory = stepper.memory();
+    for place in 0..memory.len() {
+        for absurd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 1e300, 0.5, 4_294_967_295.0] {
+            let mut memory = memory.clone();
+            memory[place] = absurd;
+            stepper.recall(&memory).unwrap();
+            let mut state = state;
+            // whatever comes of it
+            let _ = stepper.steps_with(&mut state, &NoControl::default(), 300);
+            let _ = stepper.step(&mut state);
+        }
+    }
+    let shorter = stepper.recall(&memory[1..]);
+    assert_eq!(
+        shorter,
+        Err(ParameterError::Memory { expected: memory.len(), got: memory.len() - 1 }),
+        "one number less"
+    );
+}
+
 /// How many steps a stepper has taken, whatever it starts from.
 trait StepsTaken {
     fn steps_taken_so_far(&self) -> u64;

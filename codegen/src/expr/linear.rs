@@ -71,7 +71,8 @@ impl<'a> Vector<'a> {
             return self.dot(self);
         }
         let rest = Self(split.into_iter().map(|(_, x)| x).collect());
-        rest.dot(&rest) * rest.0[0].arena().number(factor * factor)
+        let square = rest.dot(&rest);
+        square * square.arena().number(factor * factor)
     }
 
     /// Cross product in R³.
