@@ -183,33 +183,29 @@ macro_rules! each {
     };
 }
 
+/// Operations of three operands, by the processor's instruction if it has one.
+macro_rules! thrice {
+    ($($name:ident if $native:expr),*) => {
+        $(#[inline(always)]
+        fn $name(self, a: Self, b: Self) -> Self {
+            if const { $native } {
+                return Self::from_vector(P::$name(self.vector(), a.vector(), b.vector()));
+            }
+            let mut numbers = self.0;
+            for (k, x) in numbers.iter_mut().enumerate() {
+                *x = x.$name(a.0[k], b.0[k]);
+            }
+            Self::from(numbers)
+        })*
+    };
+}
+
 impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     #[inline(always)]
     fn of(value: f64) -> Self {
         Self([X::of(value); N], P::Alignment::default())
     }
-    #[inline(always)]
-    fn plus(self, a: Self, b: Self) -> Self {
-        if const { Self::NATIVE } {
-            return Self::from_vector(P::plus(self.vector(), a.vector(), b.vector()));
-        }
-        let mut numbers = self.0;
-        for (k, x) in numbers.iter_mut().enumerate() {
-            *x = x.plus(a.0[k], b.0[k]);
-        }
-        Self::from(numbers)
-    }
-    #[inline(always)]
-    fn minus(self, a: Self, b: Self) -> Self {
-        if const { Self::NATIVE } {
-            return Self::from_vector(P::minus(self.vector(), a.vector(), b.vector()));
-        }
-        let mut numbers = self.0;
-        for (k, x) in numbers.iter_mut().enumerate() {
-            *x = x.minus(a.0[k], b.0[k]);
-        }
-        Self::from(numbers)
-    }
+    thrice! { plus if Self::NATIVE, minus if Self::NATIVE }
     #[inline(always)]
     fn sqrt(self) -> Self {
         if const { Self::NATIVE } {
@@ -310,17 +306,7 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
         }
         Self(numbers, P::Alignment::default())
     }
-    #[inline(always)]
-    fn plus_once(self, a: Self, b: Self) -> Self {
-        if const { Self::NATIVE && P::FUSES } {
-            return Self::from_vector(P::plus_once(self.vector(), a.vector(), b.vector()));
-        }
-        let mut numbers = self.0;
-        for (k, x) in numbers.iter_mut().enumerate() {
-            *x = x.plus_once(a.0[k], b.0[k]);
-        }
-        Self::from(numbers)
-    }
+    thrice! { plus_once if Self::NATIVE && P::FUSES }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {
         P::outline(work)

@@ -92,7 +92,7 @@ fn distance(a: &State, b: &State) -> f64 {
 fn main() {
     let exact = composed::<Order10<Exponential>>(0.05);
     println!(
-        "to an error of {ERROR:e} after {DURATION} s\n{:24} {:>10} {:>9} {:>9} {:>9}",
+        "to an error of {ERROR:e} after {DURATION} s\n{:28} {:>10} {:>9} {:>9} {:>9}",
         "", "step", "error", "Casimir", "ms"
     );
     let tolerances = (0..).map(|k| 1e-9 * 0.8_f64.powi(k));
@@ -104,9 +104,11 @@ fn main() {
         ("order 8, exponential", composed::<Order8<Exponential>>),
         ("order 10, exponential", composed::<Order10<Exponential>>),
         ("order 8, Cayley", composed::<Order8<Cayley>>),
+        ("order 8, exponential, fused", composed::<Fused<Order8<Exponential>>>),
+        ("order 10, exponential, fused", composed::<Fused<Order10<Exponential>>>),
     ] {
         let time = report(name, steps(), &exact, run);
-        println!("{:24} {:.1} × DOP853", "", time / dop);
+        println!("{:28} {:.1} × DOP853", "", time / dop);
     }
 }
 

@@ -77,16 +77,16 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     let mut cases = vec![
         classical(FREE, Rk4Quaternion, plain, at),
         classical(FREE, Rkmk4, plain, at),
-        ours::<_, Cayley>(FREE, "Cayley", &body, start)?,
-        ours::<_, Exponential>(FREE, "exponential", &body, start)?,
-        one_by_one::<_, Cayley>(FREE, "Cayley", &body, start)?,
-        one_by_one::<_, Exponential>(FREE, "exponential", &body, start)?,
-        ours::<_, Fused<Cayley>>(FREE, "Cayley, fused", &body, start)?,
-        ours::<_, Fused<Exponential>>(FREE, "exponential, fused", &body, start)?,
-        ours::<_, Order4<Cayley>>(FREE, "Cayley, order 4", &body, start)?,
-        ours::<_, Order6<Cayley>>(FREE, "Cayley, order 6", &body, start)?,
-        ours::<_, Order8<Cayley>>(FREE, "Cayley, order 8", &body, start)?,
-        ours::<_, Order10<Cayley>>(FREE, "Cayley, order 10", &body, start)?,
+        ours(FREE, "Cayley", at_once::<_, Cayley>, &body, start)?,
+        ours(FREE, "exponential", at_once::<_, Exponential>, &body, start)?,
+        ours(FREE, "Cayley, one by one", one_by_one::<_, Cayley>, &body, start)?,
+        ours(FREE, "exponential, one by one", one_by_one::<_, Exponential>, &body, start)?,
+        ours(FREE, "Cayley, fused", at_once::<_, Fused<Cayley>>, &body, start)?,
+        ours(FREE, "exponential, fused", at_once::<_, Fused<Exponential>>, &body, start)?,
+        ours(FREE, "Cayley, order 4", at_once::<_, Order4<Cayley>>, &body, start)?,
+        ours(FREE, "Cayley, order 6", at_once::<_, Order6<Cayley>>, &body, start)?,
+        ours(FREE, "Cayley, order 8", at_once::<_, Order8<Cayley>>, &body, start)?,
+        ours(FREE, "Cayley, order 10", at_once::<_, Order10<Cayley>>, &body, start)?,
         generic(
             FREE,
             "Cayley, generic stepper",
@@ -107,12 +107,12 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
         )?,
         classical(TOP, Rk4Quaternion, heavy, heavy_at),
         classical(TOP, Rkmk4, heavy, heavy_at),
-        ours::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
-        ours::<_, Exponential>(TOP, "exponential", &top, top_start)?,
-        one_by_one::<_, Cayley>(TOP, "Cayley", &top, top_start)?,
-        one_by_one::<_, Exponential>(TOP, "exponential", &top, top_start)?,
-        ours::<_, Fused<Cayley>>(TOP, "Cayley, fused", &top, top_start)?,
-        ours::<_, Fused<Exponential>>(TOP, "exponential, fused", &top, top_start)?,
+        ours(TOP, "Cayley", at_once::<_, Cayley>, &top, top_start)?,
+        ours(TOP, "exponential", at_once::<_, Exponential>, &top, top_start)?,
+        ours(TOP, "Cayley, one by one", one_by_one::<_, Cayley>, &top, top_start)?,
+        ours(TOP, "exponential, one by one", one_by_one::<_, Exponential>, &top, top_start)?,
+        ours(TOP, "Cayley, fused", at_once::<_, Fused<Cayley>>, &top, top_start)?,
+        ours(TOP, "exponential, fused", at_once::<_, Fused<Exponential>>, &top, top_start)?,
         generic(
             TOP,
             "Cayley, generic stepper",
@@ -155,20 +155,21 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     }
     cases.sort_by_key(|case| case.problem);
     let (quadrotor, loose) = Quadrotor::loose();
-    cases.push(ours::<_, Cayley>("quadrotor", "Cayley", &quadrotor, loose)?);
-    cases.push(ours::<_, Exponential>("quadrotor", "exponential", &quadrotor, loose)?);
+    cases.push(ours("quadrotor", "Cayley", at_once::<_, Cayley>, &quadrotor, loose)?);
+    cases.push(ours("quadrotor", "exponential", at_once::<_, Exponential>, &quadrotor, loose)?);
     let (coupled, still) = CoupledBodies::example();
-    cases.push(ours::<_, Cayley>("coupled_bodies", "Cayley", &coupled, still)?);
-    cases.push(ours::<_, Exponential>("coupled_bodies", "exponential", &coupled, still)?);
+    cases.push(ours("coupled_bodies", "Cayley", at_once::<_, Cayley>, &coupled, still)?);
+    cases.push(ours("coupled_bodies", "exponential", at_once::<_, Exponential>, &coupled, still)?);
     Ok(cases)
 }
 
-/// Generated steps, taken together, with the control that the system's law chooses at the start.
+/// Generated steps, walked so, with the control that the system's law chooses at the start.
 fn ours<S, M>(
     problem: &'static str,
     method: &str,
+    walk: Walk<S, M>,
     system: &S,
-    state: S::State,
+    mut state: S::State,
 ) -> Result<Case, ParameterError>
 where
     S: Catalogued + Discretized<M> + 'static,
@@ -176,27 +177,32 @@ where
 {
     let mut stepper = system.stepper::<M>(0.01)?;
     let control = system.control(&state, 0.0);
-    let mut state = state;
-    let walk = move |steps| stepper.steps_with(&mut state, &control, steps).is_ok();
+    let walk = move |steps| walk(&mut stepper, &mut state, &control, steps);
     Ok(Case { problem, method: method.into(), steps: 20_000, walk: Box::new(walk) })
 }
 
-/// The same, one call for each.
-fn one_by_one<S, M>(
-    problem: &'static str,
-    method: &str,
-    system: &S,
-    state: S::State,
-) -> Result<Case, ParameterError>
+/// Takes so many steps; whether all could be taken.
+type Walk<S, M> = fn(&mut Stepper<S, M>, &mut <S as System>::State, &<S as System>::Control, u64) -> bool;
+
+/// All of them in one call.
+fn at_once<S, M>(stepper: &mut Stepper<S, M>, state: &mut S::State, control: &S::Control, steps: u64) -> bool
 where
-    S: Catalogued + Discretized<M> + 'static,
-    M: 'static,
+    S: Discretized<M>,
 {
-    let mut stepper = system.stepper::<M>(0.01)?;
-    let control = system.control(&state, 0.0);
-    let mut state = state;
-    let method = format!("{method}, one by one");
-    Ok(Case::new(problem, method, move || stepper.step_with(&mut state, &control).is_ok()))
+    stepper.steps_with(state, control, steps).is_ok()
+}
+
+/// One call for each.
+fn one_by_one<S, M>(
+    stepper: &mut Stepper<S, M>,
+    state: &mut S::State,
+    control: &S::Control,
+    steps: u64,
+) -> bool
+where
+    S: Discretized<M>,
+{
+    (0..steps).all(|_| stepper.step_with(state, control).is_ok())
 }
 
 /// How ensembles are run: by all instructions that the processor has, on one of its cores and by the widest on two.
