@@ -36,7 +36,7 @@
 use core::marker::PhantomData;
 
 use crate::method::{Course, Method, Outcome, visit_flag};
-use crate::scalar::{Batch, Scalar, Work};
+use crate::scalar::{Batch, Scalar};
 use crate::system::Discretized;
 
 /// The coefficients of a symmetric composition.
@@ -190,46 +190,23 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         let known = known && self.whole;
         // until all are through
         self.whole = false;
-        let (steps, gamma, step) = (self.steps.as_mut(), C::GAMMA, self.step);
-        let advanced = B::Scalar::outline(InARow { steps, gamma, step, state, time, control, known })?;
+        let mut state = *state;
+        // how much of the composed step is done
+        let mut done = 0.0;
+        let mut course = Course::new();
+        for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
+            let start = time + B::Scalar::of(done) * self.step;
+            state = course.part(step, &state, start, control, known)?;
+            done += gamma;
+        }
         self.whole = true;
-        Ok(advanced)
+        course.end(state)
     }
 
     #[inline]
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
         visit_flag(&mut self.whole, visit);
         self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
-    }
-}
-
-/// The steps of a composition, one after the other: compiled once for all compositions of the same steps.
-struct InARow<'a, B: Method> {
-    steps: &'a mut [B],
-    gamma: &'static [f64],
-    step: B::Scalar,
-    state: &'a B::State,
-    time: B::Scalar,
-    control: &'a B::Control,
-    known: bool,
-}
-
-impl<B: Method> Work for InARow<'_, B> {
-    type Result = Outcome<B::Scalar, B::State>;
-
-    #[inline(always)]
-    fn done(self) -> Self::Result {
-        let Self { steps, gamma, step, state, time, control, known } = self;
-        let mut state = *state;
-        // how much of the composed step is done
-        let mut done = 0.0;
-        let mut course = Course::new();
-        for (part, gamma) in steps.iter_mut().zip(gamma) {
-            let start = time + B::Scalar::of(done) * step;
-            state = course.part(part, &state, start, control, known)?;
-            done += gamma;
-        }
-        course.end(state)
     }
 }
 
