@@ -183,16 +183,13 @@ impl Processor for Portable {
     }
 }
 
-/// Whether [`combined`] can be asked for: whether the processor has its instructions.
+/// [`Batch::combined`] of numbers alone: two components at a time. None if the processor has no instructions for it.
 #[inline(always)]
-pub(crate) fn combines<T: Batch>() -> bool {
-    // the program was built for one that has, or it is looked for
-    T::ONCE == FUSED || std::is_x86_feature_detected!("fma")
-}
-
-/// [`Batch::combined`] of numbers alone, where the processor [has](combines) the instructions: two components at a time.
-#[inline(always)]
-pub(crate) fn combined<T: Batch, U: Components<T>>(a: &[T], x: &[U], b: &[T], y: &[U]) -> U {
+pub(crate) fn combined<T: Batch, U: Components<T>>(a: &[T], x: &[U], b: &[T], y: &[U]) -> Option<U> {
+    // if the program was not built for one that has them, it is looked for
+    if T::ONCE != FUSED && !std::is_x86_feature_detected!("fma") {
+        return None;
+    }
     let mut combined = x[0];
     let components = combined.as_mut();
     let mut i = 0;
@@ -204,7 +201,7 @@ pub(crate) fn combined<T: Batch, U: Components<T>>(a: &[T], x: &[U], b: &[T], y:
     if i < components.len() {
         components[i] = combination(a, x, i) + combination(b, y, i);
     }
-    combined
+    Some(combined)
 }
 
 /// [`Batch::keep`] of numbers alone.
@@ -229,7 +226,7 @@ fn pairs<T: Batch, U: Components<T>>(weights: &[T], terms: &[U], i: usize) -> __
     let mut sum: Option<__m128d> = None;
     for (weight, term) in weights.iter().zip(terms) {
         let weight = weight.lane(0).to_f64();
-        // SAFETY: the processor has these instructions, as was found out before
+        // SAFETY: the processor has these instructions: the caller has looked
         sum = Some(unsafe {
             let (weight, term) = (_mm_set1_pd(weight), pair(term.as_ref(), i));
             match sum {

@@ -155,8 +155,10 @@ pub trait Batch: Scalar {
     #[inline(always)]
     fn combined<U: Components<Self>>(a: &[Self], x: &[U], b: &[Self], y: &[U]) -> U {
         #[cfg(all(feature = "std", target_arch = "x86_64"))]
-        if const { Self::PAIRS } && crate::processor::combines::<Self>() {
-            return crate::processor::combined(a, x, b, y);
+        if const { Self::PAIRS }
+            && let Some(combined) = crate::processor::combined(a, x, b, y)
+        {
+            return combined;
         }
         // no closure, which would not be compiled for the processor that its caller is compiled for
         let mut combined = x[0];
