@@ -35,7 +35,8 @@
 
 use core::marker::PhantomData;
 
-use crate::method::{Course, Method, Outcome, visit_flag};
+use crate::memory::visit_flag;
+use crate::method::{Course, Method, Outcome};
 use crate::scalar::{Batch, Scalar};
 use crate::system::Discretized;
 

@@ -73,6 +73,7 @@ pub mod kernel;
 #[cfg(feature = "std")]
 mod lanes;
 mod literals;
+mod memory;
 pub mod method;
 pub mod newton;
 pub mod observe;

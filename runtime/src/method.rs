@@ -5,6 +5,7 @@
 use crate::error::StepError;
 use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
+use crate::memory::visit_flag;
 use crate::newton::{self, SolutionOf};
 use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 use crate::solver::Solver;
@@ -129,13 +130,6 @@ impl<T: Batch, S> Failure<T, S> {
         // there is one, or it would be no failure
         error.unwrap_or(StepError::NotFinite)
     }
-}
-
-/// Shows a truth as a number.
-pub(crate) fn visit_flag<T: Batch>(flag: &mut bool, visit: &mut dyn FnMut(&mut [T])) {
-    let mut number = [T::of(if *flag { 1.0 } else { 0.0 })];
-    visit(&mut number);
-    *flag = number[0].lane(0) != T::Number::of(0.0);
 }
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
@@ -286,8 +280,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         T::outline(Anyhow { method: self, state: &state, time, control: &control, known })
     }
 
-    /// A step as nearly all are, from a guess that becomes the next one's. None, and nothing has happened to anything else, if something is
-    /// not as usual, be it a number that is not finite.
+    /// A step as nearly all are, from a guess that becomes the next one's. None if something is not as usual, be it a number that is not
+    /// finite: then nothing else has changed, but that sweeps beyond the first are counted if they were made and what followed was not usual.
     #[inline(always)]
     fn usual(
         &mut self,

@@ -7,7 +7,8 @@ use crate::derivative::{
 };
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
-use crate::method::{Advanced, Clock, Method, visit_flag};
+use crate::memory::{self, visit_flag};
+use crate::method::{Advanced, Clock, Method};
 use crate::run::{RunError, RunReport};
 use crate::scalar::{Batch, Real, Scalar, Work};
 use crate::system::{Control, Discretized, State, System};
@@ -111,7 +112,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[inline]
     pub fn memory(&self) -> std::vec::Vec<f64> {
         let mut copy = self.clone();
-        written(self.start, self.taken, &mut |visit| copy.visit(visit))
+        memory::written(self.start, self.taken, &mut |visit| copy.visit(visit))
     }
 
     /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
@@ -120,7 +121,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// If it has not as many numbers as the memory of this stepper.
     #[inline]
     pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        (self.start, self.taken) = read(memory, &mut |visit| self.visit(visit))?;
+        (self.start, self.taken) = memory::read(memory, &mut |visit| self.visit(visit))?;
         Ok(())
     }
 
@@ -365,36 +366,6 @@ where
     ) -> <S::Method<S::Scalar> as Linearizable<S>>::Derivative {
         self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
     }
-}
-
-/// Shows pieces of a memory to whoever reads or replaces them.
-type Show<'a, T> = dyn FnMut(&mut dyn FnMut(&mut [T])) + 'a;
-
-/// A memory written down. A function, like the next, so that it is compiled once for all steppers.
-#[cfg(feature = "std")]
-fn written<T: Real>(start: f64, taken: u64, show: &mut Show<'_, T>) -> std::vec::Vec<f64> {
-    let mut memory = std::vec![start, taken as f64];
-    show(&mut |piece| memory.extend(piece.iter().map(|number| number.to_f64())));
-    memory
-}
-
-/// Puts back what was written down; the start, and the steps since then.
-fn read<T: Real>(memory: &[f64], show: &mut Show<'_, T>) -> Result<(f64, u64), ParameterError> {
-    // above that not every count has its own number
-    const MOST: u64 = 1 << f64::MANTISSA_DIGITS;
-    let mut expected = 2;
-    show(&mut |piece| expected += piece.len());
-    let [start, taken, rest @ ..] = memory else {
-        return Err(ParameterError::Memory { expected, got: memory.len() });
-    };
-    if memory.len() != expected {
-        return Err(ParameterError::Memory { expected, got: memory.len() });
-    }
-    let mut rest = rest.iter();
-    show(&mut |piece| {
-        piece.iter_mut().zip(&mut rest).for_each(|(number, value)| *number = T::of(*value));
-    });
-    Ok((*start, (*taken as u64).min(MOST)))
 }
 
 /// Whether all numbers are the same, without a branch.

@@ -74,15 +74,9 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     let y: Vector6<f64> = vector![m.x, m.y, m.z, gamma.x, gamma.y, gamma.z];
     let heavy_at = AttitudeState { attitude: top_start.attitude, y };
 
-    let mut cases = vec![
-        classical(FREE, Rk4Quaternion, plain, at),
-        classical(FREE, Rkmk4, plain, at),
-        ours(FREE, "Cayley", at_once::<_, Cayley>, &body, start)?,
-        ours(FREE, "exponential", at_once::<_, Exponential>, &body, start)?,
-        ours(FREE, "Cayley, one by one", one_by_one::<_, Cayley>, &body, start)?,
-        ours(FREE, "exponential, one by one", one_by_one::<_, Exponential>, &body, start)?,
-        ours(FREE, "Cayley, fused", at_once::<_, Fused<Cayley>>, &body, start)?,
-        ours(FREE, "exponential, fused", at_once::<_, Fused<Exponential>>, &body, start)?,
+    let mut cases = vec![classical(FREE, Rk4Quaternion, plain, at), classical(FREE, Rkmk4, plain, at)];
+    cases.extend(ours_of_order_2(FREE, &body, &start)?);
+    cases.extend([
         ours(FREE, "Cayley, order 4", at_once::<_, Order4<Cayley>>, &body, start)?,
         ours(FREE, "Cayley, order 6", at_once::<_, Order6<Cayley>>, &body, start)?,
         ours(FREE, "Cayley, order 8", at_once::<_, Order8<Cayley>>, &body, start)?,
@@ -105,14 +99,10 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
             start.momentum,
             SMatrix::identity(),
         )?,
-        classical(TOP, Rk4Quaternion, heavy, heavy_at),
-        classical(TOP, Rkmk4, heavy, heavy_at),
-        ours(TOP, "Cayley", at_once::<_, Cayley>, &top, top_start)?,
-        ours(TOP, "exponential", at_once::<_, Exponential>, &top, top_start)?,
-        ours(TOP, "Cayley, one by one", one_by_one::<_, Cayley>, &top, top_start)?,
-        ours(TOP, "exponential, one by one", one_by_one::<_, Exponential>, &top, top_start)?,
-        ours(TOP, "Cayley, fused", at_once::<_, Fused<Cayley>>, &top, top_start)?,
-        ours(TOP, "exponential, fused", at_once::<_, Fused<Exponential>>, &top, top_start)?,
+    ]);
+    cases.extend([classical(TOP, Rk4Quaternion, heavy, heavy_at), classical(TOP, Rkmk4, heavy, heavy_at)]);
+    cases.extend(ours_of_order_2(TOP, &top, &top_start)?);
+    cases.extend([
         generic(
             TOP,
             "Cayley, generic stepper",
@@ -131,7 +121,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
             y,
             Matrix4::identity(),
         )?,
-    ];
+    ]);
     for (name, instructions, threads) in crews() {
         let crew = |retraction: &str| format!("{retraction}, ensemble, {name}");
         cases.push(together::<_, Cayley>(FREE, crew("Cayley"), &body, &start, instructions, threads)?);
@@ -161,6 +151,25 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     cases.push(ours("coupled_bodies", "Cayley", at_once::<_, Cayley>, &coupled, still)?);
     cases.push(ours("coupled_bodies", "exponential", at_once::<_, Exponential>, &coupled, still)?);
     Ok(cases)
+}
+
+/// Generated steps of order 2, in every way that they are taken.
+fn ours_of_order_2<S>(
+    problem: &'static str,
+    system: &S,
+    state: &S::State,
+) -> Result<[Case; 6], ParameterError>
+where
+    S: Catalogued + 'static,
+{
+    Ok([
+        ours(problem, "Cayley", at_once::<_, Cayley>, system, state.clone())?,
+        ours(problem, "exponential", at_once::<_, Exponential>, system, state.clone())?,
+        ours(problem, "Cayley, one by one", one_by_one::<_, Cayley>, system, state.clone())?,
+        ours(problem, "exponential, one by one", one_by_one::<_, Exponential>, system, state.clone())?,
+        ours(problem, "Cayley, fused", at_once::<_, Fused<Cayley>>, system, state.clone())?,
+        ours(problem, "exponential, fused", at_once::<_, Fused<Exponential>>, system, state.clone())?,
+    ])
 }
 
 /// Generated steps, walked so, with the control that the system's law chooses at the start.
