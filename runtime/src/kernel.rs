@@ -92,4 +92,9 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync {
         unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::State;
+    /// Whether a component of the state after the step is finite if the state before it and the unknown are.
+    #[inline(always)]
+    fn is_bounded(_component: usize) -> bool {
+        false
+    }
 }

@@ -123,6 +123,7 @@ impl RandomStep {
             given: Vector(state[STATE - 1..].to_vec()).symbols(),
             domain,
             turns: Vec::new(),
+            bounded: Vec::new(),
             next: Vector(next.to_vec()),
         };
         Symbolic { step, parameters: Vector(parameters).symbols(), state: Vector(state).symbols() }

@@ -135,6 +135,17 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
         "Positive within the retraction's domain.".to_owned()
     };
     let domain_doc = docs::line(&edge);
+    let bounded = kernel.bounded.iter().enumerate().filter(|&(_, &bounded)| bounded);
+    let bounded: Vec<Literal> = bounded.map(|(component, _)| Literal::usize_unsuffixed(component)).collect();
+    let bounded = (!bounded.is_empty()).then(|| {
+        quote! {
+            /// Rotations stay of unit length.
+            #[inline(always)]
+            fn is_bounded(component: usize) -> bool {
+                ::core::matches!(component, #(#bounded)|*)
+            }
+        }
+    });
 
     quote! {
             #constants
@@ -234,6 +245,8 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
                 ) -> [T; #state] {
                     #finish
                 }
+
+                #bounded
             }
 
             };

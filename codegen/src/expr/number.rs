@@ -98,6 +98,13 @@ impl Number {
         self == Self::ONE
     }
 
+    /// Whether it is 2, 4, 8, … or one of 1/2, 1/4, 1/8, …
+    pub fn scales_exactly(self) -> bool {
+        let power = |number: i128| number.count_ones() == 1 && number > 0;
+        self.fraction().is_some_and(|(numerator, denominator)| power(numerator) && power(denominator))
+            && !self.is_one()
+    }
+
     /// Whether it is below 0.
     pub fn is_negative(self) -> bool {
         match self {

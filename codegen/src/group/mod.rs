@@ -108,6 +108,11 @@ pub trait Group: Sync {
     fn unit(&self, _retraction: Retraction) -> i128 {
         1
     }
+    /// How many of the stored coordinates, from the first one on, make something of unit length: a turn leaves them bounded, however far it
+    /// goes.
+    fn unit_coordinates(&self) -> usize {
+        0
+    }
     /// Whether the group is a vector space, and its elements are vectors to a user's expressions.
     fn is_linear(&self) -> bool {
         false

@@ -40,6 +40,10 @@ impl Group for SE2 {
         &["re", "im", "px", "py"]
     }
 
+    fn unit_coordinates(&self) -> usize {
+        SO2.unit_coordinates()
+    }
+
     fn momentum_type(&self) -> &'static str {
         "Vector3"
     }

@@ -40,6 +40,10 @@ impl Group for SE3 {
         &["w", "x", "y", "z", "px", "py", "pz"]
     }
 
+    fn unit_coordinates(&self) -> usize {
+        SO3.unit_coordinates()
+    }
+
     fn momentum_type(&self) -> &'static str {
         "Vector6"
     }

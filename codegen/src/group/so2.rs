@@ -46,6 +46,10 @@ impl Group for SO2 {
         &["re", "im"]
     }
 
+    fn unit_coordinates(&self) -> usize {
+        self.coordinates().len()
+    }
+
     fn momentum_type(&self) -> &'static str {
         "Vector1"
     }

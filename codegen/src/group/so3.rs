@@ -45,6 +45,10 @@ impl Group for SO3 {
         &["w", "x", "y", "z"]
     }
 
+    fn unit_coordinates(&self) -> usize {
+        self.coordinates().len()
+    }
+
     fn momentum_type(&self) -> &'static str {
         "Vector3"
     }

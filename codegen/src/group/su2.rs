@@ -41,6 +41,10 @@ impl Group for SU2 {
         SO3.coordinates()
     }
 
+    fn unit_coordinates(&self) -> usize {
+        SO3.unit_coordinates()
+    }
+
     fn momentum_type(&self) -> &'static str {
         SO3.momentum_type()
     }

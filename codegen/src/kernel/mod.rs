@@ -107,6 +107,8 @@ pub struct Kernel {
     pub domain: Section,
     /// Computes the next state.
     pub finish: Section,
+    /// Which of its components are bounded if the unknown is.
+    pub bounded: Vec<bool>,
 }
 
 /// What symbols are called in some code.
@@ -157,6 +159,7 @@ impl Kernel {
         let [start, left, right, correction, sweep, domain, next] = planned;
         let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
         plan.share_pairs();
+        plan.shorten_divisions();
 
         let evaluation = [difference, right].concat();
         let outputs = schedule::Outputs { start, evaluation, correction, sweep, domain, next };
@@ -165,6 +168,7 @@ impl Kernel {
         kernel.right = kernel.symbols.of(&right);
         kernel.unknown = kernel.symbols.of(&unknown);
         kernel.residual = kernel.symbols.of(&residual);
+        kernel.bounded = step.bounded.clone();
         kernel.h = h.as_symbol().map(|h| kernel.symbols.get(h)).filter(|h| kernel.new.inputs.contains(h));
         kernel
     }

@@ -22,8 +22,8 @@ pub(super) enum Operation {
     /// Addends, `true` for those subtracted.
     Sum(Vec<(bool, Op)>),
     Product(Vec<Op>),
-    /// `1 / x`
-    Reciprocal(Op),
+    /// A positive constant by a value.
+    Quotient(Number, Op),
     Function(Function, Op),
     Power(Op, Op),
     Atan2(Op, Op),
@@ -35,7 +35,7 @@ impl Operation {
             Self::Number(_) | Self::Symbol(_) => Vec::new(),
             Self::Sum(addends) => addends.iter().map(|&(_, op)| op).collect(),
             Self::Product(factors) => factors.clone(),
-            Self::Reciprocal(x) | Self::Function(_, x) => vec![*x],
+            Self::Quotient(_, x) | Self::Function(_, x) => vec![*x],
             Self::Power(x, y) | Self::Atan2(x, y) => vec![*x, *y],
         }
     }
@@ -203,7 +203,8 @@ impl<'a> Plan<'a> {
         for &(id, exponent) in factors {
             let base = self.visit(id);
             negative ^= base.negative && exponent % 2 != 0;
-            let factor = if exponent < 0 { self.intern(Operation::Reciprocal(base.op)) } else { base.op };
+            let factor =
+                if exponent < 0 { self.intern(Operation::Quotient(Number::ONE, base.op)) } else { base.op };
             let part = by_stage.entry(self.stage(factor)).or_default();
             part.extend(std::iter::repeat_n(factor, exponent.unsigned_abs() as usize));
         }
@@ -236,6 +237,51 @@ impl<'a> Plan<'a> {
         }
         factors.sort(); // a product is the same in any order
         self.intern(Operation::Product(factors))
+    }
+
+    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that takes longest.
+    pub(super) fn shorten_divisions(&mut self) {
+        let late: Vec<Op> = self.ops().filter(|op| self.stage(*op) == Stage::Iteration).collect();
+        for op in late {
+            if let &Operation::Quotient(one, x) = self.operation(op)
+                && one.is_one()
+            {
+                self.take_root_beside(op, x);
+                self.divide_multiple(op, x);
+            }
+        }
+    }
+
+    /// `√(1/x) = √x · 1/x`: the root does not wait for the quotient.
+    fn take_root_beside(&mut self, reciprocal: Op, x: Op) {
+        let root = Operation::Function(Function::Sqrt, reciprocal);
+        if let Some(&root) = self.index.get(&root) {
+            let of_x = self.intern(Operation::Function(Function::Sqrt, x));
+            self.operations[root.0 as usize] = Operation::Product(vec![reciprocal, of_x]);
+        }
+    }
+
+    /// Where `2 · 1/x` is asked for, beside `1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the step's
+    /// equation waits for the multiple.
+    fn divide_multiple(&mut self, reciprocal: Op, x: Op) {
+        let users: Vec<Op> =
+            self.ops().filter(|op| self.operation(*op).operands().contains(&reciprocal)).collect();
+        let multiple = users.iter().find_map(|&op| match self.operation(op) {
+            Operation::Product(factors) if factors.len() == 2 => {
+                factors.iter().find_map(|&factor| match self.operation(factor) {
+                    Operation::Number(number) if number.scales_exactly() => Some((op, *number)),
+                    _ => None,
+                })
+            }
+            _ => None,
+        });
+        if let Some((multiple, number)) = multiple
+            && users.len() > 1
+        {
+            let back = self.intern(Operation::Number(number.powi(-1)));
+            self.operations[multiple.0 as usize] = Operation::Quotient(number, x);
+            self.operations[reciprocal.0 as usize] = Operation::Product(vec![back, multiple]);
+        }
     }
 
     /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.

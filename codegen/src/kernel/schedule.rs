@@ -127,6 +127,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
             sweep: self.section(Some(Home::Local), &[], &outputs.sweep),
             domain: self.section(Some(Home::Local), &[], &outputs.domain),
             finish: self.section(Some(Home::Local), &[], &outputs.next),
+            bounded: Vec::new(),
             unknown: Vec::new(),
             residual: Vec::new(),
             right: Vec::new(),
@@ -289,13 +290,15 @@ impl<'p, 'a> Schedule<'p, 'a> {
                 .or_else(|| self.kept.get(&op).cloned().filter(|name| name.contains('_'))),
         };
         match self.plan.operation(op) {
-            Operation::Reciprocal(x) => Some(format!("per_{}", leaf(*x)?)),
+            Operation::Quotient(number, x) if number.is_one() => Some(format!("per_{}", leaf(*x)?)),
             Operation::Product(factors) if factors.len() <= 3 => {
                 let mut words = Vec::new();
                 let mut below = Vec::new();
                 for &factor in factors {
                     match self.plan.operation(factor) {
-                        Operation::Reciprocal(x) => below.push(format!("per_{}", leaf(*x)?)),
+                        Operation::Quotient(number, x) if number.is_one() => {
+                            below.push(format!("per_{}", leaf(*x)?))
+                        }
                         Operation::Number(_) => words.insert(0, leaf(factor)?),
                         _ => words.push(leaf(factor)?),
                     }

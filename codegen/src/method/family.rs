@@ -150,7 +150,16 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         let turns = [(early, first), (late, second)].into_iter().filter(|(share, _)| !share.is_zero());
         turns.map(|(_, (from, by))| Turn { from: settled(&from), by: settled(&by) }).collect()
     });
-    let turns = turns.collect();
+    let turns: Vec<Vec<Turn<'a>>> = turns.collect();
+    let turned = system.factors.iter().zip(&turns).filter(|(_, turns)| {
+        // by the unknown, not by what is known before
+        turns.iter().flat_map(|turn| turn.by.iter()).all(|x| x.stage() >= Stage::Iteration)
+    });
+    let unit: Vec<Symbol> = turned
+        .flat_map(|(factor, _)| {
+            factor.configuration.symbols().into_iter().take(factor.algebra.group.unit_coordinates())
+        })
+        .collect();
     let edge = if early.as_number() > late.as_number() { early } else { late };
     let domain = motions.iter().zip(&system.factors).filter_map(|(motion, factor)| {
         let margin = factor.algebra.group.domain(retraction, &motion.y.scale(edge))?;
@@ -166,6 +175,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         left: join(|equation| &equation.left),
         right: join(|equation| &equation.right),
         next: settled(&in_order(system, &nexts)),
+        bounded: system.state_symbols().iter().map(|symbol| unit.contains(symbol)).collect(),
     }
 }
 

@@ -29,6 +29,8 @@ pub struct Step<'a> {
     pub turns: Vec<Vec<Turn<'a>>>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
+    /// What of it is bounded if the unknown is: rotations.
+    pub bounded: Vec<bool>,
 }
 
 /// One move of a configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.

@@ -76,5 +76,6 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
         domain,
         turns,
         next: Vector(system.state_symbols().into_iter().filter_map(next).collect()),
+        bounded: vec![false; system.state_symbols().len()],
     }
 }

@@ -65,7 +65,7 @@ impl Layout<'_, '_, '_> {
     }
 
     fn is_reciprocal(&self, op: Op) -> bool {
-        matches!(self.schedule.plan.operation(op), Operation::Reciprocal(_))
+        matches!(self.schedule.plan.operation(op), Operation::Quotient(..))
     }
 
     /// Computes a value under a name.
@@ -143,10 +143,9 @@ impl Layout<'_, '_, '_> {
             Operation::Sum(addends) => {
                 let mut terms: Vec<(bool, Term)> =
                     addends.iter().map(|&(negative, addend)| (negative, self.term(addend))).collect();
-                // next to a constant small numbers keep together
                 let has_constant = terms.iter().any(|(_, term)| matches!(term, Term::Number(_)));
-                if self.home == Some(Home::Evaluate) && !has_constant {
-                    terms = flat(terms);
+                if self.home == Some(Home::Evaluate) {
+                    terms = if has_constant { balanced(terms) } else { flat(terms) };
                 }
                 match terms.iter().position(|(negative, _)| !negative) {
                     Some(first) => {
@@ -168,8 +167,9 @@ impl Layout<'_, '_, '_> {
                 for &factor in factors {
                     match plan.operation(factor) {
                         // a reciprocal of its own rounds once more, and only pays where it is used again and time counts
-                        Operation::Reciprocal(x)
-                            if !self.schedule.is_input(self.home, factor)
+                        Operation::Quotient(number, x)
+                            if number.is_one()
+                                && !self.schedule.is_input(self.home, factor)
                                 && (plan.stage(op) == Stage::Parameters || self.uses[&factor] == 1) =>
                         {
                             below.push(self.term(*x));
@@ -185,8 +185,8 @@ impl Layout<'_, '_, '_> {
                     None => above,
                 }
             }
-            Operation::Reciprocal(x) => {
-                Term::Quotient(Box::new(Term::Number(1.into())), Box::new(self.term(*x)))
+            Operation::Quotient(number, x) => {
+                Term::Quotient(Box::new(Term::Number(*number)), Box::new(self.term(*x)))
             }
             Operation::Function(function, x) => Term::Function(*function, Box::new(self.term(*x))),
             Operation::Power(x, y) => Term::Power(Box::new(self.term(*x)), Box::new(self.term(*y))),
@@ -206,6 +206,17 @@ fn flat(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
         }
     }
     flat
+}
+
+/// A constant and more than two small numbers as two sums that do not wait for one another, which costs one rounding more; fewer keep together.
+fn balanced(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
+    let mut all = flat(addends.clone());
+    if all.len() < 4 || all.iter().any(|(negative, _)| *negative) {
+        return addends;
+    }
+    all.sort_by_key(|(_, term)| !matches!(term, Term::Number(_)));
+    let rest = all.split_off(all.len() / 2);
+    vec![(false, Term::Sum(all)), (false, Term::Sum(rest))]
 }
 
 fn product(mut factors: Vec<Term>) -> Option<Term> {
