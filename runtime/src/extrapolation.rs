@@ -4,39 +4,64 @@
 //! step, is the next one to many digits. Of several polynomials that one is taken which would have pointed best at the latest solution.
 
 use crate::kernel::Components;
-use crate::scalar::{Batch, Mask, Real, Scalar, Work};
+use crate::lanes::{Portable, Processor};
+use crate::scalar::{Batch, Mask, Real, Scalar, Term, Work};
 
 /// The most earlier solutions that the next one is extrapolated from.
-pub(crate) const WINDOW: usize = 12;
+pub(crate) const WINDOW: usize = 16;
 /// How many are kept: the next power of two, so that places are found by a mask.
 const KEPT: usize = WINDOW.next_power_of_two();
-/// So many of the most recent ones do for most systems.
+/// So many of the most recent ones do for many systems.
 const RECENT: usize = 8;
-/// The polynomials that are tried: through how many of the solutions, or as near to them as can be, and of what degree.
-const FITS: [(usize, usize); 7] = [(1, 0), (2, 1), (3, 2), (4, 3), (6, 5), (RECENT, 7), (WINDOW, 9)];
+/// Where they do not, so many more are taken at a time.
+const MORE: usize = 4;
+/// The polynomials that are tried: through how many of the solutions, or as near to them as can be, and of what degree. The nearest to many
+/// has less of their rounding in it.
+const FITS: [(usize, usize); 9] = [
+    (1, 0),
+    (2, 1),
+    (3, 2),
+    (4, 3),
+    (6, 5),
+    (RECENT, 7),
+    (RECENT + MORE, 8),
+    (RECENT + MORE, 9),
+    (WINDOW, 10),
+];
 /// By how much the square of an error is to be smaller than a change that may be the last, for it may grow until it is looked at again.
-const MARGIN: f64 = 25.0;
+const MARGIN: f64 = 16.0;
+/// What is left of the square of an error at the next look.
+const LASTING: f64 = 0.25;
 
 /// The last solutions, and how the next one follows from them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extrapolation<T, U> {
+pub(crate) struct Extrapolation<T: Batch, U> {
     /// The solutions in a ring, each one twice, so that all are in a row wherever they begin; zeros where there were none.
-    solutions: [U; 2 * KEPT],
+    solutions: [Term<T, U>; 2 * KEPT],
     /// The place of the oldest, which the next one will take.
     oldest: usize,
     /// How many there were, up to [`WINDOW`].
     count: usize,
     /// Their coefficients, the oldest solution's first.
     weights: [T; WINDOW],
-    /// Whether those of solutions that are not recent are nothing.
-    is_short: bool,
+    /// How many of the latest solutions have a coefficient that is not zero: [`RECENT`] or so many times [`MORE`] more.
+    reach: usize,
+    /// The squares of the polynomials' errors, those found at the latest look and what is left of earlier ones.
+    errors: [T; FITS.len()],
 }
 
 /// Knows no solution.
 impl<T: Batch, U: Components<T>> Default for Extrapolation<T, U> {
     fn default() -> Self {
         let nothing = U::from_fn(|_| T::of(0.0));
-        Self { solutions: [nothing; 2 * KEPT], oldest: 0, count: 0, weights: weights(0), is_short: true }
+        Self {
+            solutions: [Term::new(nothing); 2 * KEPT],
+            oldest: 0,
+            count: 0,
+            weights: weights(0),
+            reach: RECENT,
+            errors: [T::of(0.0); FITS.len()],
+        }
     }
 }
 
@@ -48,7 +73,7 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
 
     /// The earlier solutions, the oldest first.
     #[inline(always)]
-    fn window(&self) -> &[U] {
+    fn window(&self) -> &[Term<T, U>] {
         // below KEPT, which the compiler then knows too
         let oldest = self.oldest % KEPT;
         &self.solutions[oldest + KEPT - WINDOW..oldest + KEPT]
@@ -56,22 +81,22 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
 
     /// The latest solution.
     pub(crate) fn latest(&self) -> U {
-        self.window()[WINDOW - 1]
+        self.window()[WINDOW - 1].components
     }
 
     /// Remembers a solution, and forgets the oldest.
     #[inline(always)]
     pub(crate) fn push(&mut self, unknown: &U) {
-        self.replace_oldest(unknown);
+        self.replace_oldest::<Portable>(unknown);
         self.count = (self.count + 1).min(WINDOW);
     }
 
     /// The same where there are as many as can be.
     #[inline(always)]
-    pub(crate) fn replace_oldest(&mut self, unknown: &U) {
+    pub(crate) fn replace_oldest<P: Processor>(&mut self, unknown: &U) {
         let oldest = self.oldest % KEPT;
-        T::keep(&mut self.solutions[oldest], unknown);
-        T::keep(&mut self.solutions[oldest + KEPT], unknown);
+        T::keep::<P, _>(&mut self.solutions[oldest], unknown);
+        T::keep::<P, _>(&mut self.solutions[oldest + KEPT], unknown);
         self.oldest = oldest + 1;
     }
 
@@ -82,10 +107,10 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
 
     /// What the solutions that there are will contribute to the guess after the next solution: [`then`](Self::then) it takes that one.
     #[inline(always)]
-    pub(crate) fn begun(&self) -> U {
+    pub(crate) fn begun<P: Processor>(&self) -> U {
         // the window begins one later then
         let next = self.oldest % KEPT + KEPT - WINDOW + 1;
-        earlier(&self.weights, &self.solutions[next..next + WINDOW - 1], self.is_short)
+        earlier::<P, _, _>(&self.weights, &self.solutions[next..next + WINDOW - 1], self.reach)
     }
 
     /// Where the solutions will point after this one, from what was [begun](Self::begun).
@@ -94,27 +119,34 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         continued(&self.weights, begun, unknown)
     }
 
-    /// Takes, in the `wanting` lanes, the polynomial that points best at this solution. An error of which the square is below `tolerance` is none.
+    /// Takes, in the `wanting` lanes, the polynomial that points best at this solution, and pointed well at those of earlier looks. An error of
+    /// which the square is below `tolerance` is none.
     #[inline(always)]
     pub(crate) fn choose(&mut self, solution: &U, wanting: T::Mask, tolerance: T) {
         // with one solution there is nothing to choose, and with none the first will be the latest
         let mut best = weights(0);
         let mut least = T::of(0.0);
-        for (fit, (points, _)) in
-            FITS.into_iter().enumerate().filter(|(_, (points, _))| *points <= self.count)
-        {
+        let mut errors = self.errors;
+        for ((fit, (points, _)), lasting) in FITS.into_iter().enumerate().zip(&mut errors) {
+            if points > self.count {
+                break;
+            }
             let candidate = weights(fit);
-            let guess = extrapolated(&candidate, self.window(), points <= RECENT);
-            let error = squared_distance(&guess, solution);
+            let guess = extrapolated(&candidate, self.window(), points.max(RECENT));
+            // an error changes its sign now and then, and is small for a while
+            let (now, before) = (squared_distance(&guess, solution), T::of(LASTING) * *lasting);
+            let error = T::select(now.below(before), before, now);
+            *lasting = T::select(wanting, error, *lasting);
             let better = error.below(least) | T::Mask::splat(fit == 0);
-            // more than the recent ones only where these do not do
+            // more than the recent ones only where fewer do not do
             let better =
                 better & (T::Mask::splat(points <= RECENT) | !(T::of(MARGIN) * least).at_most(tolerance));
             least = T::select(better, error, least);
             best = core::array::from_fn(|j| T::select(better, candidate[j], best[j]));
         }
+        self.errors = errors;
         self.weights = core::array::from_fn(|j| T::select(wanting, best[j], self.weights[j]));
-        self.is_short = is_short(&self.weights);
+        self.reach = reach(&self.weights);
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
@@ -125,55 +157,84 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         let [oldest, count] = numbers.map(|number| number.lane(0).to_f64() as usize);
         (self.oldest, self.count) = (oldest, count.min(WINDOW));
         visit(&mut self.weights);
-        self.solutions.iter_mut().for_each(|solution| visit(solution.as_mut()));
-        self.is_short = is_short(&self.weights);
+        visit(&mut self.errors);
+        self.solutions.iter_mut().for_each(|solution| visit(solution.components.as_mut()));
+        self.reach = reach(&self.weights);
     }
 }
 
-/// Whether all but the recent solutions have no weight, in any lane.
-fn is_short<T: Batch>(weights: &[T; WINDOW]) -> bool {
-    weights[..WINDOW - RECENT].iter().all(|weight| Batch::abs(*weight).at_most(T::of(0.0)).all())
+/// How many of the latest solutions have a weight in any lane, rounded up to what [`earlier`] takes together.
+fn reach<T: Batch>(weights: &[T; WINDOW]) -> usize {
+    let any = |weights: &[T]| weights.iter().any(|weight| T::of(0.0).below(Batch::abs(*weight)).any());
+    if any(&weights[..WINDOW - RECENT - MORE]) {
+        WINDOW
+    } else if any(&weights[WINDOW - RECENT - MORE..WINDOW - RECENT]) {
+        RECENT + MORE
+    } else {
+        RECENT
+    }
 }
 
 /// Where the solutions point, out of line.
-struct Next<'a, T, U>(&'a Extrapolation<T, U>);
+struct Next<'a, T: Batch, U>(&'a Extrapolation<T, U>);
 
 impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
     type Result = U;
 
     #[inline(always)]
     fn done(self) -> U {
-        extrapolated(&self.0.weights, self.0.window(), self.0.is_short)
+        extrapolated(&self.0.weights, self.0.window(), self.0.reach)
     }
 }
 
 /// Where the solutions point, the oldest first: the polynomial through them, one step on.
 #[inline(always)]
-fn extrapolated<T: Batch, U: Components<T>>(weights: &[T; WINDOW], window: &[U], is_short: bool) -> U {
-    continued(weights, &earlier(weights, window, is_short), &window[WINDOW - 1])
+fn extrapolated<T: Batch, U: Components<T>>(weights: &[T; WINDOW], window: &[Term<T, U>], reach: usize) -> U {
+    continued(weights, &earlier::<Portable, _, _>(weights, window, reach), &window[WINDOW - 1].components)
 }
 
 /// What all solutions but the latest contribute to it.
 #[inline(always)]
-fn earlier<T: Batch, U: Components<T>>(weights: &[T; WINDOW], window: &[U], is_short: bool) -> U {
+fn earlier<P: Processor, T: Batch, U: Components<T>>(
+    weights: &[T; WINDOW],
+    window: &[Term<T, U>],
+    reach: usize,
+) -> U {
     // two sums, for each has to wait for itself
     const RECENTLY: usize = WINDOW - RECENT;
     const MIDDLE: usize = RECENTLY + RECENT / 2;
-    let mut sum = T::combined(
+    let mut sum = T::combined::<P, _>(
         &weights[RECENTLY..MIDDLE],
         &window[RECENTLY..MIDDLE],
         &weights[MIDDLE..WINDOW - 1],
         &window[MIDDLE..WINDOW - 1],
     );
-    if !is_short {
-        const HALF: usize = RECENTLY / 2;
-        let long_ago =
-            T::combined(&weights[..HALF], &window[..HALF], &weights[HALF..RECENTLY], &window[HALF..RECENTLY]);
-        for (sum, long_ago) in sum.as_mut().iter_mut().zip(long_ago.as_ref()) {
-            *sum = *sum + *long_ago;
-        }
+    if reach > RECENT {
+        add_before::<P, T, U, RECENTLY>(&mut sum, weights, window);
+    }
+    if reach > RECENT + MORE {
+        add_before::<P, T, U, { RECENTLY - MORE }>(&mut sum, weights, window);
     }
     sum
+}
+
+/// Adds what [`MORE`] solutions before this place contribute.
+#[inline(always)]
+fn add_before<P: Processor, T: Batch, U: Components<T>, const PLACE: usize>(
+    sum: &mut U,
+    weights: &[T; WINDOW],
+    window: &[Term<T, U>],
+) {
+    let (start, middle) = (PLACE - MORE, PLACE - MORE / 2);
+    let before = T::combined::<P, _>(
+        &weights[start..middle],
+        &window[start..middle],
+        &weights[middle..PLACE],
+        &window[middle..PLACE],
+    );
+    for (sum, before) in sum.as_mut().iter_mut().zip(before.as_ref()) {
+        *sum = *sum + *before;
+    }
 }
 
 /// The same with the latest.
@@ -280,7 +341,7 @@ mod tests {
             let weights: [f64; WINDOW] = weights(fit);
             assert!(weights[..WINDOW - points].iter().all(|weight| *weight == 0.0));
             for power in 0..=degree as i32 {
-                // values at −11, …, −1, continued to 0
+                // values at −15, …, −1, continued to 0
                 let times = -(WINDOW as i32)..0;
                 let sum: f64 = weights.iter().zip(times).map(|(w, t)| w * f64::from(t).powi(power)).sum();
                 let exact = if power == 0 { 1.0 } else { 0.0 };
@@ -292,8 +353,9 @@ mod tests {
         let exact: [f64; WINDOW] = weights(5);
         assert_eq!(exact[WINDOW - 8..], [-1.0, 8.0, -28.0, 56.0, -70.0, 56.0, -28.0, 8.0]);
         // nearest to more of them: roundings count for less than with as many as the degree asks for
-        let size = |weights: [f64; WINDOW]| weights.iter().map(|weight| weight * weight).sum::<f64>().sqrt();
-        assert!(size(weights(6)) < size(exact) && size(weights(6)) > 90.0);
+        let size = |fit: usize| weights::<f64>(fit).iter().map(|weight| weight * weight).sum::<f64>().sqrt();
+        let [through, eight, nine, ten] = [5, 6, 7, 8].map(size);
+        assert!(30.0 < eight && eight < ten && ten < nine && nine < through && through < 120.0);
     }
 
     #[test]
@@ -307,10 +369,10 @@ mod tests {
         }
         for (fit, (points, degree)) in FITS.into_iter().enumerate().skip(1) {
             course.weights = weights(fit);
-            course.is_short = is_short(&course.weights);
-            assert_eq!(course.is_short, points <= RECENT);
+            course.reach = reach(&course.weights);
+            assert_eq!(course.reach, points.max(RECENT));
             let next = 40.0 + fit as f64;
-            let soon = course.then(&course.begun(), &[next - 1.0]);
+            let soon = course.then(&course.begun::<Portable>(), &[next - 1.0]);
             course.push(&[next - 1.0]);
             let [guess] = course.next();
             assert!((guess - next).abs() < 1e-10, "{points} {degree}: {guess}");

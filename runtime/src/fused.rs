@@ -31,7 +31,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::kernel::Components;
 use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
-use crate::scalar::{Batch, Mask, Scalar, Work};
+use crate::scalar::{Batch, LongWork, Mask, Scalar, Work};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums [rounded once](crate::fused).
@@ -104,28 +104,6 @@ impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, 
     }
 }
 
-struct Steps<'a, B: Method, C> {
-    method: &'a mut B,
-    state: &'a mut C,
-    clock: Clock,
-    control: &'a B::Control,
-    most: u64,
-}
-
-impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Steps<'_, B, C> {
-    type Result = Marched<T>;
-
-    #[inline(always)]
-    fn done(self) -> Marched<T> {
-        let Self { method, state, clock, control, most } = self;
-        let mut now: B::State = wrapped(state);
-        let Marched { steps, iterations, max_iterations, max_residual } =
-            method.march(&mut now, clock, control, most);
-        *state = unwrapped(&now);
-        Marched { steps, iterations, max_iterations, max_residual: max_residual.0 }
-    }
-}
-
 impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
     type Scalar = T;
     type Parameters = <S as System>::Parameters<T>;
@@ -156,7 +134,11 @@ impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
         control: &Self::Control,
         most: u64,
     ) -> Marched<T> {
-        inside::<T, _>(Steps { method: &mut self.0, state, clock, control: &wrapped(control), most })
+        let mut now = wrapped(state);
+        let Marched { steps, iterations, max_iterations, max_residual } =
+            self.0.march(&mut now, clock, &wrapped(control), most);
+        *state = unwrapped(&now);
+        Marched { steps, iterations, max_iterations, max_residual: max_residual.0 }
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -227,6 +209,7 @@ impl<T: Batch> Batch for Once<T> {
     type Number = T::Number;
     type Mask = T::Mask;
     type Each<X: Copy + Send + Sync> = T::Each<X>;
+    type Rest = T::Rest;
 
     const LANES: usize = T::LANES;
     const EPSILON: f64 = T::EPSILON;
@@ -281,5 +264,9 @@ impl<T: Batch> Batch for Once<T> {
     #[inline(always)]
     fn outline_fused<W: Work>(work: W) -> W::Result {
         T::outline_fused(work)
+    }
+    #[inline(always)]
+    fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
+        T::outline_long(work)
     }
 }

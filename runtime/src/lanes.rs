@@ -13,13 +13,15 @@ use crate::stumpff;
 pub(crate) struct Lanes<X, const N: usize, P: Processor>([X; N], P::Alignment);
 
 /// A kind of processor, with instructions on registers of doubles.
-pub(crate) trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
+pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static {
     /// Something without size that is aligned as the processor's registers are wide.
     type Alignment: Copy + PartialEq + core::fmt::Debug + Default + Send + Sync + 'static;
     /// A register, or a few of them; of doubles, or of truths as large as these.
     type Vector: Copy;
     /// How many doubles there are in one; 0 if there are no instructions to be named.
     const DOUBLES: usize;
+    /// Whether there are instructions for four doubles, too, and for [`plus_once`](Self::plus_once).
+    const FOURS: bool = false;
 
     /// Does the work in a function of its own, compiled for this kind.
     fn outline<W: Work>(work: W) -> W::Result;
@@ -66,7 +68,7 @@ pub(crate) trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 
 pub(crate) struct Portable;
 
 /// Without instructions to be named: the compiler finds some by itself.
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 impl Processor for Portable {
     type Alignment = ();
     type Vector = ();
@@ -245,6 +247,7 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
 impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     type Number = X;
     type Mask = Truths<N>;
+    type Rest = ();
     type Each<Y: Copy + Send + Sync> = [Y; N];
 
     const LANES: usize = N;

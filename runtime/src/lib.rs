@@ -70,7 +70,10 @@ pub mod geometry;
 pub mod guide;
 mod inertia;
 pub mod kernel;
-#[cfg(feature = "std")]
+#[cfg_attr(
+    not(feature = "std"),
+    allow(dead_code, reason = "without std there are kinds of processors, but no lanes")
+)]
 mod lanes;
 mod literals;
 mod memory;

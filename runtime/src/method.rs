@@ -5,9 +5,10 @@
 use crate::error::StepError;
 use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
+use crate::lanes::{Portable, Processor};
 use crate::memory::visit_flag;
 use crate::newton::{self, SolutionOf};
-use crate::scalar::{Batch, Mask, Real, Scalar, Work};
+use crate::scalar::{Batch, LongWork, Mask, Real, Scalar, Work};
 use crate::solver::Solver;
 
 /// A discretization of one system with one step size, on flat arrays.
@@ -158,9 +159,10 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         known: bool,
     ) -> Outcome<T, K::State> {
         // Nearly all steps go this way. Whatever is not as usual sends them the other.
-        if known && self.solver.is_settled() {
+        if known && self.solver.usual() > 0 {
             let mut guess = self.solver.guess();
-            if let Some(advanced) = self.usual(state, time, control, &mut guess) {
+            if let Some(advanced) = self.usual::<Portable>(state, time, control, &mut guess) {
+                self.solver.took(1);
                 self.solver.set_guess(&guess);
                 return Ok(advanced);
             }
@@ -171,7 +173,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     #[inline(always)]
     fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
         // out of line: once for all that take steps with it
-        T::outline(March { method: self, state, clock, control, most })
+        T::outline_long(March::new(self, state, clock, control, most)).unwrap_or_default()
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -180,7 +182,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 }
 
 /// Steps of [`OneStep`] as nearly all are.
-struct March<'a, T: Batch, K: Kernel<T>> {
+pub(crate) struct March<'a, T: Batch, K: Kernel<T>> {
     method: &'a mut OneStep<T, K>,
     state: &'a mut K::State,
     clock: Clock,
@@ -188,25 +190,41 @@ struct March<'a, T: Batch, K: Kernel<T>> {
     most: u64,
 }
 
-impl<T: Batch, K: Kernel<T>> Work for March<'_, T, K> {
+impl<'a, T: Batch, K: Kernel<T>> March<'a, T, K> {
+    #[inline(always)]
+    pub(crate) fn new(
+        method: &'a mut OneStep<T, K>,
+        state: &'a mut K::State,
+        clock: Clock,
+        control: &'a K::Control,
+        most: u64,
+    ) -> Self {
+        Self { method, state, clock, control, most }
+    }
+}
+
+impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
     type Result = Marched<T>;
 
     #[inline(always)]
-    fn done(self) -> Marched<T> {
+    fn done<P: Processor>(self) -> Marched<T> {
         let Self { method, state, clock, control, most } = self;
         method.solver.effort();
         // not in memory
         let (mut now, mut guess) = (*state, method.solver.guess());
+        let most = most.min(method.solver.usual());
         let mut steps = 0;
-        while steps < most && method.solver.is_settled() {
+        while steps < most {
             let mut next = guess;
-            let Some(advanced) = method.usual(&now, T::of(clock.after(steps)), control, &mut next) else {
+            let Some(advanced) = method.usual::<P>(&now, T::of(clock.after(steps)), control, &mut next)
+            else {
                 break;
             };
             (now, guess) = (advanced.state, next);
             steps += 1;
         }
         *state = now;
+        method.solver.took(steps);
         method.solver.set_guess(&guess);
         let (effort, residual) = method.solver.effort();
         if steps == 0 || method.solver.is_idle() {
@@ -283,7 +301,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// A step as nearly all are, from a guess that becomes the next one's. None if something is not as usual, be it a number that is not
     /// finite: then nothing else has changed, but that sweeps beyond the first are counted if they were made and what followed was not usual.
     #[inline(always)]
-    fn usual(
+    fn usual<P: Processor>(
         &mut self,
         state: &K::State,
         time: T,
@@ -291,14 +309,36 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         guess: &mut K::Unknown,
     ) -> Option<Advanced<T, K::State>> {
         let begun = self.kernel.begin(state, time, control);
-        let solution = self.solver.by_sweeps(&self.kernel, state, &begun, guess)?;
+        let solution = self.solver.by_sweeps::<P, _>(&self.kernel, state, &begun, guess)?;
         let advanced = self.finish(state, &begun, &solution);
-        let usual = self.is_inside(state, &begun, &solution) & surely_finite(&advanced.state, control);
+        let usual =
+            self.is_inside(state, &begun, &solution) & self.is_surely_finite(&advanced.state, control);
         if usual.all() {
-            self.solver.push_usual(&solution.unknown);
+            self.solver.push_usual::<P>(&solution.unknown);
             return Some(advanced);
         }
+        // asked for here too, so that the compiler does not put it off until it is known that the step is usual: the next one waits for it
+        core::hint::black_box(*guess);
         None
+    }
+
+    /// Whether all numbers of a lane are finite after a usual step, of which state and solution were; not so if their sum is too large.
+    #[inline(always)]
+    fn is_surely_finite(&self, state: &K::State, control: &K::Control) -> T::Mask {
+        // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+        let mut sums = [T::of(-0.0); 4];
+        let mut terms = 0;
+        for (k, component) in state.as_ref().iter().enumerate() {
+            if !K::is_bounded(k) {
+                sums[terms % 4] = sums[terms % 4] + *component;
+                terms += 1;
+            }
+        }
+        for component in control.as_ref() {
+            sums[terms % 4] = sums[terms % 4] + *component;
+            terms += 1;
+        }
+        (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).at_most(T::of(0.0))
     }
 
     /// The solution of the last step's equation.
@@ -334,20 +374,6 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let state = self.kernel.finish(state, begun, &solution.unknown, &solution.evaluation);
         Advanced { state, iterations: solution.iterations, residual: solution.residual }
     }
-}
-
-/// Whether all numbers of a lane are finite; not so if their sum is too large.
-#[inline(always)]
-fn surely_finite<T: Batch, A: Components<T>, B: Components<T>>(a: &A, b: &B) -> T::Mask {
-    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
-    let mut sums = [T::of(-0.0); 4];
-    for (k, component) in a.as_ref().iter().enumerate() {
-        sums[k % 4] = sums[k % 4] + *component;
-    }
-    for (k, component) in b.as_ref().iter().enumerate() {
-        sums[k % 4] = sums[k % 4] + *component;
-    }
-    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).at_most(T::of(0.0))
 }
 
 /// Whether all numbers of a lane are finite: no branch.

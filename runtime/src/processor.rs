@@ -1,5 +1,5 @@
-//! Kinds of processors that code is compiled for besides the one that the program is built for. Which of them it runs on is found out when it
-//! runs.
+//! Kinds of processors that code is compiled for besides the one that the program is built for: numbers side by side, and steps taken together.
+//! Which of them it runs on is found out when it runs.
 //!
 //! Their instructions are named one by one. The compiler would find them by itself, but has to look for them in code that is as many times as
 //! long as there are lanes, and takes as many times as long.
@@ -10,14 +10,15 @@ use core::mem::transmute_copy;
 
 use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
-use crate::scalar::{Batch, FUSED, Real, Work, combination};
+use crate::scalar::{Batch, FUSED, LongWork, On, Real, Term, Work, combination};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
-    ($vector:ident of $lanes:literal doubles, fuses: $fuses:expr; $($name:ident($($operand:ident),*) = $operation:expr;)*) => {
+    ($vector:ident of $lanes:literal doubles, fuses: $fuses:expr, fours: $fours:expr; $($name:ident($($operand:ident),*) = $operation:expr;)*) => {
         type Vector = $vector;
         const DOUBLES: usize = $lanes;
         const FUSES: bool = $fuses;
+        const FOURS: bool = $fours;
 
         #[inline(always)]
         fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> $vector {
@@ -103,7 +104,7 @@ macro_rules! processors {
 processors! {
     /// x86-64 with four doubles in a register, and with products and sums rounded once.
     Avx2 in avx2 for "avx2", "fma": Bytes32 of 32 bytes {
-        __m256d of 4 doubles, fuses: true;
+        __m256d of 4 doubles, fuses: true, fours: true;
         plus_once(a, b, c) = _mm256_fmadd_pd(b, c, a);
         add(a, b) = _mm256_add_pd(a, b);
         sub(a, b) = _mm256_sub_pd(a, b);
@@ -121,7 +122,7 @@ processors! {
 
     /// x86-64 with eight doubles in a register.
     Avx512 in avx512 for "avx512f", "avx512dq", "avx512vl": Bytes64 of 64 bytes {
-        __m512d of 8 doubles, fuses: true;
+        __m512d of 8 doubles, fuses: true, fours: true;
         plus_once(a, b, c) = _mm512_fmadd_pd(b, c, a);
         add(a, b) = _mm512_add_pd(a, b);
         sub(a, b) = _mm512_sub_pd(a, b);
@@ -150,7 +151,7 @@ impl Processor for Portable {
     }
 
     operations! {
-        Two of 4 doubles, fuses: FUSED;
+        Two of 4 doubles, fuses: FUSED, fours: false;
         plus_once(a, b, c) = if FUSED {
             [_mm_fmadd_pd(b[0], c[0], a[0]), _mm_fmadd_pd(b[1], c[1], a[1])]
         } else {
@@ -183,52 +184,108 @@ impl Processor for Portable {
     }
 }
 
-/// [`Batch::combined`] of numbers alone: two components at a time. None if the processor has no instructions for it.
+/// [`Batch::combined`] of doubles alone: as many components at a time as `P`, for which the caller is compiled, has instructions for.
 #[inline(always)]
-pub(crate) fn combined<T: Batch, U: Components<T>>(a: &[T], x: &[U], b: &[T], y: &[U]) -> Option<U> {
-    // if the program was not built for one that has them, it is looked for
-    if T::ONCE != FUSED && !std::is_x86_feature_detected!("fma") {
-        return None;
-    }
-    let mut combined = x[0];
+pub(crate) fn combined<P: Processor, T: Batch, U: Components<T>>(
+    a: &[T],
+    x: &[Term<T, U>],
+    b: &[T],
+    y: &[Term<T, U>],
+) -> U {
+    let mut combined = x[0].components;
     let components = combined.as_mut();
     let mut i = 0;
+    if const { P::FOURS } {
+        while i + 3 <= components.len() {
+            // SAFETY: the processor has this instruction, and the bits are those of four doubles
+            let [x, y, z, w]: [f64; 4] =
+                unsafe { core::mem::transmute(_mm256_add_pd(fours(a, x, i), fours(b, y, i))) };
+            (components[i], components[i + 1], components[i + 2]) = (T::of(x), T::of(y), T::of(z));
+            if i + 3 < components.len() {
+                components[i + 3] = T::of(w);
+            }
+            i = components.len().min(i + 4);
+        }
+    }
     while i + 2 <= components.len() {
-        let [low, high] = numbers(add(pairs(a, x, i), pairs(b, y, i)));
-        (components[i], components[i + 1]) = (T::of(low), T::of(high));
+        let [x, y] = numbers(add(pairs(a, x, i), pairs(b, y, i)));
+        (components[i], components[i + 1]) = (T::of(x), T::of(y));
         i += 2;
     }
     if i < components.len() {
         components[i] = combination(a, x, i) + combination(b, y, i);
     }
-    Some(combined)
+    combined
 }
-
-/// [`Batch::keep`] of numbers alone.
+/// [`Batch::keep`] of doubles alone.
 #[inline(always)]
-pub(crate) fn keep<T: Batch, U: Components<T>>(place: &mut U, term: &U) {
-    assert!(T::PAIRS, "a double");
-    let (place, term) = (place.as_mut(), term.as_ref());
+pub(crate) fn keep<P: Processor, T: Batch, U: Components<T>>(place: &mut Term<T, U>, term: &U) {
+    let term = term.as_ref();
     let mut i = 0;
-    while i + 2 <= place.len() {
-        // SAFETY: two numbers from `i` on, as just compared, that are doubles
-        unsafe { _mm_storeu_pd(place.as_mut_ptr().add(i).cast(), pair(term, i)) };
+    if const { P::FOURS } {
+        while i + 3 <= term.len() {
+            let w = if i + 3 < term.len() { term[i + 3] } else { T::of(0.0) };
+            let [x, y, z, w] = [term[i], term[i + 1], term[i + 2], w].map(|x| x.lane(0).to_f64());
+            // SAFETY: the processor has these instructions; there are so many doubles, as in `fours`
+            unsafe { _mm256_storeu_pd(doubles_mut(place, i), _mm256_set_pd(w, z, y, x)) };
+            i = term.len().min(i + 4);
+        }
+    }
+    while i + 2 <= term.len() {
+        // SAFETY: any x86-64 has this instruction; there are two components from `i` on
+        unsafe { _mm_storeu_pd(doubles_mut(place, i), pair(term, i)) };
         i += 2;
     }
-    if i < place.len() {
-        place[i] = term[i];
+    if i < term.len() {
+        place.components.as_mut()[i] = term[i];
     }
+}
+
+/// The components of a term from `i` on.
+#[inline(always)]
+fn doubles_mut<T: Batch, U: Components<T>>(term: &mut Term<T, U>, i: usize) -> *mut f64 {
+    assert!(
+        T::PAIRS
+            && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len()
+            && i * size_of::<f64>() <= size_of::<U>()
+    );
+    // SAFETY: the components are doubles, and these are among them
+    unsafe { (&raw mut *term).cast::<f64>().add(i) }
+}
+
+/// `Σ_j weights[j] terms[j]`, of four components from `i` on, or three and [the rest](Batch::Rest).
+#[inline(always)]
+fn fours<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usize) -> __m256d {
+    let mut sum: Option<__m256d> = None;
+    for (weight, term) in weights.iter().zip(terms) {
+        assert!(T::PAIRS && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len());
+        assert!((i + 3) * size_of::<f64>() <= size_of::<U>());
+        let weight = weight.lane(0).to_f64();
+        // SAFETY: The processor has these instructions: the caller is compiled for it. There are at least three doubles from `i` on, after which
+        // comes the rest, which is one too.
+        sum = Some(unsafe {
+            let term = _mm256_loadu_pd((&raw const *term).cast::<f64>().add(i));
+            let weight = _mm256_set1_pd(weight);
+            match sum {
+                None => _mm256_mul_pd(weight, term),
+                Some(sum) if T::ONCE => _mm256_fmadd_pd(weight, term, sum),
+                Some(sum) => _mm256_add_pd(sum, _mm256_mul_pd(weight, term)),
+            }
+        });
+    }
+    // there are weights
+    sum.unwrap_or_else(|| unsafe { _mm256_setzero_pd() })
 }
 
 /// `Σ_j weights[j] terms[j]`, of the components `i` and `i + 1`.
 #[inline(always)]
-fn pairs<T: Batch, U: Components<T>>(weights: &[T], terms: &[U], i: usize) -> __m128d {
+fn pairs<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usize) -> __m128d {
     let mut sum: Option<__m128d> = None;
     for (weight, term) in weights.iter().zip(terms) {
         let weight = weight.lane(0).to_f64();
-        // SAFETY: the processor has these instructions: the caller has looked
+        // SAFETY: any x86-64 has these instructions, or, of numbers that round once, the processor that the caller is compiled for
         sum = Some(unsafe {
-            let (weight, term) = (_mm_set1_pd(weight), pair(term.as_ref(), i));
+            let (weight, term) = (_mm_set1_pd(weight), pair(term.components.as_ref(), i));
             match sum {
                 None => _mm_mul_pd(weight, term),
                 Some(sum) if T::ONCE => _mm_fmadd_pd(weight, term, sum),
@@ -264,4 +321,161 @@ fn numbers(pair: __m128d) -> [f64; 2] {
 #[inline]
 pub(crate) fn outline_fused<W: Work>(work: W) -> W::Result {
     if Avx2::is_here() { Avx2::outline(work) } else { Portable::outline(work) }
+}
+
+/// [`Batch::outline_long`] of numbers alone.
+#[inline]
+pub(crate) fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
+    if Avx512::is_here() {
+        Some(Avx512::outline(On::<Avx512, W>::new(work)))
+    } else if Avx2::is_here() {
+        Some(Avx2::outline(On::<Avx2, W>::new(work)))
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fused::Once;
+    use crate::kernel::{Evaluation, Kernel};
+    use crate::lanes::Portable;
+    use crate::method::{Clock, March, Method, OneStep};
+    use crate::scalar::{Mask, Scalar};
+    use std::vec::Vec;
+
+    /// Sums of terms, as the processor makes them of what it has kept, against sums component by component.
+    fn combines<P: Processor, T: Batch<Number = f64>, const N: usize>() {
+        let number = |k: usize| T::of((1.0 + k as f64).sqrt() - 2.0);
+        let term = |j: usize| {
+            let mut term = Term::new([T::of(f64::NAN); N]);
+            keep::<P, T, [T; N]>(&mut term, &core::array::from_fn(|i| number(7 * j + i)));
+            term
+        };
+        let (x, y) = ([term(0), term(1), term(2), term(3)], [term(4), term(5), term(6)]);
+        let (a, b) = ([number(50), number(51), number(52), number(53)], [number(54), number(55), number(56)]);
+        let together = combined::<P, T, [T; N]>(&a, &x, &b, &y);
+        for (i, together) in together.into_iter().enumerate() {
+            let alone = combination(&a, &x, i) + combination(&b, &y, i);
+            assert!(together.is_same(alone).all() && together.is_finite().all(), "{i} of {N}");
+        }
+    }
+
+    fn combines_all<P: Processor, T: Batch<Number = f64>>() {
+        combines::<P, T, 1>();
+        combines::<P, T, 2>();
+        combines::<P, T, 3>();
+        combines::<P, T, 4>();
+        combines::<P, T, 5>();
+        combines::<P, T, 6>();
+        combines::<P, T, 7>();
+        combines::<P, T, 8>();
+        combines::<P, T, 11>();
+    }
+
+    #[test]
+    fn terms_are_combined_component_by_component() {
+        combines_all::<Portable, f64>();
+        if Avx2::is_here() {
+            combines_all::<Avx2, f64>();
+            combines_all::<Avx2, Once<f64>>();
+        }
+        if Avx512::is_here() {
+            combines_all::<Avx512, f64>();
+            combines_all::<Avx512, Once<f64>>();
+        }
+    }
+
+    /// Euler's equations `m' = m × v`, `v = 𝓘⁻¹ m`, by the midpoint rule; the unknown is the change of `m`.
+    #[derive(Clone, Copy)]
+    struct Midpoint<T> {
+        step: T,
+        inverse: [T; 3],
+    }
+
+    impl<T: Scalar> Kernel<T> for Midpoint<T> {
+        type Parameters = [T; 3];
+        type State = [T; 3];
+        type Control = [T; 0];
+        type Unknown = [T; 3];
+        type Step = ();
+        type Iterate = ();
+
+        fn new(parameters: &[T; 3], step: T) -> Self {
+            Self { step, inverse: parameters.map(|moment| T::of(1.0) / moment) }
+        }
+
+        fn begin(&self, _: &[T; 3], _: T, _: &[T; 0]) {}
+
+        fn start(&self, _: &[T; 3], (): &()) -> [T; 3] {
+            [T::of(0.0); 3]
+        }
+
+        #[inline(always)]
+        fn evaluate(&self, state: &[T; 3], (): &(), change: &[T; 3]) -> Evaluation<[T; 3], ()> {
+            let half = T::of(0.5);
+            let [a, b, c]: [T; 3] = [0, 1, 2].map(|i| state[i].plus(half, change[i]));
+            let [u, v, w] = [a * self.inverse[0], b * self.inverse[1], c * self.inverse[2]];
+            let turned = [(b * w).minus(c, v), (c * u).minus(a, w), (a * v).minus(b, u)];
+            let right = turned.map(|x| self.step * x);
+            Evaluation { residual: [0, 1, 2].map(|i| change[i] - right[i]), right, iterate: () }
+        }
+
+        fn correction(&self, _: &[T; 3], (): &(), _: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
+            evaluation.residual
+        }
+
+        #[inline(always)]
+        fn sweep(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
+            Some(*right)
+        }
+
+        fn domain(&self, _: &[T; 3], (): &(), _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
+            T::of(1.0)
+        }
+
+        #[inline(always)]
+        fn finish(&self, state: &[T; 3], (): &(), change: &[T; 3], _: &Evaluation<[T; 3], ()>) -> [T; 3] {
+            [0, 1, 2].map(|i| state[i] + change[i])
+        }
+    }
+
+    /// Where steps compiled for a processor lead to, and what is remembered of them.
+    fn walked<P: Processor, T: Batch<Number = f64>>() -> Vec<f64> {
+        const STEPS: u64 = 3_000;
+        let mut method = OneStep::<T, Midpoint<T>>::new(&[1.0, 2.0, 2.5].map(T::of), T::of(0.01));
+        let mut state = [0.4, -0.8, 1.5].map(T::of);
+        let (mut taken, mut together) = (0, 0);
+        while taken < STEPS {
+            if taken > 0 {
+                let clock = Clock { start: 0.0, step: 0.01, taken };
+                let march = March::new(&mut method, &mut state, clock, &[], STEPS - taken - 1);
+                let marched = P::outline(On::<P, _>::new(march));
+                taken += marched.steps;
+                together += marched.steps;
+            }
+            let advanced = method.advance(&state, T::of(0.0), &[], taken > 0);
+            state = advanced.map_err(|failure| failure.first()).expect("a small step").state;
+            taken += 1;
+        }
+        assert!(together > STEPS * 9 / 10, "nearly all: {together}");
+        let mut all: Vec<f64> = state.iter().map(|x| x.lane(0)).collect();
+        method.memory(&mut |numbers| all.extend(numbers.iter().map(|x| x.lane(0))));
+        all
+    }
+
+    #[test]
+    fn steps_are_the_same_on_every_processor() {
+        let (plain, fused) = (walked::<Portable, f64>(), walked::<Portable, Once<f64>>());
+        assert_ne!(plain, fused);
+        if Avx2::is_here() {
+            assert_eq!(plain, walked::<Avx2, f64>());
+            assert_eq!(fused, walked::<Avx2, Once<f64>>());
+        }
+        if Avx512::is_here() {
+            assert_eq!(plain, walked::<Avx512, f64>());
+            assert_eq!(fused, walked::<Avx512, Once<f64>>());
+        }
+    }
 }

@@ -5,6 +5,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
 use crate::kernel::Components;
+use crate::lanes::{Portable, Processor};
 
 /// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
 /// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
@@ -125,6 +126,8 @@ pub trait Batch: Scalar {
     type Mask: Mask;
     /// Anything for each lane.
     type Each<X: Copy + Send + Sync>: Copy + AsRef<[X]> + AsMut<[X]> + Send + Sync;
+    /// A number that is kept after each [`Term`], where terms are doubles: there are then four where there are three. Else nothing.
+    type Rest: Copy + Debug + Default + Send + Sync;
 
     /// How many lanes there are.
     const LANES: usize;
@@ -151,17 +154,20 @@ pub trait Batch: Scalar {
     fn below(self, limit: Self) -> Self::Mask;
     /// `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// `Σ_j a[j] x[j] + Σ_j b[j] y[j]`, each sum from its first term on.
+    /// `Σ_j a[j] x[j] + Σ_j b[j] y[j]`, each sum from its first term on, for the processor that the caller is compiled for.
     #[inline(always)]
-    fn combined<U: Components<Self>>(a: &[Self], x: &[U], b: &[Self], y: &[U]) -> U {
+    fn combined<P: Processor, U: Components<Self>>(
+        a: &[Self],
+        x: &[Term<Self, U>],
+        b: &[Self],
+        y: &[Term<Self, U>],
+    ) -> U {
         #[cfg(all(feature = "std", target_arch = "x86_64"))]
-        if const { Self::PAIRS }
-            && let Some(combined) = crate::processor::combined(a, x, b, y)
-        {
-            return combined;
+        if const { Self::PAIRS && (P::FOURS || Self::ONCE == FUSED) } {
+            return crate::processor::combined::<P, _, _>(a, x, b, y);
         }
         // no closure, which would not be compiled for the processor that its caller is compiled for
-        let mut combined = x[0];
+        let mut combined = x[0].components;
         for (i, component) in combined.as_mut().iter_mut().enumerate() {
             *component = combination(a, x, i) + combination(b, y, i);
         }
@@ -170,12 +176,12 @@ pub trait Batch: Scalar {
     /// Puts a term where [`combined`](Self::combined) will find it, in the pieces in which it is loaded there: what is stored in others has to
     /// wait until it is in the cache.
     #[inline(always)]
-    fn keep<U: Components<Self>>(place: &mut U, term: &U) {
+    fn keep<P: Processor, U: Components<Self>>(place: &mut Term<Self, U>, term: &U) {
         #[cfg(all(feature = "std", target_arch = "x86_64"))]
         if const { Self::PAIRS } {
-            return crate::processor::keep(place, term);
+            return crate::processor::keep::<P, _, _>(place, term);
         }
-        *place = *term;
+        place.components = *term;
     }
     /// Whether it is one double, of which any processor adds and multiplies two at a time.
     const PAIRS: bool = false;
@@ -191,16 +197,36 @@ pub trait Batch: Scalar {
     fn outline_fused<W: Work>(work: W) -> W::Result {
         Self::outline(work)
     }
+    /// The same for work that is done for long, compiled for the best processors that there are. None if the program runs on another: then it
+    /// is to be done in some other way.
+    #[inline(always)]
+    fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
+        Some(Self::outline(On::<Portable, W>::new(work)))
+    }
 }
 
 /// `Σ_j weights[j] terms[j][i]`
 #[inline(always)]
-pub(crate) fn combination<T: Scalar, U: Components<T>>(weights: &[T], terms: &[U], i: usize) -> T {
-    let mut sum = weights[0] * terms[0].as_ref()[i];
+pub(crate) fn combination<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usize) -> T {
+    let mut sum = weights[0] * terms[0].components.as_ref()[i];
     for j in 1..weights.len() {
-        sum = sum.plus(weights[j], terms[j].as_ref()[i]);
+        sum = sum.plus(weights[j], terms[j].components.as_ref()[i]);
     }
     sum
+}
+
+/// A term of [`Batch::combined`].
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Term<T: Batch, U> {
+    pub(crate) components: U,
+    rest: T::Rest,
+}
+
+impl<T: Batch, U> Term<T, U> {
+    pub(crate) fn new(components: U) -> Self {
+        Self { components, rest: T::Rest::default() }
+    }
 }
 
 /// Something to do, with all that it needs. Not a closure, since these cannot say that they are always to be inlined.
@@ -209,6 +235,33 @@ pub trait Work {
     type Result;
     /// Does it. To be `#[inline(always)]`: the code is compiled for the processor that its caller is compiled for.
     fn done(self) -> Self::Result;
+}
+
+/// Something to do that knows the processor that it is compiled for.
+pub trait LongWork {
+    /// What comes of it.
+    type Result;
+    /// Does it, as [`Work::done`].
+    fn done<P: Processor>(self) -> Self::Result;
+}
+
+/// [`LongWork`] on one processor.
+pub(crate) struct On<P, W>(W, core::marker::PhantomData<P>);
+
+impl<P, W> On<P, W> {
+    #[inline(always)]
+    pub(crate) fn new(work: W) -> Self {
+        Self(work, core::marker::PhantomData)
+    }
+}
+
+impl<P: Processor, W: LongWork> Work for On<P, W> {
+    type Result = W::Result;
+
+    #[inline(always)]
+    fn done(self) -> W::Result {
+        self.0.done::<P>()
+    }
 }
 
 /// A truth for each lane of a [`Batch`].
@@ -267,6 +320,7 @@ macro_rules! real {
             type Number = Self;
             type Mask = bool;
             type Each<X: Copy + Send + Sync> = [X; 1];
+            type Rest = Self;
 
             const LANES: usize = 1;
             const EPSILON: f64 = $t::EPSILON as f64;
@@ -321,6 +375,11 @@ macro_rules! real {
             #[inline(always)]
             fn outline_fused<W: Work>(work: W) -> W::Result {
                 crate::processor::outline_fused(work)
+            }
+            #[cfg(all(feature = "std", target_arch = "x86_64"))]
+            #[inline(always)]
+            fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
+                crate::processor::outline_long(work)
             }
         })*
     };

@@ -10,9 +10,10 @@
 //! error remains what it was, relative to the unknown.
 
 use crate::extrapolation::{Extrapolation, WINDOW, square, squared_distance};
-use crate::kernel::{Components, Kernel};
+use crate::kernel::{Components, Evaluation, Kernel};
+use crate::lanes::Processor;
 use crate::newton::{self, Solution, SolutionOf, select, size};
-use crate::scalar::{Batch, Mask, Real};
+use crate::scalar::{Batch, Mask, Real, Work};
 
 /// Steps between two looks at how well extrapolation and sweeps do: at first, and in the long run.
 const INTERVALS: [u32; 2] = [128, 1024];
@@ -118,6 +119,62 @@ impl<U> Apart<U> {
     }
 }
 
+/// Sweeps from a point on.
+struct Sweeps<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    point: K::Unknown,
+    /// In which lanes.
+    wanted: T::Mask,
+    /// The square of the change that the last one may make.
+    tolerance: T,
+    /// How many there were.
+    made: u32,
+    /// How many there will have been after the next, in each lane.
+    iterations: T::Each<u32>,
+}
+
+/// What sweeps led to.
+struct Swept<T: Batch, U, I> {
+    /// Where the equation was evaluated the last time.
+    point: U,
+    unknown: U,
+    evaluation: Evaluation<U, I>,
+    iterations: T::Each<u32>,
+    /// The lanes in which they were not enough.
+    open: T::Mask,
+}
+
+impl<T: Batch, U: Copy, I: Copy> Swept<T, U, I> {
+    #[inline(always)]
+    fn solution(&self, residual: T) -> Solution<T, U, I> {
+        let (unknown, evaluation) = (self.unknown, self.evaluation);
+        Solution { unknown, evaluation, iterations: self.iterations, residual, unsolved: self.open }
+    }
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Sweeps<'_, T, K> {
+    type Result = Option<Swept<T, K::Unknown, K::Iterate>>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let Self { kernel, state, step, mut point, wanted, tolerance, mut made, mut iterations } = self;
+        loop {
+            let evaluation = kernel.evaluate(state, step, &point);
+            let unknown = kernel.sweep(state, step, &evaluation.right)?;
+            made = made.saturating_add(1);
+            let open = wanted & !squared_distance(&point, &unknown).at_most(tolerance);
+            if !open.any() || made >= SWEEPS {
+                return Some(Swept { point, unknown, evaluation, iterations, open });
+            }
+            // solved lanes wait: the same again gives the same
+            point = select(open, &unknown, &point);
+            iterations = T::each(|lane| iterations.as_ref()[lane].saturating_add(u32::from(open.lane(lane))));
+        }
+    }
+}
+
 /// Remembers nothing.
 impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
     fn default() -> Self {
@@ -148,10 +205,16 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.guess.0[0].as_ref().is_empty()
     }
 
-    /// Whether the next step is one like most: to be solved by sweeps, without a look.
+    /// How many of the next steps are like most: to be solved by sweeps, without a look.
     #[inline(always)]
-    pub fn is_settled(&self) -> bool {
-        self.is_idle() || self.due != 0 && self.is_strong
+    pub fn usual(&self) -> u64 {
+        if self.is_idle() {
+            u64::MAX
+        } else if self.is_strong {
+            self.due.into()
+        } else {
+            0
+        }
     }
 
     /// Where the earlier solutions point.
@@ -171,7 +234,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     ///
     /// After a solution the guess is the next step's: [`push_usual`](Self::push_usual) it.
     #[inline(always)]
-    pub fn by_sweeps<K>(
+    pub fn by_sweeps<P: Processor, K>(
         &mut self,
         kernel: &K,
         state: &K::State,
@@ -195,30 +258,32 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         // The order is that in which the processor, which does not see far ahead, is to go: what the next guess takes from the solutions
         // that there are while this one is waited for, and the next guess before what follows from this solution, for the next step waits
         // for it.
-        let begun = self.course.begun();
-        let mut point = *guess;
-        let mut iterations = T::each(|_| 1);
-        let mut sweeps = 1;
-        loop {
-            let evaluation = kernel.evaluate(state, step, &point);
-            let unknown = kernel.sweep(state, step, &evaluation.right)?;
-            *guess = self.course.then(&begun, &unknown);
-            let open = !squared_distance(&point, &unknown).at_most(self.tolerance);
-            if !open.any() {
-                let (residual, unsolved) = (self.residual, T::Mask::splat(false));
-                if sweeps > 1 {
-                    self.effort.count(&iterations);
-                }
-                return Some(Solution { unknown, evaluation, iterations, residual, unsolved });
-            }
-            if sweeps == SWEEPS {
+        let begun = self.course.begun::<P>();
+        let point = *guess;
+        let evaluation = kernel.evaluate(state, step, &point);
+        let unknown = kernel.sweep(state, step, &evaluation.right)?;
+        let open = !squared_distance(&point, &unknown).at_most(self.tolerance);
+        let swept = if open.any() {
+            // solved lanes wait: the same again gives the same
+            let point = select(open, &unknown, &point);
+            let iterations = T::each(|lane| 1 + u32::from(open.lane(lane)));
+            // copies, so that the usual way needs no addresses
+            let (kernel, state, step) = (*kernel, *state, *step);
+            let (kernel, state, step) = (&kernel, &state, &step);
+            let wanted = T::Mask::splat(true);
+            let sweeps =
+                Sweeps { kernel, state, step, point, wanted, tolerance: self.tolerance, made: 1, iterations };
+            let swept = T::outline(sweeps)?;
+            if swept.open.any() {
                 return None;
             }
-            // solved lanes wait: the same again gives the same
-            point = select(open, &unknown, &point);
-            iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
-            sweeps += 1;
-        }
+            self.effort.count(&swept.iterations);
+            swept
+        } else {
+            Swept { point, unknown, evaluation, iterations: T::each(|_| 1), open }
+        };
+        *guess = self.course.then(&begun, &swept.unknown);
+        Some(swept.solution(self.residual))
     }
 
     /// Solves a step's equation by whatever it takes. If the state is `known`, the one that the last step led to, the search starts where the
@@ -316,22 +381,13 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        let mut point = *guess;
-        let mut iterations = T::each(|_| 1);
-        let mut sweeps = 1;
-        loop {
-            let evaluation = newton::evaluated(kernel, state, step, &point);
-            let unknown = kernel.sweep(state, step, &evaluation.right)?;
-            let open = wanted & !squared_distance(&point, &unknown).at_most(self.tolerance);
-            if !open.any() || sweeps == SWEEPS {
-                let (residual, unsolved) = (self.residual, open | !wanted);
-                return Some((point, Solution { unknown, evaluation, iterations, residual, unsolved }));
-            }
-            // solved lanes wait: the same again gives the same
-            point = select(open, &unknown, &point);
-            iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
-            sweeps += 1;
-        }
+        let (point, wanted, tolerance) = (*guess, wanted, self.tolerance);
+        let sweeps =
+            Sweeps { kernel, state, step, point, wanted, tolerance, made: 0, iterations: T::each(|_| 1) };
+        let swept = T::outline(sweeps)?;
+        let unsolved = swept.open | !wanted;
+        let solution = swept.solution(self.residual);
+        Some((swept.point, Solution { unsolved, ..solution }))
     }
 
     /// The latest solution.
@@ -347,11 +403,16 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.guess.put(&self.course.next());
     }
 
-    /// Remembers the solution of a step that [`by_sweeps`](Self::by_sweeps) solved.
+    /// Remembers the solution of a step that [`by_sweeps`](Self::by_sweeps) solved. These steps are [counted](Self::took) later.
     #[inline(always)]
-    pub fn push_usual(&mut self, unknown: &U) {
-        self.course.replace_oldest(unknown);
-        self.due = self.due.saturating_sub(1);
+    pub fn push_usual<P: Processor>(&mut self, unknown: &U) {
+        self.course.replace_oldest::<P>(unknown);
+    }
+
+    /// So many [usual](Self::usual) steps were taken.
+    #[inline(always)]
+    pub fn took(&mut self, steps: u64) {
+        self.due = u64::from(self.due).saturating_sub(steps) as u32;
     }
 
     /// Forgets all.
