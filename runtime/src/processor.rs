@@ -246,6 +246,7 @@ pub(crate) fn keep<P: Processor, T: Batch, U: Components<T>>(place: &mut Term<T,
 fn doubles_mut<T: Batch, U: Components<T>>(term: &mut Term<T, U>, i: usize) -> *mut f64 {
     assert!(
         T::PAIRS
+            && size_of::<T::Rest>() == size_of::<f64>()
             && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len()
             && i * size_of::<f64>() <= size_of::<U>()
     );
@@ -259,7 +260,7 @@ fn fours<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usi
     let mut sum: Option<__m256d> = None;
     for (weight, term) in weights.iter().zip(terms) {
         assert!(T::PAIRS && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len());
-        assert!((i + 3) * size_of::<f64>() <= size_of::<U>());
+        assert!(size_of::<T::Rest>() == size_of::<f64>() && (i + 3) * size_of::<f64>() <= size_of::<U>());
         let weight = weight.lane(0).to_f64();
         // SAFETY: The processor has these instructions: the caller is compiled for it. There are at least three doubles from `i` on, after which
         // comes the rest, which is one too.
@@ -339,10 +340,10 @@ pub(crate) fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
 mod tests {
     use super::*;
     use crate::fused::Once;
-    use crate::kernel::{Evaluation, Kernel};
     use crate::lanes::Portable;
     use crate::method::{Clock, March, Method, OneStep};
-    use crate::scalar::{Mask, Scalar};
+    use crate::scalar::Mask;
+    use crate::test_system::Midpoint;
     use std::vec::Vec;
 
     /// Sums of terms, as the processor makes them of what it has kept, against sums component by component.
@@ -384,60 +385,6 @@ mod tests {
         if Avx512::is_here() {
             combines_all::<Avx512, f64>();
             combines_all::<Avx512, Once<f64>>();
-        }
-    }
-
-    /// Euler's equations `m' = m × v`, `v = 𝓘⁻¹ m`, by the midpoint rule; the unknown is the change of `m`.
-    #[derive(Clone, Copy)]
-    struct Midpoint<T> {
-        step: T,
-        inverse: [T; 3],
-    }
-
-    impl<T: Scalar> Kernel<T> for Midpoint<T> {
-        type Parameters = [T; 3];
-        type State = [T; 3];
-        type Control = [T; 0];
-        type Unknown = [T; 3];
-        type Step = ();
-        type Iterate = ();
-
-        fn new(parameters: &[T; 3], step: T) -> Self {
-            Self { step, inverse: parameters.map(|moment| T::of(1.0) / moment) }
-        }
-
-        fn begin(&self, _: &[T; 3], _: T, _: &[T; 0]) {}
-
-        fn start(&self, _: &[T; 3], (): &()) -> [T; 3] {
-            [T::of(0.0); 3]
-        }
-
-        #[inline(always)]
-        fn evaluate(&self, state: &[T; 3], (): &(), change: &[T; 3]) -> Evaluation<[T; 3], ()> {
-            let half = T::of(0.5);
-            let [a, b, c]: [T; 3] = [0, 1, 2].map(|i| state[i].plus(half, change[i]));
-            let [u, v, w] = [a * self.inverse[0], b * self.inverse[1], c * self.inverse[2]];
-            let turned = [(b * w).minus(c, v), (c * u).minus(a, w), (a * v).minus(b, u)];
-            let right = turned.map(|x| self.step * x);
-            Evaluation { residual: [0, 1, 2].map(|i| change[i] - right[i]), right, iterate: () }
-        }
-
-        fn correction(&self, _: &[T; 3], (): &(), _: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
-            evaluation.residual
-        }
-
-        #[inline(always)]
-        fn sweep(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
-            Some(*right)
-        }
-
-        fn domain(&self, _: &[T; 3], (): &(), _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
-            T::of(1.0)
-        }
-
-        #[inline(always)]
-        fn finish(&self, state: &[T; 3], (): &(), change: &[T; 3], _: &Evaluation<[T; 3], ()>) -> [T; 3] {
-            [0, 1, 2].map(|i| state[i] + change[i])
         }
     }
 

@@ -280,16 +280,6 @@ where
     }
 }
 
-/// Does the work in a function compiled for the processor that the program runs on. What comes of it is the same: the operations are.
-#[inline]
-fn outline<W: Work>(work: W) -> W::Result {
-    #[cfg(all(feature = "std", target_arch = "x86_64"))]
-    if crate::processor::Avx2::is_here() {
-        return <crate::processor::Avx2 as crate::lanes::Processor>::outline(work);
-    }
-    work.done()
-}
-
 // what derivatives need is asked for by each function, so that the compiler says what is missing where it is
 impl<S: Discretized<M>, M> Stepper<S, M> {
     /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
@@ -340,7 +330,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             control: &control.to_components(),
             blocks: core::marker::PhantomData,
         };
-        Ok(StepJacobian { jacobian: outline(work), report })
+        // for wide registers where there are some: what comes of it is the same, the operations are
+        Ok(StepJacobian { jacobian: S::Scalar::outline_fused(work), report })
     }
 }
 

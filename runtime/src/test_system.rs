@@ -1,5 +1,5 @@
 //! Systems written out by hand, as the macro would emit them, for this crate's own tests: a free rigid body with the Cayley map,
-//! and a driven oscillator whose steps are explicit.
+//! and a driven oscillator whose steps are explicit; and the code of a step that is solved by sweeps.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -398,5 +398,59 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
 
     fn finish(&self, _: &[T; 2], next: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 2] {
         *next
+    }
+}
+
+/// Euler's equations `m' = m × v`, `v = 𝓘⁻¹ m`, by the midpoint rule; the unknown is the change of `m`.
+#[derive(Clone, Copy)]
+pub(crate) struct Midpoint<T> {
+    step: T,
+    inverse: [T; 3],
+}
+
+impl<T: Scalar> Kernel<T> for Midpoint<T> {
+    type Parameters = [T; 3];
+    type State = [T; 3];
+    type Control = [T; 0];
+    type Unknown = [T; 3];
+    type Step = ();
+    type Iterate = ();
+
+    fn new(parameters: &[T; 3], step: T) -> Self {
+        Self { step, inverse: parameters.map(|moment| T::of(1.0) / moment) }
+    }
+
+    fn begin(&self, _: &[T; 3], _: T, _: &[T; 0]) {}
+
+    fn start(&self, _: &[T; 3], (): &()) -> [T; 3] {
+        [T::of(0.0); 3]
+    }
+
+    #[inline(always)]
+    fn evaluate(&self, state: &[T; 3], (): &(), change: &[T; 3]) -> Evaluation<[T; 3], ()> {
+        let half = T::of(0.5);
+        let [a, b, c]: [T; 3] = [0, 1, 2].map(|i| state[i].plus(half, change[i]));
+        let [u, v, w] = [a * self.inverse[0], b * self.inverse[1], c * self.inverse[2]];
+        let turned = [(b * w).minus(c, v), (c * u).minus(a, w), (a * v).minus(b, u)];
+        let right = turned.map(|x| self.step * x);
+        Evaluation { residual: [0, 1, 2].map(|i| change[i] - right[i]), right, iterate: () }
+    }
+
+    fn correction(&self, _: &[T; 3], (): &(), _: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
+        evaluation.residual
+    }
+
+    #[inline(always)]
+    fn sweep(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
+        Some(*right)
+    }
+
+    fn domain(&self, _: &[T; 3], (): &(), _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
+        T::of(1.0)
+    }
+
+    #[inline(always)]
+    fn finish(&self, state: &[T; 3], (): &(), change: &[T; 3], _: &Evaluation<[T; 3], ()>) -> [T; 3] {
+        [0, 1, 2].map(|i| state[i] + change[i])
     }
 }

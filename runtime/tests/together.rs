@@ -4,9 +4,11 @@
 
 use coadjoint::ensemble::Instructions;
 use coadjoint::fused::Once;
+use coadjoint::kernel::{Components, Kernel};
 use coadjoint::method::Method;
 use coadjoint::prelude::*;
 use coadjoint::scalar::{Batch, Scalar};
+use coadjoint::system::Generated;
 
 /// A rigid body that turns about a fixed point under gravity.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
@@ -105,6 +107,33 @@ fn nearly_all_steps_take_one_sweep() {
     stepper.steps_with(&mut state, &NoControl::default(), 5_000).unwrap();
     let report = stepper.steps_with(&mut state, &NoControl::default(), 50_000).unwrap();
     assert!(report.iterations < 51_000, "{}", report.iterations);
+}
+
+/// A usual step does not ask whether an attitude is finite: it is, whatever the unknown.
+#[test]
+fn attitudes_stay_of_unit_length() {
+    fn stay<M>(system: &Top, start: &TopState)
+    where
+        Top: Generated<M>,
+    {
+        type KernelOf<M> = <Top as Generated<M>>::Kernel<f64>;
+        assert!((0..10).filter(|k| KernelOf::<M>::is_bounded(*k)).eq(0..4), "the attitude and no more");
+        let kernel = KernelOf::<M>::new(&system.to_parameters(), 0.01);
+        let state = start.to_components();
+        let begun = kernel.begin(&state, 0.0, &[]);
+        for exponent in -300..=150 {
+            let size = 10_f64.powi(exponent);
+            let unknown = Components::from_fn(|k| [size, -0.3 * size, 0.7 * size][k % 3]);
+            let evaluation = kernel.evaluate(&state, &begun, &unknown);
+            let next = kernel.finish(&state, &begun, &unknown, &evaluation);
+            let norm = next[..4].iter().map(|x| x * x).sum::<f64>().sqrt();
+            assert!((norm - 1.0).abs() < 1e-14, "{size:e}: {norm}");
+        }
+    }
+    let (system, start) = top();
+    stay::<SymplecticEulerA<Cayley>>(&system, &start);
+    stay::<SymplecticEulerA<Exponential>>(&system, &start);
+    stay::<Midpoint<Exponential>>(&system, &start);
 }
 
 #[test]
