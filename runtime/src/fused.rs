@@ -31,7 +31,7 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::kernel::Components;
 use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
-use crate::scalar::{Batch, LongWork, Mask, Scalar, Work};
+use crate::scalar::{Batch, LongWork, Scalar, Work};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums [rounded once](crate::fused).
@@ -198,8 +198,8 @@ impl<T: Batch> Scalar for Once<T> {
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
-        if Batch::abs(self).below(Self::of(crate::stumpff::SHORT)).all() {
-            return crate::stumpff::short(self);
+        if let Some(family) = crate::stumpff::near(self) {
+            return family;
         }
         self.0.stumpff::<N>().map(Self)
     }

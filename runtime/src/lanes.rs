@@ -141,6 +141,19 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
         Self(numbers, P::Alignment::default())
     }
 
+    /// Where not all lanes are near zero. Out of the way, so that nothing is put aside for it before it is known to be needed.
+    #[cold]
+    #[inline(never)]
+    fn stumpff_of_each<const K: usize>(self) -> [Self; K] {
+        let mut family = [Self::of(0.0); K];
+        for lane in 0..N {
+            for (member, value) in family.iter_mut().zip(self.0[lane].stumpff::<K>()) {
+                member.0[lane] = value;
+            }
+        }
+        family
+    }
+
     #[inline(always)]
     fn test(self, other: Self, f: impl Fn(X, X) -> bool) -> Truths<N> {
         let mut truths = [0; N];
@@ -231,16 +244,10 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     }
     #[inline(always)]
     fn stumpff<const K: usize>(self) -> [Self; K] {
-        if Batch::abs(self).below(Self::of(stumpff::SHORT)).all() {
-            return stumpff::short(self);
+        match stumpff::near(self) {
+            Some(family) => family,
+            None => self.stumpff_of_each(),
         }
-        let mut family = [Self::of(0.0); K];
-        for lane in 0..N {
-            for (member, value) in family.iter_mut().zip(self.0[lane].stumpff::<K>()) {
-                member.0[lane] = value;
-            }
-        }
-        family
     }
 }
 

@@ -34,11 +34,15 @@
 //! rounded. Where `c_0` overflows, the other members are infinite too.
 //!
 //! A step's arguments are squares of small angles, so the first row is the one that counts: it has neither
-//! division nor call, even members need nothing of odd ones, and what the caller drops is not computed.
+//! division nor call, even members need nothing of odd ones, and what the caller drops is not computed. Nor are
+//! the four highest powers where the argument is so small, below 0.001 for `c_0` and `c_1`, that every digit is
+//! the same without them.
+
+use core::any::TypeId;
 
 use nalgebra::{RealField, convert};
 
-use crate::scalar::Scalar;
+use crate::scalar::{Batch, Mask, Scalar};
 
 /// The most members that a family can have. Two more, and [`INVERSE_FACTORIAL`] would outgrow `u128`.
 const MAX: usize = 12;
@@ -73,7 +77,9 @@ const INVERSE_FACTORIAL: [f64; MAX + 22] = {
 #[inline(always)]
 pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     const { assert!(N <= MAX, "a family has at most 12 members") };
-    if within(z, SHORT) {
+    if is_plain::<T>() && within(z, const { brief_below::<N>() }) {
+        brief(z)
+    } else if within(z, SHORT) {
         short(z)
     } else if within(z, LONG) {
         let z2 = z * z;
@@ -89,7 +95,33 @@ pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     }
 }
 
-/// A family near zero: where `|z|` is below [`SHORT`] in every lane.
+/// Whether these are numbers without derivatives, and not of more digits than an `f64`.
+fn is_plain<T: 'static>() -> bool {
+    [TypeId::of::<f64>(), TypeId::of::<f32>()].contains(&TypeId::of::<T>())
+}
+
+/// A family near zero, if all lanes are.
+#[inline(always)]
+pub(crate) fn near<T: Batch, const N: usize>(z: T) -> Option<[T; N]> {
+    let size = Batch::abs(z);
+    if size.below(T::of(const { brief_below::<N>() })).all() {
+        Some(brief(z))
+    } else if size.below(T::of(SHORT)).all() {
+        Some(short(z))
+    } else {
+        None
+    }
+}
+
+/// A family where `|z|` is below [`brief_below`] in every lane.
+#[inline(always)]
+fn brief<T: Scalar, const N: usize>(z: T) -> [T; N] {
+    let z2 = z * z;
+    let [k, l] = highest::<N>();
+    downward(z, [quartet(k, z, z2), quartet(l, z, z2)])
+}
+
+/// A family where `|z|` is below [`SHORT`] in every lane.
 #[inline(always)]
 pub(crate) fn short<T: Scalar, const N: usize>(z: T) -> [T; N] {
     let z2 = z * z;
@@ -120,6 +152,21 @@ fn quartet<T: Scalar>(k: usize, z: T, z2: T) -> T {
     let low = inverse_factorial::<T>(k).minus(z, inverse_factorial(k + 2));
     let high = inverse_factorial::<T>(k + 4).minus(z, inverse_factorial(k + 6));
     low.plus(z2, high)
+}
+
+/// Below this `|z|` one [`quartet`] has the very digits of two: the second, times `z⁴`, is less than a quarter of an epsilon of the first, to
+/// which it is to the power `(k + 8)! / k!` in denominators. Not so its derivatives.
+const fn brief_below<const N: usize>() -> f64 {
+    let [k, _] = highest::<N>();
+    let fourth = f64::EPSILON / 8.0 * INVERSE_FACTORIAL[k] / INVERSE_FACTORIAL[k + 8];
+    // from above, by Newton's iteration
+    let mut root = 1.0;
+    let mut times = 0;
+    while times < 64 {
+        root -= (root * root * root * root - fourth) / (4.0 * root * root * root);
+        times += 1;
+    }
+    root
 }
 
 /// Which members a family is computed [`downward`] from; of a family of one, twice the one.
@@ -194,4 +241,31 @@ fn series<T: RealField + Copy>(k: usize, z: T) -> T {
         sum = T::one() - sum * (z / convert((m + 1.0) * (m + 2.0)));
     }
     sum * inverse_factorial(k)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fused::Once;
+
+    /// How many of many arguments up to so many times [`brief_below`] get other digits from one quartet than from two.
+    fn differences<T: Scalar + PartialEq, const N: usize>(times: f64) -> usize {
+        let differ = |z: f64| brief::<T, N>(T::of(z)) != short::<T, N>(T::of(z));
+        let limit = times * const { brief_below::<N>() };
+        (0..=4000).filter(|k| differ(limit * (f64::from(*k) / 2000.0 - 1.0))).count()
+    }
+
+    #[test]
+    fn small_arguments_need_one_quartet() {
+        macro_rules! sizes {
+            ($($n:literal),*) => { $(
+                assert_eq!(differences::<f64, $n>(1.0), 0, "{}", $n);
+                assert_eq!(differences::<Once<f64>, $n>(1.0), 0, "{}", $n);
+                assert_eq!(differences::<f32, $n>(1.0), 0, "{}", $n);
+                // and not much larger ones
+                assert!(differences::<f64, $n>(2.0) > 100, "{}", $n);
+            )* };
+        }
+        sizes!(1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12);
+    }
 }

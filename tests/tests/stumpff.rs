@@ -6,6 +6,7 @@ use std::sync::LazyLock;
 use astro_float::{BigFloat, RoundingMode, Sign};
 use coadjoint::nalgebra::RealField;
 use coadjoint::stumpff::family;
+use num_dual::Dual2_64;
 
 /// The members of the largest family.
 const MEMBERS: usize = 12;
@@ -249,6 +250,23 @@ fn derivatives_are_members() {
             let derivative = (k as f64 * c[k + 2] - c[k + 1]) / 2.0;
             let scale = (k as f64 * c[k + 2]).abs() + c[k + 1].abs();
             assert!((derivative - quotient).abs() <= 3.0 * f64::EPSILON * scale, "c_{k}′({z})");
+        }
+    }
+}
+
+/// Also where the number alone needs fewer powers than its derivatives.
+#[test]
+fn dual_numbers_find_derivatives() {
+    for z in spread(-30.0, 0.4, 300).map(|e| 10f64.powf(e)).flat_map(both_signs) {
+        let c = family::<f64, { MEMBERS }>(z);
+        let duals = family::<_, { MEMBERS - 4 }>(Dual2_64::from_re(z).derivative());
+        for (k, dual) in duals.iter().enumerate() {
+            let order = k as f64;
+            let first = (order * c[k + 2] - c[k + 1]) / 2.0;
+            let second = (order * (order + 2.0) * c[k + 4] - (2.0 * order + 1.0) * c[k + 3] + c[k + 2]) / 4.0;
+            let bound = |scale: f64| 8.0 * f64::EPSILON * scale;
+            assert!((dual.v1 - first).abs() <= bound(c[k + 1]), "c_{k}′({z:e}) = {}, not {first}", dual.v1);
+            assert!((dual.v2 - second).abs() <= bound(c[k + 2]), "c_{k}″({z:e}) = {}, not {second}", dual.v2);
         }
     }
 }
