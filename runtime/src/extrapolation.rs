@@ -1,33 +1,38 @@
 //! Where the solutions of earlier steps point.
 //!
-//! Successive solutions are samples of a smooth course: a polynomial through the last of them, or as near to them as can be, continued by one
-//! step, is the next one to many digits. Of several polynomials that one is taken which would have pointed best at the latest solution.
+//! Successive solutions are samples of a smooth course: a polynomial through the last of them, or near to more of them, continued by one step,
+//! is the next one to many digits. Of several polynomials that one is taken which would have pointed best at the latest solution.
+//!
+//! Let `x₀` be the next solution and `x₁`, `x₂`, … the earlier ones, the latest first. A polynomial through the latest of them gives
+//! `x₀ = Σ_j w_j x_j`, and what rounding left in the solutions counts by as much as the `w_j` are large. They are smaller where the polynomial
+//! only has to be near to more solutions. Of such we take those that are odd about the middle of sixteen steps, which have half as many
+//! products:
+//!
+//! ```text
+//! x₀ − x₁₆ = Σ_{j = 1}^{7} w_j (x_j − x_{16 − j})
+//! ```
+//!
+//! Of polynomials in the distance from `x₈` this holds for all even powers, whatever `w` is. To hold up to the degree `2m` it has to hold for
+//! the odd powers up to `2m − 1`, and of all `w` for which it does we take the least. They are larger than those of least squares, which need not be
+//! odd, by less than a fifth.
 
 use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
-use crate::scalar::{Batch, Mask, Real, Scalar, Term, Work};
+use crate::scalar::{Batch, Mask, Real, Scalar, Work};
+use crate::terms::{Formula, Piece, Term, Weight, computed};
 
 /// The most earlier solutions that the next one is extrapolated from.
 pub(crate) const WINDOW: usize = 16;
 /// How many are kept: the next power of two, so that places are found by a mask.
 const KEPT: usize = WINDOW.next_power_of_two();
-/// So many of the most recent ones do for many systems.
-const RECENT: usize = 8;
-/// Where they do not, so many more are taken at a time.
-const MORE: usize = 4;
-/// The polynomials that are tried: through how many of the solutions, or as near to them as can be, and of what degree. The nearest to many
-/// has less of their rounding in it.
-const FITS: [(usize, usize); 9] = [
-    (1, 0),
-    (2, 1),
-    (3, 2),
-    (4, 3),
-    (6, 5),
-    (RECENT, 7),
-    (RECENT + MORE, 8),
-    (RECENT + MORE, 9),
-    (WINDOW, 10),
-];
+/// How many coefficients there are.
+const RECENT: usize = WINDOW / 2;
+/// The polynomials that are tried. Those through the latest solutions: through how many.
+const THROUGH: [usize; 6] = [1, 2, 3, 4, 6, RECENT];
+/// Those near to all: of which degrees.
+const NEAR: [usize; 3] = [6, 8, 10];
+/// How many that makes.
+const FITS: usize = THROUGH.len() + NEAR.len();
 /// By how much the square of an error is to be smaller than a change that may be the last, for it may grow until it is looked at again.
 const MARGIN: f64 = 16.0;
 /// What is left of the square of an error at the next look.
@@ -42,12 +47,14 @@ pub(crate) struct Extrapolation<T: Batch, U> {
     oldest: usize,
     /// How many there were, up to [`WINDOW`].
     count: usize,
-    /// Their coefficients, the oldest solution's first.
-    weights: [T; WINDOW],
-    /// How many of the latest solutions have a coefficient that is not zero: [`RECENT`] or so many times [`MORE`] more.
-    reach: usize,
+    /// Their coefficients, the latest solution's first.
+    weights: [Weight<T>; RECENT],
+    /// Where these are of a polynomial near to all.
+    is_near: T::Mask,
+    /// Whether they are so in all lanes, and in any.
+    near: [bool; 2],
     /// The squares of the polynomials' errors, those found at the latest look and what is left of earlier ones.
-    errors: [T; FITS.len()],
+    errors: [T; FITS],
 }
 
 /// Knows no solution.
@@ -58,9 +65,10 @@ impl<T: Batch, U: Components<T>> Default for Extrapolation<T, U> {
             solutions: [Term::new(nothing); 2 * KEPT],
             oldest: 0,
             count: 0,
-            weights: weights(0),
-            reach: RECENT,
-            errors: [T::of(0.0); FITS.len()],
+            weights: through(1).map(Weight::new),
+            is_near: T::Mask::splat(false),
+            near: [false; 2],
+            errors: [T::of(0.0); FITS],
         }
     }
 }
@@ -95,8 +103,8 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
     #[inline(always)]
     pub(crate) fn replace_oldest<P: Processor>(&mut self, unknown: &U) {
         let oldest = self.oldest % KEPT;
-        T::keep::<P, _>(&mut self.solutions[oldest], unknown);
-        T::keep::<P, _>(&mut self.solutions[oldest + KEPT], unknown);
+        self.solutions[oldest].keep::<P>(unknown);
+        self.solutions[oldest + KEPT].keep::<P>(unknown);
         self.oldest = oldest + 1;
     }
 
@@ -110,7 +118,7 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
     pub(crate) fn begun<P: Processor>(&self) -> U {
         // the window begins one later then
         let next = self.oldest % KEPT + KEPT - WINDOW + 1;
-        earlier::<P, _, _>(&self.weights, &self.solutions[next..next + WINDOW - 1], self.reach)
+        self.earlier::<P>(&self.solutions[next..next + WINDOW - 1])
     }
 
     /// Where the solutions will point after this one, from what was [begun](Self::begun).
@@ -119,34 +127,68 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         continued(&self.weights, begun, unknown)
     }
 
+    /// What all solutions of a window but the latest, which may be missing there, contribute to the next one.
+    #[inline(always)]
+    fn earlier<P: Processor>(&self, window: &[Term<T, U>]) -> U {
+        let [all, any] = self.near;
+        let (through, near) = (Through(&self.weights, window), Near(&self.weights, window));
+        let like = &window[0].components;
+        if all {
+            return computed::<P, _, _>(&near, like);
+        }
+        let mut sum = computed::<P, _, _>(&through, like);
+        if any {
+            let near = computed::<P, _, _>(&near, like);
+            for (sum, near) in sum.as_mut().iter_mut().zip(near.as_ref()) {
+                *sum = T::select(self.is_near, *near, *sum);
+            }
+        }
+        sum
+    }
+
     /// Takes, in the `wanting` lanes, the polynomial that points best at this solution, and pointed well at those of earlier looks. An error of
     /// which the square is below `tolerance` is none.
     #[inline(always)]
     pub(crate) fn choose(&mut self, solution: &U, wanting: T::Mask, tolerance: T) {
-        // with one solution there is nothing to choose, and with none the first will be the latest
-        let mut best = weights(0);
-        let mut least = T::of(0.0);
+        let window = self.window();
+        let latest = &window[WINDOW - 1].components;
+        let [mut of_through, mut of_near] = [Best::none(); 2];
         let mut errors = self.errors;
-        for ((fit, (points, _)), lasting) in FITS.into_iter().enumerate().zip(&mut errors) {
+        let (errors_through, errors_near) = errors.split_at_mut(THROUGH.len());
+        for (points, lasting) in THROUGH.into_iter().zip(errors_through) {
             if points > self.count {
                 break;
             }
-            let candidate = weights(fit);
-            let guess = extrapolated(&candidate, self.window(), points.max(RECENT));
-            // an error changes its sign now and then, and is small for a while
-            let (now, before) = (squared_distance(&guess, solution), T::of(LASTING) * *lasting);
-            let error = T::select(now.below(before), before, now);
-            *lasting = T::select(wanting, error, *lasting);
-            let better = error.below(least) | T::Mask::splat(fit == 0);
-            // more than the recent ones only where fewer do not do
-            let better =
-                better & (T::Mask::splat(points <= RECENT) | !(T::of(MARGIN) * least).at_most(tolerance));
-            least = T::select(better, error, least);
-            best = core::array::from_fn(|j| T::select(better, candidate[j], best[j]));
+            let weights = through(points);
+            let terms = weights.map(Weight::new);
+            let earlier: U = computed::<Portable, _, _>(&Through(&terms, window), latest);
+            let guess = continued(&terms, &earlier, latest);
+            of_through.take_better(&weights, squared_distance(&guess, solution), lasting, wanting);
         }
+        for (weights, lasting) in NEAR_ALL.into_iter().zip(errors_near) {
+            if WINDOW > self.count {
+                break;
+            }
+            let weights = weights.map(T::of);
+            let terms = weights.map(Weight::new);
+            let earlier: U = computed::<Portable, _, _>(&Near(&terms, window), latest);
+            let guess = continued(&terms, &earlier, latest);
+            of_near.take_better(&weights, squared_distance(&guess, solution), lasting, wanting);
+        }
+        // Those through the latest only where the others do not do: lanes with polynomials of both kinds take the time of both.
+        let does = (T::of(MARGIN) * of_near.error).at_most(tolerance);
+        let is_near = does | of_near.error.below(of_through.error);
         self.errors = errors;
-        self.weights = core::array::from_fn(|j| T::select(wanting, best[j], self.weights[j]));
-        self.reach = reach(&self.weights);
+        for (j, weight) in self.weights.iter_mut().enumerate() {
+            let best = T::select(is_near, of_near.weights[j], of_through.weights[j]);
+            *weight = Weight::new(T::select(wanting, best, weight.value()));
+        }
+        self.set_near((self.is_near & !wanting) | (is_near & wanting));
+    }
+
+    fn set_near(&mut self, is_near: T::Mask) {
+        self.is_near = is_near;
+        self.near = [is_near.all(), is_near.any()];
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
@@ -156,22 +198,41 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         // the same in all lanes
         let [oldest, count] = numbers.map(|number| number.lane(0).to_f64() as usize);
         (self.oldest, self.count) = (oldest, count.min(WINDOW));
-        visit(&mut self.weights);
+        let mut weights = self.weights.map(|weight| weight.value());
+        visit(&mut weights);
+        self.weights = weights.map(Weight::new);
+        let mut is_near = T::select(self.is_near, T::of(1.0), T::of(0.0));
+        visit(core::slice::from_mut(&mut is_near));
+        self.set_near(T::of(0.0).below(is_near));
         visit(&mut self.errors);
         self.solutions.iter_mut().for_each(|solution| visit(solution.components.as_mut()));
-        self.reach = reach(&self.weights);
     }
 }
 
-/// How many of the latest solutions have a weight in any lane, rounded up to what [`earlier`] takes together.
-fn reach<T: Batch>(weights: &[T; WINDOW]) -> usize {
-    let any = |weights: &[T]| weights.iter().any(|weight| T::of(0.0).below(Batch::abs(*weight)).any());
-    if any(&weights[..WINDOW - RECENT - MORE]) {
-        WINDOW
-    } else if any(&weights[WINDOW - RECENT - MORE..WINDOW - RECENT]) {
-        RECENT + MORE
-    } else {
-        RECENT
+/// The best of some polynomials.
+#[derive(Clone, Copy)]
+struct Best<T> {
+    /// The square of its error.
+    error: T,
+    weights: [T; RECENT],
+}
+
+impl<T: Batch> Best<T> {
+    /// With one solution there is nothing to choose, and with none the first will be the latest.
+    fn none() -> Self {
+        Self { error: T::of(f64::INFINITY), weights: through(1) }
+    }
+
+    /// Takes another one, of which this is the square of the error now, where it is better. What it `was` is remembered in the `wanting`
+    /// lanes: an error changes its sign now and then, and is small for a while.
+    #[inline(always)]
+    fn take_better(&mut self, weights: &[T; RECENT], now: T, was: &mut T, wanting: T::Mask) {
+        let before = T::of(LASTING) * *was;
+        let error = T::select(now.below(before), before, now);
+        *was = T::select(wanting, error, *was);
+        let better = error.below(self.error);
+        self.error = T::select(better, error, self.error);
+        self.weights = core::array::from_fn(|j| T::select(better, weights[j], self.weights[j]));
     }
 }
 
@@ -183,115 +244,123 @@ impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
 
     #[inline(always)]
     fn done(self) -> U {
-        extrapolated(&self.0.weights, self.0.window(), self.0.reach)
+        let window = self.0.window();
+        continued(&self.0.weights, &self.0.earlier::<Portable>(window), &window[WINDOW - 1].components)
     }
 }
 
-/// Where the solutions point, the oldest first: the polynomial through them, one step on.
-#[inline(always)]
-fn extrapolated<T: Batch, U: Components<T>>(weights: &[T; WINDOW], window: &[Term<T, U>], reach: usize) -> U {
-    continued(weights, &earlier::<Portable, _, _>(weights, window, reach), &window[WINDOW - 1].components)
+/// `Σ_{j > 1} w_j x_j` of the coefficients and solutions of a polynomial through these.
+struct Through<'a, T: Batch, U>(&'a [Weight<T>; RECENT], &'a [Term<T, U>]);
+
+impl<T: Batch, U: Components<T>> Formula<T> for Through<'_, T, U> {
+    #[inline(always)]
+    fn at<X: Piece<T>>(&self, i: usize) -> X {
+        let Self(w, window) = self;
+        // no closure, which would not be compiled for the processor that its caller is compiled for
+        macro_rules! x {
+            ($j:literal) => {
+                X::of(&window[WINDOW - $j], i)
+            };
+        }
+        // two sums, for each has to wait for itself
+        let older = x!(8).times(&w[7]).plus(&w[6], x!(7)).plus(&w[5], x!(6)).plus(&w[4], x!(5));
+        let newer = x!(4).times(&w[3]).plus(&w[2], x!(3)).plus(&w[1], x!(2));
+        older.and(newer)
+    }
 }
 
-/// What all solutions but the latest contribute to it.
-#[inline(always)]
-fn earlier<P: Processor, T: Batch, U: Components<T>>(
-    weights: &[T; WINDOW],
-    window: &[Term<T, U>],
-    reach: usize,
-) -> U {
-    // two sums, for each has to wait for itself
-    const RECENTLY: usize = WINDOW - RECENT;
-    const MIDDLE: usize = RECENTLY + RECENT / 2;
-    let mut sum = T::combined::<P, _>(
-        &weights[RECENTLY..MIDDLE],
-        &window[RECENTLY..MIDDLE],
-        &weights[MIDDLE..WINDOW - 1],
-        &window[MIDDLE..WINDOW - 1],
-    );
-    if reach > RECENT {
-        add_before::<P, T, U, RECENTLY>(&mut sum, weights, window);
-    }
-    if reach > RECENT + MORE {
-        add_before::<P, T, U, { RECENTLY - MORE }>(&mut sum, weights, window);
-    }
-    sum
-}
+/// `x₁₆ − w₁ x₁₅ + Σ_{j > 1} w_j (x_j − x_{16 − j})` of the coefficients and solutions of a polynomial near to these.
+struct Near<'a, T: Batch, U>(&'a [Weight<T>; RECENT], &'a [Term<T, U>]);
 
-/// Adds what [`MORE`] solutions before this place contribute.
-#[inline(always)]
-fn add_before<P: Processor, T: Batch, U: Components<T>, const PLACE: usize>(
-    sum: &mut U,
-    weights: &[T; WINDOW],
-    window: &[Term<T, U>],
-) {
-    let (start, middle) = (PLACE - MORE, PLACE - MORE / 2);
-    let before = T::combined::<P, _>(
-        &weights[start..middle],
-        &window[start..middle],
-        &weights[middle..PLACE],
-        &window[middle..PLACE],
-    );
-    for (sum, before) in sum.as_mut().iter_mut().zip(before.as_ref()) {
-        *sum = *sum + *before;
+impl<T: Batch, U: Components<T>> Formula<T> for Near<'_, T, U> {
+    #[inline(always)]
+    fn at<X: Piece<T>>(&self, i: usize) -> X {
+        let Self(w, window) = self;
+        macro_rules! x {
+            ($j:literal) => {
+                X::of(&window[WINDOW - $j], i)
+            };
+        }
+        macro_rules! difference {
+            ($j:literal) => {
+                x!($j).less(X::of(&window[$j], i))
+            };
+        }
+        let inner = difference!(7).times(&w[6]).plus(&w[5], difference!(6)).plus(&w[4], difference!(5));
+        let outer = difference!(4).times(&w[3]).plus(&w[2], difference!(3)).plus(&w[1], difference!(2));
+        x!(16).minus(&w[0], x!(15)).and(inner.and(outer))
     }
 }
 
 /// The same with the latest.
 #[inline(always)]
-fn continued<T: Scalar, U: Components<T>>(weights: &[T; WINDOW], earlier: &U, latest: &U) -> U {
+fn continued<T: Batch, U: Components<T>>(weights: &[Weight<T>; RECENT], earlier: &U, latest: &U) -> U {
     let mut sum = *earlier;
     for (sum, latest) in sum.as_mut().iter_mut().zip(latest.as_ref()) {
-        *sum = sum.plus(weights[WINDOW - 1], *latest);
+        *sum = Scalar::plus(*sum, weights[0].value(), *latest);
     }
     sum
 }
 
-/// The coefficients that the [`FITS`] give to the solutions, the oldest first.
-const WEIGHTS: [[f64; WINDOW]; FITS.len()] = {
-    let mut weights = [[0.0; WINDOW]; FITS.len()];
+/// The coefficients of the polynomial through so many of the latest solutions.
+fn through<T: Scalar>(points: usize) -> [T; RECENT] {
+    // binomial coefficients with alternating signs
+    let mut coefficient = -1.0;
+    core::array::from_fn(|j| {
+        coefficient *= -((points as f64 - j as f64) / (j as f64 + 1.0));
+        T::of(coefficient)
+    })
+}
+
+/// The coefficients of the polynomials near to all: `w_j = 2 S(j) / (1 − 2 S(0))`.
+///
+/// `S(j) = Σ_k t_k(0) t_k(j) / Σ_y t_k(y)²` with the odd ones of the discrete Chebyshev polynomials `t_k`, which are orthogonal on the places
+/// `0, …, 16`: what is left of the indicator of place 0, less that of place 16, where all odd polynomials of the degree are taken off.
+const NEAR_ALL: [[f64; RECENT]; NEAR.len()] = {
+    let mut weights = [[0.0; RECENT]; NEAR.len()];
     let mut fit = 0;
-    while fit < FITS.len() {
-        let (points, degree) = FITS[fit];
-        let mut place = 0;
-        while place < points {
-            weights[fit][WINDOW - points + place] = weight(points as i128, degree as i128, place as i128);
-            place += 1;
+    while fit < NEAR.len() {
+        let (above, below) = odd_kernel(NEAR[fit] as i128, 0);
+        let rest = (below - 2 * above) as f64 / below as f64;
+        let mut j = 1;
+        while j < RECENT {
+            let (above, below) = odd_kernel(NEAR[fit] as i128, j as i128);
+            weights[fit][j - 1] = 2.0 * above as f64 / below as f64 / rest;
+            j += 1;
         }
         fit += 1;
     }
     weights
 };
 
-/// The coefficient of the value at `x`, of those at `0, …, n − 1`, in the value at `n` of the polynomial of this degree that is nearest to them
-/// all: `Σ_k t_k(n) t_k(x) / Σ_y t_k(y)²` with the discrete Chebyshev polynomials `t_k`, which are orthogonal on these places. Exact, but for
-/// the last division.
-const fn weight(n: i128, degree: i128, x: i128) -> f64 {
+/// `S(x)`, as a fraction.
+const fn odd_kernel(degree: i128, x: i128) -> (i128, i128) {
+    let n = WINDOW as i128 + 1;
     let (mut numerator, mut denominator) = (0, 1);
-    // t_{k−1} and t_k, there and here, and Σ t_k² = n (n² − 1) … (n² − k²) / (2k + 1), times 2k + 1
+    // t_{k−1} and t_k, at 0 and at x, and Σ t_k² = n (n² − 1) … (n² − k²) / (2k + 1), times 2k + 1
     let (mut before, mut now) = ([0, 0], [1, 1]);
     let mut square = n;
     let mut k = 0;
-    loop {
-        let (mut above, mut below) = (now[0] * now[1] * (2 * k + 1), square);
-        let shared = gcd(above, below);
-        (above, below) = (above / shared, below / shared);
-        let shared = gcd(denominator, below);
-        numerator = numerator * (below / shared) + above * (denominator / shared);
-        denominator = denominator / shared * below;
-        let shared = gcd(numerator, denominator);
-        (numerator, denominator) = (numerator / shared, denominator / shared);
-        if k == degree {
-            return numerator as f64 / denominator as f64;
+    while k < degree {
+        if k % 2 == 1 {
+            let (mut above, mut below) = (now[0] * now[1] * (2 * k + 1), square);
+            let shared = gcd(above, below);
+            (above, below) = (above / shared, below / shared);
+            let shared = gcd(denominator, below);
+            numerator = numerator * (below / shared) + above * (denominator / shared);
+            denominator = denominator / shared * below;
+            let shared = gcd(numerator, denominator);
+            (numerator, denominator) = (numerator / shared, denominator / shared);
         }
         // (k + 1) t_{k+1}(y) = (2k + 1)(2y − n + 1) t_k(y) − k (n² − k²) t_{k−1}(y)
-        let there = (2 * k + 1) * (n + 1) * now[0] - k * (n * n - k * k) * before[0];
-        let here = (2 * k + 1) * (2 * x - n + 1) * now[1] - k * (n * n - k * k) * before[1];
+        let here = (2 * k + 1) * (1 - n) * now[0] - k * (n * n - k * k) * before[0];
+        let there = (2 * k + 1) * (2 * x - n + 1) * now[1] - k * (n * n - k * k) * before[1];
         before = now;
-        now = [there / (k + 1), here / (k + 1)];
+        now = [here / (k + 1), there / (k + 1)];
         k += 1;
         square *= n * n - k * k;
     }
+    (numerator, denominator)
 }
 
 /// The greatest common divisor; 1 if both are zero.
@@ -301,11 +370,6 @@ const fn gcd(a: i128, b: i128) -> i128 {
         (a, b) = (b, a % b);
     }
     if a == 0 { 1 } else { a }
-}
-
-/// The coefficients of one of the [`FITS`].
-fn weights<T: Scalar>(fit: usize) -> [T; WINDOW] {
-    WEIGHTS[fit % FITS.len()].map(T::of)
 }
 
 /// The sum of the squares of the components; not-a-number if any component is. Most kernels compute it too, in this order, and the compiler
@@ -335,27 +399,57 @@ pub(crate) fn squared_distance<T: Scalar, U: Components<T>>(a: &U, b: &U) -> T {
 mod tests {
     use super::*;
 
+    /// All fits, with the highest degree of polynomials that they continue.
+    fn fits() -> impl Iterator<Item = (bool, [f64; RECENT], usize)> {
+        let near = NEAR_ALL.into_iter().zip(NEAR).map(|(weights, degree)| (true, weights, degree));
+        THROUGH.into_iter().map(|points| (false, through(points), points - 1)).chain(near)
+    }
+
+    /// How much the solutions at −1, −2, … count.
+    fn all_weights(near: bool, weights: &[f64; RECENT]) -> [f64; WINDOW] {
+        let mut all = [0.0; WINDOW];
+        if near {
+            all[WINDOW - 1] = 1.0;
+            for (j, weight) in (1..).zip(&weights[..RECENT - 1]) {
+                (all[j - 1], all[WINDOW - j - 1]) = (*weight, -weight);
+            }
+        } else {
+            all[..RECENT].copy_from_slice(weights);
+        }
+        all
+    }
+
     #[test]
     fn weights_continue_polynomials() {
-        for (fit, (points, degree)) in FITS.into_iter().enumerate() {
-            let weights: [f64; WINDOW] = weights(fit);
-            assert!(weights[..WINDOW - points].iter().all(|weight| *weight == 0.0));
+        for (near, weights, degree) in fits() {
+            let all = all_weights(near, &weights);
             for power in 0..=degree as i32 {
-                // values at −15, …, −1, continued to 0
-                let times = -(WINDOW as i32)..0;
-                let sum: f64 = weights.iter().zip(times).map(|(w, t)| w * f64::from(t).powi(power)).sum();
+                let terms = (1..).zip(all).map(|(j, weight)| weight * f64::from(-j).powi(power));
+                let (sum, size) = terms.fold((0.0, 1.0), |(sum, size), term| (sum + term, size + term.abs()));
                 let exact = if power == 0 { 1.0 } else { 0.0 };
-                let size = f64::from(points as u32).powi(power);
-                assert!((sum - exact).abs() < 1e-12 * size, "{points} {degree} {power}: {sum}");
+                assert!((sum - exact).abs() < 1e-15 * size, "{near} {degree} {power}: {sum}");
             }
+            // and not the next one
+            let next = degree as i32 + 1;
+            let sum: f64 = (1..).zip(all).map(|(j, weight)| weight * f64::from(-j).powi(next)).sum();
+            assert!(sum.abs() > 0.5, "{near} {degree}: {sum}");
         }
         // through as many points as there are coefficients
-        let exact: [f64; WINDOW] = weights(5);
-        assert_eq!(exact[WINDOW - 8..], [-1.0, 8.0, -28.0, 56.0, -70.0, 56.0, -28.0, 8.0]);
-        // nearest to more of them: roundings count for less than with as many as the degree asks for
-        let size = |fit: usize| weights::<f64>(fit).iter().map(|weight| weight * weight).sum::<f64>().sqrt();
-        let [through, eight, nine, ten] = [5, 6, 7, 8].map(size);
-        assert!(30.0 < eight && eight < ten && ten < nine && nine < through && through < 120.0);
+        assert_eq!(through::<f64>(8), [8.0, -28.0, 56.0, -70.0, 56.0, -28.0, 8.0, -1.0]);
+    }
+
+    /// Roundings in the solutions count for less, the lower the degree and the more solutions there are; with the least squares that there
+    /// are, for which the sign on the other side does not matter, for not much less.
+    #[test]
+    fn weights_near_to_all_are_small() {
+        let sizes: Vec<f64> = fits()
+            .map(|(near, weights, _)| all_weights(near, &weights).iter().map(|w| w * w).sum::<f64>().sqrt())
+            .collect();
+        let [.., through_all, six, eight, ten] = sizes[..] else { panic!("four at least") };
+        assert!((through_all - 113.44).abs() < 0.01);
+        for (size, least) in [(six, 4.5), (eight, 13.33), (ten, 54.62)] {
+            assert!(least < size && size < 1.2 * least, "{size}, not {least}");
+        }
     }
 
     #[test]
@@ -367,15 +461,14 @@ mod tests {
             assert_eq!(course.next(), [k as f64]);
             assert_eq!(course.latest(), [k as f64]);
         }
-        for (fit, (points, degree)) in FITS.into_iter().enumerate().skip(1) {
-            course.weights = weights(fit);
-            course.reach = reach(&course.weights);
-            assert_eq!(course.reach, points.max(RECENT));
+        for (fit, (near, weights, _)) in fits().enumerate().skip(1) {
+            course.weights = weights.map(Weight::new);
+            course.set_near(near);
             let next = 40.0 + fit as f64;
             let soon = course.then(&course.begun::<Portable>(), &[next - 1.0]);
             course.push(&[next - 1.0]);
             let [guess] = course.next();
-            assert!((guess - next).abs() < 1e-10, "{points} {degree}: {guess}");
+            assert!((guess - next).abs() < 1e-10, "{near} {weights:?}: {guess}");
             assert_eq!(soon, [guess], "begun before the solution");
             let mut same = course;
             same.memory(&mut |_| ());

@@ -91,6 +91,7 @@ pub mod solver;
 pub mod stepper;
 pub mod stumpff;
 pub mod system;
+mod terms;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
 

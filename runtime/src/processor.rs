@@ -6,11 +6,12 @@
 #![allow(unsafe_code, reason = "instructions of one processor must not be used on another")]
 
 use core::arch::x86_64::*;
-use core::mem::transmute_copy;
+use core::mem::{transmute, transmute_copy};
 
 use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
-use crate::scalar::{Batch, FUSED, LongWork, On, Real, Term, Work, combination};
+use crate::scalar::{Batch, FUSED, LongWork, On, Real, Work};
+use crate::terms::{Formula, Piece, Term, Weight};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
@@ -184,40 +185,32 @@ impl Processor for Portable {
     }
 }
 
-/// [`Batch::combined`] of doubles alone: as many components at a time as `P`, for which the caller is compiled, has instructions for.
+/// Of a [`Formula`] of doubles alone as many components at a time as `P`, for which the caller is compiled, has instructions for. Returns how
+/// many there are then.
 #[inline(always)]
-pub(crate) fn combined<P: Processor, T: Batch, U: Components<T>>(
-    a: &[T],
-    x: &[Term<T, U>],
-    b: &[T],
-    y: &[Term<T, U>],
-) -> U {
-    let mut combined = x[0].components;
-    let components = combined.as_mut();
-    let mut i = 0;
+pub(crate) fn compute<P: Processor, T: Batch>(formula: &impl Formula<T>, components: &mut [T]) -> usize {
+    let mut done = 0;
     if const { P::FOURS } {
-        while i + 3 <= components.len() {
-            // SAFETY: the processor has this instruction, and the bits are those of four doubles
-            let [x, y, z, w]: [f64; 4] =
-                unsafe { core::mem::transmute(_mm256_add_pd(fours(a, x, i), fours(b, y, i))) };
-            (components[i], components[i + 1], components[i + 2]) = (T::of(x), T::of(y), T::of(z));
-            if i + 3 < components.len() {
-                components[i + 3] = T::of(w);
+        while done + 3 <= components.len() {
+            // SAFETY: the bits are those of four doubles
+            let [x, y, z, w]: [f64; 4] = unsafe { transmute(formula.at::<__m256d>(done)) };
+            (components[done], components[done + 1], components[done + 2]) = (T::of(x), T::of(y), T::of(z));
+            if done + 3 < components.len() {
+                components[done + 3] = T::of(w);
             }
-            i = components.len().min(i + 4);
+            done = components.len().min(done + 4);
         }
     }
-    while i + 2 <= components.len() {
-        let [x, y] = numbers(add(pairs(a, x, i), pairs(b, y, i)));
-        (components[i], components[i + 1]) = (T::of(x), T::of(y));
-        i += 2;
+    while done + 2 <= components.len() {
+        // SAFETY: the bits are those of two doubles
+        let [x, y]: [f64; 2] = unsafe { transmute(formula.at::<__m128d>(done)) };
+        (components[done], components[done + 1]) = (T::of(x), T::of(y));
+        done += 2;
     }
-    if i < components.len() {
-        components[i] = combination(a, x, i) + combination(b, y, i);
-    }
-    combined
+    done
 }
-/// [`Batch::keep`] of doubles alone.
+
+/// [`Term::keep`] of doubles alone.
 #[inline(always)]
 pub(crate) fn keep<P: Processor, T: Batch, U: Components<T>>(place: &mut Term<T, U>, term: &U) {
     let term = term.as_ref();
@@ -226,7 +219,7 @@ pub(crate) fn keep<P: Processor, T: Batch, U: Components<T>>(place: &mut Term<T,
         while i + 3 <= term.len() {
             let w = if i + 3 < term.len() { term[i + 3] } else { T::of(0.0) };
             let [x, y, z, w] = [term[i], term[i + 1], term[i + 2], w].map(|x| x.lane(0).to_f64());
-            // SAFETY: the processor has these instructions; there are so many doubles, as in `fours`
+            // SAFETY: the processor has these instructions; there are so many doubles
             unsafe { _mm256_storeu_pd(doubles_mut(place, i), _mm256_set_pd(w, z, y, x)) };
             i = term.len().min(i + 4);
         }
@@ -241,61 +234,21 @@ pub(crate) fn keep<P: Processor, T: Batch, U: Components<T>>(place: &mut Term<T,
     }
 }
 
-/// The components of a term from `i` on.
+/// The components of a term from `i` on, three at least and then [the rest](Batch::Rest), or two.
 #[inline(always)]
 fn doubles_mut<T: Batch, U: Components<T>>(term: &mut Term<T, U>, i: usize) -> *mut f64 {
-    assert!(
-        T::PAIRS
-            && size_of::<T::Rest>() == size_of::<f64>()
-            && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len()
-            && i * size_of::<f64>() <= size_of::<U>()
-    );
+    assert!(are_doubles::<T, U>(term, i, 0));
     // SAFETY: the components are doubles, and these are among them
     unsafe { (&raw mut *term).cast::<f64>().add(i) }
 }
 
-/// `Σ_j weights[j] terms[j]`, of four components from `i` on, or three and [the rest](Batch::Rest).
+/// Whether there are doubles alone, so many of them from `i` on, and one more after the last.
 #[inline(always)]
-fn fours<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usize) -> __m256d {
-    let mut sum: Option<__m256d> = None;
-    for (weight, term) in weights.iter().zip(terms) {
-        assert!(T::PAIRS && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len());
-        assert!(size_of::<T::Rest>() == size_of::<f64>() && (i + 3) * size_of::<f64>() <= size_of::<U>());
-        let weight = weight.lane(0).to_f64();
-        // SAFETY: The processor has these instructions: the caller is compiled for it. There are at least three doubles from `i` on, after which
-        // comes the rest, which is one too.
-        sum = Some(unsafe {
-            let term = _mm256_loadu_pd((&raw const *term).cast::<f64>().add(i));
-            let weight = _mm256_set1_pd(weight);
-            match sum {
-                None => _mm256_mul_pd(weight, term),
-                Some(sum) if T::ONCE => _mm256_fmadd_pd(weight, term, sum),
-                Some(sum) => _mm256_add_pd(sum, _mm256_mul_pd(weight, term)),
-            }
-        });
-    }
-    // there are weights
-    sum.unwrap_or_else(|| unsafe { _mm256_setzero_pd() })
-}
-
-/// `Σ_j weights[j] terms[j]`, of the components `i` and `i + 1`.
-#[inline(always)]
-fn pairs<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usize) -> __m128d {
-    let mut sum: Option<__m128d> = None;
-    for (weight, term) in weights.iter().zip(terms) {
-        let weight = weight.lane(0).to_f64();
-        // SAFETY: any x86-64 has these instructions, or, of numbers that round once, the processor that the caller is compiled for
-        sum = Some(unsafe {
-            let (weight, term) = (_mm_set1_pd(weight), pair(term.components.as_ref(), i));
-            match sum {
-                None => _mm_mul_pd(weight, term),
-                Some(sum) if T::ONCE => _mm_fmadd_pd(weight, term, sum),
-                Some(sum) => _mm_add_pd(sum, _mm_mul_pd(weight, term)),
-            }
-        });
-    }
-    // there are weights
-    sum.unwrap_or_else(|| unsafe { _mm_setzero_pd() })
+fn are_doubles<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize, many: usize) -> bool {
+    T::PAIRS
+        && size_of::<T::Rest>() == size_of::<f64>()
+        && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len()
+        && (i + many) * size_of::<f64>() <= size_of::<U>()
 }
 
 /// Two components.
@@ -305,16 +258,55 @@ fn pair<T: Batch>(components: &[T], i: usize) -> __m128d {
     unsafe { _mm_set_pd(components[i + 1].lane(0).to_f64(), components[i].lane(0).to_f64()) }
 }
 
-#[inline(always)]
-fn add(a: __m128d, b: __m128d) -> __m128d {
-    // SAFETY: any x86-64 has this instruction
-    unsafe { _mm_add_pd(a, b) }
+/// Pieces of so many doubles.
+macro_rules! pieces {
+    ($($vector:ident: $of:expr, $splat:expr, $mul:ident, $add:ident, $sub:ident, $fmadd:ident, $fnmadd:ident;)*) => {
+        $(
+            // SAFETY: the processor has these instructions, for the caller is compiled for it: two at a time any x86-64, four at a time where
+            // `P::FOURS`, and rounded once where `P::FOURS` too or where the program is built for them.
+            impl<T: Batch> Piece<T> for $vector {
+                #[inline(always)]
+                fn of<U: Components<T>>(term: &Term<T, U>, i: usize) -> Self {
+                    $of(term, i)
+                }
+                #[inline(always)]
+                fn times(self, a: &Weight<T>) -> Self {
+                    unsafe { $mul($splat(a), self) }
+                }
+                #[inline(always)]
+                fn plus(self, a: &Weight<T>, x: Self) -> Self {
+                    unsafe { if T::ONCE { $fmadd($splat(a), x, self) } else { $add(self, $mul($splat(a), x)) } }
+                }
+                #[inline(always)]
+                fn minus(self, a: &Weight<T>, x: Self) -> Self {
+                    unsafe { if T::ONCE { $fnmadd($splat(a), x, self) } else { $sub(self, $mul($splat(a), x)) } }
+                }
+                #[inline(always)]
+                fn and(self, x: Self) -> Self {
+                    unsafe { $add(self, x) }
+                }
+                #[inline(always)]
+                fn less(self, x: Self) -> Self {
+                    unsafe { $sub(self, x) }
+                }
+            }
+        )*
+    };
+}
+pieces! {
+    __m128d: |term: &Term<T, U>, i| pair(term.components.as_ref(), i),
+        |a: &Weight<T>| pair(&a.twice, 0), _mm_mul_pd, _mm_add_pd, _mm_sub_pd, _mm_fmadd_pd, _mm_fnmadd_pd;
+    __m256d: four,
+        |a: &Weight<T>| _mm256_set1_pd(a.value().lane(0).to_f64()), _mm256_mul_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd;
 }
 
+/// Four components, or three and [the rest](Batch::Rest).
 #[inline(always)]
-fn numbers(pair: __m128d) -> [f64; 2] {
-    // SAFETY: any x86-64 has these instructions
-    unsafe { [_mm_cvtsd_f64(pair), _mm_cvtsd_f64(_mm_unpackhi_pd(pair, pair))] }
+fn four<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize) -> __m256d {
+    assert!(are_doubles(term, i, 3));
+    // SAFETY: The processor has this instruction: the caller is compiled for it. There are at least three doubles from `i` on, after which
+    // comes one more.
+    unsafe { _mm256_loadu_pd((&raw const *term).cast::<f64>().add(i)) }
 }
 
 /// Does the work in a function of its own, compiled for [`plus_once`](Batch::plus_once) where the processor has an instruction
@@ -343,48 +335,59 @@ mod tests {
     use crate::lanes::Portable;
     use crate::method::{Clock, March, Method, OneStep};
     use crate::scalar::Mask;
+    use crate::terms::computed;
     use crate::test_system::Midpoint;
     use std::vec::Vec;
 
-    /// Sums of terms, as the processor makes them of what it has kept, against sums component by component.
-    fn combines<P: Processor, T: Batch<Number = f64>, const N: usize>() {
+    /// All that can be done with pieces.
+    struct Mixed<T: Batch, const N: usize>([Term<T, [T; N]>; 4], Weight<T>);
+
+    impl<T: Batch, const N: usize> Formula<T> for Mixed<T, N> {
+        #[inline(always)]
+        fn at<X: Piece<T>>(&self, i: usize) -> X {
+            let Self(terms, a) = self;
+            let [x, y, z, w] = [0, 1, 2, 3].map(|j| X::of(&terms[j], i));
+            x.times(a).plus(a, y).less(z).minus(a, w).and(y)
+        }
+    }
+
+    /// What the processor makes of what it has kept, against what it makes of one component after the other.
+    fn computes<P: Processor, T: Batch<Number = f64>, const N: usize>() {
         let number = |k: usize| T::of((1.0 + k as f64).sqrt() - 2.0);
         let term = |j: usize| {
             let mut term = Term::new([T::of(f64::NAN); N]);
-            keep::<P, T, [T; N]>(&mut term, &core::array::from_fn(|i| number(7 * j + i)));
+            term.keep::<P>(&core::array::from_fn(|i| number(7 * j + i)));
             term
         };
-        let (x, y) = ([term(0), term(1), term(2), term(3)], [term(4), term(5), term(6)]);
-        let (a, b) = ([number(50), number(51), number(52), number(53)], [number(54), number(55), number(56)]);
-        let together = combined::<P, T, [T; N]>(&a, &x, &b, &y);
-        for (i, together) in together.into_iter().enumerate() {
-            let alone = combination(&a, &x, i) + combination(&b, &y, i);
+        let formula = Mixed([term(0), term(1), term(2), term(3)], Weight::new(number(50)));
+        for (i, together) in computed::<P, T, [T; N]>(&formula, &[T::of(0.0); N]).into_iter().enumerate() {
+            let alone: T = formula.at(i);
             assert!(together.is_same(alone).all() && together.is_finite().all(), "{i} of {N}");
         }
     }
 
-    fn combines_all<P: Processor, T: Batch<Number = f64>>() {
-        combines::<P, T, 1>();
-        combines::<P, T, 2>();
-        combines::<P, T, 3>();
-        combines::<P, T, 4>();
-        combines::<P, T, 5>();
-        combines::<P, T, 6>();
-        combines::<P, T, 7>();
-        combines::<P, T, 8>();
-        combines::<P, T, 11>();
+    fn computes_all<P: Processor, T: Batch<Number = f64>>() {
+        computes::<P, T, 1>();
+        computes::<P, T, 2>();
+        computes::<P, T, 3>();
+        computes::<P, T, 4>();
+        computes::<P, T, 5>();
+        computes::<P, T, 6>();
+        computes::<P, T, 7>();
+        computes::<P, T, 8>();
+        computes::<P, T, 11>();
     }
 
     #[test]
-    fn terms_are_combined_component_by_component() {
-        combines_all::<Portable, f64>();
+    fn pieces_are_computed_as_single_components_are() {
+        computes_all::<Portable, f64>();
         if Avx2::is_here() {
-            combines_all::<Avx2, f64>();
-            combines_all::<Avx2, Once<f64>>();
+            computes_all::<Avx2, f64>();
+            computes_all::<Avx2, Once<f64>>();
         }
         if Avx512::is_here() {
-            combines_all::<Avx512, f64>();
-            combines_all::<Avx512, Once<f64>>();
+            computes_all::<Avx512, f64>();
+            computes_all::<Avx512, Once<f64>>();
         }
     }
 

@@ -4,7 +4,6 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
-use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
 
 /// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
@@ -126,7 +125,7 @@ pub trait Batch: Scalar {
     type Mask: Mask;
     /// Anything for each lane.
     type Each<X: Copy + Send + Sync>: Copy + AsRef<[X]> + AsMut<[X]> + Send + Sync;
-    /// A number that is kept after each [`Term`], where terms are doubles: there are then four where there are three. Else nothing.
+    /// A number that is kept after components, where these are doubles: there are then four where there are three. Else nothing.
     type Rest: Copy + Debug + Default + Send + Sync;
 
     /// How many lanes there are.
@@ -154,35 +153,6 @@ pub trait Batch: Scalar {
     fn below(self, limit: Self) -> Self::Mask;
     /// `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// `Σ_j a[j] x[j] + Σ_j b[j] y[j]`, each sum from its first term on, for the processor that the caller is compiled for.
-    #[inline(always)]
-    fn combined<P: Processor, U: Components<Self>>(
-        a: &[Self],
-        x: &[Term<Self, U>],
-        b: &[Self],
-        y: &[Term<Self, U>],
-    ) -> U {
-        #[cfg(all(feature = "std", target_arch = "x86_64"))]
-        if const { Self::PAIRS && (P::FOURS || Self::ONCE == FUSED) } {
-            return crate::processor::combined::<P, _, _>(a, x, b, y);
-        }
-        // no closure, which would not be compiled for the processor that its caller is compiled for
-        let mut combined = x[0].components;
-        for (i, component) in combined.as_mut().iter_mut().enumerate() {
-            *component = combination(a, x, i) + combination(b, y, i);
-        }
-        combined
-    }
-    /// Puts a term where [`combined`](Self::combined) will find it, in the pieces in which it is loaded there: what is stored in others has to
-    /// wait until it is in the cache.
-    #[inline(always)]
-    fn keep<P: Processor, U: Components<Self>>(place: &mut Term<Self, U>, term: &U) {
-        #[cfg(all(feature = "std", target_arch = "x86_64"))]
-        if const { Self::PAIRS } {
-            return crate::processor::keep::<P, _, _>(place, term);
-        }
-        place.components = *term;
-    }
     /// Whether it is one double, of which any processor adds and multiplies two at a time.
     const PAIRS: bool = false;
     /// Whether [`plus`](Scalar::plus) is [`plus_once`](Self::plus_once).
@@ -202,30 +172,6 @@ pub trait Batch: Scalar {
     #[inline(always)]
     fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
         Some(Self::outline(On::<Portable, W>::new(work)))
-    }
-}
-
-/// `Σ_j weights[j] terms[j][i]`
-#[inline(always)]
-pub(crate) fn combination<T: Batch, U: Components<T>>(weights: &[T], terms: &[Term<T, U>], i: usize) -> T {
-    let mut sum = weights[0] * terms[0].components.as_ref()[i];
-    for j in 1..weights.len() {
-        sum = sum.plus(weights[j], terms[j].components.as_ref()[i]);
-    }
-    sum
-}
-
-/// A term of [`Batch::combined`].
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub struct Term<T: Batch, U> {
-    pub(crate) components: U,
-    rest: T::Rest,
-}
-
-impl<T: Batch, U> Term<T, U> {
-    pub(crate) fn new(components: U) -> Self {
-        Self { components, rest: T::Rest::default() }
     }
 }
 
@@ -265,7 +211,9 @@ impl<P: Processor, W: LongWork> Work for On<P, W> {
 }
 
 /// A truth for each lane of a [`Batch`].
-pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
+pub trait Mask:
+    Copy + Debug + Send + Sync + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
     /// The same for all lanes.
     fn splat(value: bool) -> Self;
     /// Whether it is true of all lanes.

@@ -255,7 +255,7 @@ where
         let steps = steps.div_ceil(MEMBERS as u64);
         threads.install(|| ensemble.run(steps)).failures == 0
     };
-    Ok(Case { problem, method, steps: 6000 * MEMBERS as u64, walk: Box::new(walk) })
+    Ok(Case { problem, method, steps: 12_000 * MEMBERS as u64, walk: Box::new(walk) })
 }
 
 /// The role of each component of a state, and its place.
