@@ -80,6 +80,7 @@ mod memory;
 pub mod method;
 pub mod newton;
 pub mod observe;
+pub mod one_step;
 pub mod prelude;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod processor;

@@ -333,7 +333,8 @@ mod tests {
     use super::*;
     use crate::fused::Once;
     use crate::lanes::Portable;
-    use crate::method::{Clock, March, Method, OneStep};
+    use crate::method::{Clock, Method};
+    use crate::one_step::{March, OneStep};
     use crate::scalar::Mask;
     use crate::terms::computed;
     use crate::test_system::Midpoint;

@@ -11,7 +11,8 @@ use nalgebra::{
 use crate::error::ParameterError;
 use crate::geometry::Isolated;
 use crate::kernel::{Components, Kernel};
-use crate::method::{Carried, Halves, Method, OneStep};
+use crate::method::{Carried, Halves, Method};
+use crate::one_step::OneStep;
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Batch, Real, Scalar};
 use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};

@@ -6,7 +6,8 @@ use super::{
 use crate::composition::{Coefficients, Composition};
 use crate::geometry::Isolated;
 use crate::kernel::Components;
-use crate::method::{Carried, Halves, Method, OneStep};
+use crate::method::{Carried, Halves, Method};
+use crate::one_step::OneStep;
 use crate::scalar::{Batch, Scalar};
 
 /// Which of the derivatives are wanted.
