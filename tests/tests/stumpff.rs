@@ -264,7 +264,7 @@ fn dual_numbers_find_derivatives() {
             let order = k as f64;
             let first = (order * c[k + 2] - c[k + 1]) / 2.0;
             let second = (order * (order + 2.0) * c[k + 4] - (2.0 * order + 1.0) * c[k + 3] + c[k + 2]) / 4.0;
-            let bound = |scale: f64| 8.0 * f64::EPSILON * scale;
+            let bound = |scale: f64| 2.0 * f64::EPSILON * scale;
             assert!((dual.v1 - first).abs() <= bound(c[k + 1]), "c_{k}′({z:e}) = {}, not {first}", dual.v1);
             assert!((dual.v2 - second).abs() <= bound(c[k + 2]), "c_{k}″({z:e}) = {}, not {second}", dual.v2);
         }
