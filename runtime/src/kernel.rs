@@ -76,14 +76,17 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync {
     /// The solution `x` of `left(x) = right` for a given right side, if the left side is linear with constant coefficients: the next
     /// iterate of the fixed-point iteration.
     fn sweep(&self, state: &Self::State, step: &Self::Step, right: &Self::Unknown) -> Option<Self::Unknown>;
-    /// Positive inside the retraction's domain, zero on its edge.
+    /// Positive inside the retraction's domain, zero on its edge. None if there is no edge.
+    #[inline(always)]
     fn domain(
         &self,
-        state: &Self::State,
-        step: &Self::Step,
-        unknown: &Self::Unknown,
-        evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
-    ) -> T;
+        _state: &Self::State,
+        _step: &Self::Step,
+        _unknown: &Self::Unknown,
+        _evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
+    ) -> Option<T> {
+        None
+    }
     /// The state after the step, from the solution of the equation.
     fn finish(
         &self,

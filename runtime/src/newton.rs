@@ -254,16 +254,6 @@ mod tests {
             None
         }
 
-        fn domain(
-            &self,
-            _: &Self::State,
-            _: &Self::Step,
-            _: &[f64; 0],
-            _: &Evaluation<[f64; 0], u32>,
-        ) -> f64 {
-            1.0
-        }
-
         fn finish(&self, state: &[f64; 1], _: &(), _: &[f64; 0], _: &Evaluation<[f64; 0], u32>) -> [f64; 1] {
             *state
         }

@@ -189,9 +189,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let begun = self.kernel.begin(state, time, control);
         let solution = self.solver.by_sweeps::<P, _>(&self.kernel, state, &begun, guess)?;
         let advanced = self.finish(state, &begun, &solution);
-        let usual =
-            self.is_inside(state, &begun, &solution) & self.is_surely_finite(&advanced.state, control);
-        if usual.all() {
+        let inside = self.is_inside(state, &begun, &solution).all();
+        if inside && self.is_surely_finite(&advanced.state, control).all() {
             self.solver.push_usual::<P>(&solution.unknown);
             return Some(advanced);
         }
@@ -239,7 +238,10 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 
     #[inline(always)]
     fn is_inside(&self, state: &K::State, begun: &K::Step, solution: &SolutionOf<T, K>) -> T::Mask {
-        T::of(0.0).below(self.kernel.domain(state, begun, &solution.unknown, &solution.evaluation))
+        match self.kernel.domain(state, begun, &solution.unknown, &solution.evaluation) {
+            Some(margin) => T::of(0.0).below(margin),
+            None => T::Mask::splat(true),
+        }
     }
 
     #[inline(always)]

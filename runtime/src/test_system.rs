@@ -164,10 +164,6 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         ]
     }
 
-    fn domain(&self, _: &Self::State, _: &Self::Step, _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
-        T::of(1.0)
-    }
-
     fn finish(
         &self,
         &[w, i, j, k, x, y, z]: &[T; 7],
@@ -392,10 +388,6 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
         None
     }
 
-    fn domain(&self, _: &Self::State, _: &Self::Step, _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> T {
-        T::of(1.0)
-    }
-
     fn finish(&self, _: &[T; 2], next: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 2] {
         *next
     }
@@ -443,10 +435,6 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     #[inline(always)]
     fn sweep(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
         Some(*right)
-    }
-
-    fn domain(&self, _: &[T; 3], (): &(), _: &[T; 3], _: &Evaluation<[T; 3], ()>) -> T {
-        T::of(1.0)
     }
 
     #[inline(always)]

@@ -450,7 +450,7 @@ impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
         step: &K::Step,
         x: &K::Unknown,
         evaluation: &Evaluation<K::Unknown, K::Iterate>,
-    ) -> T {
+    ) -> Option<T> {
         self.0.domain(state, step, x, evaluation)
     }
 

@@ -114,9 +114,6 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
         let next = array(&kernel.sweep.results);
         body(&kernel.sweep, quote! { ::core::option::Option::Some(#next) })
     };
-    let margins = kernel.domain.results.iter().map(term);
-    let margin = margins.reduce(|a, b| quote! { T::min(#a, #b) }).unwrap_or_else(|| quote! { T::of(1.0) });
-    let domain = body(&kernel.domain, margin);
     let finish = body(&kernel.finish, array(&kernel.finish.results));
 
     let [new_doc, begin_doc, start_doc, evaluate_doc, correction_doc, sweep_doc, finish_doc] = [
@@ -129,12 +126,23 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
         ("Once a step: the next state", &kernel.finish),
     ]
     .map(|(what, section)| docs::line(&format!("{what}: {}.", section.operations())));
-    let edge = if kernel.domain.results.is_empty() {
-        "The retraction is defined everywhere.".to_owned()
-    } else {
-        "Positive within the retraction's domain.".to_owned()
-    };
-    let domain_doc = docs::line(&edge);
+    let margins = kernel.domain.results.iter().map(term);
+    let domain = margins.reduce(|a, b| quote! { T::min(#a, #b) }).map(|margin| {
+        let domain = body(&kernel.domain, quote! { ::core::option::Option::Some(#margin) });
+        quote! {
+            /// Positive within the retraction's domain.
+            #[inline(always)]
+            fn domain(
+                &self,
+                state: &[T; #state],
+                step: &Step<T>,
+                unknown: &[T; #unknown],
+                evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
+            ) -> ::core::option::Option<T> {
+                #domain
+            }
+        }
+    });
     let bounded = kernel.bounded.iter().enumerate().filter(|&(_, &bounded)| bounded);
     let bounded: Vec<Literal> = bounded.map(|(component, _)| Literal::usize_unsuffixed(component)).collect();
     let bounded = (!bounded.is_empty()).then(|| {
@@ -222,17 +230,7 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
                     #sweep
                 }
 
-                #domain_doc
-                #[inline(always)]
-                fn domain(
-                    &self,
-                    state: &[T; #state],
-                    step: &Step<T>,
-                    unknown: &[T; #unknown],
-                    evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
-                ) -> T {
-                    #domain
-                }
+                #domain
 
                 #finish_doc
                 #[inline(always)]
