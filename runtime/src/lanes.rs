@@ -371,7 +371,8 @@ impl<const N: usize> Mask for Truths<N> {
     }
     #[inline(always)]
     fn all(self) -> bool {
-        self.0.iter().fold(u64::MAX, |all, truth| all & truth) != 0
+        // for this there is an instruction
+        self.0.iter().fold(0, |any, truth| any | !truth) == 0
     }
     #[inline(always)]
     fn any(self) -> bool {

@@ -255,10 +255,6 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
                 unsolved,
             });
         }
-        // The order is that in which the processor, which does not see far ahead, is to go: what the next guess takes from the solutions
-        // that there are while this one is waited for, and the next guess before what follows from this solution, for the next step waits
-        // for it.
-        let begun = self.course.begun::<P>();
         let point = *guess;
         let evaluation = kernel.evaluate(state, step, &point);
         let unknown = kernel.sweep(state, step, &evaluation.right)?;
@@ -282,7 +278,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         } else {
             Swept { point, unknown, evaluation, iterations: T::each(|_| 1), open }
         };
-        *guess = self.course.then(&begun, &swept.unknown);
+        // The order is that in which the processor, which does not see far ahead, is to go. What the next guess takes from the solutions that
+        // there are comes after the sweep, which has to be waited for, to be computed meanwhile. The next guess comes before what follows from
+        // this solution, for the next step waits for it.
+        *guess = self.course.after::<P>(&swept.unknown);
         Some(swept.solution(self.residual))
     }
 

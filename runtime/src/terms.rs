@@ -94,6 +94,40 @@ impl<T: Batch> Piece<T> for T {
     }
 }
 
+/// Three by themselves: a weight is loaded once for them, and kept in no register after that.
+impl<T: Batch> Piece<T> for [T; 3] {
+    #[inline(always)]
+    fn of<U: Components<T>>(term: &Term<T, U>, i: usize) -> Self {
+        let components = term.components.as_ref();
+        [components[i], components[i + 1], components[i + 2]]
+    }
+    #[inline(always)]
+    fn times(self, a: &Weight<T>) -> Self {
+        let [x, y, z] = self;
+        [Piece::times(x, a), Piece::times(y, a), Piece::times(z, a)]
+    }
+    #[inline(always)]
+    fn plus(self, a: &Weight<T>, [u, v, w]: Self) -> Self {
+        let [x, y, z] = self;
+        [Piece::plus(x, a, u), Piece::plus(y, a, v), Piece::plus(z, a, w)]
+    }
+    #[inline(always)]
+    fn minus(self, a: &Weight<T>, [u, v, w]: Self) -> Self {
+        let [x, y, z] = self;
+        [Piece::minus(x, a, u), Piece::minus(y, a, v), Piece::minus(z, a, w)]
+    }
+    #[inline(always)]
+    fn and(self, [u, v, w]: Self) -> Self {
+        let [x, y, z] = self;
+        [x + u, y + v, z + w]
+    }
+    #[inline(always)]
+    fn less(self, [u, v, w]: Self) -> Self {
+        let [x, y, z] = self;
+        [x - u, y - v, z - w]
+    }
+}
+
 /// What each component is computed by. Not a closure, since these cannot say that they are always to be inlined.
 pub(crate) trait Formula<T: Batch> {
     /// The component `i`, and those after it.
@@ -109,6 +143,11 @@ pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>>(formula: &impl 
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     if const { T::PAIRS && (P::FOURS || T::ONCE == FUSED) } {
         done = crate::processor::compute::<P, T>(formula, components);
+    }
+    while done + 3 <= components.len() {
+        let three: [T; 3] = formula.at(done);
+        components[done..done + 3].copy_from_slice(&three);
+        done += 3;
     }
     while done < components.len() {
         components[done] = formula.at(done);
