@@ -122,26 +122,9 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
             Matrix4::identity(),
         )?,
     ]);
-    for (name, instructions, threads) in crews() {
-        let crew = |retraction: &str| format!("{retraction}, ensemble, {name}");
-        cases.push(together::<_, Cayley>(FREE, crew("Cayley"), &body, &start, instructions, threads)?);
-        cases.push(together::<_, Exponential>(
-            FREE,
-            crew("exponential"),
-            &body,
-            &start,
-            instructions,
-            threads,
-        )?);
-        cases.push(together::<_, Cayley>(TOP, crew("Cayley"), &top, &top_start, instructions, threads)?);
-        cases.push(together::<_, Exponential>(
-            TOP,
-            crew("exponential"),
-            &top,
-            &top_start,
-            instructions,
-            threads,
-        )?);
+    for crew in crews() {
+        cases.extend(ensembles(FREE, &body, &start, &crew)?);
+        cases.extend(ensembles(TOP, &top, &top_start, &crew)?);
     }
     cases.sort_by_key(|case| case.problem);
     let (quadrotor, loose) = Quadrotor::loose();
@@ -214,25 +197,52 @@ where
     (0..steps).all(|_| stepper.step_with(state, control).is_ok())
 }
 
-/// How ensembles are run: by all instructions that the processor has, on one of its cores and by the widest on two.
-fn crews() -> Vec<(String, Instructions, usize)> {
-    let mut crews: Vec<_> = Instructions::available()
-        .map(|instructions| (format!("{instructions:?}").to_lowercase(), instructions, 1))
-        .collect();
-    if let (Some((name, widest, _)), 2..) = (crews.last().cloned(), rayon::current_num_threads()) {
-        crews.push((format!("{name}, two cores"), widest, 2));
+/// How an ensemble is run.
+struct Crew {
+    name: String,
+    instructions: Instructions,
+    threads: usize,
+}
+
+/// By all instructions that the processor has, on one of its cores, and by the widest on two.
+fn crews() -> Vec<Crew> {
+    let crew =
+        |instructions| Crew { name: format!("{instructions:?}").to_lowercase(), instructions, threads: 1 };
+    let mut crews: Vec<Crew> = Instructions::available().map(crew).collect();
+    if let (Some(&Crew { ref name, instructions, .. }), 2..) = (crews.last(), rayon::current_num_threads()) {
+        crews.push(Crew { name: format!("{name}, two cores"), instructions, threads: 2 });
     }
     crews
+}
+
+/// Steps of an ensemble's members; fused where there are instructions for it.
+fn ensembles<S>(
+    problem: &'static str,
+    system: &S,
+    state: &S::State,
+    crew: &Crew,
+) -> Result<Vec<Case>, Box<dyn std::error::Error>>
+where
+    S: Catalogued + 'static,
+{
+    let mut cases = vec![
+        together::<_, Cayley>(problem, "Cayley", system, state, crew)?,
+        together::<_, Exponential>(problem, "exponential", system, state, crew)?,
+    ];
+    if crew.instructions != Instructions::Portable {
+        cases.push(together::<_, Fused<Cayley>>(problem, "Cayley, fused", system, state, crew)?);
+        cases.push(together::<_, Fused<Exponential>>(problem, "exponential, fused", system, state, crew)?);
+    }
+    Ok(cases)
 }
 
 /// A step of a member of an ensemble.
 fn together<S, M>(
     problem: &'static str,
-    method: String,
+    method: &str,
     system: &S,
     state: &S::State,
-    instructions: Instructions,
-    threads: usize,
+    crew: &Crew,
 ) -> Result<Case, Box<dyn std::error::Error>>
 where
     S: Catalogued + Discretized<M> + 'static,
@@ -249,8 +259,9 @@ where
         S::State::from_components(&components)
     });
     let systems = std::iter::repeat(system);
-    let mut ensemble = Ensemble::<S, M>::with_instructions(systems, states, 0.01, instructions)?;
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let mut ensemble = Ensemble::<S, M>::with_instructions(systems, states, 0.01, crew.instructions)?;
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(crew.threads).build()?;
+    let method = format!("{method}, ensemble, {}", crew.name);
     let walk = move |steps: u64| {
         let steps = steps.div_ceil(MEMBERS as u64);
         threads.install(|| ensemble.run(steps)).failures == 0

@@ -75,10 +75,10 @@ fn print(results: &Results, console: &mut dyn Write) -> Result<(), Error> {
     for timed in &results.cases {
         if timed.problem != problem {
             problem = timed.problem;
-            writeln!(console, "\n{problem:40} {:>8} {:>8}", "ns/step", "ratio")?;
+            writeln!(console, "\n{problem:50} {:>8} {:>8}", "ns/step", "ratio")?;
         }
         let ratio = timed.ratio.map_or(String::new(), |ratio| format!("{ratio:8.2}"));
-        writeln!(console, "  {:38} {:8.1} {ratio}", timed.method, timed.ns_per_step)?;
+        writeln!(console, "  {:48} {:8.1} {ratio}", timed.method, timed.ns_per_step)?;
     }
     Ok(())
 }
