@@ -113,13 +113,18 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         T::outline(Next(self))
     }
 
-    /// Where the solutions will point after this one, which is not remembered yet: what the others contribute does not wait for it.
+    /// What the solutions that there are will contribute to the guess after the next solution: [`then`](Self::then) it takes that one.
     #[inline(always)]
-    pub(crate) fn after<P: Processor>(&self, unknown: &U) -> U {
+    pub(crate) fn begun<P: Processor>(&self) -> U {
         // the window begins one later then
-        let begin = self.oldest % KEPT + KEPT - WINDOW + 1;
-        let earlier = self.earlier::<P>(&self.solutions[begin..begin + WINDOW - 1]);
-        continued(&self.weights, &earlier, unknown)
+        let next = self.oldest % KEPT + KEPT - WINDOW + 1;
+        self.earlier::<P>(&self.solutions[next..next + WINDOW - 1])
+    }
+
+    /// Where the solutions will point after this one, from what was [begun](Self::begun).
+    #[inline(always)]
+    pub(crate) fn then(&self, begun: &U, unknown: &U) -> U {
+        continued(&self.weights, begun, unknown)
     }
 
     /// What all solutions of a window but the latest, which may be missing there, contribute to the next one.
@@ -486,11 +491,11 @@ mod tests {
             course.weights = weights.map(Weight::new);
             course.set_near(near);
             let next = 40.0 + fit as f64;
-            let soon = course.after::<Portable>(&[next - 1.0]);
+            let soon = course.then(&course.begun::<Portable>(), &[next - 1.0]);
             course.push(&[next - 1.0]);
             let [guess] = course.next();
             assert!((guess - next).abs() < 1e-12, "{near} {weights:?}: {guess}");
-            assert_eq!(soon, [guess], "before it is remembered");
+            assert_eq!(soon, [guess], "begun before the solution");
             let mut same = course;
             same.memory(&mut |_| ());
             assert_eq!(same.next(), [guess]);

@@ -39,7 +39,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         // Nearly all steps go this way. Whatever is not as usual sends them the other.
         if known && self.solver.usual() > 0 {
             let mut guess = self.solver.guess();
-            if let Some(advanced) = self.usual::<Portable>(state, time, control, &mut guess) {
+            if let Some(advanced) = self.usual::<Portable, true>(state, time, control, &mut guess) {
                 self.solver.took(1);
                 self.solver.set_guess(&guess);
                 return Ok(advanced);
@@ -94,7 +94,8 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
         let mut steps = 0;
         while steps < most {
             let mut next = guess;
-            let Some(advanced) = method.usual::<P>(&now, T::of(clock.after(steps)), control, &mut next)
+            let Some(advanced) =
+                method.usual::<P, false>(&now, T::of(clock.after(steps)), control, &mut next)
             else {
                 break;
             };
@@ -178,8 +179,9 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 
     /// A step as nearly all are, from a guess that becomes the next one's. None if something is not as usual, be it a number that is not
     /// finite: then nothing else has changed, but that sweeps beyond the first are counted if they were made and what followed was not usual.
+    /// `BY_ITSELF` as for [sweeps](Solver::by_sweeps).
     #[inline(always)]
-    fn usual<P: Processor>(
+    fn usual<P: Processor, const BY_ITSELF: bool>(
         &mut self,
         state: &K::State,
         time: T,
@@ -187,7 +189,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         guess: &mut K::Unknown,
     ) -> Option<Advanced<T, K::State>> {
         let begun = self.kernel.begin(state, time, control);
-        let solution = self.solver.by_sweeps::<P, _>(&self.kernel, state, &begun, guess)?;
+        let solution = self.solver.by_sweeps::<P, BY_ITSELF, _>(&self.kernel, state, &begun, guess)?;
         let advanced = self.finish(state, &begun, &solution);
         let inside = self.is_inside(state, &begun, &solution).all();
         if inside && self.is_surely_finite(&advanced.state, control).all() {

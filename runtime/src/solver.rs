@@ -232,9 +232,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Solves a step's equation as most are solved, from where the earlier solutions point, by sweeps. None if these do not solve it in all
     /// lanes.
     ///
-    /// After a solution the guess is the next step's: [`push_usual`](Self::push_usual) it.
+    /// After a solution the guess is the next step's: [`push_usual`](Self::push_usual) it. Part of that is computed while something is waited
+    /// for: the state, where the step is by itself, as one of several with methods of their own is; else the solution.
     #[inline(always)]
-    pub fn by_sweeps<P: Processor, K>(
+    pub fn by_sweeps<P: Processor, const BY_ITSELF: bool, K>(
         &mut self,
         kernel: &K,
         state: &K::State,
@@ -255,6 +256,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
                 unsolved,
             });
         }
+        // The processor does not see far ahead: the order is that in which it is to go.
+        let begun = if const { BY_ITSELF } { Some(self.course.begun::<P>()) } else { None };
         let point = *guess;
         let evaluation = kernel.evaluate(state, step, &point);
         let unknown = kernel.sweep(state, step, &evaluation.right)?;
@@ -278,10 +281,12 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         } else {
             Swept { point, unknown, evaluation, iterations: T::each(|_| 1), open }
         };
-        // The order is that in which the processor, which does not see far ahead, is to go. What the next guess takes from the solutions that
-        // there are comes after the sweep, which has to be waited for, to be computed meanwhile. The next guess comes before what follows from
-        // this solution, for the next step waits for it.
-        *guess = self.course.after::<P>(&swept.unknown);
+        // the next guess before what follows from this solution, for the next step waits for it
+        let begun = match begun {
+            Some(begun) => begun,
+            None => self.course.begun::<P>(),
+        };
+        *guess = self.course.then(&begun, &swept.unknown);
         Some(swept.solution(self.residual))
     }
 
