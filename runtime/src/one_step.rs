@@ -192,7 +192,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let solution = self.solver.by_sweeps::<P, BY_ITSELF, _>(&self.kernel, state, &begun, guess)?;
         let advanced = self.finish(state, &begun, &solution);
         let inside = self.is_inside(state, &begun, &solution).all();
-        if inside && self.is_surely_finite(&advanced.state, control).all() {
+        let finite = self.is_surely_finite(&advanced.state, control).all();
+        if inside & finite {
             self.solver.push_usual::<P>(&solution.unknown);
             return Some(advanced);
         }
