@@ -26,9 +26,8 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use diagnostics::Diagnostics;
-use emit::{Expansion, Names};
+use emit::{DerivedStep, Expansion, Names};
 use expr::Arena;
-use group::Retraction;
 use kernel::{Derivative, Kernel};
 use method::linearization::Linearization;
 use method::{Member, Rule, Scheme};
@@ -70,38 +69,45 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let system = System::build(&arena, &attribute, &item, diagnostics);
     // of a description that does not fit together nothing can be emitted that would compile
     let system = system.filter(|_| sound)?;
-    let steps = schemes(&system, &attribute.methods).into_iter().map(|scheme| {
+    let steps = schemes(&system, &attribute).into_iter().map(|(scheme, aliases)| {
         let step = scheme.step(&arena, &system);
         let kernel = Kernel::new(&arena, &step);
-        (scheme, step, kernel)
+        (scheme, aliases, step, kernel)
     });
     let steps: Vec<_> = steps.collect();
     // after all kernels, which are the same with and without them
+    let wanted = attribute.derivatives;
     let kernels = steps
         .into_iter()
-        .map(|(scheme, step, kernel)| {
-            let derivative = attribute.derivatives.then(|| {
-                let linearization = Linearization::new(&arena, &system, scheme.retraction, &step);
-                Derivative::new(&arena, &step, &linearization)
+        .map(|(scheme, aliases, step, kernel)| {
+            let derivative = wanted.any().then(|| {
+                let linearization = Linearization::new(&arena, &system, scheme.retraction, &step, wanted);
+                Derivative::new(&arena, &step, &linearization, wanted)
             });
-            (scheme, kernel, derivative)
+            DerivedStep { scheme, aliases, kernel, derivative }
         })
         .collect();
 
     let scalar = item.scalar().name();
     let names = Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref());
-    Some(emit::expansion(&arena, &system, &item.declaration, &names, kernels))
+    Some(emit::expansion(&arena, &system, &item.declaration, &names, kernels, wanted))
 }
 
-/// What is generated: the members of the family that the bare retractions stand for, and what is asked for.
-fn schemes(system: &System<'_>, asked: &[Rule]) -> Vec<Scheme> {
-    let mut rules = vec![Rule::Family(Member::SYMPLECTIC_EULER_A)];
-    if !system.is_left_invariant() {
-        rules.push(Rule::Family(Member::SYMPLECTIC_EULER_B));
-    }
-    rules.extend(asked);
+/// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
+/// names.
+fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Scheme>)> {
+    let mut rules = vec![Rule::Family(Member::SYMPLECTIC_EULER_A), Rule::Family(Member::SYMPLECTIC_EULER_B)];
+    rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();
-    let with = |retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
-    Retraction::ALL.into_iter().flat_map(with).collect()
+    let (originals, aliases): (Vec<Rule>, Vec<Rule>) =
+        rules.into_iter().partition(|rule| rule.original(system) == *rule);
+    let with = |retraction| {
+        let all = originals.iter().map(move |&rule| Scheme { retraction, rule });
+        all.map(|scheme| {
+            let is_alias = |rule: &&Rule| rule.original(system) == scheme.rule;
+            (scheme, aliases.iter().filter(is_alias).map(|&rule| Scheme { rule, ..scheme }).collect())
+        })
+    };
+    attribute.retractions().iter().copied().flat_map(with).collect()
 }

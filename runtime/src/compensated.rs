@@ -66,12 +66,20 @@ impl<S: Discretized<M>, M, T: Batch> Clone for Compensation<S, M, T> {
 
 /// The same numbers with more digits.
 fn widened<T: Batch, C: Components<T>, W: Components<Wide<T>>>(components: &C) -> W {
-    W::from_fn(|k| Double::exactly(components.as_ref()[k]))
+    let mut wide = W::splat(Wide::of(0.0));
+    for (wide, number) in wide.as_mut().iter_mut().zip(components.as_ref()) {
+        *wide = Double::exactly(*number);
+    }
+    wide
 }
 
 /// The nearest numbers with fewer.
 fn rounded<T: Batch, W: Components<Wide<T>>, C: Components<T>>(components: &W) -> C {
-    C::from_fn(|k| components.as_ref()[k].parts()[0])
+    let mut rounded = C::splat(T::of(0.0));
+    for (number, wide) in rounded.as_mut().iter_mut().zip(components.as_ref()) {
+        *number = wide.parts()[0];
+    }
+    rounded
 }
 
 impl<S: Discretized<M>, M, T: Batch> Compensation<S, M, T> {
@@ -95,7 +103,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
     type Control = S::ControlComponents<T>;
 
     fn new(parameters: &Self::Parameters, step: T) -> Self {
-        let nothing = <S::StateComponents<Wide<T>> as Components<Wide<T>>>::from_fn(|_| Wide::of(0.0));
+        let nothing = <S::StateComponents<Wide<T>> as Components<Wide<T>>>::splat(Wide::of(0.0));
         Self { base: Method::new(&widened(parameters), Double::exactly(step)), state: nothing }
     }
 

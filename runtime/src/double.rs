@@ -207,6 +207,10 @@ impl<T: Batch> Batch for Double<T> {
     const LEAST: f64 = T::LEAST / T::EPSILON;
 
     #[inline(always)]
+    fn all<X: Copy + Send + Sync>(value: X) -> T::Each<X> {
+        T::all(value)
+    }
+    #[inline(always)]
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> T::Each<X> {
         T::each(value)
     }

@@ -60,12 +60,12 @@ pub(crate) struct Extrapolation<T: Batch, U> {
 /// Knows no solution.
 impl<T: Batch, U: Components<T>> Default for Extrapolation<T, U> {
     fn default() -> Self {
-        let nothing = U::from_fn(|_| T::of(0.0));
+        let nothing = U::splat(T::of(0.0));
         Self {
             solutions: [Term::new(nothing); 2 * KEPT],
             oldest: 0,
             count: 0,
-            weights: through(1).map(Weight::new),
+            weights: terms(&through(1)),
             is_near: T::Mask::splat(false),
             near: [false; 2],
             errors: [T::of(0.0); FITS],
@@ -160,7 +160,7 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
                 break;
             }
             let weights = through(points);
-            let terms = weights.map(Weight::new);
+            let terms = terms(&weights);
             let earlier: U = computed::<Portable, _, _>(&Through(&terms, window), latest);
             let guess = continued(&terms, &earlier, latest);
             of_through.take_better(&weights, squared_distance(&guess, solution), lasting, wanting);
@@ -169,8 +169,9 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
             if WINDOW > self.count {
                 break;
             }
-            let weights = weights.map(T::of);
-            let terms = weights.map(Weight::new);
+            let mut numbers = [T::of(0.0); RECENT];
+            numbers.iter_mut().zip(weights).for_each(|(number, weight)| *number = T::of(weight));
+            let (weights, terms) = (numbers, terms(&numbers));
             let earlier: U = computed::<Portable, _, _>(&Near(&terms, window), latest);
             let guess = continued(&terms, &earlier, latest);
             of_near.take_better(&weights, squared_distance(&guess, solution), lasting, wanting);
@@ -193,14 +194,15 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub(crate) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        let mut numbers = [self.oldest, self.count].map(|number| T::of(number as f64));
+        let mut numbers = [T::of(self.oldest as f64), T::of(self.count as f64)];
         visit(&mut numbers);
         // the same in all lanes
-        let [oldest, count] = numbers.map(|number| number.lane(0).to_f64() as usize);
+        let [oldest, count] = [numbers[0].lane(0).to_f64() as usize, numbers[1].lane(0).to_f64() as usize];
         (self.oldest, self.count) = (oldest, count.min(WINDOW));
-        let mut weights = self.weights.map(|weight| weight.value());
+        let mut weights = [T::of(0.0); RECENT];
+        weights.iter_mut().zip(&self.weights).for_each(|(weight, mine)| *weight = mine.value());
         visit(&mut weights);
-        self.weights = weights.map(Weight::new);
+        self.weights = terms(&weights);
         let mut is_near = T::select(self.is_near, T::of(1.0), T::of(0.0));
         visit(core::slice::from_mut(&mut is_near));
         self.set_near(T::of(0.0).below(is_near));
@@ -232,7 +234,9 @@ impl<T: Batch> Best<T> {
         *was = T::select(wanting, error, *was);
         let better = error.below(self.error);
         self.error = T::select(better, error, self.error);
-        self.weights = core::array::from_fn(|j| T::select(better, weights[j], self.weights[j]));
+        for (mine, weight) in self.weights.iter_mut().zip(weights) {
+            *mine = T::select(better, *weight, *mine);
+        }
     }
 }
 
@@ -305,14 +309,23 @@ fn continued<T: Batch, U: Components<T>>(weights: &[Weight<T>; RECENT], earlier:
     sum
 }
 
+/// Coefficients as they are kept. A loop: mapped arrays are a dozen functions more to compile.
+fn terms<T: Copy>(weights: &[T; RECENT]) -> [Weight<T>; RECENT] {
+    let mut terms = [Weight::new(weights[0]); RECENT];
+    terms.iter_mut().zip(weights).for_each(|(term, weight)| *term = Weight::new(*weight));
+    terms
+}
+
 /// The coefficients of the polynomial through so many of the latest solutions.
 fn through<T: Scalar>(points: usize) -> [T; RECENT] {
     // binomial coefficients with alternating signs
     let mut coefficient = -1.0;
-    core::array::from_fn(|j| {
+    let mut weights = [T::of(0.0); RECENT];
+    for (j, weight) in weights.iter_mut().enumerate() {
         coefficient *= -((points as f64 - j as f64) / (j as f64 + 1.0));
-        T::of(coefficient)
-    })
+        *weight = T::of(coefficient);
+    }
+    weights
 }
 
 /// The coefficients of the polynomials near to all: `w_j = 2 S(j) / (1 − 2 S(0))`.

@@ -64,12 +64,20 @@ impl<S: Discretized<M>, M, T: Batch> Clone for Fusion<S, M, T> {
 
 #[inline(always)]
 fn wrapped<T: Batch, C: Components<T>, W: Components<Once<T>>>(components: &C) -> W {
-    W::from_fn(|k| Once(components.as_ref()[k]))
+    let mut wrapped = W::splat(Once(T::of(0.0)));
+    for (once, number) in wrapped.as_mut().iter_mut().zip(components.as_ref()) {
+        *once = Once(*number);
+    }
+    wrapped
 }
 
 #[inline(always)]
 fn unwrapped<T: Batch, W: Components<Once<T>>, C: Components<T>>(components: &W) -> C {
-    C::from_fn(|k| components.as_ref()[k].0)
+    let mut unwrapped = C::splat(T::of(0.0));
+    for (number, once) in unwrapped.as_mut().iter_mut().zip(components.as_ref()) {
+        *number = once.0;
+    }
+    unwrapped
 }
 
 /// Does the work where the instructions are: numbers side by side are there already.
@@ -217,6 +225,10 @@ impl<T: Batch> Batch for Once<T> {
     const PAIRS: bool = T::PAIRS;
     const ONCE: bool = true;
 
+    #[inline(always)]
+    fn all<X: Copy + Send + Sync>(value: X) -> T::Each<X> {
+        T::all(value)
+    }
     #[inline(always)]
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> T::Each<X> {
         T::each(value)

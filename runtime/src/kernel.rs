@@ -12,17 +12,21 @@ use crate::scalar::Scalar;
 pub trait Components<T>:
     Copy + PartialEq + core::fmt::Debug + AsRef<[T]> + AsMut<[T]> + Send + Sync + 'static
 {
-    /// The array of what `value` gives for each index.
-    fn from_fn(value: impl FnMut(usize) -> T) -> Self;
+    /// How many there are.
+    const LENGTH: usize;
+    /// The array of `value` in all places.
+    fn splat(value: T) -> Self;
 }
 
 impl<T, const N: usize> Components<T> for [T; N]
 where
     T: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static,
 {
+    const LENGTH: usize = N;
+
     #[inline(always)]
-    fn from_fn(value: impl FnMut(usize) -> T) -> Self {
-        core::array::from_fn(value)
+    fn splat(value: T) -> Self {
+        [value; N]
     }
 }
 
@@ -38,7 +42,7 @@ pub struct Evaluation<U, I> {
 }
 
 /// One step's arithmetic for one system and one scheme; `self` holds what depends on parameters and step alone.
-pub trait Kernel<T: Scalar>: Copy + Send + Sync {
+pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// The system's parameters.
     type Parameters: Components<T>;
     /// The state.
@@ -73,9 +77,20 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync {
         unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown;
-    /// The solution `x` of `left(x) = right` for a given right side, if the left side is linear with constant coefficients: the next
-    /// iterate of the fixed-point iteration.
-    fn sweep(&self, state: &Self::State, step: &Self::Step, right: &Self::Unknown) -> Option<Self::Unknown>;
+    /// Whether there are sweeps: the left side is linear with constant coefficients. Known when the code is compiled, so that of what needs
+    /// them nothing is compiled where there are none.
+    const SWEEPS: bool = true;
+    /// The solution `x` of `left(x) = right` for a given right side: the next iterate of the fixed-point iteration. None if there are
+    /// no sweeps.
+    #[inline(always)]
+    fn sweep(
+        &self,
+        _state: &Self::State,
+        _step: &Self::Step,
+        _right: &Self::Unknown,
+    ) -> Option<Self::Unknown> {
+        None
+    }
     /// Positive inside the retraction's domain, zero on its edge. None if there is no edge.
     #[inline(always)]
     fn domain(

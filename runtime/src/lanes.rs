@@ -262,8 +262,17 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     const LEAST: f64 = X::LEAST;
 
     #[inline(always)]
-    fn each<Y: Copy + Send + Sync>(value: impl FnMut(usize) -> Y) -> [Y; N] {
-        core::array::from_fn(value)
+    fn all<Y: Copy + Send + Sync>(value: Y) -> [Y; N] {
+        [value; N]
+    }
+    #[inline(always)]
+    fn each<Y: Copy + Send + Sync>(mut value: impl FnMut(usize) -> Y) -> [Y; N] {
+        // a loop: `array::from_fn` is four functions more to compile for each closure
+        let mut each = [value(0); N];
+        for (lane, of_lane) in each.iter_mut().enumerate().skip(1) {
+            *of_lane = value(lane);
+        }
+        each
     }
     #[inline(always)]
     fn lane(&self, lane: usize) -> X {
@@ -333,7 +342,9 @@ pub(crate) fn add_product<const N: usize, const K: usize>(
     type Four = Lanes<f64, 4, Portable>;
     let mut start = 0;
     while start + 4 <= N {
-        let of = |column: &[f64; N]| Four::from(core::array::from_fn(|i| column[start + i]));
+        let of = |column: &[f64; N]| {
+            Four::from([column[start], column[start + 1], column[start + 2], column[start + 3]])
+        };
         let mut total = of(sum);
         for (column, by) in columns.iter().zip(by) {
             total = total.plus(of(column), Four::from([*by; 4]));

@@ -60,6 +60,8 @@ pub mod derivative;
 mod double;
 #[cfg(feature = "std")]
 pub mod ensemble;
+#[cfg(feature = "std")]
+pub mod erased;
 pub mod error;
 mod extrapolation;
 #[cfg(feature = "std")]
@@ -115,14 +117,16 @@ pub use system::{Control, Discretized, NoControl, State, System};
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
 pub mod __private {
-    pub use crate::derivative::{Differentiable, Entry, Linearized, add_product};
+    pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;
     pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
     pub use crate::kernel::{Evaluation, Kernel};
     pub use crate::scalar::Scalar;
-    pub use crate::scheme::{Family, StormerVerlet, TangentLift};
-    pub use crate::system::{Control, Generated, NoControl, Quantity, Role, State, Stored, System};
+    pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
+    pub use crate::system::{
+        Control, Generated, NoControl, Quantity, Role, Schemes, State, Stored, System, Visitor,
+    };
     pub use nalgebra;
     pub use serde;
 }

@@ -7,7 +7,7 @@ use crate::geometry::Isolated;
 use crate::kernel::Components;
 use crate::memory::visit_flag;
 use crate::newton;
-use crate::scalar::{Batch, Scalar, Work};
+use crate::scalar::{Batch, Real, Scalar, Work};
 
 /// A discretization of one system with one step size, on flat arrays.
 pub trait Method: Clone + Send + Sync {
@@ -38,7 +38,8 @@ pub trait Method: Clone + Send + Sync {
     ) -> Outcome<Self::Scalar, Self::State>;
 
     /// Takes steps, up to `most`, with `control` held all the time, for as long as they are as most steps are; from a state that is
-    /// known. Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance).
+    /// known. Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance). Of numbers side by
+    /// side, steps that are as most are have no other way.
     #[inline(always)]
     fn march(
         &mut self,
@@ -74,6 +75,14 @@ impl Clock {
     }
 }
 
+impl Clock {
+    /// For one step that starts at this time, the same in all lanes.
+    #[inline(always)]
+    pub(crate) fn at<T: Batch>(time: T) -> Self {
+        Self { start: time.lane(0).to_f64(), step: 0.0, taken: 0 }
+    }
+}
+
 /// How some steps went, in each lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Marched<T: Batch> {
@@ -87,15 +96,19 @@ pub struct Marched<T: Batch> {
     pub max_residual: T,
 }
 
+impl<T: Batch> Marched<T> {
+    /// Iterations and residual, if it was one step.
+    #[inline(always)]
+    pub(crate) fn single(&self) -> Option<(T::Each<u32>, T)> {
+        // of one step, the most iterations are all of them
+        (self.steps == 1).then_some((self.max_iterations, self.max_residual))
+    }
+}
+
 impl<T: Batch> Default for Marched<T> {
     #[inline(always)]
     fn default() -> Self {
-        Self {
-            steps: 0,
-            iterations: T::each(|_| 0),
-            max_iterations: T::each(|_| 0),
-            max_residual: T::of(0.0),
-        }
+        Self { steps: 0, iterations: T::all(0), max_iterations: T::all(0), max_residual: T::of(0.0) }
     }
 }
 
@@ -145,7 +158,15 @@ impl<B: Method> Work for Part<'_, B> {
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        self.method.advance(self.state, self.time, self.control, self.known)
+        let Self { method, state, time, control, known } = self;
+        if const { B::Scalar::LANES > 1 } && known {
+            let mut next = *state;
+            let marched = method.march(&mut next, Clock::at(time), control, 1);
+            if let Some((iterations, residual)) = marched.single() {
+                return Ok(Advanced { state: next, iterations, residual });
+            }
+        }
+        method.advance(state, time, control, known)
     }
 }
 
@@ -159,12 +180,7 @@ pub(crate) struct Course<T: Batch> {
 
 impl<T: Batch> Course<T> {
     pub(crate) fn new() -> Self {
-        Self {
-            errors: T::each(|_| None),
-            is_flawless: true,
-            iterations: T::each(|_| 0),
-            residual: T::of(0.0),
-        }
+        Self { errors: T::all(None), is_flawless: true, iterations: T::all(0), residual: T::of(0.0) }
     }
 
     /// Takes a part of the step. Not inlined: what is composed of several is compiled once for all that it is part of, and next to a step
@@ -180,23 +196,46 @@ impl<T: Batch> Course<T> {
         control: &B::Control,
         known: bool,
     ) -> Result<B::State, Failure<T, B::State>> {
-        let advanced = match T::outline(Part { method, state, time, control, known }) {
-            Ok(advanced) => advanced,
-            Err(failure) => {
-                self.is_flawless = false;
-                for (error, other) in self.errors.as_mut().iter_mut().zip(failure.errors.as_ref()) {
-                    *error = error.or(*other);
-                }
-                if self.errors.as_ref().iter().all(Option::is_some) {
-                    return Err(Failure { errors: self.errors, ..failure });
-                }
-                failure.advanced
-            }
+        let outcome = T::outline(Part { method, state, time, control, known });
+        let (counted, advanced) = match outcome {
+            Ok(advanced) => (Ok((advanced.iterations, advanced.residual)), advanced),
+            Err(Failure { errors, advanced }) => (Err(errors), advanced),
         };
-        self.iterations = newton::sum::<T>(self.iterations, advanced.iterations);
-        let larger = self.residual.below(advanced.residual);
-        self.residual = T::select(larger, advanced.residual, self.residual);
-        Ok(advanced.state)
+        match self.count(counted, (advanced.iterations, advanced.residual)) {
+            Ok(()) => Ok(advanced.state),
+            Err(errors) => Err(Failure { errors, advanced }),
+        }
+    }
+
+    /// Counts a part that was taken, with what it did in lanes where nothing went wrong.
+    ///
+    /// # Errors
+    /// If something went wrong in every lane.
+    #[inline(always)]
+    pub(crate) fn count(
+        &mut self,
+        outcome: Result<(T::Each<u32>, T), T::Each<Option<StepError>>>,
+        (iterations, residual): (T::Each<u32>, T),
+    ) -> Result<(), T::Each<Option<StepError>>> {
+        if let Err(errors) = outcome {
+            self.is_flawless = false;
+            for (error, other) in self.errors.as_mut().iter_mut().zip(errors.as_ref()) {
+                *error = error.or(*other);
+            }
+            if self.errors.as_ref().iter().all(Option::is_some) {
+                return Err(self.errors);
+            }
+        }
+        self.iterations = newton::sum::<T>(self.iterations, iterations);
+        let larger = self.residual.below(residual);
+        self.residual = T::select(larger, residual, self.residual);
+        Ok(())
+    }
+
+    /// How the parts went.
+    #[cfg(feature = "std")]
+    pub(crate) fn outcome(self) -> Result<(T::Each<u32>, T), T::Each<Option<StepError>>> {
+        if self.is_flawless { Ok((self.iterations, self.residual)) } else { Err(self.errors) }
     }
 
     /// Where the parts have led to.
@@ -284,7 +323,7 @@ where
     type Control = B::Control;
 
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        let nothing = S::Spatial::from_fn(|_| B::Scalar::of(0.0));
+        let nothing = S::Spatial::splat(B::Scalar::of(0.0));
         Self { base: B::new(parameters, step), has_stepped: false, spatial: nothing }
     }
 

@@ -67,7 +67,7 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
         let mut residual = relative(&evaluation);
         let mut open = wanted & !residual.at_most(roundoff);
         let mut unsolved = T::Mask::splat(false);
-        let mut iterations = T::each(|_| 0);
+        let mut iterations = T::all(0);
         for round in 0.. {
             if !open.any() {
                 break;
@@ -77,7 +77,7 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
                 unsolved = unsolved | (open & !residual.at_most(stagnation));
                 break;
             }
-            iterations = T::each(|lane| iterations.as_ref()[lane] + u32::from(open.lane(lane)));
+            count::<T>(&mut iterations, open);
             let correction = kernel.correction(state, step, &unknown, &evaluation);
             let candidate = subtract(open, &unknown, &correction, T::of(1.0));
             let there = evaluated(kernel, state, step, &candidate);
@@ -166,8 +166,19 @@ fn backtrack<T: Batch, K: Kernel<T>>(
 
 /// What is counted in each lane, together.
 #[inline(always)]
-pub(crate) fn sum<T: Batch>(a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
-    T::each(|lane| a.as_ref()[lane] + b.as_ref()[lane])
+pub(crate) fn sum<T: Batch>(mut a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
+    for (a, b) in a.as_mut().iter_mut().zip(b.as_ref()) {
+        *a += *b;
+    }
+    a
+}
+
+/// Counts one more in the lanes where the mask is true.
+#[inline(always)]
+pub(crate) fn count<T: Batch>(counts: &mut T::Each<u32>, mask: T::Mask) {
+    for (lane, count) in counts.as_mut().iter_mut().enumerate() {
+        *count = count.saturating_add(u32::from(mask.lane(lane)));
+    }
 }
 
 /// `yes` where the mask is true, `no` elsewhere.

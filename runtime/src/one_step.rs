@@ -36,8 +36,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         control: &K::Control,
         known: bool,
     ) -> Outcome<T, K::State> {
-        // Nearly all steps go this way. Whatever is not as usual sends them the other.
-        if known && self.solver.usual() > 0 {
+        // Nearly all steps go this way. Whatever is not as usual sends them the other. Side by side, they have gone it before, together.
+        if const { T::LANES == 1 && Self::HAS_USUAL } && known && self.solver.usual() > 0 {
             let mut guess = self.solver.guess();
             if let Some(advanced) = self.usual::<Portable, true>(state, time, control, &mut guess) {
                 self.solver.took(1);
@@ -50,6 +50,9 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
+        if const { !Self::HAS_USUAL } {
+            return Marched::default();
+        }
         // out of line: once for all that take steps with it
         T::outline_long(March::new(self, state, clock, control, most)).unwrap_or_default()
     }
@@ -109,7 +112,8 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
         if steps == 0 || method.solver.is_idle() {
             return Marched { steps, ..Marched::default() };
         }
-        let iterations = T::each(|lane| steps + effort.more.as_ref()[lane]);
+        let mut iterations = effort.more;
+        iterations.as_mut().iter_mut().for_each(|count| *count += steps);
         Marched { steps, iterations, max_iterations: effort.most, max_residual: residual }
     }
 }
@@ -163,6 +167,9 @@ impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
 }
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// Whether there is a way for steps as most are: where there is nothing to solve for, or sweeps solve it.
+    const HAS_USUAL: bool = K::SWEEPS || <K::Unknown as Components<T>>::LENGTH == 0;
+
     /// A step by whatever it takes.
     #[inline(always)]
     fn anyhow(

@@ -3,6 +3,22 @@
 //!
 //! Both satisfy `τ(0) = e`, `τ'(0) = id` and `τ(−ξ) = τ(ξ)⁻¹`.
 
+use crate::geometry::Map;
+
+/// A retraction of the catalogue.
+pub trait Retraction {
+    /// It, as a value.
+    const MAP: Map;
+}
+
+impl Retraction for Exponential {
+    const MAP: Map = Map::Exponential;
+}
+
+impl Retraction for Cayley {
+    const MAP: Map = Map::Cayley;
+}
+
 /// The group's exponential map.
 ///
 /// On SO(3) it needs angles per step below 2π. At equal step it is far more accurate than [`Cayley`]

@@ -135,6 +135,8 @@ pub trait Batch: Scalar {
     /// The least number of full precision that is larger than zero.
     const LEAST: f64;
 
+    /// The same for each lane.
+    fn all<X: Copy + Send + Sync>(value: X) -> Self::Each<X>;
     /// What `value` gives for each lane.
     fn each<X: Copy + Send + Sync>(value: impl FnMut(usize) -> X) -> Self::Each<X>;
     /// The number in a lane.
@@ -275,6 +277,10 @@ macro_rules! real {
             const LEAST: f64 = $t::MIN_POSITIVE as f64;
             const PAIRS: bool = Self::IS_DOUBLE;
 
+            #[inline(always)]
+            fn all<X: Copy + Send + Sync>(value: X) -> [X; 1] {
+                [value]
+            }
             #[inline(always)]
             fn each<X: Copy + Send + Sync>(mut value: impl FnMut(usize) -> X) -> [X; 1] {
                 [value(0)]

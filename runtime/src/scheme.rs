@@ -28,7 +28,8 @@
 
 use core::marker::PhantomData;
 
-use crate::retraction::Exponential;
+use crate::geometry::Map;
+use crate::retraction::{Exponential, Retraction};
 
 /// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
 ///
@@ -81,3 +82,31 @@ pub struct RightLift<M = SymplecticEulerA>(PhantomData<M>);
 /// symplectic as they are. A potential on the group acts at both ends of the step, outside of the equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StormerVerlet<R = Exponential>(PhantomData<R>);
+
+/// A generated step as a value, but for its retraction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// The member `s = numerator/denominator` of the [family](Family), in lowest terms.
+    Family(u32, u32),
+    /// [`TangentLift`]
+    TangentLift,
+}
+
+/// The type that stands for a generated step.
+pub trait Base: 'static {
+    /// Its retraction.
+    const MAP: Map;
+    /// The rest of it.
+    const RULE: Rule;
+}
+
+impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, D> {
+    const MAP: Map = R::MAP;
+    const RULE: Rule = Rule::Family(N, D);
+}
+
+impl<R: Retraction + 'static> Base for TangentLift<R> {
+    const MAP: Map = R::MAP;
+    const RULE: Rule = Rule::TangentLift;
+}

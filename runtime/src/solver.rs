@@ -74,7 +74,7 @@ impl<T: Batch> core::fmt::Debug for Effort<T> {
 
 impl<T: Batch> Effort<T> {
     fn none() -> Self {
-        Self { more: T::each(|_| 0), most: T::each(|_| 1) }
+        Self { more: T::all(0), most: T::all(1) }
     }
 
     fn count(&mut self, iterations: &T::Each<u32>) {
@@ -170,7 +170,7 @@ impl<T: Batch, K: Kernel<T>> Work for Sweeps<'_, T, K> {
             }
             // solved lanes wait: the same again gives the same
             point = select(open, &unknown, &point);
-            iterations = T::each(|lane| iterations.as_ref()[lane].saturating_add(u32::from(open.lane(lane))));
+            newton::count::<T>(&mut iterations, open);
         }
     }
 }
@@ -178,7 +178,7 @@ impl<T: Batch, K: Kernel<T>> Work for Sweeps<'_, T, K> {
 /// Remembers nothing.
 impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
     fn default() -> Self {
-        let nothing = U::from_fn(|_| T::of(0.0));
+        let nothing = U::splat(T::of(0.0));
         Self {
             guess: Apart([nothing; 2]),
             course: Extrapolation::default(),
@@ -199,10 +199,13 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         (core::mem::replace(&mut self.effort, Effort::none()), self.residual)
     }
 
+    /// Whether there is nothing to solve for: known when the code is compiled.
+    const IS_IDLE: bool = U::LENGTH == 0;
+
     /// Whether there is nothing to solve for.
     #[inline(always)]
     pub(crate) fn is_idle(&self) -> bool {
-        self.guess.0[0].as_ref().is_empty()
+        Self::IS_IDLE
     }
 
     /// How many of the next steps are like most: to be solved by sweeps, without a look.
@@ -245,16 +248,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        if guess.as_ref().is_empty() {
-            let evaluation = kernel.evaluate(state, step, guess);
-            let (iterations, unsolved) = (T::each(|_| 0), T::Mask::splat(false));
-            return Some(Solution {
-                unknown: *guess,
-                evaluation,
-                iterations,
-                residual: T::of(0.0),
-                unsolved,
-            });
+        if const { Self::IS_IDLE } {
+            return Some(evaluated(kernel, state, step, guess));
         }
         // The processor does not see far ahead: the order is that in which it is to go.
         let begun = if const { BY_ITSELF } { Some(self.course.begun::<P>()) } else { None };
@@ -265,7 +260,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let swept = if open.any() {
             // solved lanes wait: the same again gives the same
             let point = select(open, &unknown, &point);
-            let iterations = T::each(|lane| 1 + u32::from(open.lane(lane)));
+            let mut iterations = T::all(1);
+            newton::count::<T>(&mut iterations, open);
             // copies, so that the usual way needs no addresses
             let (kernel, state, step) = (*kernel, *state, *step);
             let (kernel, state, step) = (&kernel, &state, &step);
@@ -279,7 +275,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             self.effort.count(&swept.iterations);
             swept
         } else {
-            Swept { point, unknown, evaluation, iterations: T::each(|_| 1), open }
+            Swept { point, unknown, evaluation, iterations: T::all(1), open }
         };
         // the next guess before what follows from this solution, for the next step waits for it
         let begun = match begun {
@@ -298,8 +294,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         K: Kernel<T, Unknown = U>,
     {
         let guess = self.guess.together();
-        if guess.as_ref().is_empty() {
-            return newton::solve(kernel, state, step, &guess, T::Mask::splat(false));
+        if const { Self::IS_IDLE } {
+            return evaluated(kernel, state, step, &guess);
         }
         if !known {
             *self = Self::default();
@@ -310,28 +306,41 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             self.failures = T::of(0.0);
         }
         let strong = T::of(0.0).below(self.tolerance);
-        let swept = if strong.any() { self.sweeps(kernel, state, step, &guess, strong) } else { None };
+        let swept = if const { K::SWEEPS } && strong.any() {
+            self.sweeps(kernel, state, step, &guess, strong)
+        } else {
+            None
+        };
         let solution = match swept {
             Some((_, swept)) if !swept.unsolved.any() => swept,
-            Some((point, swept)) => {
-                let left = swept.unsolved;
-                // where sweeps do not do what they should there has to be a look, and if it does not help, Newton's iteration until the next
-                let failed = left & strong;
-                self.failures = T::select(failed, self.failures + T::of(1.0), self.failures);
-                let hopeful = self.failures.at_most(T::of(PATIENCE));
-                wanting = wanting | (failed & hopeful);
-                self.tolerance = T::select(failed & !hopeful, T::of(-1.0), self.tolerance);
-                self.is_strong = T::of(0.0).below(self.tolerance).all();
-                let solved = self.newton(kernel, state, step, &select(left, &guess, &point), left);
-                Solution {
-                    unknown: select(left, &solved.unknown, &swept.unknown),
-                    evaluation: solved.evaluation,
-                    iterations: newton::sum::<T>(swept.iterations, solved.iterations),
-                    residual: T::select(left, solved.residual, swept.residual),
-                    unsolved: solved.unsolved,
+            // one place for Newton's iteration, after sweeps or without: it is much to compile
+            swept => {
+                let (start, left) = match &swept {
+                    Some((point, swept)) => (select(swept.unsolved, &guess, point), swept.unsolved),
+                    None => (guess, T::Mask::splat(true)),
+                };
+                let solved = self.newton(kernel, state, step, &start, left);
+                match swept {
+                    None => solved,
+                    Some((_, swept)) => {
+                        // where sweeps do not do what they should there has to be a look, and if it does not help, Newton's iteration until the
+                        // next
+                        let failed = left & strong;
+                        self.failures = T::select(failed, self.failures + T::of(1.0), self.failures);
+                        let hopeful = self.failures.at_most(T::of(PATIENCE));
+                        wanting = wanting | (failed & hopeful);
+                        self.tolerance = T::select(failed & !hopeful, T::of(-1.0), self.tolerance);
+                        self.is_strong = T::of(0.0).below(self.tolerance).all();
+                        Solution {
+                            unknown: select(left, &solved.unknown, &swept.unknown),
+                            evaluation: solved.evaluation,
+                            iterations: newton::sum::<T>(swept.iterations, solved.iterations),
+                            residual: T::select(left, solved.residual, swept.residual),
+                            unsolved: solved.unsolved,
+                        }
+                    }
                 }
             }
-            None => self.newton(kernel, state, step, &guess, T::Mask::splat(true)),
         };
         if wanting.any() {
             self.look(kernel, state, step, &solution.unknown, wanting);
@@ -386,8 +395,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         K: Kernel<T, Unknown = U>,
     {
         let (point, wanted, tolerance) = (*guess, wanted, self.tolerance);
-        let sweeps =
-            Sweeps { kernel, state, step, point, wanted, tolerance, made: 0, iterations: T::each(|_| 1) };
+        let sweeps = Sweeps { kernel, state, step, point, wanted, tolerance, made: 0, iterations: T::all(1) };
         let swept = T::outline(sweeps)?;
         let unsolved = swept.open | !wanted;
         let solution = swept.solution(self.residual);
@@ -430,12 +438,12 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        let contraction = contraction(kernel, state, step, solution);
+        let contraction = if const { K::SWEEPS } { contraction(kernel, state, step, solution) } else { None };
         let bound = T::of(SAFETY) * contraction.unwrap_or(T::of(1.0));
         let per_bound = T::of(1.0) / (bound + T::of(TINY));
         // the error that is left
         let error = T::of(NO_DIFFERENCE) * per_bound;
-        let [least, most] = ROUNDOFF.map(T::of);
+        let [least, most] = [T::of(ROUNDOFF[0]), T::of(ROUNDOFF[1])];
         let error = T::select(error.at_most(most), error, most);
         let error = T::select(error.at_most(least), least, error);
         let slack = T::of(T::EPSILON) * error * per_bound;
@@ -459,10 +467,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         self.course.memory(visit);
-        let mut numbers = [self.due, self.interval].map(|number| T::of(f64::from(number)));
+        let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
         // the same in all lanes
-        let [due, interval] = numbers.map(|number| number.lane(0).to_f64() as u32);
+        let [due, interval] = [numbers[0].lane(0).to_f64() as u32, numbers[1].lane(0).to_f64() as u32];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.tolerance));
         visit(core::slice::from_mut(&mut self.residual));
@@ -470,6 +478,19 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.is_strong = T::of(0.0).below(self.tolerance).all();
         self.guess.put(&self.course.next());
     }
+}
+
+/// The equation of an explicit step, which has nothing to solve for.
+#[inline(always)]
+fn evaluated<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    nothing: &K::Unknown,
+) -> SolutionOf<T, K> {
+    let evaluation = kernel.evaluate(state, step, nothing);
+    let (iterations, unsolved) = (T::all(0), T::Mask::splat(false));
+    Solution { unknown: *nothing, evaluation, iterations, residual: T::of(0.0), unsolved }
 }
 
 /// Nothing next to any unknown, and yet no zero.

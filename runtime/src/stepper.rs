@@ -47,9 +47,7 @@ const LARGEST_DEVIATION: f64 = 1e-3;
 impl<S: Discretized<M>, M> Stepper<S, M> {
     pub(crate) fn new(system: &S, step: S::Scalar) -> Result<Self, ParameterError> {
         system.validate()?;
-        if !step.is_finite() || step == S::Scalar::of(0.0) {
-            return Err(ParameterError::Step { step: step.to_f64() });
-        }
+        check_step(step.to_f64())?;
         let parameters = system.to_parameters();
         let system = S::from_parameters(&parameters);
         let method = S::Method::<S::Scalar>::new(&parameters, step);
@@ -111,8 +109,9 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[cfg(feature = "std")]
     #[inline]
     pub fn memory(&self) -> std::vec::Vec<f64> {
-        let mut copy = self.clone();
-        memory::written(self.start, self.taken, &mut |visit| copy.visit(visit))
+        // what is shown could be replaced, so that a copy is shown
+        let (mut method, mut left) = (self.method.clone(), self.left);
+        memory::written(self.start, self.taken, &mut |visit| Self::visit(&mut left, &mut method, visit))
     }
 
     /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
@@ -121,19 +120,33 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// If it has not as many numbers as the memory of this stepper.
     #[inline]
     pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        (self.start, self.taken) = memory::read(memory, &mut |visit| self.visit(visit))?;
+        (self.start, self.taken) = memory::read(memory, &mut |visit| {
+            Self::visit(&mut self.left, &mut self.method, visit);
+        })?;
+        self.forget_at_no_time();
         Ok(())
+    }
+
+    /// At no time in particular the next step is not one like the last.
+    fn forget_at_no_time(&mut self) {
+        if !self.start.is_finite() {
+            self.left = None;
+        }
     }
 
     /// Shows all numbers that are carried, besides the time.
     #[inline]
-    fn visit(&mut self, visit: &mut dyn FnMut(&mut [S::Scalar])) {
-        let mut is_known = self.left.is_some();
+    fn visit(
+        left: &mut Option<S::StateComponents<S::Scalar>>,
+        method: &mut S::Method<S::Scalar>,
+        visit: &mut dyn FnMut(&mut [S::Scalar]),
+    ) {
+        let mut is_known = left.is_some();
         visit_flag(&mut is_known, visit);
-        let mut state = self.left.unwrap_or_else(|| S::StateComponents::from_fn(|_| S::Scalar::of(0.0)));
+        let mut state = left.unwrap_or_else(|| S::StateComponents::splat(S::Scalar::of(0.0)));
         visit(state.as_mut());
-        self.left = is_known.then_some(state);
-        self.method.memory(visit);
+        *left = is_known.then_some(state);
+        method.memory(visit);
     }
 
     /// Takes one step with all controls zero.
@@ -155,7 +168,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         let components = state.to_components();
         let known = self.is_left_at(&components);
         if !known {
-            on_group(state)?;
+            check_deviation(state.deviation().to_f64())?;
         }
         match self.method.advance(&components, self.time(), &control.to_components(), known) {
             Ok(Advanced { state: next, iterations, residual }) => {
@@ -361,7 +374,7 @@ where
 
 /// Whether all numbers are the same, without a branch.
 #[inline(always)]
-fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
+pub(crate) fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
     a.iter().zip(b).fold(true, |same, (a, b)| same & a.is_same(*b))
 }
 
@@ -449,10 +462,7 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
     #[inline]
     fn start_at(&mut self, time: f64) {
         (self.start, self.taken) = (time, 0);
-        if !time.is_finite() {
-            // the next step is not one like the last
-            self.left = None;
-        }
+        self.forget_at_no_time();
     }
 
     #[inline]
@@ -487,10 +497,14 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
     }
 }
 
+/// A step leads somewhere.
+pub(crate) fn check_step(step: f64) -> Result<(), ParameterError> {
+    if step.is_finite() && step != 0.0 { Ok(()) } else { Err(ParameterError::Step { step }) }
+}
+
 /// A state from elsewhere is on its group, more or less.
 #[cold]
-pub(crate) fn on_group<S: State>(state: &S) -> Result<(), StepError> {
-    let deviation = state.deviation().to_f64();
+pub(crate) fn check_deviation(deviation: f64) -> Result<(), StepError> {
     // what is not finite is so named by the step
     let off = deviation.is_finite() && deviation > LARGEST_DEVIATION;
     if off { Err(StepError::NotOnGroup { deviation }) } else { Ok(()) }

@@ -9,13 +9,15 @@ use nalgebra::{
 };
 
 use crate::error::ParameterError;
-use crate::geometry::Isolated;
+use crate::geometry::{Isolated, Map};
 use crate::kernel::{Components, Kernel};
 use crate::method::{Carried, Halves, Method};
 use crate::one_step::OneStep;
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Batch, Real, Scalar};
-use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
+use crate::scheme::{
+    Base, Family, RightLift, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
+};
 use crate::stepper::Stepper;
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
@@ -238,6 +240,22 @@ pub trait Generated<M>: System {
         >;
 }
 
+/// The steps that were generated for a system, to be chosen from while the program runs. Implemented by the macro.
+pub trait Schemes: System {
+    /// Shows the visitor the type that stands for a generated step; none if it was not generated.
+    fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output>;
+}
+
+/// Makes something of a generated step of the system `S`.
+pub trait Visitor<S: System> {
+    /// What comes of it.
+    type Output;
+    /// Makes it of the scheme `M`.
+    fn visit<M: Base>(self) -> Self::Output
+    where
+        S: Generated<M>;
+}
+
 impl<S, R, const N: u32, const D: u32> Discretized<Family<R, N, D>> for S
 where
     S: Generated<Family<R, N, D>>,
@@ -311,12 +329,21 @@ impl<T: nalgebra::Scalar + Copy, const R: usize, const C: usize, const N: usize>
     #[inline(always)]
     fn to_array(&self) -> [T; N] {
         const { assert!(N == R * C, "an array of as many scalars as the matrix has") };
-        core::array::from_fn(|k| self[(k / C, k % C)])
+        // a loop: `array::from_fn` is four functions more to compile for each size
+        let mut array = [self[(0, 0)]; N];
+        for (k, number) in array.iter_mut().enumerate() {
+            *number = self[(k / C, k % C)];
+        }
+        array
     }
     #[inline(always)]
     fn from_array(array: [T; N]) -> Self {
         const { assert!(N == R * C, "an array of as many scalars as the matrix has") };
-        SMatrix::from_fn(|i, j| array[i * C + j])
+        let mut columns = [[array[0]; R]; C];
+        for (k, number) in array.into_iter().enumerate() {
+            columns[k % C][k / C] = number;
+        }
+        SMatrix::from_data(nalgebra::ArrayStorage(columns))
     }
 }
 

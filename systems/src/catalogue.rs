@@ -1,13 +1,11 @@
 //! The list of systems that the program knows, each behind the same [`Entry`].
 
-use coadjoint::certify::Report;
+use coadjoint::erased::{self, Description};
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 
 use crate::catalogued::Catalogued;
-use crate::crowd::{self, Course, Crowd, Glance, Shown};
-use crate::simulation::{self, Job, Method, Retraction, Setup, SimulationError, Watch, Whereabouts};
-use coadjoint::RunReport;
+use crate::simulation::Setup;
 
 /// Every system: `module: Type`, with the name of its module, which is also its name on the command line; behind it in braces
 /// further examples of the same system, `name = constructor, step …, duration …, "what it is"`.
@@ -23,7 +21,7 @@ macro_rules! catalogue {
                     about: $about,
                     step: $step,
                     duration: $duration,
-                    example: || simulation::flat(&$example()),
+                    example: || flat(&$example()),
                     ..Entry::of::<$type>(stringify!($preset), source!($module))
                 },
             )*)?
@@ -75,68 +73,77 @@ pub struct Entry {
     pub step: f64,
     /// The duration it is run for unless another is asked for.
     pub duration: f64,
-    /// Its parameters.
-    pub parameters: &'static [Quantity],
-    /// Its controls, which its own law chooses.
-    pub controls: &'static [Quantity],
-    /// What its state consists of.
-    pub state: &'static [Quantity],
-    /// Whether energy is an invariant of its motion.
-    pub autonomous: bool,
-    /// What its standard scheme of order 2 is.
-    pub standard: fn() -> Method,
-    /// The names of its Casimirs.
-    pub casimirs: &'static [&'static str],
-    /// Their units.
+    /// The step that suits its certificates, where the motion of its example does not show how fast or slow it can be.
+    pub certified_step: Option<f64>,
+    /// What it is: parameters, state, controls, Casimirs.
+    pub description: Description,
+    /// The units of its Casimirs.
     pub casimir_units: &'static [&'static str],
     /// The example's parameters and initial state.
     pub example: fn() -> Setup,
-    /// Checks parameters; a note says what is odd about valid ones.
-    pub check: fn(&Setup) -> Result<Option<String>, ParameterError>,
-    /// Makes a run, or goes on with one.
-    pub simulate:
-        fn(&Setup, &Job, Option<&Whereabouts>, &mut Watch<'_>) -> Result<RunReport, SimulationError>,
-    /// Runs an ensemble.
-    pub ensemble: fn(&Setup, &Crowd, &[Shown], &mut Glance<'_>) -> Result<Course, SimulationError>,
-    /// Measures what a scheme of order 2 or 1 claims.
-    pub certify: fn(&Setup, Method, Retraction) -> Result<Report, SimulationError>,
-    /// Measures the time that a step takes, ns.
-    pub time_per_step: fn(&Setup, &Job) -> Result<Option<f64>, SimulationError>,
+    /// The system with these parameters.
+    pub system: fn(&[f64]) -> Box<dyn erased::System>,
+    /// Its own control law: what is held over the step from a state at a time, by its parameters. None if it has no controls.
+    pub control: Option<ControlLaw>,
+    /// The moment of inertia, if it is a body of mass, by its parameters.
+    pub body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
 }
 
+/// Controls by parameters, state and time.
+pub type ControlLaw = fn(&[f64], &[f64], f64) -> Vec<f64>;
+
 impl Entry {
-    const fn of<S: Catalogued + 'static>(name: &'static str, source: &'static str) -> Self {
+    const fn of<S: Catalogued>(name: &'static str, source: &'static str) -> Self {
+        let description = Description::of::<S>();
         Self {
             name,
             about: S::ABOUT,
             source,
             step: S::STEP,
             duration: S::DURATION,
-            parameters: S::PARAMETERS,
-            state: <S::State as State>::QUANTITIES,
-            controls: <S::Control as Control>::QUANTITIES,
-            autonomous: S::AUTONOMOUS,
-            standard: simulation::standard::<S>,
-            casimirs: S::CASIMIRS,
+            certified_step: S::CERTIFIED_STEP,
+            description,
             casimir_units: S::CASIMIR_UNITS,
-            example: simulation::example::<S>,
-            check: simulation::check::<S>,
-            simulate: simulation::simulate::<S>,
-            ensemble: crowd::run::<S>,
-            certify: simulation::certify::<S>,
-            time_per_step: simulation::time_per_step::<S>,
+            example: || flat(&S::example()),
+            system: |parameters| Box::new(system::<S>(parameters)),
+            control: if description.controls.is_empty() { None } else { Some(control::<S>) },
+            body_inertia: |parameters| system::<S>(parameters).body_inertia(),
         }
     }
 
     /// The names of the columns of a trajectory: time, every component of the state, energy.
     pub fn columns(&self) -> Vec<String> {
         let mut columns = vec!["time".to_owned()];
-        for quantity in self.state {
+        for quantity in self.description.state {
             columns.extend(quantity.components.iter().map(|component| component_name(quantity, component)));
         }
         columns.push("energy".to_owned());
         columns
     }
+}
+
+/// A system and its state as flat lists.
+fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
+    Setup {
+        parameters: system.to_parameters().as_ref().to_vec(),
+        state: state.to_components().as_ref().to_vec(),
+    }
+}
+
+/// The numbers as an array; what is missing is as in the example.
+fn filled<A: AsMut<[f64]>>(mut array: A, numbers: &[f64]) -> A {
+    array.as_mut().iter_mut().zip(numbers).for_each(|(to, number)| *to = *number);
+    array
+}
+
+/// The system with these parameters.
+fn system<S: Catalogued>(parameters: &[f64]) -> S {
+    S::from_parameters(&filled(S::example().0.to_parameters(), parameters))
+}
+
+fn control<S: Catalogued>(parameters: &[f64], state: &[f64], time: f64) -> Vec<f64> {
+    let state = S::State::from_components(&filled(S::example().1.to_components(), state));
+    system::<S>(parameters).control(&state, time).to_components().as_ref().to_vec()
 }
 
 /// `chi_x` for a component, `weight` for a scalar.

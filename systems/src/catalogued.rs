@@ -1,25 +1,21 @@
 //! What every system of this crate has beside its description.
 
-use coadjoint::derivative::Differentiable;
 use coadjoint::geometry::Geometry;
 use coadjoint::prelude::*;
-use coadjoint::system::Generated;
+use coadjoint::system::Schemes;
 
 /// A system with what the program needs to show it.
 ///
-/// Every scheme that the program offers is there: a description asks for `methods(Midpoint, SymplecticEulerB), derivatives`.
+/// The program offers what was generated: descriptions ask for `methods(Midpoint)`.
 pub trait Catalogued:
     System<Scalar = f64>
     + Geometry
-    + Differentiable
+    + Schemes
     + Discretized<Exponential>
     + Discretized<Cayley>
-    + Generated<SymplecticEulerA<Exponential>>
-    + Generated<SymplecticEulerA<Cayley>>
-    + Generated<SymplecticEulerB<Exponential>>
-    + Generated<SymplecticEulerB<Cayley>>
-    + Generated<Midpoint<Exponential>>
-    + Generated<Midpoint<Cayley>>
+    + Send
+    + Sync
+    + 'static
 {
     /// What it is, in one line, without a full stop.
     const ABOUT: &'static str;

@@ -19,7 +19,7 @@ use crate::catalogued::Catalogued;
         let between = first.inverse() * second;
         2.0 * stiffness * (1.0 - between.w.powi(2))
     },
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoupledBodies {

@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::ensemble::{Failed, Moment, Spread, Watcher};
-use coadjoint::prelude::*;
+use coadjoint::ensemble::{Failed, Spread};
+use coadjoint::erased::{self, Ensemble};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::catalogued::Catalogued;
-use crate::simulation::{Setup, SimulationError, realize};
+use crate::catalogue::Entry;
+use crate::simulation::{Setup, SimulationError};
 
 /// An ensemble of one system.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,25 +58,25 @@ pub struct Course {
 ///
 /// # Errors
 /// If the parameters or the state of a member are not valid, or the step.
-pub fn run<S: Catalogued + 'static>(
+pub fn run(
+    entry: &Entry,
     setup: &Setup,
     crowd: &Crowd,
     shown: &[Shown],
     watch: &mut Glance<'_>,
 ) -> Result<Course, SimulationError> {
-    let (systems, states): (Vec<S>, Vec<S::State>) =
-        (0..crowd.members).map(|member| realize::<S>(&drawn(setup, crowd, member))).unzip();
-    let mut ensemble = Ensemble::<S, Cayley>::new(&systems, states, crowd.step)?;
-    let mut distributions: Vec<_> =
-        shown.iter().map(|&shown| Distribution::of(quantity::<S>(shown))).collect();
+    let members = (0..crowd.members).map(|member| drawn(setup, crowd, member));
+    let (systems, states): (Vec<Box<dyn erased::System>>, Vec<Vec<f64>>) =
+        members.map(|member| ((entry.system)(&member.parameters), member.state)).unzip();
+    let mut ensemble = Ensemble::new(systems, states, crowd.step)?;
+    let mut spreads = vec![Vec::new(); shown.len()];
     let every = crowd.every.max(1);
-    let is_controlled = !S::Control::QUANTITIES.is_empty();
     let (mut taken, mut member_steps, mut seconds) = (0, 0, 0.0);
     loop {
         if taken == crowd.steps || taken.is_multiple_of(every) {
-            ensemble.run_watched(0, 1, &mut |moment: &Moment<'_, S>| {
-                distributions.iter_mut().try_for_each(|distribution| distribution.watch(moment))
-            });
+            for (spreads, &shown) in spreads.iter_mut().zip(shown) {
+                spreads.push(spread(&ensemble, shown));
+            }
             if watch(taken).is_break() {
                 break;
             }
@@ -87,29 +87,27 @@ pub fn run<S: Catalogued + 'static>(
         // to the next look, or until the control is to be chosen anew
         let mut steps = (every - taken % every).min(crowd.steps - taken);
         let start = std::time::Instant::now();
-        if is_controlled {
+        if let Some(control) = entry.control {
             let time = ensemble.time();
-            ensemble.control(|member, state| systems[member].control(state, time));
+            ensemble.control(|system, state| control(&system.parameters(), state, time));
             steps = 1;
         }
-        member_steps += ensemble.run(steps).member_steps;
+        member_steps += ensemble.run(steps);
         seconds += start.elapsed().as_secs_f64();
         taken += steps;
     }
-    Ok(Course {
-        spreads: distributions.iter().map(|distribution| distribution.moments().to_vec()).collect(),
-        failed: ensemble.failed().to_vec(),
-        member_steps,
-        width: ensemble.width(),
-        seconds,
-    })
+    Ok(Course { spreads, failed: ensemble.failed().to_vec(), member_steps, width: ensemble.width(), seconds })
 }
 
-fn quantity<S: Catalogued>(shown: Shown) -> impl FnMut(&S, &S::State) -> f64 {
-    move |system, state| match shown {
-        Shown::Energy => system.energy(state),
-        Shown::State(place) => state.to_components().as_ref().get(place).copied().unwrap_or(f64::NAN),
-    }
+/// How a quantity is distributed over the members now.
+fn spread(ensemble: &Ensemble, shown: Shown) -> Spread {
+    let time = ensemble.time();
+    let value = |(_, system, state): (usize, &dyn erased::System, Vec<f64>)| match shown {
+        Shown::Energy => system.energy(&state, time),
+        Shown::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
+    };
+    let mut values: Vec<f64> = ensemble.members().map(value).filter(|value| !value.is_nan()).collect();
+    Spread::of(time, &mut values)
 }
 
 /// The setup of one member: the same numbers for the same seed and member, however many there are.

@@ -17,7 +17,7 @@ use crate::catalogued::Catalogued;
     group = SO2,
     potential = weight * length * (1.0 - angle.cos_angle()),
     force = torque * (frequency * t).cos() - damping * velocity.x,
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DrivenPendulum {

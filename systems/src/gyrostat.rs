@@ -21,7 +21,7 @@ use crate::catalogued::Catalogued;
         let of_body = attitude_momentum - rotor_momentum.x * axis;
         0.5 * of_body.dot(&of_body.component_div(&inertia)) + rotor_momentum.norm_squared() / (2.0 * rotor_inertia)
     },
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Gyrostat {

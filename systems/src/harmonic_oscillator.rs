@@ -14,7 +14,7 @@ use crate::catalogued::Catalogued;
 #[lie_poisson_system(
     group = R1,
     potential = 0.5 * stiffness * position.norm_squared(),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HarmonicOscillator {

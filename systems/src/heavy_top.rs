@@ -17,7 +17,7 @@ use crate::catalogued::Catalogued;
     group = SO3,
     advected(gamma: R3),
     potential = weight * gamma.dot(&chi),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeavyTop {

@@ -16,7 +16,7 @@ use crate::catalogued::Catalogued;
 #[lie_poisson_system(
     group = R3,
     potential = -attraction * mass / position.norm(),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kepler {

@@ -19,7 +19,7 @@ use crate::catalogued::Catalogued;
     hamiltonian = 0.5 * momentum.dot(&momentum.component_div(&inertia))
         + momentum.dot(&impulse.component_mul(&screw))
         + 0.5 * impulse.dot(&impulse.component_div(&mass)),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kirchhoff {

@@ -17,7 +17,7 @@ use crate::catalogued::Catalogued;
     group = SO3,
     advected(gamma: R3, field: R3),
     potential = weight * gamma.dot(&chi) - field.dot(&dipole),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MagneticTop {

@@ -15,7 +15,7 @@ use crate::catalogued::Catalogued;
 #[lie_poisson_system(
     group = SO2,
     potential = weight * length * (1.0 - angle.cos_angle()),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlanarPendulum {

@@ -19,7 +19,7 @@ use crate::catalogued::Catalogued;
     control(moment: R3, thrust: f64),
     potential = mass * gravity * position.z,
     force(attitude = moment, position = attitude * (thrust * Vector3::z())),
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Quadrotor {

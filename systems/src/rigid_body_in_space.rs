@@ -19,7 +19,7 @@ use crate::catalogued::Catalogued;
 ///
 /// Invariants: the energy `H`, the Casimirs `|P|²` and `Π·P`, and the momenta in space, `RP` and `RΠ + x × RP`. The centre of mass
 /// `x + R c` moves uniformly.
-#[lie_poisson_system(group = SE3, methods(Midpoint, SymplecticEulerB), derivatives)]
+#[lie_poisson_system(group = SE3, methods(Midpoint))]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidBodyInSpace {
     /// Inertia of turning and moving together, `𝕀`: kg m², kg m, kg.

@@ -4,13 +4,17 @@ use std::error::Error as _;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use coadjoint::certify::{Certification, CertifyError, Report};
+use coadjoint::certify::{CertifyError, Report, certify_erased};
+use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
+pub use coadjoint::erased::Sample;
+use coadjoint::erased::{self, Scheme, StepperError, Watched};
+use coadjoint::geometry::Map;
 use coadjoint::prelude::*;
-use coadjoint::stepper::Stepping;
 use coadjoint::{RunError, RunReport};
 use thiserror::Error;
 
+use crate::catalogue::Entry;
 use crate::catalogued::Catalogued;
 
 /// The map from the Lie algebra to the group that a step is built on.
@@ -34,6 +38,13 @@ impl Retraction {
         match self {
             Retraction::Exponential => "exponential",
             Retraction::Cayley => "cayley",
+        }
+    }
+
+    fn map(self) -> Map {
+        match self {
+            Retraction::Exponential => Map::Exponential,
+            Retraction::Cayley => Map::Cayley,
         }
     }
 }
@@ -115,33 +126,6 @@ impl Order {
     }
 }
 
-/// The scheme of a job's method and order with a retraction.
-macro_rules! scheme_on {
-    ($S:ident, $R:ty, $job:expr) => {
-        match $job.method {
-            Method::Standard => Ok(composed!($S, $R, $job.order)),
-            Method::Midpoint => Ok(composed!($S, Midpoint<$R>, $job.order)),
-            Method::Verlet => Ok(composed!($S, StormerVerlet<$R>, $job.order)),
-            method if $job.order != Order::Two => Err(not_symmetric(method, $job.order)),
-            Method::EulerA => Ok(<$S as Schemes>::built::<SymplecticEulerA<$R>> as Build<$S>),
-            Method::EulerB => Ok(<$S as Schemes>::built::<SymplecticEulerB<$R>> as Build<$S>),
-        }
-    };
-}
-
-/// A symmetric scheme of order 2, or of a composition of its steps.
-macro_rules! composed {
-    ($S:ident, $M:ty, $order:expr) => {
-        match $order {
-            Order::Two => <$S as Schemes>::built::<$M> as Build<$S>,
-            Order::Four => <$S as Schemes>::built::<Order4<$M>>,
-            Order::Six => <$S as Schemes>::built::<Order6<$M>>,
-            Order::Eight => <$S as Schemes>::built::<Order8<$M>>,
-            Order::Ten => <$S as Schemes>::built::<Order10<$M>>,
-        }
-    };
-}
-
 fn not_symmetric(method: Method, order: Order) -> SimulationError {
     let symmetric: Vec<&str> =
         Method::ALL.into_iter().filter(|method| method.is_symmetric()).map(Method::name).collect();
@@ -185,40 +169,14 @@ pub struct Whereabouts {
     pub memory: Vec<f64>,
 }
 
-/// What a run shows at every step, the initial state included.
-#[derive(Clone, Copy)]
-pub struct Sample<'a> {
-    /// Steps taken so far.
-    pub index: u64,
-    /// Time, s.
-    pub time: f64,
-    /// The state's components.
-    pub state: &'a [f64],
-    /// Energy.
-    pub energy: f64,
-    /// The Casimirs.
-    pub casimirs: &'a [f64],
-    /// What the stepper carries.
-    memory: &'a dyn Fn() -> Vec<f64>,
-}
-
-impl Sample<'_> {
-    /// Where the run is.
-    pub fn whereabouts(&self) -> Whereabouts {
-        Whereabouts { state: self.state.to_vec(), memory: (self.memory)() }
+impl Whereabouts {
+    /// Where a run is at a sample.
+    pub fn at(sample: &Sample<'_>) -> Self {
+        Self { state: sample.state.to_vec(), memory: sample.memory() }
     }
 }
 
-impl std::fmt::Debug for Sample<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Sample")
-            .field("index", &self.index)
-            .field("state", &self.state)
-            .finish_non_exhaustive()
-    }
-}
-
-/// Sees every sample; may end the run.
+/// Sees samples; may end the run.
 pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
 
 /// A run that cannot be made, or not to its end.
@@ -231,6 +189,9 @@ pub enum SimulationError {
     /// The motion could not be computed to its end.
     #[error("{}: {}", .0, .0.source)]
     Motion(#[from] RunError),
+    /// The scheme's steps were not generated for the system, or its parameters or the step are not valid.
+    #[error(transparent)]
+    Stepper(#[from] StepperError),
     /// A certificate could not be measured.
     #[error(transparent)]
     Certificate(#[from] CertifyError),
@@ -251,194 +212,156 @@ pub enum SimulationError {
     },
 }
 
-/// The example of a system as flat lists.
-pub fn example<S: Catalogued + 'static>() -> Setup {
-    flat(&S::example())
-}
-
-/// A system and its state as flat lists.
-pub fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
-    Setup {
-        parameters: system.to_parameters().as_ref().to_vec(),
-        state: state.to_components().as_ref().to_vec(),
-    }
-}
-
-/// Checks parameters; a note says what is odd about valid ones.
+/// The scheme of a method with a retraction, of an order.
 ///
 /// # Errors
-/// If no stepper can be built with them.
-pub fn check<S: Catalogued + 'static>(setup: &Setup) -> Result<Option<String>, ParameterError> {
-    let (system, _) = realize::<S>(setup);
-    system.validate()?;
-    Ok(system.body_inertia().and_then(|inertia| triangle_note(&inertia)))
-}
-
-/// Makes a run, with the system's own control law: from the setup's state at time 0, or on from where an earlier run was.
-///
-/// # Errors
-/// If parameters or step are not valid, or a step cannot be taken.
-pub fn simulate<S: Catalogued + 'static>(
-    setup: &Setup,
-    job: &Job,
-    from: Option<&Whereabouts>,
-    watch: &mut Watch<'_>,
-) -> Result<RunReport, SimulationError> {
-    let (system, mut state) = realize::<S>(setup);
-    if let Some(from) = from {
-        let mut components = state.to_components();
-        fill(components.as_mut(), &from.state);
-        state = S::State::from_components(&components);
+/// If an order above 2 is asked for of a method whose steps are not symmetric.
+pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Scheme, SimulationError> {
+    let map = retraction.map();
+    let base = match method {
+        Method::Standard => Scheme::Standard(map),
+        Method::EulerA => Scheme::family(map, 0, 1),
+        Method::EulerB => Scheme::family(map, 1, 1),
+        Method::Midpoint => Scheme::family(map, 1, 2),
+        Method::Verlet => Scheme::StormerVerlet(map),
+    };
+    if order != Order::Two && !method.is_symmetric() {
+        return Err(not_symmetric(method, order));
     }
-    let memory = from.map(|from| from.memory.as_slice());
-    run(&system, &mut state, job, memory, &mut Messenger(watch))
+    Ok(match order {
+        Order::Two => base,
+        Order::Four => Scheme::composed::<Suzuki4>(base),
+        Order::Six => Scheme::composed::<KahanLi6>(base),
+        Order::Eight => Scheme::composed::<KahanLi8>(base),
+        Order::Ten => Scheme::composed::<SofroniouSpaletta10>(base),
+    })
 }
 
-/// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
+/// Takes so many steps of a system with its own control law from the time 0, and shows the initial state and the state after each step, with its
+/// index and time.
 ///
 /// # Errors
 /// If parameters or step are not valid, or a step cannot be taken.
-pub fn time_per_step<S: Catalogued + 'static>(
-    setup: &Setup,
-    job: &Job,
-) -> Result<Option<f64>, SimulationError> {
-    /// Enough to tell nanoseconds, and still short.
-    const STEPS: u64 = 50_000;
-    let job = Job { steps: job.steps.min(STEPS), ..*job };
-    if job.steps == 0 {
-        return Ok(None);
-    }
-    let mut best = f64::INFINITY;
-    for _ in 0..3 {
-        let (system, mut state) = realize::<S>(setup);
-        let start = Instant::now();
-        run(&system, &mut state, &job, None, &mut ())?;
-        best = best.min(start.elapsed().as_secs_f64());
-    }
-    Ok(Some(best / job.steps as f64 * 1e9))
-}
-
-/// Measures what a scheme claims of its steps, at three states of the example: its start, and two that it comes to; with the system's own
-/// control law.
-///
-/// # Errors
-/// If parameters are not valid, or a step cannot be taken.
-pub fn certify<S: Catalogued + 'static>(
-    setup: &Setup,
-    method: Method,
-    retraction: Retraction,
-) -> Result<Report, SimulationError> {
-    let (system, mut state) = realize::<S>(setup);
-    let mut states = vec![state.clone()];
-    let mut stepper = system.stepper::<Exponential>(S::STEP)?;
-    let control = |state: &S::State, time: f64| system.control(state, time);
-    Run::new(&mut stepper, &mut state)
-        .controlled_by(control)
-        .every(40, |tick| states.push(tick.state.clone()))
-        .steps(80)?;
-    states.remove(0);
-    let controls: Vec<S::Control> = states.iter().map(|state| system.control(state, 0.0)).collect();
-    let mut certification = Certification::new(&system).states(&states).controls(&controls);
-    if let Some(step) = S::CERTIFIED_STEP {
-        certification = certification.step(step);
-    }
-    let method = if method == Method::Standard { standard::<S>() } else { method };
-    Ok(match (method, retraction) {
-        (Method::EulerA, Retraction::Exponential) => certification.run::<SymplecticEulerA>(),
-        (Method::EulerA, Retraction::Cayley) => certification.run::<SymplecticEulerA<Cayley>>(),
-        (Method::EulerB, Retraction::Exponential) => certification.run::<SymplecticEulerB>(),
-        (Method::EulerB, Retraction::Cayley) => certification.run::<SymplecticEulerB<Cayley>>(),
-        (Method::Midpoint, Retraction::Exponential) => certification.run::<Midpoint>(),
-        (Method::Midpoint, Retraction::Cayley) => certification.run::<Midpoint<Cayley>>(),
-        (_, Retraction::Exponential) => certification.run::<StormerVerlet>(),
-        (_, Retraction::Cayley) => certification.run::<StormerVerlet<Cayley>>(),
-    }?)
-}
-
-/// What a system's standard step is: `euler-a` or `verlet`.
-pub fn standard<S: Catalogued + 'static>() -> Method {
-    let name = std::any::type_name::<S::Standard<Exponential>>();
-    if name == std::any::type_name::<SymplecticEulerA<Exponential>>() {
-        Method::EulerA
-    } else {
-        Method::Verlet
-    }
-}
-
-/// Builds the stepper of a job's scheme. A run is the same for all schemes, and so compiled once for a system, not once for each of its
-/// schemes.
-type Build<S> = fn(&S, f64) -> Result<Box<dyn Stepping<System = S>>, ParameterError>;
-
-/// The schemes of one system. A trait with this method provided, because the compiler keeps such methods with the type that has them: it
-/// compiles systems beside each other, and anew only those that changed.
-trait Schemes: Catalogued + 'static {
-    fn built<M: 'static>(&self, step: f64) -> Result<Box<dyn Stepping<System = Self>>, ParameterError>
-    where
-        Self: Discretized<M>,
-    {
-        Ok(Box::new(self.stepper::<M>(step)?))
-    }
-}
-
-impl<S: Catalogued + 'static> Schemes for S {}
-
-/// Makes the run of a job, or goes on with it.
-fn run<S: Catalogued + 'static>(
+pub fn each_step<S: Catalogued>(
     system: &S,
-    state: &mut S::State,
-    job: &Job,
-    memory: Option<&[f64]>,
-    observer: &mut dyn Observer<S>,
-) -> Result<RunReport, SimulationError> {
-    let mut stepper = builder::<S>(job)?(system, job.step)?;
-    if let Some(memory) = memory {
-        stepper.recall(memory)?;
+    start: &S::State,
+    (method, retraction, order): (Method, Retraction, Order),
+    (step, steps): (f64, u64),
+    mut see: impl FnMut(u64, f64, &S::State),
+) -> Result<(), SimulationError> {
+    let mut stepper = erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?;
+    let mut components = start.to_components();
+    for index in 0..=steps {
+        let (state, time) = (S::State::from_components(&components), stepper.time());
+        see(index, time, &state);
+        if index < steps {
+            let control = system.control(&state, time).to_components();
+            let step = |source| RunError { step: index + 1, time, report: RunReport::default(), source };
+            stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
+        }
     }
-    let left = job.steps.saturating_sub(stepper.steps_taken());
-    let control = |state: &S::State, time: f64| system.control(state, time);
-    Ok(Run::new(stepper.as_mut(), state).resumed().controlled_by(control).observe(observer).steps(left)?)
+    Ok(())
 }
 
-/// How to build the stepper of the scheme that a job asks for.
-fn builder<S: Catalogued + 'static>(job: &Job) -> Result<Build<S>, SimulationError> {
-    match job.retraction {
-        Retraction::Exponential => scheme_on!(S, Exponential, job),
-        Retraction::Cayley => scheme_on!(S, Cayley, job),
+impl Entry {
+    /// Checks parameters; a note says what is odd about valid ones.
+    ///
+    /// # Errors
+    /// If no stepper can be built with them.
+    pub fn check(&self, setup: &Setup) -> Result<Option<String>, ParameterError> {
+        (self.system)(&setup.parameters).validate()?;
+        Ok((self.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
     }
-}
 
-/// Shows a run's ticks to a [`Watch`].
-struct Messenger<'a, 'w>(&'a mut Watch<'w>);
-
-impl<S: System<Scalar = f64>> Observer<S> for Messenger<'_, '_> {
-    fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
-        let components = tick.state.to_components();
-        let casimirs = tick.system.casimirs(tick.state);
-        let sample = Sample {
-            index: tick.index,
-            time: tick.time,
-            state: components.as_ref(),
-            energy: tick.system.energy_at(tick.state, tick.time),
-            casimirs: casimirs.as_ref(),
-            memory: &|| tick.memory(),
+    /// Makes a run, with the system's own control law: from the setup's state at time 0, or on from where an earlier run was. The watch
+    /// sees the state that it begins with, the samples that `next` says have to be seen after an index, and the last.
+    ///
+    /// # Errors
+    /// If parameters or step are not valid, or a step cannot be taken.
+    pub fn simulate(
+        &self,
+        setup: &Setup,
+        job: &Job,
+        from: Option<&Whereabouts>,
+        next: &dyn Fn(u64) -> u64,
+        watch: &mut Watch<'_>,
+    ) -> Result<RunReport, SimulationError> {
+        let system = (self.system)(&setup.parameters);
+        let scheme = scheme(job.method, job.retraction, job.order)?;
+        let mut stepper = erased::Stepper::new(&*system, &scheme, job.step)?;
+        let mut state = setup.state.clone();
+        if let Some(from) = from {
+            state.clone_from(&from.state);
+            stepper.recall(&from.memory)?;
+        }
+        let law = |state: &[f64], time: f64| match self.control {
+            Some(control) => control(&setup.parameters, state, time),
+            None => Vec::new(),
         };
-        (self.0)(&sample)
+        let control: Option<&dyn Fn(&[f64], f64) -> Vec<f64>> = match self.control {
+            Some(_) => Some(&law),
+            None => None,
+        };
+        let steps = job.steps.saturating_sub(stepper.steps_taken());
+        Ok(erased::run(&mut stepper, &mut state, &Watched { steps, control, next }, watch)?)
     }
-}
 
-/// The system and state with these components.
-pub(crate) fn realize<S: Catalogued + 'static>(setup: &Setup) -> (S, S::State) {
-    let (system, state) = S::example();
-    let mut parameters = system.to_parameters();
-    fill(parameters.as_mut(), &setup.parameters);
-    let mut components = state.to_components();
-    fill(components.as_mut(), &setup.state);
-    (S::from_parameters(&parameters), S::State::from_components(&components))
-}
+    /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
+    ///
+    /// # Errors
+    /// If parameters or step are not valid, or a step cannot be taken.
+    pub fn time_per_step(&self, setup: &Setup, job: &Job) -> Result<Option<f64>, SimulationError> {
+        /// Enough to tell nanoseconds, and still short.
+        const STEPS: u64 = 50_000;
+        let job = Job { steps: job.steps.min(STEPS), ..*job };
+        if job.steps == 0 {
+            return Ok(None);
+        }
+        let mut best = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            self.simulate(setup, &job, None, &|_| u64::MAX, &mut |_| ControlFlow::Continue(()))?;
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        Ok(Some(best / job.steps as f64 * 1e9))
+    }
 
-fn fill(target: &mut [f64], values: &[f64]) {
-    for (target, value) in target.iter_mut().zip(values) {
-        *target = *value;
+    /// Measures what a scheme claims of its steps, at states that the example comes to after 40 and after 80 steps; with the system's own
+    /// control law.
+    ///
+    /// # Errors
+    /// If parameters are not valid, or a step cannot be taken.
+    pub fn certify(
+        &self,
+        setup: &Setup,
+        method: Method,
+        retraction: Retraction,
+    ) -> Result<Report, SimulationError> {
+        let job = Job {
+            method: Method::Standard,
+            retraction: Retraction::Exponential,
+            order: Order::Two,
+            step: self.step,
+            steps: 80,
+        };
+        let mut states = Vec::new();
+        self.simulate(setup, &job, None, &|index| index + 40, &mut |sample| {
+            states.push(sample.state.to_vec());
+            ControlFlow::Continue(())
+        })?;
+        let controls: Vec<Vec<f64>> = match self.control {
+            Some(control) => states.iter().map(|state| control(&setup.parameters, state, 0.0)).collect(),
+            None => Vec::new(),
+        };
+        let system = (self.system)(&setup.parameters);
+        let method = if method == Method::Standard { self.standard() } else { method };
+        let scheme = scheme(method, retraction, Order::Two)?;
+        Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
+    }
+
+    /// What its standard scheme of order 2 is: `euler-a` or `verlet`.
+    pub fn standard(&self) -> Method {
+        if self.description.invariant { Method::EulerA } else { Method::Verlet }
     }
 }
 

@@ -20,7 +20,7 @@ use crate::catalogued::Catalogued;
     group = SO3,
     advected(gamma: R3),
     potential = weight * length * gamma.z,
-    methods(Midpoint, SymplecticEulerB), derivatives,
+    methods(Midpoint),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SphericalPendulum {

@@ -1,6 +1,6 @@
 //! Derivatives of steps as Rust.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
@@ -10,6 +10,7 @@ use super::kernel::{
 use super::{Names, docs};
 use crate::kernel::{Derivative, Section, Term};
 use crate::method::Scheme;
+use crate::method::linearization::Derivatives;
 use crate::model::{Role, System};
 
 /// The derivative of one scheme's step, to stand beside its kernel:
@@ -31,87 +32,12 @@ pub(super) fn derivative(
     let Names { private, system: system_name, .. } = names;
     let kernel = kernel_name(names, scheme);
     let layout = Layout::new(system, &derivative.symbols);
-    let Derivative {
-        fields: values, point, tangent, adjoint, matrices, unknown, changes, costate, h, ..
-    } = derivative;
     let point_name = format_ident!("Point");
-    let of_point = fields(&point_name, "What the derivative is made of at one point.", values);
-    let [state_changes, control_changes, parameter_changes] = changes;
-    let [n, controls, parameters] =
-        [state_changes, control_changes, parameter_changes].map(|c| size(c.len()));
-    let (all_parameters, all_controls) = (size(layout.parameters.len()), size(layout.control.len()));
-    let (all_state, unknowns) = (size(layout.state.len()), size(unknown.len()));
-
-    let at = {
-        let unpack = [
-            unpack_array("parameters", &layout.parameters, point),
-            unpack_array("state", &layout.state, point),
-            unpack_array("control", &layout.control, point),
-            unpack_array("unknown", unknown, point),
-            unpack_time(&layout.time, point),
-        ];
-        let step = h.iter().filter(|h| point.inputs.contains(h)).map(|h| local(h));
-        let statements = point.statements.iter().map(statement);
-        let kept = keep(&point_name, values);
-        quote! { #(#unpack)* #(let #step = step;)* #(#statements)* #kept }
-    };
-    let body = |section: &Section, arrays: &[(&str, &Vec<String>)]| {
-        let values = unpack_fields(&quote! { Point }, values, section, &quote! { *point });
-        let arrays = arrays.iter().map(|(array, names)| unpack_array(array, names, section));
-        let statements = section.statements.iter().map(statement);
-        quote! { #values #(#arrays)* #(#statements)* }
-    };
-    let array = |results: &[Term]| {
-        let results = results.iter().map(term);
-        quote! { [#(#results),*] }
-    };
-    let counts = changes.each_ref().map(Vec::len);
-    let arrays = [("state", state_changes), ("control", control_changes), ("parameters", parameter_changes)];
-    let (tangent_body, next) = (body(tangent, &arrays), array(&tangent.results));
-    let adjoint_body = body(adjoint, &[("costate", costate)]);
-    let (by_state, others) = adjoint.results.split_at(counts[0]);
-    let (by_control, by_parameters) = others.split_at(counts[1]);
-    let [by_state, by_control, by_parameters] = [by_state, by_control, by_parameters].map(array);
-    let [at_doc, tangent_doc, adjoint_doc] = [
-        ("What the derivative is made of", point),
-        ("The change of the next state", tangent),
-        ("The transpose", adjoint),
-    ]
-    .map(|(what, section)| docs::line(&format!("{what}: {}.", section.operations())));
-    let matrices = [("by_state", &n), ("by_control", &controls), ("by_parameters", &parameters)]
-        .into_iter()
-        .zip(matrices)
-        .map(|((name, columns), section)| {
-            let function = format_ident!("{name}");
-            let doc =
-                docs::line(&format!("The derivative {}: {}.", name.replace('_', " "), section.operations()));
-            let body = body(section, &[]);
-            let (through, rest) = section.results.split_at(unknown.len() * counts[0]);
-            let through = through.chunks(counts[0].max(1)).map(array);
-            let rest = rest.chunks((counts[0] + unknown.len()).max(1));
-            let (explicit, products): (Vec<TokenStream>, Vec<TokenStream>) = rest
-                .enumerate()
-                .map(|(j, column)| {
-                    let (explicit, by) = column.split_at(counts[0]);
-                    let is_zero = |x: &Term| matches!(x, Term::Number(number) if number.is_zero());
-                    let (place, none) = (size(j), by.iter().all(is_zero));
-                    let by = array(by);
-                    let add = quote! { #private::add_product(&mut columns[#place], &through, &#by); };
-                    (array(explicit), if none { TokenStream::new() } else { add })
-                })
-                .unzip();
-            quote! {
-                #doc
-                #[inline(always)]
-                fn #function(point: &Point<T>) -> [[T; #n]; #columns] {
-                    #body
-                    let through: [[T; #n]; #unknowns] = [#(#through),*];
-                    let mut columns = [#(#explicit),*];
-                    #(#products)*
-                    columns
-                }
-            }
-        });
+    let of_point = fields(&point_name, "What the derivative is made of at one point.", &derivative.fields);
+    let maps = Maps { derivative, sizes: Sizes::new(system, &layout, derivative) };
+    let (point, products, matrices) =
+        (maps.point(&layout, &point_name), maps.products(), maps.matrices(names));
+    let through_type = maps.through_type();
 
     quote! {
         type __System = #system_name;
@@ -124,21 +50,84 @@ pub(super) fn derivative(
             #[automatically_derived]
             impl<T: Scalar> Linearized<T, __System> for #kernel<T> {
                 type Point = Point<T>;
+                type Through = #through_type;
 
-                #at_doc
-                #[inline(always)]
-                fn point(
-                    parameters: &[T; #all_parameters],
-                    step: T,
-                    state: &[T; #all_state],
-                    time: T,
-                    control: &[T; #all_controls],
-                    unknown: &[T; #unknowns],
-                ) -> Point<T> {
-                    #at
-                }
+                #point
+                #products
+                #matrices
+            }
+        };
+    }
+}
 
-                #tangent_doc
+/// How long changes are, and arrays.
+struct Sizes {
+    /// Of the changes of state, controls and parameters.
+    changes: [Literal; 3],
+    /// Of the arrays of state, controls and parameters.
+    arrays: [Literal; 3],
+    unknown: Literal,
+}
+
+impl Sizes {
+    fn new(system: &System<'_>, layout: &Layout, derivative: &Derivative) -> Self {
+        let changes =
+            [derivative.changes[0].len(), system.control_symbols().len(), system.field_symbols().len()];
+        let arrays = [layout.state.len(), layout.control.len(), layout.parameters.len()];
+        Self { changes: changes.map(size), arrays: arrays.map(size), unknown: size(derivative.unknown.len()) }
+    }
+}
+
+/// The functions of one derivative.
+struct Maps<'d> {
+    derivative: &'d Derivative,
+    sizes: Sizes,
+}
+
+impl Maps<'_> {
+    /// `fn point(…) -> Point<T> { … }`
+    fn point(&self, layout: &Layout, name: &Ident) -> TokenStream {
+        let Derivative { fields, point, unknown, h, .. } = self.derivative;
+        let Sizes { arrays: [state, control, parameters], unknown: unknowns, .. } = &self.sizes;
+        let unpack = [
+            unpack_array("parameters", &layout.parameters, point),
+            unpack_array("state", &layout.state, point),
+            unpack_array("control", &layout.control, point),
+            unpack_array("unknown", unknown, point),
+            unpack_time(&layout.time, point),
+        ];
+        let step = h.iter().filter(|h| point.inputs.contains(h)).map(|h| local(h));
+        let statements = point.statements.iter().map(statement);
+        let kept = keep(name, fields);
+        let doc = docs::line(&format!("What the derivative is made of: {}.", point.operations()));
+        quote! {
+            #doc
+            #[inline(always)]
+            fn point(
+                parameters: &[T; #parameters],
+                step: T,
+                state: &[T; #state],
+                time: T,
+                control: &[T; #control],
+                unknown: &[T; #unknowns],
+            ) -> Point<T> {
+                #(#unpack)* #(let #step = step;)* #(#statements)* #kept
+            }
+        }
+    }
+
+    /// The products with a change and with a costate, as far as they are wanted.
+    fn products(&self) -> TokenStream {
+        let Derivative { tangent, adjoint, changes, costate, .. } = self.derivative;
+        let Sizes { changes: [n, controls, parameters], .. } = &self.sizes;
+        let [state_changes, control_changes, parameter_changes] = changes;
+        let tangent = tangent.as_ref().map(|tangent| {
+            let doc = docs::line(&format!("The change of the next state: {}.", tangent.operations()));
+            let arrays =
+                [("state", state_changes), ("control", control_changes), ("parameters", parameter_changes)];
+            let (body, next) = (self.body(tangent, &arrays), array(&tangent.results));
+            quote! {
+                #doc
                 #[inline(always)]
                 fn tangent(
                     point: &Point<T>,
@@ -146,26 +135,118 @@ pub(super) fn derivative(
                     control: &[T; #controls],
                     parameters: &[T; #parameters],
                 ) -> [T; #n] {
-                    #tangent_body #next
+                    #body #next
                 }
-
-                #adjoint_doc
+            }
+        });
+        let adjoint = adjoint.as_ref().map(|adjoint| {
+            let doc = docs::line(&format!("The transpose: {}.", adjoint.operations()));
+            let body = self.body(adjoint, &[("costate", costate)]);
+            let (by_state, others) = adjoint.results.split_at(state_changes.len());
+            let (by_control, by_parameters) = others.split_at(control_changes.len());
+            let [by_state, by_control, by_parameters] = [by_state, by_control, by_parameters].map(array);
+            quote! {
+                #doc
                 #[inline(always)]
                 fn adjoint(
                     point: &Point<T>,
                     costate: &[T; #n],
                 ) -> ([T; #n], [T; #controls], [T; #parameters]) {
-                    #adjoint_body (#by_state, #by_control, #by_parameters)
+                    #body (#by_state, #by_control, #by_parameters)
                 }
-
-                #(#matrices)*
             }
+        });
+        quote! { #tangent #adjoint }
+    }
+
+    /// The matrices that are wanted, and what all of them make use of.
+    fn matrices(&self, names: &Names) -> TokenStream {
+        let Names { private, .. } = names;
+        let Sizes { changes, .. } = &self.sizes;
+        let n = &changes[0];
+        let rows = self.derivative.changes[0].len();
+        let through_type = self.through_type();
+        let through = match &self.derivative.through {
+            Some(section) => {
+                let doc = docs::line(&format!("The derivative by the unknown: {}.", section.operations()));
+                let (body, columns) =
+                    (self.body(section, &[]), section.results.chunks(rows.max(1)).map(array));
+                quote! {
+                    #doc
+                    #[inline(always)]
+                    fn through(point: &Point<T>) -> #through_type {
+                        #body [#(#columns),*]
+                    }
+                }
+            }
+            None => quote! {
+                #[inline(always)]
+                fn through(_: &Point<T>) -> #through_type {
+                    []
+                }
+            },
         };
+        let wanted = ["by_state", "by_control", "by_parameters"].into_iter().zip(changes);
+        let matrices = wanted.zip(&self.derivative.matrices).filter_map(|((name, columns), section)| {
+            let section = section.as_ref()?;
+            let function = format_ident!("{name}");
+            let doc =
+                docs::line(&format!("The derivative {}: {}.", name.replace('_', " "), section.operations()));
+            let body = self.body(section, &[]);
+            let length = (rows + self.derivative.unknown.len()).max(1);
+            let (explicit, products): (Vec<TokenStream>, Vec<TokenStream>) = section
+                .results
+                .chunks(length)
+                .enumerate()
+                .map(|(j, column)| {
+                    let (explicit, by) = column.split_at(rows);
+                    let is_zero = |x: &Term| matches!(x, Term::Number(number) if number.is_zero());
+                    let (place, none) = (size(j), by.iter().all(is_zero));
+                    let by = array(by);
+                    let add = quote! { #private::add_product(&mut columns[#place], through, &#by); };
+                    (array(explicit), if none { TokenStream::new() } else { add })
+                })
+                .unzip();
+            Some(quote! {
+                #doc
+                #[inline(always)]
+                fn #function(point: &Point<T>, through: &#through_type) -> [[T; #n]; #columns] {
+                    #body
+                    let mut columns = [#(#explicit),*];
+                    #(#products)*
+                    columns
+                }
+            })
+        });
+        quote! { #through #(#matrices)* }
+    }
+
+    /// The columns of the derivative by the unknown; none where no matrix needs them.
+    fn through_type(&self) -> TokenStream {
+        let Sizes { changes: [n, ..], unknown, .. } = &self.sizes;
+        match self.derivative.through {
+            Some(_) => quote! { [[T; #n]; #unknown] },
+            None => quote! { [[T; #n]; 0] },
+        }
+    }
+
+    /// What a map needs of the point and of its arguments, and what it computes.
+    fn body(&self, section: &Section, arrays: &[(&str, &Vec<String>)]) -> TokenStream {
+        let values = unpack_fields(&quote! { Point }, &self.derivative.fields, section, &quote! { *point });
+        let arrays = arrays.iter().map(|(array, names)| unpack_array(array, names, section));
+        let statements = section.statements.iter().map(statement);
+        quote! { #values #(#arrays)* #(#statements)* }
     }
 }
 
+/// `[x, y, …]`
+fn array(results: &[Term]) -> TokenStream {
+    let results = results.iter().map(term);
+    quote! { [#(#results),*] }
+}
+
 /// `impl Differentiable for HeavyTop { … }`, and the places of all parts within changes.
-pub(super) fn tangents(system: &System<'_>, names: &Names) -> TokenStream {
+pub(super) fn tangents(system: &System<'_>, names: &Names, wanted: Derivatives) -> TokenStream {
     let Names { private, coadjoint, system: name, scalar, visibility, .. } = names;
     let mut places = Vec::new();
     let mut taken = std::collections::BTreeSet::new();
@@ -205,6 +286,14 @@ pub(super) fn tangents(system: &System<'_>, names: &Names) -> TokenStream {
         parameters += field.symbols.len();
     }
     let [state, control, parameters] = [state, control, parameters].map(size);
+    let wanted = [
+        ("ByState", wanted.state),
+        ("ByControl", wanted.controls),
+        ("ByParameters", wanted.parameters),
+        ("Tangent", wanted.tangent),
+        ("Adjoint", wanted.adjoint),
+    ];
+    let wanted = wanted.into_iter().filter(|&(_, wanted)| wanted).map(|(map, _)| format_ident!("{map}"));
     let part = format_ident!("{name}Part");
     let docs = docs::lines([
         format!("Where the parts of a [`{name}`] are within changes of its state, controls and parameters."),
@@ -231,5 +320,8 @@ pub(super) fn tangents(system: &System<'_>, names: &Names) -> TokenStream {
             type ByControl = #private::nalgebra::SMatrix<#scalar, #state, #control>;
             type ByParameters = #private::nalgebra::SMatrix<#scalar, #state, #parameters>;
         }
+
+        #(#[automatically_derived]
+        impl #private::Derives<#coadjoint::derivative::#wanted> for #name {})*
     }
 }

@@ -3,10 +3,10 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::{Names, docs};
+use super::{Names, StepExpansion, docs};
 use crate::expr::{Function, Number};
 use crate::kernel::{Kernel, Section, Statement, SymbolNames, Term};
-use crate::method::{Rule, Scheme};
+use crate::method::{Member, Rule, Scheme};
 use crate::model::System;
 
 /// Where the values of a kernel's arrays have their names from.
@@ -64,18 +64,16 @@ pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {
 /// ```
 ///
 /// The inner block does not name the system, which may be called `Step` or `Kernel`, too.
-pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &Layout) -> TokenStream {
-    let Names { system, private, coadjoint, .. } = names;
-    let retraction = format_ident!("{}", scheme.retraction.name());
+pub(super) fn kernel(
+    names: &Names,
+    scheme: Scheme,
+    aliases: &[Scheme],
+    kernel: &Kernel,
+    layout: &Layout,
+) -> TokenStream {
+    let Names { system, private, .. } = names;
     let name = kernel_name(names, scheme);
-    let marker = match scheme.rule {
-        Rule::Family(member) => {
-            let (n, d) = (member.numerator, member.denominator);
-            let (n, d) = (Literal::u32_unsuffixed(n), Literal::u32_unsuffixed(d));
-            quote! { #private::Family<#coadjoint::#retraction, #n, #d> }
-        }
-        Rule::TangentLift => quote! { #private::TangentLift<#coadjoint::#retraction> },
-    };
+    let markers = std::iter::once(scheme).chain(aliases.iter().copied()).map(|scheme| marker(names, scheme));
     let controls = size(layout.control.len());
     let count = kernel.unknown.len();
     let (parameters, state, unknown) = (size(layout.parameters.len()), size(layout.state.len()), size(count));
@@ -109,20 +107,32 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
         body(&kernel.evaluate, quote! { Evaluation { residual: #residual, right: #right, iterate: #kept } });
     let correction = body(&kernel.correction, array(&kernel.correction.results));
     let sweep = if kernel.sweep.results.is_empty() {
-        quote! { ::core::option::Option::None }
+        quote! { const SWEEPS: ::core::primitive::bool = false; }
     } else {
+        let doc = docs::line(&format!("The solution of `left(x) = right`: {}.", kernel.sweep.operations()));
         let next = array(&kernel.sweep.results);
-        body(&kernel.sweep, quote! { ::core::option::Option::Some(#next) })
+        let sweep = body(&kernel.sweep, quote! { ::core::option::Option::Some(#next) });
+        quote! {
+            #doc
+            #[inline(always)]
+            fn sweep(
+                &self,
+                state: &[T; #state],
+                step: &Step<T>,
+                right: &[T; #unknown],
+            ) -> ::core::option::Option<[T; #unknown]> {
+                #sweep
+            }
+        }
     };
     let finish = body(&kernel.finish, array(&kernel.finish.results));
 
-    let [new_doc, begin_doc, start_doc, evaluate_doc, correction_doc, sweep_doc, finish_doc] = [
+    let [new_doc, begin_doc, start_doc, evaluate_doc, correction_doc, finish_doc] = [
         ("Once, when the stepper is built", &kernel.new),
         ("Once a step", &kernel.begin),
         ("A first approximation of the unknown", &kernel.start),
         ("Once an iteration: the residual and the right side of the equation", &kernel.evaluate),
         ("Once an iteration: the Newton correction", &kernel.correction),
-        ("The solution of `left(x) = right`", &kernel.sweep),
         ("Once a step: the next state", &kernel.finish),
     ]
     .map(|(what, section)| docs::line(&format!("{what}: {}.", section.operations())));
@@ -158,10 +168,10 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
     quote! {
             #constants
 
-            #[automatically_derived]
-            impl #private::Generated<#marker> for #system {
+            #(#[automatically_derived]
+            impl #private::Generated<#markers> for #system {
                 type Kernel<T: #private::Scalar> = #name<T>;
-            }
+            })*
 
             const _: () = {
             use #private::{Evaluation, Kernel, Scalar};
@@ -219,16 +229,7 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
                     #correction
                 }
 
-                #sweep_doc
-                #[inline(always)]
-                fn sweep(
-                    &self,
-                    state: &[T; #state],
-                    step: &Step<T>,
-                    right: &[T; #unknown],
-                ) -> ::core::option::Option<[T; #unknown]> {
-                    #sweep
-                }
+                #sweep
 
                 #domain
 
@@ -248,6 +249,53 @@ pub(super) fn kernel(names: &Names, scheme: Scheme, kernel: &Kernel, layout: &La
             }
 
             };
+    }
+}
+
+/// The type that stands for a scheme: `Family<Cayley, 0, 1>`.
+pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
+    let Names { private, coadjoint, .. } = names;
+    let retraction = format_ident!("{}", scheme.retraction.name());
+    match scheme.rule {
+        Rule::Family(member) => {
+            let (n, d) = (member.numerator, member.denominator);
+            let (n, d) = (Literal::u32_unsuffixed(n), Literal::u32_unsuffixed(d));
+            quote! { #private::Family<#coadjoint::#retraction, #n, #d> }
+        }
+        Rule::TangentLift => quote! { #private::TangentLift<#coadjoint::#retraction> },
+    }
+}
+
+/// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for.
+pub(super) fn schemes(names: &Names, steps: &[StepExpansion]) -> TokenStream {
+    let Names { system, private, .. } = names;
+    let arms = steps.iter().map(|StepExpansion { scheme, aliases, .. }| {
+        let map = format_ident!("{}", scheme.retraction.name());
+        let rules = std::iter::once(scheme).chain(aliases).map(|scheme| match scheme.rule {
+            Rule::Family(Member { numerator, denominator }) => {
+                let (n, d) = (Literal::u32_unsuffixed(numerator), Literal::u32_unsuffixed(denominator));
+                quote! { #private::Rule::Family(#n, #d) }
+            }
+            Rule::TangentLift => quote! { #private::Rule::TangentLift },
+        });
+        let marker = marker(names, *scheme);
+        quote! { (#private::Map::#map, #(#rules)|*) => #private::Visitor::visit::<#marker>(visitor) }
+    });
+    quote! {
+        #[automatically_derived]
+        impl #private::Schemes for #system {
+            #[inline]
+            fn visit<V: #private::Visitor<Self>>(
+                map: #private::Map,
+                rule: #private::Rule,
+                visitor: V,
+            ) -> ::core::option::Option<V::Output> {
+                ::core::option::Option::Some(match (map, rule) {
+                    #(#arms,)*
+                    _ => return ::core::option::Option::None,
+                })
+            }
+        }
     }
 }
 

@@ -17,6 +17,7 @@ use crate::diagnostics::list;
 use crate::expr::Arena;
 use crate::kernel::{Derivative, Kernel};
 use crate::method::Scheme;
+use crate::method::linearization::Derivatives;
 use crate::model::{Role, System};
 
 /// The names and paths that all parts of an expansion share.
@@ -81,12 +82,28 @@ pub struct Expansion {
     pub tangents: TokenStream,
     /// Each step: its intermediate representation and its code.
     pub steps: Vec<StepExpansion>,
+    /// The `Schemes` implementation: all steps, to be chosen from while a program runs.
+    pub schemes: TokenStream,
+}
+
+/// One step as derived, to be emitted.
+pub struct DerivedStep {
+    /// The scheme.
+    pub scheme: Scheme,
+    /// Other schemes that are the same map.
+    pub aliases: Vec<Scheme>,
+    /// Its code.
+    pub kernel: Kernel,
+    /// That of its derivative, if any is asked for.
+    pub derivative: Option<Derivative>,
 }
 
 /// One step's part of an expansion.
 pub struct StepExpansion {
     /// The scheme.
     pub scheme: Scheme,
+    /// Other schemes that are the same map.
+    pub aliases: Vec<Scheme>,
     /// Its intermediate representation.
     pub kernel: Kernel,
     /// Its code.
@@ -98,12 +115,12 @@ pub struct StepExpansion {
 impl Expansion {
     /// All of it.
     pub fn into_tokens(self) -> TokenStream {
-        let Self { declaration, state, expressions, system, geometry, tangents, steps } = self;
+        let Self { declaration, state, expressions, system, geometry, tangents, steps, schemes } = self;
         let steps = steps.into_iter().map(|StepExpansion { tokens, derivative, .. }| {
             let derivative = derivative.map(|(_, tokens)| tokens);
             kernel::block(&quote! { #tokens #derivative })
         });
-        quote! { #declaration #state #expressions #system #geometry #tangents #(#steps)* }
+        quote! { #declaration #state #expressions #system #geometry #tangents #(#steps)* #schemes }
     }
 }
 
@@ -113,21 +130,21 @@ pub fn expansion<'a>(
     system: &System<'a>,
     item: &syn::ItemStruct,
     names: &Names,
-    kernels: Vec<(Scheme, Kernel, Option<Derivative>)>,
+    kernels: Vec<DerivedStep>,
+    derivatives: Derivatives,
 ) -> Expansion {
     let steps: Vec<StepExpansion> = kernels
         .into_iter()
-        .map(|(scheme, kernel, derivative)| {
+        .map(|DerivedStep { scheme, aliases, kernel, derivative }| {
             let layout = Layout::new(system, &kernel.symbols);
-            let tokens = kernel::kernel(names, scheme, &kernel, &layout);
+            let tokens = kernel::kernel(names, scheme, &aliases, &kernel, &layout);
             let derivative = derivative.map(|derivative| {
                 let tokens = derivative::derivative(system, names, scheme, &derivative);
                 (derivative, tokens)
             });
-            StepExpansion { scheme, kernel, tokens, derivative }
+            StepExpansion { scheme, aliases, kernel, tokens, derivative }
         })
         .collect();
-    let differentiable = steps.iter().any(|step| step.derivative.is_some());
     let derived = description(system, names, &steps);
     Expansion {
         declaration: declaration(item, &derived, names),
@@ -135,11 +152,12 @@ pub fn expansion<'a>(
         expressions: expressions::expressions(system, names),
         system: system::system(arena, system, names),
         geometry: geometry::geometry(arena, system, names),
-        tangents: if differentiable {
-            derivative::tangents(system, names)
+        tangents: if derivatives.any() {
+            derivative::tangents(system, names, derivatives)
         } else {
             quote! {}
         },
+        schemes: kernel::schemes(names, &steps),
         steps,
     }
 }
@@ -222,6 +240,9 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
         };
         let once = if kernel.unknown.is_empty() { once + kernel.evaluate.operations() } else { once };
         lines.push(format!("* `{}`: {once}; {iteration}.", step.scheme.type_name()));
+        for alias in &step.aliases {
+            lines.push(format!("* `{}`: the same map.", alias.type_name()));
+        }
     }
     docs::lines(lines)
 }

@@ -6,9 +6,9 @@ use super::schedule::{Maps, Namer, Schedule};
 use super::{Section, SymbolNames};
 use crate::expr::{Arena, Expr, Vector};
 use crate::method::Step;
-use crate::method::linearization::{Linearization, Matrices};
+use crate::method::linearization::{Derivatives, Linearization, Matrices};
 
-/// The derivative of a step at one point, and its transpose, as code.
+/// The derivative of a step at one point as code: of the linear maps those that are wanted.
 ///
 /// The matrices are `explicit + through · unknown`, column by column, for the product is better made by loops than written out.
 #[derive(Clone, Debug)]
@@ -18,12 +18,14 @@ pub struct Derivative {
     /// Computes them from parameters, step size, state, time, controls and the solution of the step's equation.
     pub point: Section,
     /// The change of the next state, from those of state, controls and parameters.
-    pub tangent: Section,
+    pub tangent: Option<Section>,
     /// The derivatives by state, controls and parameters, one after the other, of a function of the next state, from its own there.
-    pub adjoint: Section,
-    /// The derivatives by state, controls and parameters as matrices. Each starts with the columns of the derivative by the unknown; then
-    /// come, for each of its own columns, the derivative of the next state with the unknown as it is, and that of the unknown.
-    pub matrices: [Section; 3],
+    pub adjoint: Option<Section>,
+    /// The columns of the derivative of the next state by the unknown, of which all matrices make use.
+    pub through: Option<Section>,
+    /// The derivatives by state, controls and parameters as matrices: for each column the derivative of the next state with the unknown as
+    /// it is, and that of the unknown. None for those that are not wanted or have no columns.
+    pub matrices: [Option<Section>; 3],
     /// The components of the unknown.
     pub unknown: Vec<String>,
     /// The components of the changes of state, controls and parameters.
@@ -37,37 +39,59 @@ pub struct Derivative {
 }
 
 impl Derivative {
-    /// Lays out the derivative of a step.
-    pub fn new<'a>(arena: &'a Arena, step: &Step<'a>, linearization: &Linearization<'a>) -> Self {
-        let adjoint = linearization.adjoint(arena);
-        let by = [&adjoint.state, &adjoint.control, &adjoint.parameters];
-        let mut maps: Vec<Vec<Expr<'a>>> =
-            vec![linearization.next.0.clone(), by.into_iter().flat_map(Vector::iter).collect()];
-        let Matrices { through, columns } = linearization.matrices(arena);
-        maps.extend(columns.map(|columns| {
-            let columns = columns.into_iter().flat_map(|(next, unknown)| [next, unknown]);
-            through.iter().cloned().chain(columns).flat_map(|column| column.0).collect()
-        }));
-        let mut factoring = Factoring::new(arena, maps.iter().flatten().copied());
+    /// Lays out the derivative of a step, as far as it is wanted.
+    pub fn new<'a>(
+        arena: &'a Arena,
+        step: &Step<'a>,
+        linearization: &Linearization<'a>,
+        wanted: Derivatives,
+    ) -> Self {
+        let of = |columns: Vec<(Vector<'a>, Vector<'a>)>| -> Vec<Expr<'a>> {
+            columns
+                .into_iter()
+                .flat_map(|(next, unknown)| [next, unknown])
+                .flat_map(|column| column.0)
+                .collect()
+        };
+        let adjoint = wanted.adjoint.then(|| linearization.adjoint(arena));
+        let Matrices { through, columns: [state, control, parameters] } =
+            linearization.matrices(arena, wanted);
+        let maps: [Option<Vec<Expr<'a>>>; 6] = [
+            wanted.tangent.then(|| linearization.next.0.clone()),
+            adjoint.as_ref().map(|adjoint| {
+                let by = [&adjoint.state, &adjoint.control, &adjoint.parameters];
+                by.into_iter().flat_map(Vector::iter).collect()
+            }),
+            through.map(|columns| columns.into_iter().flat_map(|column| column.0).collect()),
+            state.map(of),
+            control.map(of),
+            parameters.map(of),
+        ];
+        let mut factoring = Factoring::new(arena, maps.iter().flatten().flatten().copied());
         let mut plan = Plan::new(arena);
         let mut names = Namer::new();
-        let outputs: Vec<Vec<Signed>> =
-            maps.iter().map(|map| map.iter().map(|&expr| plan.plan(factoring.of(expr))).collect()).collect();
+        let mut signed = |map: &Vec<Expr<'a>>| -> Vec<Signed> {
+            map.iter().map(|&expr| plan.plan(factoring.of(expr))).collect()
+        };
+        let outputs: Vec<Vec<Signed>> = maps.iter().flatten().map(&mut signed).collect();
         names.carry_over(arena, &factoring, &plan);
         plan.share_pairs();
-        let Maps { fields, point, maps, symbols } = Schedule::new(arena, &plan, names).maps(&outputs);
-        let mut maps = maps.into_iter();
-        let mut next = || maps.next().unwrap_or_default();
+        let laid_out = Schedule::new(arena, &plan, names).maps(&outputs);
+        let Maps { fields, point, maps: sections, symbols } = laid_out;
+        let mut sections = sections.into_iter();
+        let [tangent, adjoint_map, through, state, control, parameters] =
+            maps.map(|map| map.and_then(|_| sections.next()));
         Self {
             fields,
             point,
-            tangent: next(),
-            adjoint: next(),
-            matrices: [next(), next(), next()],
+            tangent,
+            adjoint: adjoint_map,
+            through,
+            matrices: [state, control, parameters],
             unknown: symbols.of(&step.unknown),
             changes: [&linearization.state, &linearization.control, &linearization.parameters]
                 .map(|change| symbols.of(change)),
-            costate: symbols.of(&adjoint.next),
+            costate: adjoint.map_or_else(Vec::new, |adjoint| symbols.of(&adjoint.next)),
             h: symbols.of(&Vector(vec![step.h])),
             symbols,
         }

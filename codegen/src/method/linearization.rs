@@ -22,6 +22,42 @@ use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::{Group, Retraction, d_right, placeholders};
 use crate::model::{Advected, Factor, Side, System, plain};
 
+/// Which derivatives of a step are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Derivatives {
+    /// The matrix by the state.
+    pub state: bool,
+    /// The matrix by the controls.
+    pub controls: bool,
+    /// The matrix by the parameters.
+    pub parameters: bool,
+    /// The product with a change of all three.
+    pub tangent: bool,
+    /// The transposed product.
+    pub adjoint: bool,
+}
+
+impl Derivatives {
+    /// All of them.
+    pub const ALL: Self =
+        Self { state: true, controls: true, parameters: true, tangent: true, adjoint: true };
+
+    /// Whether there is anything to derive.
+    pub fn any(self) -> bool {
+        self != Self::default()
+    }
+
+    /// Whether the controls have a part in any of them.
+    fn of_controls(self) -> bool {
+        self.controls || self.tangent || self.adjoint
+    }
+
+    /// Whether the parameters have a part in any of them.
+    fn of_parameters(self) -> bool {
+        self.parameters || self.tangent || self.adjoint
+    }
+}
+
 /// The change of the next state with all that it depends on: linear in the changes, which are symbols.
 pub struct Linearization<'a> {
     /// The change of the unknown.
@@ -32,17 +68,23 @@ pub struct Linearization<'a> {
     pub partial: Vector<'a>,
     /// The change of the state in the order of storage, with an element of the algebra in the place of each configuration.
     pub state: Vector<'a>,
-    /// The change of the controls.
+    /// The change of the controls, if it is wanted.
     pub control: Vector<'a>,
-    /// The change of the parameters: the system's fields.
+    /// The change of the parameters, the system's fields, if it is wanted.
     pub parameters: Vector<'a>,
     /// The change of the next state, in the order of [`state`](Self::state).
     pub next: Vector<'a>,
 }
 
 impl<'a> Linearization<'a> {
-    /// Of a step with this retraction.
-    pub fn new(arena: &'a Arena, system: &System<'a>, retraction: Retraction, step: &Step<'a>) -> Self {
+    /// Of a step with this retraction, by what is wanted.
+    pub fn new(
+        arena: &'a Arena,
+        system: &System<'a>,
+        retraction: Retraction,
+        step: &Step<'a>,
+        wanted: Derivatives,
+    ) -> Self {
         let change = |of: String| arena.symbol(format!("d_{of}"), Stage::Change);
         let changes = |symbols: &[Symbol]| {
             Vector(symbols.iter().map(|&symbol| change(arena.symbol_info(symbol).name)).collect())
@@ -57,8 +99,9 @@ impl<'a> Linearization<'a> {
             Row::Advected(_, factor, place) => changes(&factor.advected[*place].value.symbols()).0,
         });
         let state = Vector(state.collect());
-        let control = changes(&system.control_symbols());
-        let fields = system.field_symbols();
+        let controls = if wanted.of_controls() { system.control_symbols() } else { Vec::new() };
+        let control = changes(&controls);
+        let fields = if wanted.of_parameters() { system.field_symbols() } else { Vec::new() };
         let parameters = changes(&fields);
 
         let mut direction: Vec<(Symbol, Expr<'a>)> = Vec::new();
@@ -76,7 +119,7 @@ impl<'a> Linearization<'a> {
                 }
             }
         }
-        direction.extend(system.control_symbols().into_iter().zip(control.iter()));
+        direction.extend(controls.into_iter().zip(control.iter()));
         direction.extend(fields.into_iter().zip(parameters.iter()));
 
         // what the unknown does
@@ -191,16 +234,16 @@ impl<'a> Linearization<'a> {
 
 /// A [`Linearization`] as matrices: `explicit + through · unknown` for each of the changes.
 pub struct Matrices<'a> {
-    /// The derivative of the next state by the unknown, column by column.
-    pub through: Vec<Vector<'a>>,
+    /// The derivative of the next state by the unknown, column by column; none if no matrix is wanted, or there is no unknown.
+    pub through: Option<Vec<Vector<'a>>>,
     /// For state, controls and parameters and each of their components: the derivatives by it of the next state with the unknown as it
-    /// is, and of the unknown.
-    pub columns: [Vec<(Vector<'a>, Vector<'a>)>; 3],
+    /// is, and of the unknown. None for those that are not wanted or have no components.
+    pub columns: [Option<Vec<(Vector<'a>, Vector<'a>)>>; 3],
 }
 
 impl<'a> Linearization<'a> {
-    /// As matrices.
-    pub fn matrices(&self, arena: &'a Arena) -> Matrices<'a> {
+    /// As matrices, those that are wanted.
+    pub fn matrices(&self, arena: &'a Arena, wanted: Derivatives) -> Matrices<'a> {
         let changes = [&self.unknown, &self.state, &self.control, &self.parameters];
         let all: Vec<Symbol> = changes.iter().flat_map(|change| change.symbols()).collect();
         let along = |one: Symbol| -> Vec<(Symbol, Expr<'a>)> {
@@ -211,10 +254,20 @@ impl<'a> Linearization<'a> {
             let unit = along(one);
             (self.partial.substitute(&unit), self.solution.substitute(&unit))
         };
-        let [through, columns @ ..] =
-            changes.map(|change| change.symbols().into_iter().map(column).collect());
-        let through: Vec<(Vector<'a>, Vector<'a>)> = through;
-        Matrices { through: through.into_iter().map(|(next, _)| next).collect(), columns }
+        let columns = |change: &Vector<'a>, wanted: bool| {
+            (wanted && !change.is_empty())
+                .then(|| change.symbols().into_iter().map(column).collect::<Vec<_>>())
+        };
+        let any = wanted.state || wanted.controls || wanted.parameters;
+        let through = columns(&self.unknown, any);
+        Matrices {
+            through: through.map(|columns| columns.into_iter().map(|(next, _)| next).collect()),
+            columns: [
+                columns(&self.state, wanted.state),
+                columns(&self.control, wanted.controls),
+                columns(&self.parameters, wanted.parameters),
+            ],
+        }
     }
 }
 

@@ -50,6 +50,17 @@ pub enum Rule {
     TangentLift,
 }
 
+impl Rule {
+    /// The rule of which this one is another name for the system: `s = 1` is `s = 0` where nothing but momentum and advected parameters has
+    /// a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`.
+    pub fn original(self, system: &System<'_>) -> Self {
+        if self == Self::Family(Member::SYMPLECTIC_EULER_B) && system.is_left_invariant() {
+            return Self::Family(Member::SYMPLECTIC_EULER_A);
+        }
+        self
+    }
+}
+
 /// A rule with a retraction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Scheme {

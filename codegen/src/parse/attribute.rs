@@ -9,6 +9,8 @@ use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
 use crate::diagnostics::{Diagnostics, list, suggestion};
+use crate::group::Retraction;
+use crate::method::linearization::Derivatives;
 use crate::method::{Member, Rule};
 
 /// A key of the attribute: how it is called and how it is written.
@@ -37,14 +39,27 @@ pub const FORCE: Key = Key { name: "force", example: "force = moment - friction 
 pub const INVARIANCE: Key = Key { name: "invariance", example: "invariance = right" };
 /// The members of the family of steps to generate beside those that are always there.
 pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
-/// Whether the derivatives of the steps are generated.
-pub(super) const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives" };
+/// The retractions to generate steps with, where not with all.
+pub(super) const RETRACTIONS: Key = Key { name: "retractions", example: "retractions(Cayley)" };
+/// Which derivatives of the steps are generated.
+pub(super) const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(state)" };
 /// Where the runtime crate is found.
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-const KEYS: [Key; 10] =
-    [GROUP, ADVECTED, POTENTIAL, HAMILTONIAN, CONTROL, FORCE, INVARIANCE, METHODS, DERIVATIVES, CRATE];
+const KEYS: [Key; 11] = [
+    GROUP,
+    ADVECTED,
+    POTENTIAL,
+    HAMILTONIAN,
+    CONTROL,
+    FORCE,
+    INVARIANCE,
+    METHODS,
+    RETRACTIONS,
+    DERIVATIVES,
+    CRATE,
+];
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
 #[derive(Debug, Default)]
@@ -65,8 +80,10 @@ pub struct Attribute {
     pub right: bool,
     /// `methods(Midpoint, …)`
     pub methods: Vec<Rule>,
-    /// `derivatives`
-    pub derivatives: bool,
+    /// `retractions(Cayley, …)`; empty for all.
+    retractions: Vec<Retraction>,
+    /// `derivatives` for all of them, or `derivatives(state, …)`
+    pub derivatives: Derivatives,
     /// `crate = …`
     pub krate: Option<syn::Path>,
     /// The keys that were there, whether or not their values could be read.
@@ -140,6 +157,11 @@ impl Attribute {
         self.given.contains(&key)
     }
 
+    /// The retractions to generate steps with.
+    pub fn retractions(&self) -> &[Retraction] {
+        if self.retractions.is_empty() { &Retraction::ALL } else { &self.retractions }
+    }
+
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.
     fn entry(&mut self, input: ParseStream<'_>, diagnostics: &mut Diagnostics) {
         let key = match Ident::parse_any(input) {
@@ -179,24 +201,67 @@ impl Attribute {
             FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
             INVARIANCE => invariance(&value, diagnostics).map(|right| target.right = right),
             METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
-            DERIVATIVES => flag(&value, known).map(|()| target.derivatives = true),
+            RETRACTIONS => retractions(&value, &key, diagnostics).map(|list| target.retractions = list),
+            DERIVATIVES => derivatives(&value, &key, diagnostics).map(|wanted| target.derivatives = wanted),
             _ => crate_path(&value, diagnostics).map(|path| target.krate = path),
         };
         finish_entry(input, &value, read, diagnostics);
     }
 }
 
-/// Nothing: the key alone says it.
-fn flag(input: ParseStream<'_>, key: Key) -> syn::Result<()> {
-    if input.is_empty() || input.peek(Token![,]) {
-        return Ok(());
+/// `(Cayley)`
+fn retractions(
+    input: ParseStream<'_>,
+    key: &Ident,
+    diagnostics: &mut Diagnostics,
+) -> syn::Result<Vec<Retraction>> {
+    let retraction = |input: ParseStream<'_>| {
+        let name: Ident = input
+            .parse()
+            .map_err(|error| syn::Error::new(error.span(), "expected a retraction, such as `Cayley`"))?;
+        let known = Retraction::ALL.into_iter().find(|retraction| name == retraction.name());
+        known.map(|retraction| (name.clone(), retraction)).ok_or_else(|| {
+            let names = Retraction::ALL.map(Retraction::name);
+            let guess = suggestion(&name.to_string(), &names);
+            syn::Error::new_spanned(&name, format!("there is no retraction `{name}`{guess}"))
+        })
+    };
+    let named = entries(input, key, RETRACTIONS, diagnostics, retraction, |(name, _)| Some(name.clone()))?;
+    // in the order in which they always come
+    let is_named = |retraction: &Retraction| named.iter().any(|(_, known)| known == retraction);
+    Ok(Retraction::ALL.into_iter().filter(is_named).collect())
+}
+
+/// Nothing, for all of them, or `(state, controls, …)`
+fn derivatives(
+    input: ParseStream<'_>,
+    key: &Ident,
+    diagnostics: &mut Diagnostics,
+) -> syn::Result<Derivatives> {
+    if input.peek(Token![=]) {
+        return Err(input.error(format!("write `{}`, or `{key}` alone for all of them", DERIVATIVES.example)));
     }
-    if input.peek(Token![=]) || input.peek(token::Paren) {
-        let name = key.name;
-        return Err(input.error(format!("`{name}` takes no value: it is there or not; write `{name}` alone")));
+    if !input.peek(token::Paren) {
+        // or a forgotten comma, which is noticed elsewhere
+        return Ok(Derivatives::ALL);
     }
-    // a forgotten comma, which is noticed elsewhere
-    Ok(())
+    const NAMES: [&str; 5] = ["state", "controls", "parameters", "tangent", "adjoint"];
+    let name = |input: ParseStream<'_>| {
+        let name: Ident = input.parse().map_err(|error| {
+            syn::Error::new(error.span(), "expected what the derivatives are by, such as `state`")
+        })?;
+        if NAMES.iter().any(|known| name == known) {
+            return Ok(name);
+        }
+        let guess = suggestion(&name.to_string(), &NAMES);
+        Err(syn::Error::new_spanned(&name, format!("there are no derivatives `{name}`{guess}")))
+    };
+    let named = entries(input, key, DERIVATIVES, diagnostics, name, |name| Some(name.clone()))?;
+    let is_named = |name: &str| named.iter().any(|known| known == name);
+    let [state, controls, parameters, tangent, adjoint] = NAMES.map(is_named);
+    // the derivatives of composed steps by anything lead through the states between
+    let state = state || controls || parameters;
+    Ok(Derivatives { state, controls, parameters, tangent, adjoint })
 }
 
 /// `= value`. `None` where the value is missing, which is reported.

@@ -5,10 +5,10 @@ use serde::Serialize;
 use super::definition::Walk;
 use super::probe::Probe;
 use crate::composition::{Coefficients, Composed};
-use crate::geometry::{Geometry, Map};
-use crate::retraction::{Cayley, Exponential};
+use crate::geometry::Geometry;
+use crate::retraction::{Cayley, Exponential, Retraction};
 use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
-use crate::system::{Generated, System};
+use crate::system::Generated;
 
 /// Which of a system's Casimirs a step keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -35,14 +35,18 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// What the member `s = N/D` of the family claims.
-    const fn family<S: System>(numerator: u32, denominator: u32) -> Self {
-        let even = S::INVARIANT || 2 * numerator == denominator;
-        Self { order: if even { 2 } else { 1 }, symmetric: even, poisson: !S::FORCED, casimirs: Kept::All }
+    /// What the tangent lift claims.
+    pub(crate) const TANGENT_LIFT: Self =
+        Self { order: 1, symmetric: false, poisson: false, casimirs: Kept::Advected };
+
+    /// What the member `s = numerator/denominator` of the family claims.
+    pub(crate) const fn family(invariant: bool, forced: bool, numerator: u32, denominator: u32) -> Self {
+        let even = invariant || 2 * numerator == denominator;
+        Self { order: if even { 2 } else { 1 }, symmetric: even, poisson: !forced, casimirs: Kept::All }
     }
 
     /// What a composition with coefficients of this order claims.
-    const fn composed(self, order: u32) -> Self {
+    pub(crate) const fn composed(self, order: u32) -> Self {
         let rises = self.symmetric && self.order == 2;
         Self { order: if rises { order } else { self.order }, ..self }
     }
@@ -59,38 +63,28 @@ pub trait Claims<S: Geometry<Scalar = f64>> {
     }
 
     /// Takes the same step from its definition; `false` if there is none to compare with.
-    fn walk(_walk: &mut Walk<'_, S>, _step: f64) -> bool {
+    fn walk(_walk: &mut Walk<'_>, _step: f64) -> bool {
         false
     }
 
     /// Shows the kernels that the step is made of.
-    fn kernels(_probe: &mut Probe<'_, S>, _step: f64) {}
-}
-
-/// A retraction of the catalogue.
-pub trait Retraction {
-    /// It, as a value.
-    const MAP: Map;
+    fn kernels(_probe: &mut Probe<'_>, _step: f64) {}
 }
 
 macro_rules! retraction {
     ($($name:ident),*) => {
-        $(impl Retraction for $name {
-            const MAP: Map = Map::$name;
-        }
-
-        impl<S> Claims<S> for $name
+        $(impl<S> Claims<S> for $name
         where
             S: Geometry<Scalar = f64>,
             S::Standard<$name>: Claims<S>,
         {
             const CLAIM: Claim = <S::Standard<$name> as Claims<S>>::CLAIM;
 
-            fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+            fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
                 <S::Standard<$name> as Claims<S>>::walk(walk, step)
             }
 
-            fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+            fn kernels(probe: &mut Probe<'_>, step: f64) {
                 <S::Standard<$name> as Claims<S>>::kernels(probe, step);
             }
         })*
@@ -103,7 +97,7 @@ where
     S: Geometry<Scalar = f64> + Generated<Self>,
     R: Retraction,
 {
-    const CLAIM: Claim = Claim::family::<S>(N, D);
+    const CLAIM: Claim = Claim::family(S::INVARIANT, S::FORCED, N, D);
 
     fn name() -> String {
         let retraction = without_paths(core::any::type_name::<R>());
@@ -115,12 +109,12 @@ where
         }
     }
 
-    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         walk.family(R::MAP, f64::from(N) / f64::from(D), step);
         true
     }
 
-    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+    fn kernels(probe: &mut Probe<'_>, step: f64) {
         probe.kernel::<<S as Generated<Self>>::Kernel<f64>>(step);
     }
 }
@@ -134,18 +128,18 @@ where
     // half of the first member, then half of its adjoint
     const CLAIM: Claim = Claim { order: 2, symmetric: true, ..SymplecticEulerA::<R>::CLAIM };
 
-    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         SymplecticEulerA::<R>::walk(walk, 0.5 * step) && SymplecticEulerB::<R>::walk(walk, 0.5 * step)
     }
 
-    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+    fn kernels(probe: &mut Probe<'_>, step: f64) {
         SymplecticEulerA::<R>::kernels(probe, 0.5 * step);
         SymplecticEulerB::<R>::kernels(probe, 0.5 * step);
     }
 }
 
 impl<S: Geometry<Scalar = f64>, R> Claims<S> for TangentLift<R> {
-    const CLAIM: Claim = Claim { order: 1, symmetric: false, poisson: false, casimirs: Kept::Advected };
+    const CLAIM: Claim = Claim::TANGENT_LIFT;
 }
 
 impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
@@ -155,11 +149,11 @@ impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
         format!("RightLift<{}>", M::name())
     }
 
-    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         M::walk(walk, step)
     }
 
-    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+    fn kernels(probe: &mut Probe<'_>, step: f64) {
         M::kernels(probe, step);
     }
 }
@@ -171,11 +165,11 @@ impl<S: Geometry<Scalar = f64>, C: Coefficients, M: Claims<S>> Claims<S> for Com
         format!("Composed<{}, {}>", without_paths(core::any::type_name::<C>()), M::name())
     }
 
-    fn walk(walk: &mut Walk<'_, S>, step: f64) -> bool {
+    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         C::GAMMA.iter().all(|gamma| M::walk(walk, gamma * step))
     }
 
-    fn kernels(probe: &mut Probe<'_, S>, step: f64) {
+    fn kernels(probe: &mut Probe<'_>, step: f64) {
         for gamma in C::GAMMA {
             M::kernels(probe, gamma * step);
         }

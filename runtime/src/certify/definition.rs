@@ -1,19 +1,19 @@
 //! The family's step from its definition, for any system, by fixed-point iteration.
 //!
-//! Of the generated code it takes what [`Geometry`] has, and none of a step's closed forms: the exponential's logarithmic derivative
+//! Of the generated code it takes what [`Geometry`](crate::geometry::Geometry) has, and none of a step's closed forms: the exponential's logarithmic derivative
 //! is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::Frame;
-use crate::geometry::{Geometry, Map};
+use crate::geometry::Map;
 
 /// A state on its way through steps taken from their definition.
-pub struct Walk<'a, S: Geometry<Scalar = f64>> {
-    frame: &'a Frame<'a, S>,
-    pub(super) state: S::State,
+pub struct Walk<'a> {
+    frame: &'a Frame<'a>,
+    pub(super) state: Vec<f64>,
     time: f64,
-    control: S::Control,
+    control: &'a [f64],
     /// Whether a step could not be taken.
     pub(super) lost: bool,
 }
@@ -21,9 +21,9 @@ pub struct Walk<'a, S: Geometry<Scalar = f64>> {
 /// More sweeps than any step takes that a fixed-point iteration solves in reasonable time.
 const SWEEPS: usize = 200;
 
-impl<'a, S: Geometry<Scalar = f64>> Walk<'a, S> {
-    pub(super) fn new(frame: &'a Frame<'a, S>, state: &S::State, time: f64, control: &S::Control) -> Self {
-        Self { frame, state: state.clone(), time, control: control.clone(), lost: false }
+impl<'a> Walk<'a> {
+    pub(super) fn new(frame: &'a Frame<'a>, state: &[f64], time: f64, control: &'a [f64]) -> Self {
+        Self { frame, state: state.to_vec(), time, control, lost: false }
     }
 
     /// Takes a step with the member `s` of the [family](crate::scheme::Family).
@@ -37,7 +37,7 @@ impl<'a, S: Geometry<Scalar = f64>> Walk<'a, S> {
 
     /// `m⁻ = Ad*_{τ(sη)} m`, `ḡ = g τ(sη)`, `m⁺ = m⁻ + t (F − ∂h/∂g)`, `m̄ = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{sη})* m` and
     /// `η = t ∂h/∂m`, over and over.
-    fn solve(&self, map: Map, s: f64, step: f64) -> Option<S::State> {
+    fn solve(&self, map: Map, s: f64, step: f64) -> Option<Vec<f64>> {
         let Self { frame, state, control, .. } = self;
         let time = self.time + s * step;
         let m = frame.linear_part(state);

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::geometry::{Geometry, Map, zero};
-use crate::system::State;
+use crate::erased::Geometry;
+use crate::geometry::Map;
 
 /// The larger of two numbers; not-a-number if one is.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
@@ -15,7 +15,7 @@ pub(super) fn larger(a: f64, b: f64) -> f64 {
 /// With `e` a hundredth of the curve's scale, truncation and roundoff are both about 1e-14.
 pub(super) fn derivative<E>(
     e: f64,
-    mut curve: impl FnMut(f64) -> Result<DVector<f64>, E>,
+    curve: &mut dyn FnMut(f64) -> Result<DVector<f64>, E>,
 ) -> Result<DVector<f64>, E> {
     const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
     let mut sum = DVector::zeros(0);
@@ -28,8 +28,8 @@ pub(super) fn derivative<E>(
 }
 
 /// [`derivative`] of a curve that does not fail.
-pub(super) fn slope(e: f64, curve: impl Fn(f64) -> DVector<f64>) -> DVector<f64> {
-    let Ok(slope) = derivative(e, |at| Ok::<_, core::convert::Infallible>(curve(at)));
+pub(super) fn slope(e: f64, curve: &dyn Fn(f64) -> DVector<f64>) -> DVector<f64> {
+    let Ok(slope) = derivative(e, &mut |at| Ok::<_, core::convert::Infallible>(curve(at)));
     slope
 }
 
@@ -43,9 +43,8 @@ pub(super) struct Linear {
 }
 
 /// What the components of states and tangent vectors are.
-pub(super) struct Frame<'a, S: Geometry<Scalar = f64>> {
-    pub(super) system: &'a S,
-    zero: S::Tangent,
+pub(super) struct Frame<'a> {
+    pub(super) system: &'a dyn Geometry,
     /// The places of the configurations' components in tangent vectors.
     pub(super) configuration: Vec<usize>,
     /// The momenta, in the order of the configurations' components that they belong to, then the advected parameters.
@@ -60,20 +59,18 @@ pub(super) struct Frame<'a, S: Geometry<Scalar = f64>> {
     pub(super) rate: f64,
 }
 
-impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
+impl<'a> Frame<'a> {
     /// What the components are is found by trying: a configuration and its momentum are the pairs whose bracket is 1 everywhere.
     /// `None` if there are no such pairs, or parts of the state that are neither.
-    pub(super) fn new(system: &'a S, first: &S::State, control: &S::Control, time: f64) -> Option<Self> {
-        let like = zero::<S>(&system.differential(first, time));
-        let n = like.as_ref().len();
+    pub(super) fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
+        let n = system.differential(first, time).len();
         let mut frame = Self {
             system,
-            zero: like,
             configuration: Vec::new(),
             linear: Vec::new(),
             stored: Vec::new(),
             scale: vec![1.0; n],
-            weight: vec![1.0; first.to_components().as_ref().len()],
+            weight: vec![1.0; first.len()],
             rate: 0.0,
         };
 
@@ -81,7 +78,7 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
             let by: Vec<f64> = (1..=n).map(|i| 0.3 + 0.5 * (seed * i as f64).sin()).collect();
             frame.displace(first, Map::Exponential, &by)
         };
-        let tensors = [first.clone(), elsewhere(1.0), elsewhere(2.3)].map(|state| frame.poisson(&state));
+        let tensors = [first.to_vec(), elsewhere(1.0), elsewhere(2.3)].map(|state| frame.poisson(&state));
         let is = |i: usize, j: usize, value: f64| tensors.iter().all(|tensor| tensor[(i, j)] == value);
         let mut momenta = Vec::new();
         for i in 0..n {
@@ -92,12 +89,10 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
             }
         }
         let others = (0..n).filter(|i| !frame.configuration.contains(i) && !momenta.contains(i));
-        let before = first.to_components();
-        let before = before.as_ref();
+        let before = first;
         for tangent in momenta.iter().copied().chain(others) {
-            let moved = frame.displace(first, Map::Exponential, &frame.unit(tangent, 1.0)).to_components();
-            let moves =
-                |&c: &usize| ((moved.as_ref()[c] - before[c]) - 1.0).abs() <= 1e-9 * (1.0 + before[c].abs());
+            let moved = frame.displace(first, Map::Exponential, &frame.unit(tangent, 1.0));
+            let moves = |&c: &usize| ((moved[c] - before[c]) - 1.0).abs() <= 1e-9 * (1.0 + before[c].abs());
             frame.linear.push(Linear { tangent, component: (0..before.len()).find(moves)? });
         }
         frame.stored =
@@ -114,10 +109,9 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
     }
 
     /// Scales and rate.
-    fn measure(&mut self, state: &S::State, control: &S::Control, time: f64) {
+    fn measure(&mut self, state: &[f64], control: &[f64], time: f64) {
         let usable = |size: f64, least: f64| if size > least && size.is_finite() { size } else { 1.0 };
-        let components = state.to_components();
-        let components = components.as_ref();
+        let components = state;
         let basis = self.basis(state);
         // turns count in radians, positions in their distance from the origin
         for (column, &i) in basis.column_iter().zip(&self.configuration) {
@@ -127,7 +121,7 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         }
         let motion = self.motion(state, time, control);
         // of a body at rest, how fast it is going to be is in the velocity's change
-        let change = slope(1e-4 / (1.0 + motion.amax()), |at| {
+        let change = slope(1e-4 / (1.0 + motion.amax()), &|at| {
             let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
             self.motion(&there, time + at, control)
         });
@@ -137,7 +131,7 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
             self.rate = self.rate.max(rate);
         }
         let mut offset = 0;
-        for quantity in S::State::QUANTITIES {
+        for quantity in self.system.description().state {
             let places = offset..offset + quantity.components.len();
             offset = places.end;
             let part: Vec<Linear> =
@@ -159,8 +153,8 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
 
     /// How far a momentum or an advected parameter may be changed before the configuration moves at another rate than it does: of a slender
     /// body the momentum about its axis by far less than the others.
-    fn gentle(&self, state: &S::State, tangent: usize, size: f64, time: f64, control: &S::Control) -> f64 {
-        let change = slope(1e-3 * size, |at| {
+    fn gentle(&self, state: &[f64], tangent: usize, size: f64, time: f64, control: &[f64]) -> f64 {
+        let change = slope(1e-3 * size, &|at| {
             let mut by = vec![0.0; self.scale.len()];
             by[tangent] = at;
             self.motion(&self.displace(state, Map::Exponential, &by), time, control)
@@ -175,12 +169,6 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         self.scale.len()
     }
 
-    fn tangent(&self, by: &[f64]) -> S::Tangent {
-        let mut tangent = self.zero;
-        tangent.as_mut().copy_from_slice(by);
-        tangent
-    }
-
     /// `length` along one component.
     pub(super) fn unit(&self, component: usize, length: f64) -> Vec<f64> {
         let mut unit = vec![0.0; self.dimension()];
@@ -188,28 +176,29 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         unit
     }
 
-    pub(super) fn displace(&self, state: &S::State, map: Map, by: &[f64]) -> S::State {
-        self.system.displace(state, map, &self.tangent(by))
+    pub(super) fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
+        self.system.displace(state, map, by)
     }
 
-    pub(super) fn hamiltonian_vector(&self, state: &S::State, covector: &[f64]) -> DVector<f64> {
-        DVector::from_column_slice(self.system.hamiltonian_vector(state, &self.tangent(covector)).as_ref())
+    pub(super) fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> DVector<f64> {
+        self.system.hamiltonian_vector(state, covector).into()
     }
 
-    pub(super) fn differential(&self, state: &S::State, time: f64) -> DVector<f64> {
-        DVector::from_column_slice(self.system.differential(state, time).as_ref())
+    pub(super) fn differential(&self, state: &[f64], time: f64) -> DVector<f64> {
+        self.system.differential(state, time).into()
     }
 
-    pub(super) fn force(&self, state: &S::State, time: f64, control: &S::Control) -> DVector<f64> {
-        DVector::from_column_slice(self.system.force(state, time, control).as_ref())
+    pub(super) fn force(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
+        self.system.force(state, time, control).into()
     }
 
-    pub(super) fn motion(&self, state: &S::State, time: f64, control: &S::Control) -> DVector<f64> {
-        DVector::from_column_slice(self.system.motion(state, time, control).as_ref())
+    pub(super) fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
+        self.hamiltonian_vector(state, self.differential(state, time).as_slice())
+            + self.force(state, time, control)
     }
 
     /// The matrix of the Poisson structure.
-    pub(super) fn poisson(&self, state: &S::State) -> DMatrix<f64> {
+    pub(super) fn poisson(&self, state: &[f64]) -> DMatrix<f64> {
         let n = self.dimension();
         let columns: Vec<_> = (0..n).map(|j| self.hamiltonian_vector(state, &self.unit(j, 1.0))).collect();
         DMatrix::from_columns(&columns)
@@ -223,32 +212,23 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
     }
 
     /// How far two states are apart, relative to their size.
-    pub(super) fn distance(&self, a: &S::State, b: &S::State) -> f64 {
-        let (a, b) = (a.to_components(), b.to_components());
-        let both = a.as_ref().iter().zip(b.as_ref()).zip(&self.weight);
+    pub(super) fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let both = a.iter().zip(b).zip(&self.weight);
         both.map(|((a, b), weight)| (a - b).abs() / weight).fold(0.0, larger)
     }
 
-    pub(super) fn components(state: &S::State) -> DVector<f64> {
-        DVector::from_column_slice(state.to_components().as_ref())
-    }
-
     /// Momenta and advected parameters.
-    pub(super) fn linear_part(&self, state: &S::State) -> DVector<f64> {
-        let components = state.to_components();
-        DVector::from_iterator(
-            self.linear.len(),
-            self.linear.iter().map(|linear| components.as_ref()[linear.component]),
-        )
+    pub(super) fn linear_part(&self, state: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.linear.len(), self.linear.iter().map(|linear| state[linear.component]))
     }
 
     /// The state with these momenta and advected parameters.
-    pub(super) fn with_linear_part(&self, state: &S::State, values: &DVector<f64>) -> S::State {
-        let mut components = state.to_components();
+    pub(super) fn with_linear_part(&self, state: &[f64], values: &DVector<f64>) -> Vec<f64> {
+        let mut state = state.to_vec();
         for (linear, value) in self.linear.iter().zip(values.iter()) {
-            components.as_mut()[linear.component] = *value;
+            state[linear.component] = *value;
         }
-        S::State::from_components(&components)
+        state
     }
 
     /// The linear components of a tangent or a cotangent vector.
@@ -262,7 +242,7 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
     }
 
     /// The state with its configurations displaced.
-    pub(super) fn moved(&self, state: &S::State, map: Map, by: &DVector<f64>) -> S::State {
+    pub(super) fn moved(&self, state: &[f64], map: Map, by: &DVector<f64>) -> Vec<f64> {
         let mut tangent = vec![0.0; self.dimension()];
         for (&i, by) in self.configuration.iter().zip(by.iter()) {
             tangent[i] = *by;
@@ -270,16 +250,15 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         self.displace(state, map, &tangent)
     }
 
-    fn stored_part(&self, state: &S::State) -> DVector<f64> {
-        let components = state.to_components();
-        DVector::from_iterator(self.stored.len(), self.stored.iter().map(|&c| components.as_ref()[c]))
+    fn stored_part(&self, state: &[f64]) -> DVector<f64> {
+        DVector::from_iterator(self.stored.len(), self.stored.iter().map(|&c| state[c]))
     }
 
     /// The derivative of a configuration's stored numbers by its displacement, at the displacement `by`.
-    fn basis_at(&self, state: &S::State, map: Map, by: &DVector<f64>) -> DMatrix<f64> {
+    fn basis_at(&self, state: &[f64], map: Map, by: &DVector<f64>) -> DMatrix<f64> {
         let columns: Vec<_> = (0..self.configuration.len())
             .map(|k| {
-                slope(1e-2 * self.scale[self.configuration[k]], |at| {
+                slope(1e-2 * self.scale[self.configuration[k]], &|at| {
                     let mut there = by.clone();
                     there[k] += at;
                     self.stored_part(&self.moved(state, map, &there))
@@ -289,12 +268,12 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
         DMatrix::from_columns(&columns)
     }
 
-    fn basis(&self, state: &S::State) -> DMatrix<f64> {
+    fn basis(&self, state: &[f64]) -> DMatrix<f64> {
         self.basis_at(state, Map::Exponential, &DVector::zeros(self.configuration.len()))
     }
 
     /// The tangent vectors at a state that change its stored numbers like this.
-    pub(super) fn local(&self, state: &S::State, changes: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    pub(super) fn local(&self, state: &[f64], changes: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         let rows = DMatrix::from_fn(self.stored.len(), changes.ncols(), |r, c| changes[(self.stored[r], c)]);
         let turned = least_squares(&self.basis(state), &rows)?;
         let mut local = DMatrix::zeros(self.dimension(), changes.ncols());
@@ -311,7 +290,7 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
     /// displacement is from the right side of `τ`.
     pub(super) fn logarithmic_derivative(
         &self,
-        state: &S::State,
+        state: &[f64],
         map: Map,
         by: &DVector<f64>,
     ) -> Option<DMatrix<f64>> {
@@ -321,7 +300,7 @@ impl<'a, S: Geometry<Scalar = f64>> Frame<'a, S> {
 
     /// The matrix of `m ↦ ad*_η m` on momenta and advected parameters, the Lie–Poisson part of the Hamiltonian vector, linear in the
     /// state. On the right side of an invariance it comes with the sign that makes `η` the displacement's.
-    pub(super) fn coadjoint(&self, state: &S::State, eta: &DVector<f64>) -> DMatrix<f64> {
+    pub(super) fn coadjoint(&self, state: &[f64], eta: &DVector<f64>) -> DMatrix<f64> {
         let mut covector = vec![0.0; self.dimension()];
         for (linear, eta) in self.linear.iter().zip(eta.iter()) {
             covector[linear.tangent] = *eta;

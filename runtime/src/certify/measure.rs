@@ -2,15 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::claims::{Claim, Claims, Kept};
+use super::CertifyError;
+use super::claims::{Claim, Kept};
 use super::definition::{Walk, series};
 use super::frame::{Frame, derivative, larger, slope};
 use super::probe::Probe;
 use super::report::{Bound, Certificate, Report, Verdict};
-use super::{Certification, CertifyError};
+use crate::erased::{Description, Geometry, Method, Stepper};
 use crate::error::{ParameterError, StepError};
-use crate::geometry::{Geometry, Map};
-use crate::system::{Discretized, State, System};
+use crate::geometry::Map;
+use crate::stepper::check_step;
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
 const STEP: f64 = 0.1;
@@ -24,88 +25,65 @@ enum Trouble {
     Degenerate,
 }
 
-/// Takes steps, and shows the state after each.
-type Runner<S> = fn(&S, &Steps<'_, S>, &mut dyn FnMut(&<S as System>::State)) -> Result<(), Trouble>;
-
-/// What a scheme does, as values: the measurements are compiled once for all schemes of a system.
-struct Scheme<S: Geometry<Scalar = f64>> {
-    claim: Claim,
-    run: Runner<S>,
-    walk: fn(&mut Walk<'_, S>, f64) -> bool,
-    kernels: fn(&mut Probe<'_, S>, f64),
+/// What a scheme does, as values: the measurements are compiled once for all systems and schemes.
+pub(super) struct Scheme<'a> {
+    pub(super) name: String,
+    pub(super) claim: Claim,
+    /// What takes steps of a length.
+    pub(super) method: &'a dyn Fn(f64) -> Box<dyn Method<f64>>,
+    /// Takes the same step from its definition; whether there is one.
+    pub(super) walk: &'a dyn Fn(&mut Walk<'_>, f64) -> bool,
+    /// Shows the kernels of a step.
+    pub(super) kernels: &'a dyn Fn(&mut Probe<'_>, f64),
 }
 
-/// Steps to take.
-struct Steps<'a, S: Geometry<Scalar = f64>> {
-    step: f64,
-    count: usize,
-    time: f64,
-    state: &'a S::State,
-    control: &'a S::Control,
-}
-
-/// [`Runner`] of the scheme `M`.
-fn run<S, M>(system: &S, steps: &Steps<'_, S>, seen: &mut dyn FnMut(&S::State)) -> Result<(), Trouble>
-where
-    S: Geometry<Scalar = f64> + Discretized<M>,
-{
-    let mut stepper = system.stepper::<M>(steps.step).map_err(Trouble::Parameter)?;
-    stepper.set_time(steps.time);
-    let mut state = steps.state.clone();
-    for _ in 0..steps.count {
-        stepper.step_with(&mut state, steps.control).map_err(Trouble::Step)?;
-        seen(&state);
-    }
-    Ok(())
+/// States to measure at, each with its control, and how.
+pub(super) struct Subject<'a> {
+    pub(super) system: &'a dyn Geometry,
+    pub(super) states: Vec<Vec<f64>>,
+    pub(super) controls: Vec<Vec<f64>>,
+    pub(super) time: f64,
+    pub(super) step: Option<f64>,
 }
 
 /// A state to measure at.
-struct Sample<'a, S: Geometry<Scalar = f64>> {
-    system: &'a S,
-    frame: Frame<'a, S>,
-    state: S::State,
-    control: S::Control,
+struct Sample<'a> {
+    system: &'a dyn Geometry,
+    description: Description,
+    frame: Frame<'a>,
+    state: &'a [f64],
+    control: &'a [f64],
     time: f64,
     step: f64,
-    scheme: &'a Scheme<S>,
+    scheme: &'a Scheme<'a>,
 }
 
 /// A figure; none if there is nothing to measure.
 type Figure = Result<Option<f64>, Trouble>;
 
-pub(super) fn report<S, M>(what: &Certification<'_, S>) -> Result<Report, CertifyError>
-where
-    S: Geometry<Scalar = f64> + Discretized<M>,
-    M: Claims<S>,
-{
-    let scheme = Scheme { claim: M::CLAIM, run: run::<S, M>, walk: M::walk, kernels: M::kernels };
-    certificates(what, &scheme, M::name())
-}
-
-fn certificates<S: Geometry<Scalar = f64>>(
-    what: &Certification<'_, S>,
-    scheme: &Scheme<S>,
-    name: String,
-) -> Result<Report, CertifyError> {
-    let Certification { system, states, controls, time, step } = what;
+pub(super) fn certificates(subject: &Subject<'_>, scheme: &Scheme<'_>) -> Result<Report, CertifyError> {
+    let Subject { system, states, controls, time, step } = subject;
+    let description = system.description();
     system.validate()?;
-    if let Some(step) = step.filter(|step| !step.is_finite() || *step == 0.0) {
-        return Err(ParameterError::Step { step }.into());
+    if let Some(step) = *step {
+        check_step(step)?;
     }
+    let none = Vec::new();
     let mut held = controls.iter().cycle();
     let mut samples = Vec::new();
     for (index, state) in states.iter().enumerate() {
-        let control = held.next().cloned().unwrap_or_default();
-        if !state.to_components().as_ref().iter().all(|x| x.is_finite()) {
+        let control = held.next().unwrap_or(&none);
+        if !state.iter().all(|x| x.is_finite()) {
             return Err(named("sample", index, Trouble::Step(StepError::NotFinite)));
         }
-        let frame =
-            Frame::new(*system, state, &control, *time).ok_or(CertifyError::Structure { system: S::NAME })?;
+        let frame = Frame::new(*system, state, control, *time)
+            .ok_or(CertifyError::Structure { system: description.name })?;
         let step = step.unwrap_or(if frame.rate > 0.0 { STEP / frame.rate } else { STEP });
         samples.push(Sample {
             system: *system,
+            description,
             frame,
-            state: state.clone(),
+            state,
             control,
             time: *time,
             step,
@@ -113,10 +91,16 @@ fn certificates<S: Geometry<Scalar = f64>>(
         });
     }
     let step = samples.iter().map(|sample| sample.step).reduce(f64::min).ok_or(CertifyError::NoStates)?;
-    let mut bench = Bench { samples: &samples, certificates: Vec::new() };
+    let mut bench = Bench { samples: &samples, description, certificates: Vec::new() };
     bench.scheme(scheme.claim)?;
     bench.geometry()?;
-    Ok(Report { system: S::NAME, scheme: name, claim: scheme.claim, step, certificates: bench.certificates })
+    Ok(Report {
+        system: description.name,
+        scheme: scheme.name.clone(),
+        claim: scheme.claim,
+        step,
+        certificates: bench.certificates,
+    })
 }
 
 fn named(certificate: &str, state: usize, trouble: Trouble) -> CertifyError {
@@ -129,48 +113,49 @@ fn named(certificate: &str, state: usize, trouble: Trouble) -> CertifyError {
 }
 
 /// Figures against their bounds.
-struct Bench<'a, S: Geometry<Scalar = f64>> {
-    samples: &'a [Sample<'a, S>],
+struct Bench<'a> {
+    samples: &'a [Sample<'a>],
+    description: Description,
     certificates: Vec<Certificate>,
 }
 
-impl<'a, S: Geometry<Scalar = f64>> Bench<'a, S> {
+impl<'a> Bench<'a> {
     /// What the scheme claims.
     fn scheme(&mut self, claim: Claim) -> Result<(), CertifyError> {
         let order = f64::from(claim.order);
-        self.certify("order", Some(Bound::AtLeast(order - (0.05 * order).max(0.15))), Sample::order)?;
-        self.certify("consistency", Some(Bound::AtMost(1e-9)), Sample::consistency)?;
-        self.certify("Poisson map", claim.poisson.then_some(Bound::AtMost(1e-9)), Sample::poisson_map)?;
-        for (index, name) in S::CASIMIRS.iter().enumerate() {
+        self.certify("order", Some(Bound::AtLeast(order - (0.05 * order).max(0.15))), &Sample::order)?;
+        self.certify("consistency", Some(Bound::AtMost(1e-9)), &Sample::consistency)?;
+        self.certify("Poisson map", claim.poisson.then_some(Bound::AtMost(1e-9)), &Sample::poisson_map)?;
+        for (index, name) in self.description.casimirs.iter().enumerate() {
             let kept = match claim.casimirs {
                 Kept::All => true,
                 Kept::Advected => self.samples.iter().all(|sample| sample.is_advected(index)),
                 Kept::None => false,
             };
             let bound = kept.then_some(Bound::AtMost(1e-11));
-            self.certify(name, bound, |sample| sample.casimir_drift(index))?;
+            self.certify(name, bound, &|sample| sample.casimir_drift(index))?;
         }
-        if S::AUTONOMOUS {
+        if self.description.autonomous {
             let claimed = |bound| claim.poisson.then_some(bound);
-            self.certify("energy drift", claimed(Bound::AtMost(0.5)), Sample::energy_drift)?;
-            self.certify("energy order", claimed(Bound::AtLeast(order - 0.5)), Sample::energy_order)?;
+            self.certify("energy drift", claimed(Bound::AtMost(0.5)), &Sample::energy_drift)?;
+            self.certify("energy order", claimed(Bound::AtLeast(order - 0.5)), &Sample::energy_order)?;
         }
         self.certify(
             "reversibility",
             claim.symmetric.then_some(Bound::AtMost(1e-13)),
-            Sample::reversibility,
+            &Sample::reversibility,
         )?;
-        self.certify("Newton correction", Some(Bound::AtMost(1e-6)), Sample::correction)?;
-        self.certify("definition", Some(Bound::AtMost(1e-10)), Sample::definition)
+        self.certify("Newton correction", Some(Bound::AtMost(1e-6)), &Sample::correction)?;
+        self.certify("definition", Some(Bound::AtMost(1e-10)), &Sample::definition)
     }
 
     /// What the system's geometry is.
     fn geometry(&mut self) -> Result<(), CertifyError> {
-        self.certify("energy differential", Some(Bound::AtMost(1e-9)), Sample::differential)?;
-        self.certify("antisymmetry", Some(Bound::AtMost(1e-14)), Sample::antisymmetry)?;
-        self.certify("Jacobi identity", Some(Bound::AtMost(1e-8)), Sample::jacobi)?;
-        self.certify("exponential", Some(Bound::AtMost(1e-10)), Sample::exponential)?;
-        self.certify("inverse", Some(Bound::AtMost(1e-13)), Sample::inverse)
+        self.certify("energy differential", Some(Bound::AtMost(1e-9)), &Sample::differential)?;
+        self.certify("antisymmetry", Some(Bound::AtMost(1e-14)), &Sample::antisymmetry)?;
+        self.certify("Jacobi identity", Some(Bound::AtMost(1e-8)), &Sample::jacobi)?;
+        self.certify("exponential", Some(Bound::AtMost(1e-10)), &Sample::exponential)?;
+        self.certify("inverse", Some(Bound::AtMost(1e-13)), &Sample::inverse)
     }
 
     /// The worst figure of all samples, against its bound.
@@ -178,7 +163,7 @@ impl<'a, S: Geometry<Scalar = f64>> Bench<'a, S> {
         &mut self,
         name: &str,
         bound: Option<Bound>,
-        measure: impl Fn(&Sample<'a, S>) -> Figure,
+        measure: &dyn Fn(&Sample<'a>) -> Figure,
     ) -> Result<(), CertifyError> {
         let mut worst = None;
         for (index, sample) in self.samples.iter().enumerate() {
@@ -209,34 +194,53 @@ impl<'a, S: Geometry<Scalar = f64>> Bench<'a, S> {
     }
 }
 
-impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
-    /// Takes steps from the sample, and shows the state after each.
-    fn run(&self, step: f64, count: usize, mut seen: impl FnMut(&S::State)) -> Result<(), Trouble> {
-        let steps = Steps { step, count, time: self.time, state: &self.state, control: &self.control };
-        (self.scheme.run)(self.system, &steps, &mut seen)
+impl Sample<'_> {
+    /// Takes steps from a time and a state, and shows the state after each.
+    fn steps(
+        &self,
+        (step, count): (f64, usize),
+        time: f64,
+        state: &[f64],
+        seen: &mut dyn FnMut(&[f64]),
+    ) -> Result<(), Trouble> {
+        check_step(step).map_err(Trouble::Parameter)?;
+        let mut stepper = Stepper::of(self.system, (self.scheme.method)(step), step);
+        stepper.set_time(time);
+        let mut state = state.to_vec();
+        for _ in 0..count {
+            stepper.step(&mut state, self.control).map_err(Trouble::Step)?;
+            seen(&state);
+        }
+        Ok(())
+    }
+
+    /// Takes steps from the sample.
+    fn run(&self, step: f64, count: usize, seen: &mut dyn FnMut(&[f64])) -> Result<(), Trouble> {
+        self.steps((step, count), self.time, self.state, seen)
     }
 
     /// The state after one step from a time and a state.
-    fn one(&self, step: f64, time: f64, state: &S::State) -> Result<S::State, Trouble> {
-        let mut next = state.clone();
-        let steps = Steps { step, count: 1, time, state, control: &self.control };
-        (self.scheme.run)(self.system, &steps, &mut |state| next = state.clone())?;
+    fn one(&self, step: f64, time: f64, state: &[f64]) -> Result<Vec<f64>, Trouble> {
+        let mut next = Vec::new();
+        self.steps((step, 1), time, state, &mut |state| next = state.to_vec())?;
         Ok(next)
     }
 
     /// Steps of the long runs: forces held on and on lead to where steps of this size cannot be taken.
-    const LONG: usize = if S::FORCED { 100 } else { 1000 };
+    fn long(&self) -> usize {
+        if self.description.forced { 100 } else { 1000 }
+    }
 
     /// By the ends of one interval, crossed with ever shorter steps.
     fn order(&self) -> Figure {
         let mut interval = 10.0 * self.step;
         for _ in 0..6 {
-            let mut last = None;
+            let mut last: Option<Vec<f64>> = None;
             let mut errors = Vec::new();
             for halvings in 0..10 {
                 let steps = 1 << halvings;
-                let mut end = self.state.clone();
-                match self.run(interval / steps as f64, steps, |state| end = state.clone()) {
+                let mut end = self.state.to_vec();
+                match self.run(interval / steps as f64, steps, &mut |state| end = state.to_vec()) {
                     Ok(()) => {}
                     // too long a step, which shorter ones make up for
                     Err(Trouble::Step(_)) if halvings < 5 => {
@@ -266,12 +270,11 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
 
     /// The derivative by the step's size at 0.
     fn consistency(&self) -> Figure {
-        let change = derivative(0.1 * self.step.abs(), |step| {
-            Ok(Frame::<S>::components(&self.one(step, self.time, &self.state)?))
-        })?;
+        let change =
+            derivative(0.1 * self.step.abs(), &mut |step| Ok(self.one(step, self.time, self.state)?.into()))?;
         let change = DMatrix::from_columns(&[change]);
-        let change = self.frame.local(&self.state, &change).ok_or(Trouble::Degenerate)?;
-        let motion = self.frame.motion(&self.state, self.time, &self.control);
+        let change = self.frame.local(self.state, &change).ok_or(Trouble::Degenerate)?;
+        let motion = self.frame.motion(self.state, self.time, self.control);
         let scaled = |i: usize, x: f64| (x / self.frame.scale[i]).abs();
         let size = motion.iter().enumerate().fold(0.0, |size, (i, x)| larger(size, scaled(i, *x)));
         let error =
@@ -280,14 +283,14 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
     }
 
     /// The derivative of a step in local coordinates, and where it leads.
-    fn linearized(&self) -> Result<(DMatrix<f64>, S::State), Trouble> {
+    fn linearized(&self) -> Result<(DMatrix<f64>, Vec<f64>), Trouble> {
         let frame = &self.frame;
-        let end = self.one(self.step, self.time, &self.state)?;
+        let end = self.one(self.step, self.time, self.state)?;
         let columns: Result<Vec<_>, _> = (0..frame.dimension())
             .map(|i| {
-                derivative(1e-2 * frame.scale[i], |at| {
-                    let there = frame.displace(&self.state, Map::Exponential, &frame.unit(i, at));
-                    Ok(Frame::<S>::components(&self.one(self.step, self.time, &there)?))
+                derivative(1e-2 * frame.scale[i], &mut |at| {
+                    let there = frame.displace(self.state, Map::Exponential, &frame.unit(i, at));
+                    Ok(self.one(self.step, self.time, &there)?.into())
                 })
             })
             .collect();
@@ -297,7 +300,7 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
 
     fn poisson_map(&self) -> Figure {
         let (derivative, end) = self.linearized()?;
-        let carried = &derivative * self.frame.poisson(&self.state) * derivative.transpose();
+        let carried = &derivative * self.frame.poisson(self.state) * derivative.transpose();
         let expected = self.frame.poisson(&end);
         let size = self.frame.scaled(&expected).amax();
         Ok(Some(largest(&self.frame.scaled(&(carried - expected))) / size))
@@ -305,28 +308,28 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
 
     /// Whether a Casimir is a function of advected parameters alone.
     fn is_advected(&self, index: usize) -> bool {
-        let mut other = self.frame.linear_part(&self.state);
+        let mut other = self.frame.linear_part(self.state);
         for (k, x) in other.iter_mut().take(self.frame.configuration.len()).enumerate() {
             *x = 1.7 * *x + (0.3 + 0.1 * k as f64) * self.frame.scale[self.frame.linear[k].tangent];
         }
-        let other = self.frame.with_linear_part(&self.state, &other);
-        self.casimir(index, &other) == self.casimir(index, &self.state)
+        let other = self.frame.with_linear_part(self.state, &other);
+        self.casimir(index, &other) == self.casimir(index, self.state)
     }
 
-    fn casimir(&self, index: usize, state: &S::State) -> f64 {
-        self.system.casimirs(state).as_ref()[index]
+    fn casimir(&self, index: usize, state: &[f64]) -> f64 {
+        self.system.casimirs(state)[index]
     }
 
     fn casimir_drift(&self, index: usize) -> Figure {
-        let start = self.casimir(index, &self.state);
+        let start = self.casimir(index, self.state);
         // what it may be where it happens to be small
         let size = self.frame.linear.iter().fold(start.abs(), |size, linear| {
             let by = self.frame.unit(linear.tangent, self.frame.scale[linear.tangent]);
-            let there = self.frame.displace(&self.state, Map::Exponential, &by);
+            let there = self.frame.displace(self.state, Map::Exponential, &by);
             size.max((self.casimir(index, &there) - start).abs())
         });
         let mut drift = 0.0;
-        self.run(self.step, Self::LONG, |state| {
+        self.run(self.step, self.long(), &mut |state| {
             drift = larger(drift, (self.casimir(index, state) - start).abs());
         })?;
         Ok(Some(if drift == 0.0 { 0.0 } else { drift / size }))
@@ -334,14 +337,14 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
 
     /// The energies along a run.
     fn energies(&self, step: f64, count: usize) -> Result<Vec<f64>, Trouble> {
-        let mut energies = vec![self.system.energy_at(&self.state, self.time)];
-        self.run(step, count, |state| energies.push(self.system.energy_at(state, self.time)))?;
+        let mut energies = vec![self.system.energy(self.state, self.time)];
+        self.run(step, count, &mut |state| energies.push(self.system.energy(state, self.time)))?;
         Ok(energies)
     }
 
     /// What errors of the energy count relative to.
     fn energy_size(&self) -> f64 {
-        let differential = self.frame.differential(&self.state, self.time);
+        let differential = self.frame.differential(self.state, self.time);
         let parts = differential.iter().zip(&self.frame.scale).map(|(x, scale)| (x * scale).abs());
         parts.fold(f64::MIN_POSITIVE, f64::max)
     }
@@ -350,7 +353,7 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
     fn energy_drift(&self) -> Figure {
         let mut figure = None;
         for length in [1, 4, 16, 64] {
-            let energies = self.energies(self.step, length * Self::LONG)?;
+            let energies = self.energies(self.step, length * self.long())?;
             let range = range(&energies);
             if range < 1e-11 * self.energy_size() {
                 return Ok(None);
@@ -382,14 +385,15 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
 
     /// A step, and one back that starts when the first one ends.
     fn reversibility(&self) -> Figure {
-        let there = self.one(self.step, self.time, &self.state)?;
+        let there = self.one(self.step, self.time, self.state)?;
         let back = self.one(-self.step, self.time + self.step, &there)?;
-        Ok(Some(self.frame.distance(&self.state, &back)))
+        Ok(Some(self.frame.distance(self.state, &back)))
     }
 
     fn correction(&self) -> Figure {
-        let Self { system, state, control, time, .. } = self;
-        let mut probe = Probe { system: *system, state, time: *time, control, worst: None };
+        let Self { state, control, time, .. } = *self;
+        let parameters = &self.system.parameters();
+        let mut probe = Probe { parameters, state, time, control, worst: None };
         (self.scheme.kernels)(&mut probe, self.step);
         Ok(probe.worst)
     }
@@ -398,12 +402,12 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
         let mut step = self.step;
         // a fixed-point iteration asks for shorter steps than Newton's
         for _ in 0..6 {
-            let mut walk = Walk::new(&self.frame, &self.state, self.time, &self.control);
+            let mut walk = Walk::new(&self.frame, self.state, self.time, self.control);
             if !(self.scheme.walk)(&mut walk, step) {
                 return Ok(None);
             }
             if !walk.lost {
-                let is = self.one(step, self.time, &self.state)?;
+                let is = self.one(step, self.time, self.state)?;
                 return Ok(Some(self.frame.distance(&is, &walk.state)));
             }
             step *= 0.5;
@@ -413,24 +417,24 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
 
     fn differential(&self) -> Figure {
         let frame = &self.frame;
-        let differential = frame.differential(&self.state, self.time);
+        let differential = frame.differential(self.state, self.time);
         let mut error = 0.0;
         for (i, scale) in frame.scale.iter().enumerate() {
             for map in [Map::Exponential, Map::Cayley] {
-                let change = slope(1e-2 * scale, |at| {
-                    let there = frame.displace(&self.state, map, &frame.unit(i, at));
-                    DVector::from_element(1, self.system.energy_at(&there, self.time))
+                let change = slope(1e-2 * scale, &|at| {
+                    let there = frame.displace(self.state, map, &frame.unit(i, at));
+                    DVector::from_element(1, self.system.energy(&there, self.time))
                 });
                 error = larger(error, (change[0] - differential[i]).abs() * scale);
             }
         }
         // where all forces vanish, what the energy itself is counts
-        let size = self.energy_size().max(self.system.energy_at(&self.state, self.time).abs());
+        let size = self.energy_size().max(self.system.energy(self.state, self.time).abs());
         Ok(Some(error / size))
     }
 
     fn antisymmetry(&self) -> Figure {
-        let tensor = self.frame.scaled(&self.frame.poisson(&self.state));
+        let tensor = self.frame.scaled(&self.frame.poisson(self.state));
         Ok(Some(largest(&(&tensor + tensor.transpose())) / tensor.amax()))
     }
 
@@ -440,9 +444,9 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
         let n = frame.dimension();
         // a tangent vector in these coordinates is another one at the displaced state, of which only the configuration's part differs
         let in_coordinates = |by: &[f64]| {
-            let there = frame.displace(&self.state, Map::Exponential, by);
+            let there = frame.displace(self.state, Map::Exponential, by);
             let turn = frame.configuration_of(&DVector::from_column_slice(by));
-            let small = frame.logarithmic_derivative(&self.state, Map::Exponential, &turn)?.try_inverse()?;
+            let small = frame.logarithmic_derivative(self.state, Map::Exponential, &turn)?.try_inverse()?;
             let mut inverse = DMatrix::identity(n, n);
             for (r, &i) in frame.configuration.iter().enumerate() {
                 for (c, &j) in frame.configuration.iter().enumerate() {
@@ -451,10 +455,10 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
             }
             Some(frame.scaled(&(&inverse * frame.poisson(&there) * inverse.transpose())))
         };
-        let tensor = frame.scaled(&frame.poisson(&self.state));
+        let tensor = frame.scaled(&frame.poisson(self.state));
         let mut changes = Vec::new();
         for l in 0..n {
-            let column = derivative(1e-2, |at| {
+            let column = derivative(1e-2, &mut |at| {
                 let there = in_coordinates(&frame.unit(l, at * frame.scale[l])).ok_or(Trouble::Degenerate)?;
                 Ok(DVector::from_column_slice(there.as_slice()))
             })?;
@@ -490,11 +494,10 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
         let frame = &self.frame;
         let turn = self.turn();
         let n = turn.len();
-        let measured = frame
-            .logarithmic_derivative(&self.state, Map::Exponential, &-&turn)
-            .ok_or(Trouble::Degenerate)?;
+        let measured =
+            frame.logarithmic_derivative(self.state, Map::Exponential, &-&turn).ok_or(Trouble::Degenerate)?;
         let eta = turn.resize_vertically(frame.linear.len(), 0.0);
-        let ad = frame.coadjoint(&self.state, &eta);
+        let ad = frame.coadjoint(self.state, &eta);
         let mut error = 0.0;
         for k in 0..n {
             let mut m = DVector::zeros(frame.linear.len());
@@ -512,8 +515,8 @@ impl<S: Geometry<Scalar = f64>> Sample<'_, S> {
     fn inverse(&self) -> Figure {
         let turn = self.turn();
         let error = [Map::Exponential, Map::Cayley].map(|map| {
-            let there = self.frame.moved(&self.state, map, &turn);
-            self.frame.distance(&self.state, &self.frame.moved(&there, map, &-&turn))
+            let there = self.frame.moved(self.state, map, &turn);
+            self.frame.distance(self.state, &self.frame.moved(&there, map, &-&turn))
         });
         Ok(Some(larger(error[0], error[1])))
     }

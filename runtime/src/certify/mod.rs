@@ -59,14 +59,16 @@ mod report;
 
 use thiserror::Error;
 
-pub use claims::{Claim, Claims, Kept, Retraction};
+pub use claims::{Claim, Claims, Kept};
 pub use definition::Walk;
 pub use probe::Probe;
 pub use report::{Bound, Certificate, Report, Verdict};
 
+use crate::erased::{self, Flat, StepperError};
 use crate::error::{ParameterError, StepError};
 use crate::geometry::Geometry;
-use crate::system::Discretized;
+use crate::system::{Control, Discretized, State};
+use measure::{Scheme, Subject};
 
 /// Certifies the steps that the scheme `M` takes of a system, at sample states; with all controls zero and from the time 0. For other
 /// ones there is [`Certification`].
@@ -75,8 +77,8 @@ use crate::system::Discretized;
 /// If the parameters are not valid, there is no state, or a step cannot be taken.
 pub fn certify<M, S>(system: &S, states: &[S::State]) -> Result<Report, CertifyError>
 where
-    S: Geometry<Scalar = f64> + Discretized<M>,
-    M: Claims<S>,
+    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
+    M: Claims<S> + 'static,
 {
     Certification::new(system).states(states).run::<M>()
 }
@@ -153,11 +155,63 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
     /// If the parameters are not valid, there is no state, or a step cannot be taken.
     pub fn run<M>(&self) -> Result<Report, CertifyError>
     where
-        S: Discretized<M>,
-        M: Claims<S>,
+        S: Discretized<M> + 'static,
+        M: Claims<S> + 'static,
     {
-        measure::report::<S, M>(self)
+        let parameters: Vec<f64> = self.system.to_parameters().as_ref().to_vec();
+        let scheme = Scheme {
+            name: M::name(),
+            claim: M::CLAIM,
+            method: &|step| Flat::<S::Method<f64>, false>::boxed(&parameters, step),
+            walk: &M::walk,
+            kernels: &M::kernels,
+        };
+        let flat = |numbers: &[f64]| numbers.to_vec();
+        let subject = Subject {
+            system: self.system,
+            states: self.states.iter().map(|state| flat(state.to_components().as_ref())).collect(),
+            controls: self.controls.iter().map(|control| flat(control.to_components().as_ref())).collect(),
+            time: self.time,
+            step: self.step,
+        };
+        measure::certificates(&subject, &scheme)
     }
+}
+
+/// Certifies the steps that a scheme takes of a system whose type is erased, at sample states, each with a control, from the time 0; with this
+/// step, or with one that follows from the motion at the states.
+///
+/// # Errors
+/// As [`Certification::run`], or if the scheme's steps were not generated.
+pub fn certify_erased(
+    system: &dyn erased::System,
+    scheme: &erased::Scheme,
+    states: &[Vec<f64>],
+    controls: &[Vec<f64>],
+    step: Option<f64>,
+) -> Result<Report, CertifyError> {
+    let description = system.description();
+    // what is missing is found out before anything is measured
+    erased::Stepper::new(system, scheme, step.unwrap_or(1.0))?;
+    let generated = |map, rule, step| system.method(map, rule, step).ok_or(());
+    let scheme = Scheme {
+        name: scheme.name(),
+        claim: scheme.claim(&description),
+        method: &|step| match scheme.method(description.invariant, step, &mut { generated }) {
+            Ok(method) => method,
+            Err(()) => unreachable!("it was there"),
+        },
+        walk: &|walk, step| scheme.walk(description.invariant, walk, step),
+        kernels: &|probe, step| {
+            scheme.parts(description.invariant, step, &mut |map, rule, step| {
+                if let Some(equation) = system.equation(map, rule, &probe.at(step)) {
+                    probe.compare(&*equation);
+                }
+            });
+        },
+    };
+    let subject = Subject { system, states: states.to_vec(), controls: controls.to_vec(), time: 0.0, step };
+    measure::certificates(&subject, &scheme)
 }
 
 /// Why there is no report.
@@ -167,6 +221,9 @@ pub enum CertifyError {
     /// The parameters, or the step asked for, are not valid.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// A step that the scheme is made of was not generated.
+    #[error(transparent)]
+    Scheme(#[from] StepperError),
     /// There is nothing to measure at.
     #[error("there is no state to certify the steps at")]
     NoStates,

@@ -4,7 +4,7 @@ use core::fmt::Debug;
 
 use nalgebra::SMatrix;
 
-use super::{AllChanges, Differentiable, Linearizable, StateChange, Wanted};
+use super::{AllChanges, Derives, Differentiable, Linearizable, StateChange, Wanted};
 use crate::scalar::{Real, Scalar};
 use crate::stepper::StepReport;
 
@@ -43,7 +43,7 @@ impl<T: Scalar, const R: usize, const C: usize> Dense<T> for SMatrix<T, R, C> {
 
     #[inline]
     fn zeros() -> Self {
-        Self::from_fn(|_, _| T::of(0.0))
+        Self::from_data(nalgebra::ArrayStorage([[T::of(0.0); R]; C]))
     }
     #[inline]
     fn as_slice(&self) -> &[T] {
@@ -97,7 +97,7 @@ macro_rules! single {
             const PARAMETERS: bool = $parameters;
         }
 
-        impl<S: Differentiable> Blocks<S> for $blocks {
+        impl<S: Derives<$blocks>> Blocks<S> for $blocks {
             type Jacobian = S::$blocks;
 
             #[inline(always)]

@@ -1,11 +1,11 @@
 //! Derivatives of methods: of one solved equation, and by the chain rule of what is composed of such.
 
 use super::{
-    AllChanges, ControlChange, Differentiable, Entry, Linearized, ParameterChange, StateChange, add,
+    AllChanges, ControlChange, Differentiable, Linearized, ParameterChange, StateChange, add, no_columns,
+    zeros,
 };
 use crate::composition::{Coefficients, Composition};
 use crate::geometry::Isolated;
-use crate::kernel::Components;
 use crate::method::{Carried, Halves, Method};
 use crate::one_step::OneStep;
 use crate::scalar::{Batch, Scalar};
@@ -75,14 +75,6 @@ pub trait Linearizable<S: Differentiable>: Method {
 /// The columns of derivatives by state, controls and parameters.
 pub type AllColumns<S, T> = AllChanges<S, StateChange<S, T>>;
 
-fn no_columns<T: Scalar, V: Components<T> + Entry, C: Components<V>>() -> C {
-    C::from_fn(|_| zeros())
-}
-
-fn zeros<T: Scalar, C: Components<T>>() -> C {
-    C::from_fn(|_| T::of(0.0))
-}
-
 impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneStep<T, K> {
     type Trace = K::Unknown;
     type Derivative = K::Point;
@@ -128,9 +120,11 @@ impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneSt
     #[inline(always)]
     fn columns<W: Wanted>(point: &K::Point) -> AllColumns<S, T> {
         // no closures: these would not be compiled for the processor that this is compiled for
-        let by_state = if W::STATE { K::by_state(point) } else { no_columns::<T, _, _>() };
-        let by_control = if W::CONTROL { K::by_control(point) } else { no_columns::<T, _, _>() };
-        let by_parameters = if W::PARAMETERS { K::by_parameters(point) } else { no_columns::<T, _, _>() };
+        let through = &K::through(point);
+        let by_state = if W::STATE { K::by_state(point, through) } else { no_columns::<T, _, _>() };
+        let by_control = if W::CONTROL { K::by_control(point, through) } else { no_columns::<T, _, _>() };
+        let by_parameters =
+            if W::PARAMETERS { K::by_parameters(point, through) } else { no_columns::<T, _, _>() };
         (by_state, by_control, by_parameters)
     }
 }
@@ -195,8 +189,11 @@ fn forth<S: Differentiable, D: Linearizable<S>, W: Wanted>(
 
 /// The derivatives before the first part.
 fn start<S: Differentiable, D: Linearizable<S>>() -> AllColumns<S, D::Scalar> {
-    let unit = |j: usize| Components::from_fn(|i| D::Scalar::of(if i == j { 1.0 } else { 0.0 }));
-    (Components::from_fn(unit), Components::from_fn(|_| zeros()), Components::from_fn(|_| zeros()))
+    let mut state: StateChange<S, StateChange<S, D::Scalar>> = no_columns::<D::Scalar, _, _>();
+    for (i, column) in state.as_mut().iter_mut().enumerate() {
+        column.as_mut()[i] = D::Scalar::of(1.0);
+    }
+    (state, no_columns::<D::Scalar, _, _>(), no_columns::<D::Scalar, _, _>())
 }
 
 impl<S, A, B> Linearizable<S> for Halves<A, B>

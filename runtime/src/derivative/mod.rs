@@ -1,6 +1,7 @@
 //! Derivatives of the step that is really taken, exact to rounding: what control, estimation and identification linearize.
 //!
-//! Asked for with `derivatives` in the description. The code of each step is then accompanied by that of its derivative, in closed form: the
+//! Asked for in the description: `derivatives` for all of them, `derivatives(state)` for the matrix by the state alone, likewise
+//! `controls`, `parameters`, and the products `tangent` and `adjoint`. The code of each step is then accompanied by that of its derivative, in closed form: the
 //! implicit function theorem on the step's own equation, with all second derivatives of potentials and forces. Nothing is done by
 //! differences.
 //!
@@ -95,11 +96,31 @@ pub trait Differentiable: System {
     type ByParameters: Dense<Self::Scalar>;
 }
 
+/// A system of whose steps the derivative `D` was generated: [`ByState`], [`ByControl`], [`ByParameters`], [`Tangent`] or [`Adjoint`].
+/// Implemented by the macro.
+#[diagnostic::on_unimplemented(
+    message = "the derivative `{D}` of the steps of `{Self}` was not generated",
+    note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
+)]
+pub trait Derives<D>: Differentiable {}
+
+/// The product of a step's derivative with a change: [`StepDerivative::tangent`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tangent;
+/// The transposed product: [`StepDerivative::adjoint`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Adjoint;
+
 /// The derivative of a generated step of the system `S`, as generated: straight-line code in two stages, the point and then linear maps of
 /// changes.
+///
+/// A map that was not asked for has the body that stands here and gives zeros. Nobody comes to see them: everything public that
+/// applies a map asks for a system that [`Derives`] it.
 pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
     /// What the derivative is made of at one point.
     type Point: Copy + Send + Sync;
+    /// The columns of the derivative of the next state by the unknown.
+    type Through;
 
     /// At the solution `unknown` of the step's equation.
     fn point(
@@ -113,21 +134,46 @@ pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
 
     /// The change of the next state.
     fn tangent(
-        point: &Self::Point,
-        state: &StateChange<S, T>,
-        control: &ControlChange<S, T>,
-        parameters: &ParameterChange<S, T>,
-    ) -> StateChange<S, T>;
+        _point: &Self::Point,
+        _state: &StateChange<S, T>,
+        _control: &ControlChange<S, T>,
+        _parameters: &ParameterChange<S, T>,
+    ) -> StateChange<S, T> {
+        zeros()
+    }
 
     /// The derivatives by state, controls and parameters of a function of the next state, from its own there: the transpose.
-    fn adjoint(point: &Self::Point, costate: &StateChange<S, T>) -> AllChanges<S, T>;
+    fn adjoint(_point: &Self::Point, _costate: &StateChange<S, T>) -> AllChanges<S, T> {
+        (zeros(), zeros(), zeros())
+    }
+
+    /// The derivative by the unknown, column by column, which the matrices have in common.
+    fn through(point: &Self::Point) -> Self::Through;
 
     /// The derivative by the state as a matrix, column by column.
-    fn by_state(point: &Self::Point) -> StateChange<S, StateChange<S, T>>;
+    fn by_state(_point: &Self::Point, _through: &Self::Through) -> StateChange<S, StateChange<S, T>> {
+        no_columns::<T, _, _>()
+    }
     /// The derivative by the controls.
-    fn by_control(point: &Self::Point) -> ControlChange<S, StateChange<S, T>>;
+    fn by_control(_point: &Self::Point, _through: &Self::Through) -> ControlChange<S, StateChange<S, T>> {
+        no_columns::<T, _, _>()
+    }
     /// The derivative by the parameters.
-    fn by_parameters(point: &Self::Point) -> ParameterChange<S, StateChange<S, T>>;
+    fn by_parameters(
+        _point: &Self::Point,
+        _through: &Self::Through,
+    ) -> ParameterChange<S, StateChange<S, T>> {
+        no_columns::<T, _, _>()
+    }
+}
+
+/// Columns of zeros.
+fn no_columns<T: Scalar, V: Components<T> + Entry, C: Components<V>>() -> C {
+    C::splat(zeros())
+}
+
+fn zeros<T: Scalar, C: Components<T>>() -> C {
+    C::splat(T::of(0.0))
 }
 
 /// What the entries of a change can be: numbers, or columns of them.
@@ -212,7 +258,9 @@ impl<S: Differentiable> Changes<S> {
 }
 
 fn to_array<T: Scalar, C: Components<T>>(vector: &impl Dense<T>) -> C {
-    C::from_fn(|i| vector.as_slice().get(i).copied().unwrap_or_else(|| T::of(0.0)))
+    let mut array: C = zeros();
+    array.as_mut().iter_mut().zip(vector.as_slice()).for_each(|(entry, value)| *entry = *value);
+    array
 }
 
 // written out, because derived they would ask the same of `S`
@@ -266,7 +314,10 @@ where
     }
 
     /// The change of the next state that a change makes.
-    pub fn tangent(&self, changes: &Changes<S>) -> S::StateVector {
+    pub fn tangent(&self, changes: &Changes<S>) -> S::StateVector
+    where
+        S: Derives<Tangent>,
+    {
         let (state, control, parameters) = changes.arrays();
         let next = D::tangent(&self.derivative, &state, &control, &parameters);
         Dense::from_column(next.as_ref())
@@ -274,7 +325,10 @@ where
 
     /// The derivatives by state, controls and parameters of a function of the next state whose derivative there is `costate`: the transpose
     /// of [`tangent`](Self::tangent).
-    pub fn adjoint(&self, costate: &S::StateVector) -> Gradient<S> {
+    pub fn adjoint(&self, costate: &S::StateVector) -> Gradient<S>
+    where
+        S: Derives<Adjoint>,
+    {
         Changes::from_arrays(&D::adjoint(&self.derivative, &to_array(costate)))
     }
 

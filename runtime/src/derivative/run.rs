@@ -3,7 +3,9 @@
 use core::fmt;
 use std::vec::Vec;
 
-use super::{Changes, Dense, Differentiable, Gradient, Linearizable, add, to_array};
+use super::{
+    Adjoint, Changes, Dense, Derives, Differentiable, Gradient, Linearizable, Tangent, add, to_array,
+};
 use crate::error::StepError;
 use crate::run::{RunError, RunReport};
 use crate::stepper::Stepper;
@@ -131,7 +133,10 @@ where
     ///
     /// # Errors
     /// If a step cannot be taken; which it was when it was recorded.
-    pub fn tangent(&self, changes: &Changes<S>) -> Result<S::StateVector, StepError> {
+    pub fn tangent(&self, changes: &Changes<S>) -> Result<S::StateVector, StepError>
+    where
+        S: Derives<Tangent>,
+    {
         let mut changes = *changes;
         let Some((stepper, state)) = self.checkpoints.first() else { return Ok(changes.state) };
         let (mut stepper, mut state) = (stepper.clone(), state.clone());
@@ -147,7 +152,10 @@ where
     ///
     /// # Errors
     /// If a step cannot be taken; which it was when it was recorded.
-    pub fn gradient(&self, costate: &S::StateVector) -> Result<Gradient<S>, StepError> {
+    pub fn gradient(&self, costate: &S::StateVector) -> Result<Gradient<S>, StepError>
+    where
+        S: Derives<Adjoint>,
+    {
         self.gradient_with(costate, |_| {})
     }
 
@@ -160,7 +168,10 @@ where
         &self,
         costate: &S::StateVector,
         mut each: impl FnMut(Moment<'_, S>),
-    ) -> Result<Gradient<S>, StepError> {
+    ) -> Result<Gradient<S>, StepError>
+    where
+        S: Derives<Adjoint>,
+    {
         let mut total = Gradient::<S> { state: *costate, ..Gradient::default() };
         let mut taken: Vec<Taken<S, M>> = Vec::new();
         for (segment, (stepper, state)) in self.checkpoints.iter().enumerate().rev() {

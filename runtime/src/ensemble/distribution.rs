@@ -33,8 +33,8 @@ impl Spread {
     /// Of which quantiles are recorded.
     pub const LEVELS: [f64; 7] = [0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0];
 
-    /// Of values in any order.
-    fn of(time: f64, values: &mut [f64]) -> Self {
+    /// Of values in any order, none of which is not-a-number.
+    pub fn of(time: f64, values: &mut [f64]) -> Self {
         let members = values.len();
         if members == 0 {
             let nothing = f64::NAN;

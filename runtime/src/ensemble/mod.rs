@@ -34,9 +34,10 @@
 //! Threads are [rayon](https://docs.rs/rayon)'s: `RAYON_NUM_THREADS` in the environment, or a pool of one's own around the call, says how many.
 //! Without the feature `parallel` there is one.
 
-mod blocks;
 mod distribution;
+pub(crate) mod members;
 
+use core::convert::Infallible;
 use core::fmt;
 use core::marker::PhantomData;
 use core::ops::ControlFlow;
@@ -45,24 +46,20 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
+use crate::erased::{Flat, Method, StepperError};
 use crate::error::{ParameterError, StepError};
-use crate::method::Clock;
-use crate::scalar::{Batch, Real};
-use crate::stepper::on_group;
+use crate::kernel::Components;
+use crate::scalar::{Batch, Real, Scalar};
+use crate::stepper::{check_deviation, check_step};
 use crate::system::{Control, Discretized, State, System};
-pub use blocks::Instructions;
-use blocks::{Blocks, Marched};
 pub use distribution::{Distribution, Spread};
+pub use members::Instructions;
+use members::{Builder, Member, Members};
 
 /// Many states that move at the same time, with the scheme `M`.
 pub struct Ensemble<S: Discretized<M>, M> {
     parameters: Vec<S::Parameters<S::Scalar>>,
-    blocks: Box<dyn Blocks<S>>,
-    /// Those that failed, in the order of their numbers.
-    failed: Vec<Failed>,
-    step: S::Scalar,
-    start: f64,
-    taken: u64,
+    members: Members,
     scheme: PhantomData<fn() -> M>,
 }
 
@@ -78,8 +75,8 @@ pub struct Failed {
     pub source: StepError,
 }
 
-/// An ensemble that cannot be.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+/// An ensemble that cannot be built.
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EnsembleError {
     /// A member's parameters, or the step, are not valid.
@@ -98,6 +95,9 @@ pub enum EnsembleError {
         /// What is wrong with it.
         source: StepError,
     },
+    /// There is no such step of the system.
+    #[error(transparent)]
+    Scheme(#[from] StepperError),
     /// There are more states than systems.
     #[error(
         "there are only {systems} systems for the states; `std::iter::repeat(&system)` gives all the same"
@@ -128,8 +128,7 @@ pub struct Moment<'a, S: System> {
     /// The time, in f64 whatever the scalar.
     pub time: f64,
     parameters: &'a [S::Parameters<S::Scalar>],
-    blocks: &'a dyn Blocks<S>,
-    failed: &'a [Failed],
+    members: &'a Members,
 }
 
 impl<S: System> Moment<'_, S> {
@@ -145,16 +144,36 @@ impl<S: System> Moment<'_, S> {
 
     /// Those that have failed so far.
     pub fn failed(&self) -> &[Failed] {
-        self.failed
+        &self.members.failed
     }
 
     /// The system and the state of each member that has not failed, with its number.
     pub fn members(&self) -> impl Iterator<Item = (usize, S, S::State)> + '_ {
-        let alive = (0..self.len()).filter(|&member| self.blocks.is_alive(member));
+        let alive = (0..self.len()).filter(|&member| self.members.is_alive(member));
         alive.map(|member| {
             let system = S::from_parameters(&self.parameters[member]);
-            (member, system, S::State::from_components(&self.blocks.state(member)))
+            (member, system, state_of::<S>(self.members, member))
         })
+    }
+}
+
+/// The state of a member.
+fn state_of<S: System>(members: &Members, member: usize) -> S::State {
+    let mut components = S::StateComponents::<S::Scalar>::splat(S::Scalar::of(0.0));
+    for (component, number) in components.as_mut().iter_mut().zip(members.state(member)) {
+        *component = S::Scalar::of(number);
+    }
+    S::State::from_components(&components)
+}
+
+/// The steps of the scheme `M`, for as many members as there are lanes.
+struct Typed<S, M>(PhantomData<fn() -> (S, M)>);
+
+impl<S: Discretized<M> + 'static, M: 'static> Builder for Typed<S, M> {
+    type Error = Infallible;
+
+    fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, Infallible> {
+        Ok(Flat::<S::Method<T>, true>::boxed(parameters, step))
     }
 }
 
@@ -211,22 +230,31 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         instructions: Instructions,
     ) -> Result<Self, EnsembleError> {
         let mut systems = systems.into_iter();
-        let mut members = Vec::new();
+        let (mut members, mut all_parameters) = (Vec::new(), Vec::new());
+        let numbers = |scalars: &[S::Scalar]| scalars.iter().map(|x| x.to_f64()).collect();
         for (member, state) in states.into_iter().enumerate() {
             let system = systems.next().ok_or(EnsembleError::TooFewSystems { systems: member })?;
             // whatever a stepper refuses
-            if let Err(source) = system.stepper::<M>(step) {
+            if let Err(source) = system.validate().and_then(|()| check_step(step.to_f64())) {
                 return Err(EnsembleError::Parameters { member, source });
             }
-            let components = state.to_components();
+            let (parameters, components) = (system.to_parameters(), state.to_components());
             let is_finite = components.as_ref().iter().all(|x| x.is_finite());
-            let is_state = if is_finite { on_group(&state) } else { Err(StepError::NotFinite) };
+            let is_state = if is_finite {
+                check_deviation(state.deviation().to_f64())
+            } else {
+                Err(StepError::NotFinite)
+            };
             is_state.map_err(|source| EnsembleError::State { member, source })?;
-            members.push((system.to_parameters(), components));
+            members.push(Member {
+                parameters: numbers(parameters.as_ref()),
+                state: numbers(components.as_ref()),
+            });
+            all_parameters.push(parameters);
         }
-        let blocks = instructions.blocks::<S, M>(&members, step);
-        let parameters = members.iter().map(|(parameters, _)| *parameters).collect();
-        Ok(Self { parameters, blocks, failed: Vec::new(), step, start: 0.0, taken: 0, scheme: PhantomData })
+        let builder = Typed::<S, M>(PhantomData);
+        let Ok(members) = Members::new::<S::Scalar, _>(instructions, &members, step.to_f64(), &builder);
+        Ok(Self { parameters: all_parameters, members, scheme: PhantomData })
     }
 
     /// Takes `steps` steps. See [`failed`](Self::failed) for members that could not.
@@ -243,31 +271,20 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         watcher: &mut impl Watcher<S>,
     ) -> EnsembleReport {
         let mut report = EnsembleReport::default();
-        let before = self.failed.len();
+        let before = self.members.failed.len();
         report.stopped = watcher.watch(&self.moment(0)).is_break();
         while report.steps < steps && !report.stopped {
             let stretch = interval.max(1).min(steps - report.steps);
-            let clock = Clock { start: self.start, step: self.step.to_f64(), taken: self.taken };
-            let Marched { mut failed, member_steps } = self.blocks.march(clock, stretch);
-            self.failed.append(&mut failed);
-            self.failed.sort_unstable_by_key(|failed| failed.member);
-            self.taken += stretch;
+            report.member_steps += self.members.march(stretch);
             report.steps += stretch;
-            report.member_steps += member_steps;
             report.stopped = watcher.watch(&self.moment(report.steps)).is_break();
         }
-        report.failures = self.failed.len() - before;
+        report.failures = self.members.failed.len() - before;
         report
     }
 
     fn moment(&self, index: u64) -> Moment<'_, S> {
-        Moment {
-            index,
-            time: self.time(),
-            parameters: &self.parameters,
-            blocks: &*self.blocks,
-            failed: &self.failed,
-        }
+        Moment { index, time: self.time(), parameters: &self.parameters, members: &self.members }
     }
 
     /// How many members there are.
@@ -282,17 +299,17 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The step size.
     pub fn step_size(&self) -> S::Scalar {
-        self.step
+        S::Scalar::of(self.members.step)
     }
 
     /// The time, in f64 whatever the scalar.
     pub fn time(&self) -> f64 {
-        self.start + self.taken as f64 * self.step.to_f64()
+        self.members.time()
     }
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
-        (self.start, self.taken) = (time, 0);
+        self.members.set_time(time);
     }
 
     /// The system of a member; none if there are not so many.
@@ -302,29 +319,30 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The state of a member: of one that failed, the last that it reached; none if there are not so many.
     pub fn state(&self, member: usize) -> Option<S::State> {
-        (member < self.len()).then(|| S::State::from_components(&self.blocks.state(member)))
+        (member < self.len()).then(|| state_of::<S>(&self.members, member))
     }
 
     /// The states of all members, in order.
     pub fn states(&self) -> impl Iterator<Item = S::State> + '_ {
-        (0..self.len()).map(|member| S::State::from_components(&self.blocks.state(member)))
+        (0..self.len()).map(|member| state_of::<S>(&self.members, member))
     }
 
     /// The members that failed, in order.
     pub fn failed(&self) -> &[Failed] {
-        &self.failed
+        &self.members.failed
     }
 
     /// How many members are stepped side by side: that depends on the processor.
     pub fn width(&self) -> usize {
-        self.blocks.width()
+        self.members.width()
     }
 
     /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero.
     pub fn control(&mut self, mut choose: impl FnMut(usize, &S::State) -> S::Control) {
         for member in 0..self.len() {
-            let state = S::State::from_components(&self.blocks.state(member));
-            self.blocks.set_control(member, &choose(member, &state).to_components());
+            let control = choose(member, &state_of::<S>(&self.members, member)).to_components();
+            let control: Vec<f64> = control.as_ref().iter().map(|x| x.to_f64()).collect();
+            self.members.set_control(member, &control);
         }
     }
 }
@@ -335,8 +353,8 @@ impl<S: Discretized<M>, M> fmt::Debug for Ensemble<S, M> {
             .field("system", &S::NAME)
             .field("scheme", &core::any::type_name::<M>())
             .field("members", &self.parameters.len())
-            .field("failed", &self.failed.len())
-            .field("step", &self.step)
+            .field("failed", &self.members.failed.len())
+            .field("step", &self.members.step)
             .finish_non_exhaustive()
     }
 }

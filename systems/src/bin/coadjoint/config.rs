@@ -137,9 +137,10 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     ] {
         writeln!(text, "{setting:28} # {doc}")?;
     }
-    for (section, quantities, values) in
-        [("parameters", entry.parameters, &setup.parameters), ("state", entry.state, &setup.state)]
-    {
+    for (section, quantities, values) in [
+        ("parameters", entry.description.parameters, &setup.parameters),
+        ("state", entry.description.state, &setup.state),
+    ] {
         if quantities.is_empty() {
             continue;
         }
@@ -182,7 +183,8 @@ mod tests {
             assert_eq!(config.order(path).expect("one of ours"), Some(Order::Two));
             // from other numbers back to the example's
             let expected = (entry.example)();
-            let count = entry.parameters.iter().map(|quantity| quantity.components.len()).sum::<usize>();
+            let count =
+                entry.description.parameters.iter().map(|quantity| quantity.components.len()).sum::<usize>();
             let mut setup = expected.clone();
             setup.parameters.iter_mut().take(count).chain(&mut setup.state).for_each(|x| *x = 7.25);
             config.apply(path, entry, &mut setup).expect("its own names");

@@ -77,7 +77,7 @@ impl Film {
         let mut rows = serde_json::Map::new();
         let mut frames: Vec<(&str, Option<Value>, Option<Value>)> = Vec::new();
         let (mut points, mut vectors) = (Vec::new(), Vec::new());
-        for (quantity, slots) in laid_out(entry.state) {
+        for (quantity, slots) in laid_out(entry.description.state) {
             for (component, slot) in quantity.components.iter().zip(slots.clone()) {
                 let name = component_name(quantity, component);
                 columns.push(json!({ "name": name }));
@@ -124,12 +124,12 @@ impl Film {
         let difference =
             |values: Vec<f64>| values.iter().map(|value| value - values[0]).collect::<Vec<f64>>();
         let mut errors = Vec::new();
-        if entry.autonomous && !self.energies.is_empty() {
+        if entry.description.autonomous && !self.energies.is_empty() {
             errors.push(json!({
                 "name": "energy", "unit": "J", "kind": "energy", "values": difference(self.energies.clone()),
             }));
         }
-        for (i, (name, unit)) in entry.casimirs.iter().zip(entry.casimir_units).enumerate() {
+        for (i, (name, unit)) in entry.description.casimirs.iter().zip(entry.casimir_units).enumerate() {
             let values = difference(self.casimirs.iter().map(|casimirs| casimirs[i]).collect());
             errors.push(json!({ "name": symbols(name), "unit": unit, "kind": "casimir", "values": values }));
         }

@@ -27,14 +27,14 @@ impl Portrait {
     /// Of a run that is about to start.
     pub(crate) fn new(entry: &Entry, job: &Job) -> Self {
         let envelope = Envelope::new(job.steps + 1, PARTS);
-        let components = entry.state.iter().map(|quantity| quantity.components.len()).sum();
+        let components = entry.description.state.iter().map(|quantity| quantity.components.len()).sum();
         let end = job.steps as f64 * job.step;
         Self {
             span: (end.min(0.0), end.max(0.0)),
             reference: None,
             state: vec![envelope.clone(); components],
             energy: envelope.clone(),
-            casimirs: vec![envelope; entry.casimirs.len()],
+            casimirs: vec![envelope; entry.description.casimirs.len()],
         }
     }
 
@@ -46,7 +46,8 @@ impl Portrait {
             envelope.push(sample.index, sample.time, *component);
         }
         // where energy changes, that is part of the motion
-        let shown = if entry.autonomous { (sample.energy - *energy).abs() } else { sample.energy };
+        let shown =
+            if entry.description.autonomous { (sample.energy - *energy).abs() } else { sample.energy };
         self.energy.push(sample.index, sample.time, shown);
         for ((envelope, now), initially) in self.casimirs.iter_mut().zip(sample.casimirs).zip(casimirs) {
             envelope.push(sample.index, sample.time, (now - *initially).abs());
@@ -56,7 +57,7 @@ impl Portrait {
     /// A panel for each part of the state, one for energy, and one for each Casimir.
     pub(crate) fn figure(&self, entry: &Entry, title: String) -> Figure {
         let mut panels = Vec::new();
-        for (quantity, slots) in laid_out(entry.state) {
+        for (quantity, slots) in laid_out(entry.description.state) {
             let courses: Vec<Series> = quantity
                 .components
                 .iter()
@@ -79,12 +80,12 @@ impl Portrait {
         let mut alone = |axis: Axis, points| {
             panels.push(Panel::new(Axis::linear(TIME), axis, vec![Series::line("", points)]));
         };
-        if entry.autonomous {
+        if entry.description.autonomous {
             alone(Axis::logarithmic("error of energy, J"), self.energy.upper());
         } else {
             alone(Axis::linear("energy, J"), self.energy.both());
         }
-        let names = entry.casimirs.iter().zip(entry.casimir_units);
+        let names = entry.description.casimirs.iter().zip(entry.casimir_units);
         for ((name, unit), envelope) in names.zip(&self.casimirs) {
             let label = with_unit(&format!("error of {}", symbols(name)), unit);
             alone(Axis::logarithmic(label), envelope.upper());

@@ -33,12 +33,13 @@ impl Finding {
     pub(crate) fn verdict(&self, entry: &Entry) -> Vec<String> {
         let mut lines = Vec::new();
         let energy = &self.ledger.energy;
-        lines.push(if entry.autonomous {
+        lines.push(if entry.description.autonomous {
             format!("energy: {}", judged(energy, self.ledger.steps, "J"))
         } else {
             "energy: not conserved by this system".to_owned()
         });
-        for ((name, unit), kept) in entry.casimirs.iter().zip(entry.casimir_units).zip(&self.ledger.casimirs)
+        for ((name, unit), kept) in
+            entry.description.casimirs.iter().zip(entry.casimir_units).zip(&self.ledger.casimirs)
         {
             lines.push(format!("{name}: {}", judged(kept, self.ledger.steps, unit)));
         }
@@ -92,7 +93,7 @@ impl<'a> Table<'a> {
             row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
             row("energy at the start, J", &|run| format!("{:.4}", Figures(run.ledger.energy.initial))),
             row(
-                if self.entry.autonomous {
+                if self.entry.description.autonomous {
                     "largest energy error, J"
                 } else {
                     // forces act, or the time has a part in it
@@ -101,7 +102,7 @@ impl<'a> Table<'a> {
                 &|run| magnitude(run.ledger.energy.error),
             ),
         ];
-        for (i, name) in self.entry.casimirs.iter().enumerate() {
+        for (i, name) in self.entry.description.casimirs.iter().enumerate() {
             let name = with_unit(
                 &format!("drift of {name}"),
                 self.entry.casimir_units.get(i).copied().unwrap_or(""),
@@ -118,14 +119,14 @@ impl Table<'_> {
     /// `midpoint`, or `standard (verlet)`
     fn method(&self, job: &Job) -> String {
         match job.method {
-            Method::Standard => format!("standard ({})", (self.entry.standard)().name()),
+            Method::Standard => format!("standard ({})", self.entry.standard().name()),
             method => method.name().to_owned(),
         }
     }
 
     /// The order that the step has. The Euler steps are of order 2 only where they are the standard.
     fn order(&self, job: &Job) -> u32 {
-        let euler = !job.method.is_symmetric() && (self.entry.standard)() != Method::EulerA;
+        let euler = !job.method.is_symmetric() && self.entry.standard() != Method::EulerA;
         if euler && job.order == Order::Two { 1 } else { job.order.number() }
     }
 }

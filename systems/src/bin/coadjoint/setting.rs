@@ -16,7 +16,7 @@ use coadjoint_systems::simulation::Setup;
 pub(crate) fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) -> Result<(), Error> {
     for assignment in assignments {
         let (name, value) = assignment.split_once('=').ok_or_else(|| {
-            let example = entry.state.first().map_or("name", |quantity| quantity.name);
+            let example = entry.description.state.first().map_or("name", |quantity| quantity.name);
             Error::Input(format!("`--set {assignment}` has no `=`; write for example `--set {example}=…`",))
         })?;
         let (name, value) = (name.trim(), value.trim());
@@ -39,7 +39,7 @@ pub(crate) fn widths(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result
             spread.split_once('=').ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`"))?;
         let name = name.trim();
         let target = named(entry, Names::All, name)?;
-        for (quantity, slots) in laid_out(entry.state) {
+        for (quantity, slots) in laid_out(entry.description.state) {
             let turns = rotation(quantity).map_or(0, |(count, _)| count);
             if target.of_state && target.slots.start < slots.start + turns && slots.start < target.slots.end {
                 return Err(wrong("the components of a rotation cannot vary one by one"));
@@ -130,7 +130,7 @@ fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, Error> {
 /// If a rotation is zero, or no stepper can be built with the parameters.
 pub(crate) fn settle(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
     let mut notes = normalize(entry, setup)?;
-    notes.extend((entry.check)(setup)?);
+    notes.extend(entry.check(setup)?);
     Ok(notes)
 }
 
@@ -146,7 +146,8 @@ impl Name {
     fn all(entry: &Entry, which: Names) -> Vec<Name> {
         let mut whole = Vec::new();
         let mut single = Vec::new();
-        for (of_state, quantities) in [(false, entry.parameters), (true, entry.state)] {
+        for (of_state, quantities) in [(false, entry.description.parameters), (true, entry.description.state)]
+        {
             if which == if of_state { Names::Parameters } else { Names::State } {
                 continue;
             }
@@ -179,7 +180,11 @@ pub(crate) fn laid_out(quantities: &[Quantity]) -> impl Iterator<Item = (&Quanti
 
 fn known(entry: &Entry) -> String {
     let names = |quantities: &[Quantity]| quantities.iter().map(|q| q.name).collect::<Vec<_>>().join(", ");
-    format!("(parameters: {}; state: {})", names(entry.parameters), names(entry.state))
+    format!(
+        "(parameters: {}; state: {})",
+        names(entry.description.parameters),
+        names(entry.description.state)
+    )
 }
 
 fn numbers(name: &str, value: &str) -> Result<Vec<f64>, Error> {
@@ -213,7 +218,7 @@ pub(crate) fn rotation(quantity: &Quantity) -> Option<(usize, &'static str)> {
 /// Brings unit quaternions and unit complex numbers to length 1.
 fn normalize(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
     let mut notes = Vec::new();
-    for (quantity, slots) in laid_out(entry.state) {
+    for (quantity, slots) in laid_out(entry.description.state) {
         let Some((count, unit)) = rotation(quantity) else { continue };
         let components = &mut setup.state[slots.start..slots.start + count];
         // scaled by the largest component, so that no square overflows or vanishes

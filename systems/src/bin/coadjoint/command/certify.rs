@@ -37,7 +37,7 @@ fn one(
     retraction: Retraction,
     console: &mut dyn Write,
 ) -> Result<bool, Error> {
-    let report = (entry.certify)(&(entry.example)(), method, retraction)?;
+    let report = entry.certify(&(entry.example)(), method, retraction)?;
     writeln!(console, "{report}\n")?;
     Ok(report.passed())
 }

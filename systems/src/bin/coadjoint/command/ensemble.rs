@@ -31,7 +31,7 @@ pub(crate) fn ensemble(arguments: &EnsembleArguments, console: &mut dyn Write) -
     let mut setup = (entry.example)();
     setting::apply(entry, &mut setup, &arguments.motion.set)?;
     let mut notes = setting::settle(entry, &mut setup)?;
-    let default = entry.state.iter().filter(|quantity| quantity.role == Role::Momentum);
+    let default = entry.description.state.iter().filter(|quantity| quantity.role == Role::Momentum);
     let spread = match arguments.spread.is_empty() {
         true => default.map(|quantity| format!("{}=1%", quantity.name)).collect(),
         false => arguments.spread.clone(),
@@ -57,7 +57,7 @@ pub(crate) fn ensemble(arguments: &EnsembleArguments, console: &mut dyn Write) -
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let places: Vec<Shown> = shown.iter().map(|(_, shown)| *shown).collect();
-    let course = (entry.ensemble)(&setup, &crowd, &places, &mut watch)?;
+    let course = coadjoint_systems::crowd::run(entry, &setup, &crowd, &places, &mut watch)?;
     drop(progress);
 
     make_directory(&arguments.motion.out)?;
@@ -76,7 +76,7 @@ pub(crate) fn ensemble(arguments: &EnsembleArguments, console: &mut dyn Write) -
 fn shown(entry: &'static Entry, asked: &[String]) -> Result<Vec<(String, Shown)>, Error> {
     let mut all = vec![("energy".to_owned(), Shown::Energy)];
     let mut momenta = Vec::new();
-    for (quantity, slots) in setting::laid_out(entry.state) {
+    for (quantity, slots) in setting::laid_out(entry.description.state) {
         let Quantity { role, components, .. } = quantity;
         for (component, slot) in components.iter().zip(slots) {
             let named = (component_name(quantity, component), Shown::State(slot));

@@ -15,9 +15,9 @@ pub(crate) fn list(console: &mut dyn Write) -> Result<(), Error> {
         }
         writeln!(console, "{}: {}", entry.name, entry.about)?;
         let setup = (entry.example)();
-        quantities(console, "parameters", entry.parameters, &setup.parameters)?;
-        quantities(console, "initial state", entry.state, &setup.state)?;
-        for (i, control) in entry.controls.iter().enumerate() {
+        quantities(console, "parameters", entry.description.parameters, &setup.parameters)?;
+        quantities(console, "initial state", entry.description.state, &setup.state)?;
+        for (i, control) in entry.description.controls.iter().enumerate() {
             let title = if i == 0 { "controls" } else { "" };
             writeln!(
                 console,
@@ -25,8 +25,9 @@ pub(crate) fn list(console: &mut dyn Write) -> Result<(), Error> {
                 control.name
             )?;
         }
-        let energy = entry.autonomous.then_some("energy");
-        let conserved: Vec<&str> = energy.into_iter().chain(entry.casimirs.iter().copied()).collect();
+        let energy = entry.description.autonomous.then_some("energy");
+        let conserved: Vec<&str> =
+            energy.into_iter().chain(entry.description.casimirs.iter().copied()).collect();
         let conserved = if conserved.is_empty() { "nothing".to_owned() } else { conserved.join(", ") };
         writeln!(console, "  conserved      {conserved}")?;
     }

@@ -26,7 +26,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
         "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
         grouped(STEPS)
     )?;
-    if let Some(note) = (entry.check)(&setup)? {
+    if let Some(note) = entry.check(&setup)? {
         writeln!(console, "note: {note}")?;
     }
     console.flush()?;
@@ -50,7 +50,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
         if done.interrupted {
             return Err(Error::Interrupted);
         }
-        let time_per_step = (entry.time_per_step)(&setup, &job)?;
+        let time_per_step = entry.time_per_step(&setup, &job)?;
         findings.push(Finding { job, report: done.report, ledger: done.ledger, time_per_step });
     }
     write!(console, "\n{}\n", Table::new(entry, findings))?;

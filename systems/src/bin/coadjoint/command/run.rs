@@ -129,7 +129,7 @@ pub(crate) fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), E
 /// Tells how it went.
 fn finish(done: Done, checkpoint: Option<&Path>, console: &mut dyn Write) -> Result<(), Error> {
     let Done { entry, plan, ledger, report, written, interrupted } = done;
-    let time_per_step = if interrupted { None } else { (entry.time_per_step)(&plan.setup, &plan.job)? };
+    let time_per_step = if interrupted { None } else { entry.time_per_step(&plan.setup, &plan.job)? };
     let end = ledger.time;
     let finding = Finding { job: plan.job, report, ledger, time_per_step };
     let verdict = finding.verdict(entry);

@@ -13,6 +13,7 @@ use coadjoint_systems::classical::{
 };
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use coadjoint_systems::heavy_top::HeavyTop;
+use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, s.
 pub(crate) const STEP: f64 = 0.01;
@@ -49,8 +50,8 @@ impl Bodies {
         let from = AttitudeState { attitude: start.attitude, y: start.momentum };
         Ok(Self {
             tracks: [
-                ours::<_, Exponential, 2>("exponential", &body, &start, steps, quantities)?,
-                ours::<_, Cayley, 2>("Cayley", &body, &start, steps, quantities)?,
+                ours("exponential", Retraction::Exponential, &body, &start, steps, quantities)?,
+                ours("Cayley", Retraction::Cayley, &body, &start, steps, quantities)?,
                 theirs("RK4 on quaternions, projected", Rk4Quaternion, &by_hand, from, steps, measured)?,
                 theirs("RKMK4", Rkmk4, &by_hand, from, steps, measured)?,
             ],
@@ -83,8 +84,8 @@ impl Bodies {
         let from = AttitudeState { attitude: start.attitude, y };
         Ok(Self {
             tracks: [
-                ours::<_, Exponential, 3>("exponential", &top, &start, steps, quantities)?,
-                ours::<_, Cayley, 3>("Cayley", &top, &start, steps, quantities)?,
+                ours("exponential", Retraction::Exponential, &top, &start, steps, quantities)?,
+                ours("Cayley", Retraction::Cayley, &top, &start, steps, quantities)?,
                 theirs("RK4 on quaternions, projected", Rk4Quaternion, &by_hand, from, steps, measured)?,
                 theirs("RKMK4", Rkmk4, &by_hand, from, steps, measured)?,
             ],
@@ -131,21 +132,19 @@ impl Bodies {
 }
 
 /// A run of ours.
-fn ours<S, M, const N: usize>(
+fn ours<S: Catalogued, const N: usize>(
     name: &str,
+    retraction: Retraction,
     system: &S,
     start: &S::State,
     steps: u64,
     quantities: impl Fn(&S, &S::State) -> [f64; N],
-) -> Result<Track, Error>
-where
-    S: System<Scalar = f64> + Discretized<M>,
-{
+) -> Result<Track, Error> {
     let mut track = Track::new(name, steps);
-    let mut state = start.clone();
-    Run::new(&mut system.stepper::<M>(STEP)?, &mut state)
-        .each(|tick| track.push(tick.index, tick.time, quantities(system, tick.state)))
-        .steps(steps)?;
+    let scheme = (Method::Standard, retraction, Order::Two);
+    each_step(system, start, scheme, (STEP, steps), |index, time, state| {
+        track.push(index, time, quantities(system, state));
+    })?;
     Ok(track)
 }
 

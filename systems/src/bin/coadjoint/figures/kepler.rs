@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{Rk2, integrate};
 use coadjoint_systems::kepler::{Kepler, KeplerState};
+use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, in standard units.
 pub(crate) const STEP: f64 = 0.01;
@@ -71,16 +72,14 @@ impl Orbits {
         integrate(&Rk2, &field, 0.0, START, STEP, STEPS, |k, time, x| rk2.push(k, time, x))?;
 
         let kepler = Kepler { mass: 1.0, attraction: 1.0 };
-        let mut state =
-            KeplerState { position: vector![1.0, 0.0, 0.0], momentum: vector![0.0, START[3], 0.0] };
+        let start = KeplerState { position: vector![1.0, 0.0, 0.0], momentum: vector![0.0, START[3], 0.0] };
         let mut verlet = Orbit::new("Störmer–Verlet");
-        Run::new(&mut kepler.stepper::<StormerVerlet>(STEP)?, &mut state)
-            .each(|tick| {
-                let KeplerState { position, momentum } = tick.state;
-                let x = Vector4::new(position.x, position.y, momentum.x, momentum.y);
-                verlet.push(tick.index, tick.time, &x);
-            })
-            .steps(STEPS)?;
+        let scheme = (Method::Verlet, Retraction::Exponential, Order::Two);
+        each_step(&kepler, &start, scheme, (STEP, STEPS), |index, time, state| {
+            let KeplerState { position, momentum } = state;
+            let x = Vector4::new(position.x, position.y, momentum.x, momentum.y);
+            verlet.push(index, time, &x);
+        })?;
         Ok(Self { rk2, verlet })
     }
 

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{ExplicitEuler, ImplicitEuler, Integrator, integrate};
 use coadjoint_systems::harmonic_oscillator::{HarmonicOscillator, HarmonicOscillatorState};
+use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, in standard units.
 pub(crate) const STEP: f64 = 0.1;
@@ -48,8 +49,8 @@ impl Oscillator {
             orbits: [
                 classical(ExplicitEuler)?,
                 classical(ImplicitEuler)?,
-                ours::<SymplecticEulerA>("symplectic Euler A (1.9)")?,
-                ours::<SymplecticEulerB>("symplectic Euler B (1.10)")?,
+                ours(Method::EulerA, "symplectic Euler A (1.9)")?,
+                ours(Method::EulerB, "symplectic Euler B (1.10)")?,
             ],
         })
     }
@@ -108,15 +109,13 @@ fn classical<I: Integrator<Field, Vector2<f64>>>(method: I) -> Result<Orbit, Err
     Ok(Orbit { method: I::NAME.to_owned(), points })
 }
 
-fn ours<M>(name: &str) -> Result<Orbit, Error>
-where
-    HarmonicOscillator: Discretized<M>,
-{
+fn ours(method: Method, name: &str) -> Result<Orbit, Error> {
     let oscillator = HarmonicOscillator { mass: 1.0, stiffness: 1.0 };
-    let mut state = HarmonicOscillatorState { position: vector![1.0], momentum: vector![0.0] };
+    let start = HarmonicOscillatorState { position: vector![1.0], momentum: vector![0.0] };
     let mut points = Vec::new();
-    Run::new(&mut oscillator.stepper::<M>(STEP)?, &mut state)
-        .each(|tick| points.push((tick.state.position.x, tick.state.momentum.x)))
-        .steps(STEPS)?;
+    let scheme = (method, Retraction::Exponential, Order::Two);
+    each_step(&oscillator, &start, scheme, (STEP, STEPS), |_, _, state| {
+        points.push((state.position.x, state.momentum.x));
+    })?;
     Ok(Orbit { method: name.to_owned(), points })
 }

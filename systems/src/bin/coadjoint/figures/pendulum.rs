@@ -1,6 +1,5 @@
 //! Figure 1.3: the planar pendulum on its cylinder, RK2 with and without projection.
 
-use coadjoint::prelude::*;
 use nalgebra::Vector3;
 
 use super::{Course, figures};
@@ -8,6 +7,7 @@ use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{Integrator, Projected, Rk2, integrate, unit_leading};
 use coadjoint_systems::planar_pendulum::{PlanarPendulum, PlanarPendulumState};
+use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, in standard units.
 pub(crate) const STEP: f64 = 0.1;
@@ -84,14 +84,13 @@ impl Swings {
     /// If a step cannot be taken.
     pub(crate) fn measure() -> Result<Self, Error> {
         let pendulum = PlanarPendulum { inertia: 1.0, weight: 1.0, length: 1.0 };
-        let mut state = PlanarPendulum::at_rest(1.0);
+        let start = PlanarPendulum::at_rest(1.0);
         let mut verlet = Swing::new("Störmer–Verlet on the circle");
-        Run::new(&mut pendulum.stepper::<StormerVerlet>(STEP)?, &mut state)
-            .each(|tick| {
-                let PlanarPendulumState { angle, momentum } = tick.state;
-                verlet.push(tick.index, tick.time, &Vector3::new(angle.re, angle.im, momentum.x));
-            })
-            .steps(STEPS)?;
+        let scheme = (Method::Verlet, Retraction::Exponential, Order::Two);
+        each_step(&pendulum, &start, scheme, (STEP, STEPS), |index, time, state| {
+            let PlanarPendulumState { angle, momentum } = state;
+            verlet.push(index, time, &Vector3::new(angle.re, angle.im, momentum.x));
+        })?;
         Ok(Self {
             free: Swing::embedded("RK2", &Rk2)?,
             projected: Swing::embedded(

@@ -8,6 +8,7 @@ use super::{Track, figures};
 use crate::error::Error;
 use crate::plot::{Axis, Envelope, Figure, Key, Panel, Series};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorState};
+use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// Both retractions: `𝓘 = diag(1, 10, 100)`, `Π₀ = (1, 1, 1)`, `R₀ = 1`, `p₀ = 0`, `q₀ = (0, 0, 1)`, with thrust `mg` along the third axis
 /// and no moment. The paper leaves mass and gravity open: ours are 1 kg and 9.81 m/s².
@@ -26,8 +27,8 @@ impl Hover {
     /// # Errors
     /// If a step cannot be taken.
     pub(crate) fn measure(steps: u64) -> Result<Self, Error> {
-        let (exponential, first) = run::<Exponential>("exponential", steps)?;
-        let (cayley, second) = run::<Cayley>("Cayley", steps)?;
+        let (exponential, first) = run("exponential", Retraction::Exponential, steps)?;
+        let (cayley, second) = run("Cayley", Retraction::Cayley, steps)?;
         Ok(Self { tracks: [exponential, cayley], heights: [first, second], steps })
     }
 
@@ -71,26 +72,21 @@ impl Hover {
     }
 }
 
-fn run<M>(name: &str, steps: u64) -> Result<(Track, Vec<(f64, f64)>), Error>
-where
-    Quadrotor: Discretized<M>,
-{
+fn run(name: &str, retraction: Retraction, steps: u64) -> Result<(Track, Vec<(f64, f64)>), Error> {
     let quadrotor = Quadrotor { inertia: vector![1.0, 10.0, 100.0], mass: 1.0, gravity: 9.81 };
     let start = QuadrotorState { attitude_momentum: vector![1.0, 1.0, 1.0], ..Quadrotor::at_rest(1.0) };
     let in_space = |state: &QuadrotorState| state.attitude * state.attitude_momentum;
     let initially = in_space(&start);
     let mut track = Track::new(name, steps);
     let mut height = Envelope::new(steps + 1, 450);
-    let mut state = start;
-    Run::new(&mut quadrotor.stepper::<M>(STEP)?, &mut state)
-        .controlled_by(|_, _| quadrotor.hover())
-        .each(|tick| {
-            let QuadrotorState { attitude, attitude_momentum, position, .. } = tick.state;
-            let turned = (in_space(tick.state) - initially).norm();
-            let length = attitude.quaternion().norm();
-            track.push(tick.index, tick.time, [turned, attitude_momentum.norm(), length]);
-            height.push(tick.index, tick.time, position.z);
-        })
-        .steps(steps)?;
+    // its own control law is that of hover
+    let scheme = (Method::Standard, retraction, Order::Two);
+    each_step(&quadrotor, &start, scheme, (STEP, steps), |index, time, state| {
+        let QuadrotorState { attitude, attitude_momentum, position, .. } = state;
+        let turned = (in_space(state) - initially).norm();
+        let length = attitude.quaternion().norm();
+        track.push(index, time, [turned, attitude_momentum.norm(), length]);
+        height.push(index, time, position.z);
+    })?;
     Ok((track, height.both()))
 }

@@ -1,14 +1,11 @@
 //! Large steps for long times: what each method still keeps, up to where it breaks.
 
-use coadjoint::composition::Order4;
-use coadjoint::prelude::*;
-
 use super::work::{body, invariants, top};
 use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
-use coadjoint_systems::heavy_top::HeavyTop;
 use coadjoint_systems::ledger::Kept;
+use coadjoint_systems::simulation::{self, Order, Retraction, each_step};
 
 /// How long the motion is followed, s: some six hundred of the top's swings.
 pub(crate) const DURATION: f64 = 5_000.0;
@@ -77,9 +74,9 @@ impl Steps {
     pub(crate) fn measure(duration: f64) -> Result<Self, Error> {
         Ok(Self {
             methods: vec![
-                method("exponential", |step| ours::<Exponential>(step, duration)),
-                method("Cayley", |step| ours::<Cayley>(step, duration)),
-                method("Cayley, order 4", |step| ours::<Order4<Cayley>>(step, duration)),
+                method("exponential", |step| ours(Retraction::Exponential, Order::Two, step, duration)),
+                method("Cayley", |step| ours(Retraction::Cayley, Order::Two, step, duration)),
+                method("Cayley, order 4", |step| ours(Retraction::Cayley, Order::Four, step, duration)),
                 method("RK4 on quaternions, projected", |step| classical(&Rk4Quaternion, step, duration)),
                 method("RKMK4", |step| classical(&Rkmk4, step, duration)),
             ],
@@ -153,21 +150,16 @@ fn count(step: f64, duration: f64) -> u64 {
     (duration / step).round() as u64
 }
 
-fn ours<M>(step: f64, duration: f64) -> Option<(Kept, Kept)>
-where
-    HeavyTop: Discretized<M>,
-{
+fn ours(retraction: Retraction, order: Order, step: f64, duration: f64) -> Option<(Kept, Kept)> {
     let (top, start) = top();
     let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
     let [mut energy, mut casimir] = invariants(&by_hand, &body(&start)).map(Kept::new);
-    let mut state = start;
-    let run = Run::new(&mut top.stepper::<M>(step).ok()?, &mut state)
-        .each(|tick| {
-            let now = invariants(&by_hand, &body(tick.state));
-            energy.push(tick.time, now[0]);
-            casimir.push(tick.time, now[1]);
-        })
-        .steps(count(step, duration));
+    let scheme = (simulation::Method::Standard, retraction, order);
+    let run = each_step(&top, &start, scheme, (step, count(step, duration)), |_, time, state| {
+        let now = invariants(&by_hand, &body(state));
+        energy.push(time, now[0]);
+        casimir.push(time, now[1]);
+    });
     run.ok().map(|_| (energy, casimir))
 }
 

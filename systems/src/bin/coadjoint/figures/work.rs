@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use coadjoint::composition::{Order4, Order6, Order8, Order10};
+use coadjoint::erased;
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
+use coadjoint_systems::simulation::{self, Order, Retraction, SimulationError, each_step};
 
 /// How long the motion is followed, s.
 pub(crate) const DURATION: f64 = 20.0;
@@ -90,8 +91,11 @@ fn coordinates(attitude: &UnitQuaternion<f64>, y: &Vector6<f64>) -> ([f64; 9], V
     (entries, *y)
 }
 
-/// A method's run: from the start with so many steps, showing `(Π, Γ)` at every step, to the end.
-type March<'a> = dyn Fn(u64, &mut dyn FnMut(&Vector6<f64>)) -> Option<AttitudeState<6>> + 'a;
+/// Sees `(Π, Γ)` at every step.
+type See<'a> = dyn FnMut(&Vector6<f64>) + 'a;
+
+/// A method's run: from the start with so many steps to the end.
+type March<'a> = dyn Fn(u64, Option<&mut See<'_>>) -> Option<AttitudeState<6>> + 'a;
 
 impl Work {
     /// Makes the runs.
@@ -103,18 +107,34 @@ impl Work {
         let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
         let from = AttitudeState { attitude: start.attitude, y: body(&start) };
         let exact = {
-            let mut state = start;
-            let mut stepper = top.stepper::<Order10<Exponential>>(DURATION / effort.reference as f64)?;
-            Run::new(&mut stepper, &mut state).steps(effort.reference)?;
-            coordinates(&state.attitude, &body(&state))
+            let end = march(&top, start, (Retraction::Exponential, Order::Ten), effort.reference, None)?;
+            coordinates(&end.attitude, &end.y)
         };
         let ours: [(&str, Box<March<'_>>); 7] = [
-            ("exponential, order 2", Box::new(|n, see| march::<Exponential>(&top, start, n, see))),
-            ("Cayley, order 2", Box::new(|n, see| march::<Cayley>(&top, start, n, see))),
-            ("Cayley, order 4", Box::new(|n, see| march::<Order4<Cayley>>(&top, start, n, see))),
-            ("Cayley, order 6", Box::new(|n, see| march::<Order6<Cayley>>(&top, start, n, see))),
-            ("Cayley, order 8", Box::new(|n, see| march::<Order8<Cayley>>(&top, start, n, see))),
-            ("Cayley, order 10", Box::new(|n, see| march::<Order10<Cayley>>(&top, start, n, see))),
+            (
+                "exponential, order 2",
+                Box::new(|n, see| march(&top, start, (Retraction::Exponential, Order::Two), n, see).ok()),
+            ),
+            (
+                "Cayley, order 2",
+                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Two), n, see).ok()),
+            ),
+            (
+                "Cayley, order 4",
+                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Four), n, see).ok()),
+            ),
+            (
+                "Cayley, order 6",
+                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Six), n, see).ok()),
+            ),
+            (
+                "Cayley, order 8",
+                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Eight), n, see).ok()),
+            ),
+            (
+                "Cayley, order 10",
+                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Ten), n, see).ok()),
+            ),
             (
                 "RK4 on quaternions, projected",
                 Box::new(|n, see| classical(&Rk4Quaternion, &by_hand, from, n, see)),
@@ -212,11 +232,12 @@ fn cost(
 ) -> Option<Cost> {
     let mut initial: Option<[f64; 2]> = None;
     let mut errors = [0.0_f64; 2];
-    let end = march(steps, &mut |y| {
+    let mut see = |y: &Vector6<f64>| {
         let now = invariants(top, y);
         let initial = initial.get_or_insert(now);
         errors = std::array::from_fn(|i| errors[i].max((now[i] - initial[i]).abs()));
-    })?;
+    };
+    let end = march(steps, Some(&mut see))?;
     let (attitude, y) = coordinates(&end.attitude, &end.y);
     let turned = attitude.iter().zip(&exact.0).map(|(is, should)| (is - should).powi(2)).sum::<f64>();
     let size = 3.0 + exact.1.norm_squared();
@@ -224,7 +245,7 @@ fn cost(
     let mut time = f64::INFINITY;
     for _ in 0..repetitions {
         let start = Instant::now();
-        std::hint::black_box(march(steps, &mut |_| {}));
+        std::hint::black_box(march(steps, None));
         time = time.min(start.elapsed().as_secs_f64());
     }
     Some(Cost {
@@ -237,23 +258,30 @@ fn cost(
     })
 }
 
-fn march<M>(
+fn march(
     top: &HeavyTop,
     start: HeavyTopState,
+    (retraction, order): (Retraction, Order),
     steps: u64,
-    see: &mut dyn FnMut(&Vector6<f64>),
-) -> Option<AttitudeState<6>>
-where
-    HeavyTop: Discretized<M>,
-{
-    let mut state = start;
-    let mut stepper = top.stepper::<M>(DURATION / steps as f64).ok()?;
-    see(&body(&state));
-    for _ in 0..steps {
-        stepper.step(&mut state).ok()?;
-        see(&body(&state));
+    see: Option<&mut See<'_>>,
+) -> Result<AttitudeState<6>, Error> {
+    let (scheme, step) = ((simulation::Method::Standard, retraction, order), DURATION / steps as f64);
+    let mut end = start;
+    match see {
+        Some(see) => each_step(top, &start, scheme, (step, steps), |_, _, state| {
+            see(&body(state));
+            end = *state;
+        })?,
+        // as users take steps that nobody has to see
+        None => {
+            let scheme = simulation::scheme(scheme.0, scheme.1, scheme.2)?;
+            let mut stepper = erased::Stepper::new(top, &scheme, step).map_err(SimulationError::from)?;
+            let mut components = start.to_components();
+            stepper.steps(&mut components, &[], steps)?;
+            end = HeavyTopState::from_components(&components);
+        }
     }
-    Some(AttitudeState { attitude: state.attitude, y: body(&state) })
+    Ok(AttitudeState { attitude: end.attitude, y: body(&end) })
 }
 
 fn classical<I: Integrator<bodies::HeavyTop, AttitudeState<6>>>(
@@ -261,7 +289,12 @@ fn classical<I: Integrator<bodies::HeavyTop, AttitudeState<6>>>(
     top: &bodies::HeavyTop,
     start: AttitudeState<6>,
     steps: u64,
-    see: &mut dyn FnMut(&Vector6<f64>),
+    mut see: Option<&mut See<'_>>,
 ) -> Option<AttitudeState<6>> {
-    integrate(method, top, 0.0, start, DURATION / steps as f64, steps, |_, _, state| see(&state.y)).ok()
+    let see = |_, _, state: &AttitudeState<6>| {
+        if let Some(see) = &mut see {
+            see(&state.y);
+        }
+    };
+    integrate(method, top, 0.0, start, DURATION / steps as f64, steps, see).ok()
 }

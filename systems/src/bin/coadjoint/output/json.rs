@@ -57,8 +57,8 @@ pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> [(&'static str, Va
 
 /// What a run found of the invariants.
 pub(super) fn invariants(entry: &Entry, ledger: &Ledger) -> Value {
-    let energy = entry.autonomous.then_some(("energy", &ledger.energy));
-    let casimirs = entry.casimirs.iter().copied().zip(&ledger.casimirs);
+    let energy = entry.description.autonomous.then_some(("energy", &ledger.energy));
+    let casimirs = entry.description.casimirs.iter().copied().zip(&ledger.casimirs);
     let courses = energy.into_iter().chain(casimirs).map(|(name, kept)| {
         let course = json!({ "initial": kept.initial, "largest_error": kept.error, "slope": kept.slope() });
         (name.to_owned(), course)
@@ -67,7 +67,7 @@ pub(super) fn invariants(entry: &Entry, ledger: &Ledger) -> Value {
 }
 
 fn parameters(entry: &Entry, setup: &Setup) -> Value {
-    let parameters = laid_out(entry.parameters).map(|(quantity, slots)| {
+    let parameters = laid_out(entry.description.parameters).map(|(quantity, slots)| {
         let value = match &setup.parameters[slots] {
             [scalar] => json!(scalar),
             components => json!(components),

@@ -1,0 +1,357 @@
+//! How the members of an ensemble lie in memory, side by side in blocks that fill registers, and how they move: once for all systems and
+//! schemes, whose arithmetic is behind [`Method`].
+
+use std::boxed::Box;
+use std::vec::Vec;
+
+use super::Failed;
+use crate::erased::Method;
+use crate::error::StepError;
+use crate::lanes::Lanes;
+#[cfg(not(target_arch = "x86_64"))]
+use crate::lanes::Portable;
+use crate::method::Clock;
+#[cfg(target_arch = "x86_64")]
+use crate::processor::{Avx2, Avx512};
+use crate::scalar::{Batch, Real, Scalar};
+
+/// Parameters and initial state of a member.
+#[derive(Clone, Debug)]
+pub struct Member {
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) state: Vec<f64>,
+}
+
+/// What an ensemble's arithmetic is compiled for. It makes no difference to what comes out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Instructions {
+    /// What the program was built for. On x86-64 members are then stepped one by one: nearly all such processors have one of the others. Elsewhere
+    /// the compiler finds some registers by itself.
+    Portable,
+    /// Four doubles in a register.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// Eight doubles in a register.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Instructions {
+    /// Those that the processor has, the widest last.
+    pub fn available() -> impl DoubleEndedIterator<Item = Self> {
+        [
+            Some(Self::Portable),
+            #[cfg(target_arch = "x86_64")]
+            Avx2::is_here().then_some(Self::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Avx512::is_here().then_some(Self::Avx512),
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
+
+/// What makes the steps of numbers side by side.
+pub(crate) trait Builder {
+    /// Why there may be none.
+    type Error;
+    /// What takes the steps for these parameters.
+    fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, Self::Error>;
+}
+
+/// All members of an ensemble.
+pub struct Members {
+    blocks: Vec<Box<dyn Block>>,
+    /// How many there are side by side in a block.
+    width: usize,
+    /// Those that failed, in the order of their numbers.
+    pub(crate) failed: Vec<Failed>,
+    /// The step's length.
+    pub(crate) step: f64,
+    start: f64,
+    taken: u64,
+}
+
+impl Members {
+    /// These members, numbers of the kind `X` side by side.
+    pub(crate) fn new<X: Real, B: Builder>(
+        instructions: Instructions,
+        members: &[Member],
+        step: f64,
+        builder: &B,
+    ) -> Result<Self, B::Error> {
+        // of the method alone there is one for each system and scheme; all else is compiled here
+        let mut error = None;
+        macro_rules! blocks {
+            ($numbers:ty) => {{
+                let mut method = |parameters: &[$numbers], step| {
+                    builder.method(parameters, step).map_err(|reason| error = Some(reason)).ok()
+                };
+                (<$numbers>::LANES, <$numbers as Sides>::blocks(members, step, &mut method))
+            }};
+            ($double:ty, $single:ty) => {
+                if const { X::IS_DOUBLE } { blocks!($double) } else { blocks!($single) }
+            };
+        }
+        let (width, blocks) = match instructions {
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512 if Avx512::is_here() => {
+                blocks!(Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>)
+            }
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 if Avx2::is_here() => blocks!(Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>),
+            #[cfg(target_arch = "x86_64")]
+            _ => blocks!(f64, f32),
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => blocks!(Lanes<f64, 4, Portable>, Lanes<f32, 8, Portable>),
+        };
+        match error {
+            Some(error) => Err(error),
+            None => Ok(Self { blocks, width, failed: Vec::new(), step, start: 0.0, taken: 0 }),
+        }
+    }
+
+    /// How many members are stepped side by side.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        self.start + self.taken as f64 * self.step
+    }
+
+    pub(crate) fn set_time(&mut self, time: f64) {
+        (self.start, self.taken) = (time, 0);
+    }
+
+    /// All take so many steps; returns the steps of all together.
+    pub(crate) fn march(&mut self, steps: u64) -> u64 {
+        let clock = Clock { start: self.start, step: self.step, taken: self.taken };
+        let march = |block: &mut Box<dyn Block>| block.march(clock, steps);
+        #[cfg(feature = "parallel")]
+        let marched: Vec<Marched> = {
+            use rayon::prelude::*;
+            self.blocks.par_iter_mut().map(march).collect()
+        };
+        #[cfg(not(feature = "parallel"))]
+        let marched: Vec<Marched> = self.blocks.iter_mut().map(march).collect();
+        let mut member_steps = 0;
+        for mut marched in marched {
+            self.failed.append(&mut marched.failed);
+            member_steps += marched.member_steps;
+        }
+        self.failed.sort_unstable_by_key(|failed| failed.member);
+        self.taken += steps;
+        member_steps
+    }
+
+    fn place(&self, member: usize) -> (&dyn Block, usize) {
+        (&*self.blocks[member / self.width], member % self.width)
+    }
+
+    pub(crate) fn is_alive(&self, member: usize) -> bool {
+        let (block, lane) = self.place(member);
+        block.is_alive(lane)
+    }
+
+    /// The state of a member; of one that failed, the last that it reached.
+    pub(crate) fn state(&self, member: usize) -> Vec<f64> {
+        let (block, lane) = self.place(member);
+        block.state(lane)
+    }
+
+    pub(crate) fn set_control(&mut self, member: usize, control: &[f64]) {
+        self.blocks[member / self.width].set_control(member % self.width, control);
+    }
+}
+
+/// What came of some steps.
+struct Marched {
+    failed: Vec<Failed>,
+    member_steps: u64,
+}
+
+/// A few members side by side; how many, and on what kind of processor, is hidden behind it.
+trait Block: Send + Sync {
+    fn march(&mut self, clock: Clock, steps: u64) -> Marched;
+    fn is_alive(&self, lane: usize) -> bool;
+    fn state(&self, lane: usize) -> Vec<f64>;
+    fn set_control(&mut self, lane: usize, control: &[f64]);
+}
+
+/// Makes what takes the steps of numbers side by side; none if that was not generated.
+type Make<'a, T> = dyn FnMut(&[T], T) -> Option<Box<dyn Method<T>>> + 'a;
+
+/// Numbers that members can be made of.
+trait Sides: Batch {
+    /// Members in blocks of as many as there are lanes.
+    fn blocks(members: &[Member], step: f64, method: &mut Make<'_, Self>) -> Vec<Box<dyn Block>>;
+}
+
+macro_rules! sides {
+    ($($numbers:ty),*) => {
+        $(impl Sides for $numbers {
+            // not generic, so that it is compiled in this crate
+            #[inline(never)]
+            fn blocks(members: &[Member], step: f64, method: &mut Make<'_, Self>) -> Vec<Box<dyn Block>> {
+                blocks(members, step, method)
+            }
+        })*
+    };
+}
+#[cfg(target_arch = "x86_64")]
+sides!(f64, f32, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
+#[cfg(not(target_arch = "x86_64"))]
+sides!(Lanes<f64, 4, Portable>, Lanes<f32, 8, Portable>);
+
+fn blocks<T: Batch>(members: &[Member], step: f64, method: &mut Make<'_, T>) -> Vec<Box<dyn Block>> {
+    let mut blocks: Vec<Box<dyn Block>> = Vec::new();
+    for (index, members) in members.chunks(T::LANES).enumerate() {
+        let side_by_side = |of: fn(&Member) -> &[f64]| -> Vec<T> {
+            let mut all: Vec<T> = of(&members[0]).iter().map(|_| T::of(0.0)).collect();
+            for lane in 0..T::LANES {
+                put(&mut all, lane, of(members.get(lane).unwrap_or(&members[0])));
+            }
+            all
+        };
+        let parameters = side_by_side(|member| &member.parameters);
+        let state = side_by_side(|member| &member.state);
+        let step = T::of(step);
+        let Some(method) = method(&parameters, step) else { break };
+        blocks.push(Box::new(Lanewise {
+            method,
+            parameters,
+            step,
+            next: state.clone(),
+            state,
+            control: Vec::new(),
+            lanes: (0..T::LANES)
+                .map(|lane| if lane < members.len() { Lane::Alive } else { Lane::Empty })
+                .collect(),
+            first: index * T::LANES,
+            known: false,
+        }));
+    }
+    blocks
+}
+
+/// A few members, each in a lane.
+struct Lanewise<T: Batch> {
+    method: Box<dyn Method<T>>,
+    parameters: Vec<T>,
+    step: T,
+    state: Vec<T>,
+    /// Where the next step leads to.
+    next: Vec<T>,
+    /// None as long as all are zero.
+    control: Vec<T>,
+    lanes: Vec<Lane>,
+    /// The number of the first member.
+    first: usize,
+    /// Whether the state is one that the method led to.
+    known: bool,
+}
+
+/// What a lane is used for.
+#[derive(Clone)]
+enum Lane {
+    /// A member.
+    Alive,
+    /// A member that failed, with its last state. What is in the lane is a copy of a member that did not.
+    Failed(Vec<f64>),
+    /// No member: there were not enough of them. A copy too.
+    Empty,
+}
+
+impl<T: Batch> Lanewise<T> {
+    fn alive(&self) -> u64 {
+        self.lanes.iter().filter(|lane| matches!(lane, Lane::Alive)).count() as u64
+    }
+
+    /// Members that failed stay where they are, and others take their lanes.
+    #[cold]
+    fn retire(&mut self, errors: &[Option<StepError>], step: u64, failed: &mut Vec<Failed>) {
+        for (lane, error) in errors.iter().enumerate() {
+            if let (Some(source), Lane::Alive) = (*error, &self.lanes[lane]) {
+                failed.push(Failed { member: self.first + lane, step, source });
+                self.lanes[lane] = Lane::Failed(taken(&self.state, lane));
+            }
+        }
+        let Some(other) = self.lanes.iter().position(|lane| matches!(lane, Lane::Alive)) else {
+            return;
+        };
+        self.state.copy_from_slice(&self.next);
+        for (lane, _) in errors.iter().enumerate().filter(|(_, error)| error.is_some()) {
+            let copy = |numbers: &mut [T]| {
+                numbers.iter_mut().for_each(|number| number.set_lane(lane, number.lane(other)));
+            };
+            copy(&mut self.state);
+            copy(&mut self.parameters);
+            copy(&mut self.control);
+            self.method.memory(&mut |piece| copy(piece));
+        }
+        self.method.rebuild(&self.parameters, self.step);
+    }
+}
+
+impl<T: Batch> Block for Lanewise<T> {
+    fn march(&mut self, clock: Clock, steps: u64) -> Marched {
+        let mut marched = Marched { failed: Vec::new(), member_steps: 0 };
+        let mut members = self.alive();
+        let mut done = 0;
+        while done < steps && members > 0 {
+            // at no time in particular the step is not one like the last
+            let known = self.known && clock.start.is_finite();
+            if known {
+                let now = Clock { taken: clock.taken + done, ..clock };
+                let batch = self.method.march(&mut self.state, now, &self.control, steps - done);
+                done += batch.steps;
+                marched.member_steps += batch.steps * members;
+                if done == steps {
+                    break;
+                }
+            }
+            let time = T::of(clock.after(done));
+            done += 1;
+            match self.method.advance(&self.state, &mut self.next, time, &self.control, known) {
+                Ok(_) => core::mem::swap(&mut self.state, &mut self.next),
+                Err(errors) => {
+                    self.retire(errors.as_ref(), clock.taken + done, &mut marched.failed);
+                    members = self.alive();
+                }
+            }
+            self.known = true;
+            marched.member_steps += members;
+        }
+        marched
+    }
+
+    fn is_alive(&self, lane: usize) -> bool {
+        matches!(self.lanes[lane], Lane::Alive)
+    }
+
+    fn state(&self, lane: usize) -> Vec<f64> {
+        match &self.lanes[lane] {
+            Lane::Failed(state) => state.clone(),
+            Lane::Alive | Lane::Empty => taken(&self.state, lane),
+        }
+    }
+
+    fn set_control(&mut self, lane: usize, control: &[f64]) {
+        self.control.resize(control.len(), T::of(0.0));
+        put(&mut self.control, lane, control);
+    }
+}
+
+/// Puts numbers into a lane.
+fn put<T: Batch>(all: &mut [T], lane: usize, one: &[f64]) {
+    for (numbers, number) in all.iter_mut().zip(one) {
+        numbers.set_lane(lane, T::Number::of(*number));
+    }
+}
+
+/// The numbers in a lane.
+fn taken<T: Batch>(all: &[T], lane: usize) -> Vec<f64> {
+    all.iter().map(|numbers| numbers.lane(lane).to_f64()).collect()
+}

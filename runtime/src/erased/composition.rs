@@ -1,0 +1,92 @@
+//! Steps made of others, one after the other.
+
+use std::boxed::Box;
+use std::vec::Vec;
+
+use super::method::{Method, Outcome};
+use crate::memory::visit_flag;
+use crate::method::{Clock, Course, Marched};
+use crate::scalar::Batch;
+
+/// Parts of a step, each a part of its length.
+pub(super) struct Composition<T: Batch> {
+    parts: Vec<Part<T>>,
+    /// The whole step.
+    step: T,
+    /// The state before the part that is being taken.
+    before: Vec<T>,
+    /// Whether all parts remember solutions of one and the same step.
+    whole: bool,
+}
+
+/// A part of a step.
+struct Part<T> {
+    method: Box<dyn Method<T>>,
+    /// How much of the whole it is.
+    gamma: f64,
+}
+
+impl<T: Batch> Composition<T> {
+    /// Parts of a step, which `part` makes of each one's place and length.
+    pub(super) fn new<E>(
+        gamma: &[f64],
+        step: T,
+        mut part: impl FnMut(usize, T) -> Result<Box<dyn Method<T>>, E>,
+    ) -> Result<Self, E> {
+        let parts = gamma
+            .iter()
+            .enumerate()
+            .map(|(place, &gamma)| part(place, step * T::of(gamma)).map(|method| Part { method, gamma }));
+        Ok(Self { parts: parts.collect::<Result<_, E>>()?, step, before: Vec::new(), whole: false })
+    }
+}
+
+impl<T: Batch> Method<T> for Composition<T> {
+    fn rebuild(&mut self, parameters: &[T], step: T) {
+        self.step = step;
+        for part in &mut self.parts {
+            part.method.rebuild(parameters, step * T::of(part.gamma));
+        }
+    }
+
+    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Outcome<T> {
+        let known = known && self.whole;
+        // until all are through
+        self.whole = false;
+        next.copy_from_slice(state);
+        // how much of the whole step is done
+        let mut done = 0.0;
+        let mut course = Course::<T>::new();
+        for part in &mut self.parts {
+            self.before.clear();
+            self.before.extend_from_slice(next);
+            let start = time + T::of(done) * self.step;
+            let marched = match known && T::LANES > 1 {
+                true => part.method.march(next, Clock::at(start), control, 1).single(),
+                false => None,
+            };
+            let outcome = match marched {
+                Some(marched) => Ok(marched),
+                None => part.method.advance(&self.before, next, start, control, known),
+            };
+            // what was counted where something went wrong is not kept: the iterations of a failed lane interest nobody
+            let counted = match &outcome {
+                Ok(counted) => *counted,
+                Err(_) => (T::all(0), T::of(0.0)),
+            };
+            course.count(outcome, counted)?;
+            done += part.gamma;
+        }
+        self.whole = true;
+        course.outcome()
+    }
+
+    fn march(&mut self, _: &mut [T], _: Clock, _: &[T], _: u64) -> Marched<T> {
+        Marched::default()
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        visit_flag(&mut self.whole, visit);
+        self.parts.iter_mut().for_each(|part| part.method.memory(visit));
+    }
+}

@@ -1,0 +1,158 @@
+//! Methods on slices.
+
+use std::boxed::Box;
+use std::vec::Vec;
+
+use crate::error::StepError;
+use crate::kernel::{Components, Kernel};
+use crate::method::{self, Advanced, Clock, Marched};
+use crate::scalar::{Batch, Scalar};
+
+/// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
+///
+/// Slices have the lengths of the system's arrays.
+pub trait Method<T: Batch>: Send + Sync {
+    /// Takes other parameters and another step; what is remembered of earlier steps stays.
+    fn rebuild(&mut self, parameters: &[T], step: T);
+
+    /// Writes the state after a step to `next`: see [`method::Method::advance`].
+    ///
+    /// # Errors
+    /// As there; what stands in `next` then counts in the lanes that did not fail.
+    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Outcome<T>;
+
+    /// Takes steps for as long as they are as most steps are: see [`method::Method::march`].
+    fn march(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> Marched<T>;
+
+    /// Shows what is carried from step to step: see [`method::Method::memory`].
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
+}
+
+/// How a step went: iterations and residual; or what went wrong, for each lane.
+pub type Outcome<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
+
+/// The array of these numbers. What is missing is zero.
+#[inline(always)]
+pub(crate) fn array<T: Scalar, C: Components<T>>(numbers: &[T]) -> C {
+    let mut array = C::splat(T::of(0.0));
+    array.as_mut().iter_mut().zip(numbers).for_each(|(to, number)| *to = *number);
+    array
+}
+
+/// Copies as many numbers as there is room for.
+#[inline(always)]
+pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+}
+
+/// A method on arrays as one on slices. `BATCHES`: whether steps are also compiled to be taken together, for what the processor turns out
+/// to have; without, they are taken one by one.
+pub struct Flat<M, const BATCHES: bool>(M);
+
+impl<M: method::Method, const BATCHES: bool> Flat<M, BATCHES> {
+    /// The method for these parameters and this step.
+    pub fn boxed(parameters: &[M::Scalar], step: M::Scalar) -> Box<dyn Method<M::Scalar>>
+    where
+        M: 'static,
+    {
+        Box::new(Self(M::new(&array(parameters), step)))
+    }
+}
+
+impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for Flat<M, BATCHES> {
+    fn rebuild(&mut self, parameters: &[M::Scalar], step: M::Scalar) {
+        let mut new = M::new(&array(parameters), step);
+        // the memory of the old one, piece by piece
+        let mut memory = Vec::new();
+        self.0.memory(&mut |piece| memory.extend_from_slice(piece));
+        let mut memory = memory.into_iter();
+        new.memory(&mut |piece| piece.iter_mut().zip(&mut memory).for_each(|(x, value)| *x = value));
+        self.0 = new;
+    }
+
+    fn advance(
+        &mut self,
+        state: &[M::Scalar],
+        next: &mut [M::Scalar],
+        time: M::Scalar,
+        control: &[M::Scalar],
+        known: bool,
+    ) -> Outcome<M::Scalar> {
+        match self.0.advance(&array(state), time, &array(control), known) {
+            Ok(Advanced { state, iterations, residual }) => {
+                copy(next, state.as_ref());
+                Ok((iterations, residual))
+            }
+            Err(failure) => {
+                copy(next, failure.advanced.state.as_ref());
+                Err(failure.errors)
+            }
+        }
+    }
+
+    fn march(
+        &mut self,
+        state: &mut [M::Scalar],
+        clock: Clock,
+        control: &[M::Scalar],
+        most: u64,
+    ) -> Marched<M::Scalar> {
+        if const { !BATCHES } {
+            return Marched::default();
+        }
+        let mut now = array(state);
+        let marched = self.0.march(&mut now, clock, &array(control), most);
+        copy(state, now.as_ref());
+        marched
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [M::Scalar])) {
+        self.0.memory(visit);
+    }
+}
+
+/// A step's equation at one state, on slices, for those who look at it closely.
+pub trait Equation {
+    /// A first approximation of the unknown; empty if the step is explicit.
+    fn start(&self) -> Vec<f64>;
+    /// The residual at a value of the unknown.
+    fn residual(&self, unknown: &[f64]) -> Vec<f64>;
+    /// The Newton correction there.
+    fn correction(&self, unknown: &[f64]) -> Vec<f64>;
+}
+
+/// A kernel's equation.
+struct At<K: Kernel<f64>> {
+    kernel: K,
+    state: K::State,
+    begun: K::Step,
+}
+
+/// The equation of a kernel at a state.
+pub(crate) fn equation<K: Kernel<f64> + 'static>(
+    parameters: &[f64],
+    step: f64,
+    state: &[f64],
+    time: f64,
+    control: &[f64],
+) -> Box<dyn Equation> {
+    let (kernel, state) = (K::new(&array(parameters), step), array(state));
+    let begun = kernel.begin(&state, time, &array(control));
+    Box::new(At { kernel, state, begun })
+}
+
+impl<K: Kernel<f64>> Equation for At<K> {
+    fn start(&self) -> Vec<f64> {
+        self.kernel.start(&self.state, &self.begun).as_ref().to_vec()
+    }
+
+    fn residual(&self, unknown: &[f64]) -> Vec<f64> {
+        self.kernel.evaluate(&self.state, &self.begun, &array(unknown)).residual.as_ref().to_vec()
+    }
+
+    fn correction(&self, unknown: &[f64]) -> Vec<f64> {
+        let unknown = array(unknown);
+        let evaluation = self.kernel.evaluate(&self.state, &self.begun, &unknown);
+        self.kernel.correction(&self.state, &self.begun, &unknown, &evaluation).as_ref().to_vec()
+    }
+}

@@ -1,0 +1,45 @@
+//! Systems and steppers whose types are erased: parameters, states and controls are flat lists of `f64`, and systems and schemes are chosen
+//! while the program runs.
+//!
+//! What stands here is compiled once, in this crate, for all systems and schemes: the stepper, the run, compositions, certificates and the
+//! members of ensembles. What is left for each system is its arithmetic behind one function table. A program for any system is built on this;
+//! where the system is known, a [`Stepper`](crate::Stepper) has the same steps, to the last bit, and takes less for each call.
+//!
+//! ```
+//! use coadjoint::erased::{self, Scheme, System as _};
+//! use coadjoint::geometry::Map;
+//! use coadjoint::prelude::*;
+//!
+//! #[lie_poisson_system(group = SO3)]
+//! struct Body {
+//!     #[inertia]
+//!     inertia: Vector3<f64>,
+//! }
+//!
+//! let body: Box<dyn erased::System> = Box::new(Body { inertia: vector![1.0, 2.0, 2.5] });
+//! assert_eq!(body.parameters(), [1.0, 2.0, 2.5]);
+//! // attitude (w, x, y, z) and momentum
+//! let mut state = [1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
+//! let energy = body.energy(&state, 0.0);
+//! let mut stepper = erased::Stepper::new(&*body, &Scheme::Standard(Map::Cayley), 0.01)?;
+//! let report = stepper.steps(&mut state, &[], 10_000)?;
+//! assert_eq!((report.steps, stepper.time()), (10_000, 100.0));
+//! assert!((body.energy(&state, 0.0) - energy).abs() < 1e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod composition;
+mod ensemble;
+mod method;
+mod scheme;
+mod stepper;
+mod system;
+
+pub use crate::scheme::Rule;
+pub use ensemble::Ensemble;
+pub use method::{Equation, Flat, Method, Outcome};
+pub use scheme::Scheme;
+pub use stepper::{Sample, Stepper, StepperError, Watched, run};
+pub use system::{At, Description, Geometry, System};
+
+pub(crate) use method::equation;

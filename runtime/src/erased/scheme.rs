@@ -1,0 +1,139 @@
+//! Schemes as values.
+
+use std::boxed::Box;
+use std::string::String;
+
+use super::composition::Composition;
+use super::method::Method;
+use super::system::Description;
+use crate::certify::{Claim, Walk};
+use crate::composition::Coefficients;
+use crate::geometry::Map;
+use crate::scalar::Batch;
+use crate::scheme::Rule;
+
+/// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Scheme {
+    /// The bare retraction: the system's [standard](crate::System::Standard) step of order 2.
+    Standard(Map),
+    /// A step that the macro generated.
+    Generated(Map, Rule),
+    /// [`StormerVerlet`](crate::scheme::StormerVerlet)
+    StormerVerlet(Map),
+    /// A symmetric [composition](crate::composition) of steps with another scheme.
+    Composed {
+        /// The order of the composition of symmetric steps of order 2.
+        order: u32,
+        /// How long each of the steps is, as a part of the whole.
+        gamma: &'static [f64],
+        /// The scheme of the steps.
+        base: Box<Scheme>,
+    },
+}
+
+impl Scheme {
+    /// The symmetric composition with coefficients `C` of steps with another scheme.
+    pub fn composed<C: Coefficients>(base: Self) -> Self {
+        Self::Composed { order: C::ORDER, gamma: C::GAMMA, base: Box::new(base) }
+    }
+
+    /// The member `s = numerator/denominator` of the family.
+    pub const fn family(map: Map, numerator: u32, denominator: u32) -> Self {
+        Self::Generated(map, Rule::Family(numerator, denominator))
+    }
+
+    /// The same with what the standard step is of a system that is [invariant](crate::System::INVARIANT) or not.
+    pub fn resolved(&self, invariant: bool) -> Self {
+        match self {
+            Self::Standard(map) if invariant => Self::family(*map, 0, 1),
+            Self::Standard(map) => Self::StormerVerlet(*map),
+            Self::Composed { order, gamma, base } => {
+                Self::Composed { order: *order, gamma, base: Box::new(base.resolved(invariant)) }
+            }
+            other => other.clone(),
+        }
+    }
+
+    /// What takes its steps; `generated` makes that of steps that the macro generated.
+    pub(crate) fn method<T: Batch, E>(
+        &self,
+        invariant: bool,
+        step: T,
+        generated: &mut dyn FnMut(Map, Rule, T) -> Result<Box<dyn Method<T>>, E>,
+    ) -> Result<Box<dyn Method<T>>, E> {
+        match self.resolved(invariant) {
+            Self::Generated(map, rule) => generated(map, rule, step),
+            Self::Composed { gamma, base, .. } => {
+                let part = |_, step| base.method(invariant, step, generated);
+                Ok(Box::new(Composition::new(gamma, step, part)?))
+            }
+            Self::StormerVerlet(map) | Self::Standard(map) => {
+                let halves = [Rule::Family(0, 1), Rule::Family(1, 1)];
+                let part = |place: usize, step| generated(map, halves[place], step);
+                Ok(Box::new(Composition::new(&[0.5, 0.5], step, part)?))
+            }
+        }
+    }
+
+    /// What it claims of its steps of a system.
+    pub fn claim(&self, description: &Description) -> Claim {
+        let family = |numerator, denominator| {
+            Claim::family(description.invariant, description.forced, numerator, denominator)
+        };
+        match self.resolved(description.invariant) {
+            Self::Generated(_, Rule::Family(numerator, denominator)) => family(numerator, denominator),
+            Self::Generated(_, Rule::TangentLift) => Claim::TANGENT_LIFT,
+            Self::Composed { order, base, .. } => base.claim(description).composed(order),
+            Self::StormerVerlet(_) | Self::Standard(_) => Claim { order: 2, symmetric: true, ..family(0, 1) },
+        }
+    }
+
+    /// Takes the same step from its definition; `false` if there is none to compare with.
+    pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
+        match self.resolved(invariant) {
+            Self::Generated(map, Rule::Family(numerator, denominator)) => {
+                walk.family(map, f64::from(numerator) / f64::from(denominator), step);
+                true
+            }
+            Self::Generated(_, Rule::TangentLift) => false,
+            Self::Composed { gamma, base, .. } => {
+                gamma.iter().all(|gamma| base.walk(invariant, walk, gamma * step))
+            }
+            Self::StormerVerlet(map) | Self::Standard(map) => {
+                walk.family(map, 0.0, 0.5 * step);
+                walk.family(map, 1.0, 0.5 * step);
+                true
+            }
+        }
+    }
+
+    /// The generated steps that it is made of, and how long each one is.
+    pub(crate) fn parts(&self, invariant: bool, step: f64, each: &mut dyn FnMut(Map, Rule, f64)) {
+        match self.resolved(invariant) {
+            Self::Generated(map, rule) => each(map, rule, step),
+            Self::Composed { gamma, base, .. } => {
+                gamma.iter().for_each(|gamma| base.parts(invariant, gamma * step, each));
+            }
+            Self::StormerVerlet(map) | Self::Standard(map) => {
+                each(map, Rule::Family(0, 1), 0.5 * step);
+                each(map, Rule::Family(1, 1), 0.5 * step);
+            }
+        }
+    }
+
+    /// As users write its type: `Midpoint<Cayley>`.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Standard(map) => std::format!("{map:?}"),
+            Self::Generated(map, Rule::Family(0, 1)) => std::format!("SymplecticEulerA<{map:?}>"),
+            Self::Generated(map, Rule::Family(1, 2)) => std::format!("Midpoint<{map:?}>"),
+            Self::Generated(map, Rule::Family(1, 1)) => std::format!("SymplecticEulerB<{map:?}>"),
+            Self::Generated(map, Rule::Family(n, d)) => std::format!("Family<{map:?}, {n}, {d}>"),
+            Self::Generated(map, Rule::TangentLift) => std::format!("TangentLift<{map:?}>"),
+            Self::StormerVerlet(map) => std::format!("StormerVerlet<{map:?}>"),
+            Self::Composed { order, base, .. } => std::format!("Order{order}<{}>", base.name()),
+        }
+    }
+}

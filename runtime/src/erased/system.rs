@@ -1,0 +1,262 @@
+//! Systems on slices.
+
+use core::marker::PhantomData;
+use std::boxed::Box;
+use std::vec::Vec;
+
+use super::method::{Equation, Flat, Method, array, equation};
+use super::scheme::Scheme;
+use crate::ensemble::Instructions;
+use crate::ensemble::members::{Builder, Member, Members};
+use crate::error::ParameterError;
+use crate::geometry::{self, Map};
+use crate::one_step::OneStep;
+use crate::scalar::Batch;
+use crate::scheme::{Base, Rule};
+use crate::system::{self, Control, Generated, Quantity, Schemes, State, Visitor};
+
+/// What a system is, besides its numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Description {
+    /// The struct's name.
+    pub name: &'static str,
+    /// The parameters; constants of the description follow them in lists of numbers.
+    pub parameters: &'static [Quantity],
+    /// What the state consists of.
+    pub state: &'static [Quantity],
+    /// The controls.
+    pub controls: &'static [Quantity],
+    /// The names of the Casimirs.
+    pub casimirs: &'static [&'static str],
+    /// Whether energy is an invariant of the motion: [`AUTONOMOUS`](crate::System::AUTONOMOUS).
+    pub autonomous: bool,
+    /// Whether momentum and advected parameters alone have a part in the motion: [`INVARIANT`](crate::System::INVARIANT).
+    pub invariant: bool,
+    /// Whether a force acts: [`FORCED`](crate::System::FORCED).
+    pub forced: bool,
+}
+
+impl Description {
+    /// What the system `S` is.
+    pub const fn of<S: system::System>() -> Self {
+        Self {
+            name: S::NAME,
+            parameters: S::PARAMETERS,
+            state: S::State::QUANTITIES,
+            controls: S::Control::QUANTITIES,
+            casimirs: S::CASIMIRS,
+            autonomous: S::AUTONOMOUS,
+            invariant: S::INVARIANT,
+            forced: S::FORCED,
+        }
+    }
+}
+
+/// A system with its parameters and its geometry, on slices; any [`geometry::Geometry`] over `f64` is one.
+///
+/// Slices have the lengths of the system's arrays: what is missing counts as zero, what is too much does not count.
+pub trait Geometry {
+    /// What it is.
+    fn description(&self) -> Description;
+    /// Its parameters.
+    fn parameters(&self) -> Vec<f64>;
+    /// [`System::validate`](crate::System::validate)
+    ///
+    /// # Errors
+    /// As there.
+    fn validate(&self) -> Result<(), ParameterError>;
+    /// [`State::deviation`](crate::State::deviation)
+    fn deviation(&self, state: &[f64]) -> f64;
+    /// [`System::energy_at`](crate::System::energy_at)
+    fn energy(&self, state: &[f64], time: f64) -> f64;
+    /// [`System::casimirs`](crate::System::casimirs)
+    fn casimirs(&self, state: &[f64]) -> Vec<f64>;
+    /// [`geometry::Geometry::displace`]
+    fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64>;
+    /// [`geometry::Geometry::differential`]
+    fn differential(&self, state: &[f64], time: f64) -> Vec<f64>;
+    /// [`geometry::Geometry::hamiltonian_vector`]
+    fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64>;
+    /// [`geometry::Geometry::force`]
+    fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
+}
+
+fn state_of<S: system::System<Scalar = f64>>(state: &[f64]) -> S::State {
+    S::State::from_components(&array(state))
+}
+
+impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
+    fn description(&self) -> Description {
+        Description::of::<S>()
+    }
+
+    fn parameters(&self) -> Vec<f64> {
+        self.to_parameters().as_ref().to_vec()
+    }
+
+    fn validate(&self) -> Result<(), ParameterError> {
+        system::System::validate(self)
+    }
+
+    fn deviation(&self, state: &[f64]) -> f64 {
+        state_of::<S>(state).deviation()
+    }
+
+    fn energy(&self, state: &[f64], time: f64) -> f64 {
+        self.energy_at(&state_of::<S>(state), time)
+    }
+
+    fn casimirs(&self, state: &[f64]) -> Vec<f64> {
+        system::System::casimirs(self, &state_of::<S>(state)).as_ref().to_vec()
+    }
+
+    fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
+        let displaced = geometry::Geometry::displace(self, &state_of::<S>(state), map, &array(by));
+        displaced.to_components().as_ref().to_vec()
+    }
+
+    fn differential(&self, state: &[f64], time: f64) -> Vec<f64> {
+        geometry::Geometry::differential(self, &state_of::<S>(state), time).as_ref().to_vec()
+    }
+
+    fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64> {
+        let state = state_of::<S>(state);
+        geometry::Geometry::hamiltonian_vector(self, &state, &array(covector)).as_ref().to_vec()
+    }
+
+    fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+        let control = S::Control::from_components(&array(control));
+        geometry::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
+    }
+}
+
+/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one.
+pub trait System: Geometry + Send + Sync {
+    /// The same system with other parameters.
+    fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;
+
+    /// What takes a generated step of this length; none if it was not generated.
+    fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
+
+    /// Members side by side, with the standard step on the Cayley map; none if it was not generated.
+    #[doc(hidden)]
+    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members>;
+
+    /// The equation of a generated step; none if it was not generated.
+    #[doc(hidden)]
+    fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>>;
+}
+
+/// Where a step's equation is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    pub(crate) step: f64,
+    pub(crate) state: &'a [f64],
+    pub(crate) time: f64,
+    pub(crate) control: &'a [f64],
+}
+
+impl<S> System for S
+where
+    S: Schemes + geometry::Geometry<Scalar = f64> + Send + Sync + 'static,
+{
+    fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System> {
+        let mut own = self.to_parameters();
+        super::method::copy(own.as_mut(), parameters);
+        Box::new(S::from_parameters(&own))
+    }
+
+    fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
+        S::visit(map, rule, OfNumbers { parameters: self.to_parameters().as_ref(), step })
+    }
+
+    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members> {
+        Members::new::<f64, _>(instructions, members, step, &Standard::<S>(PhantomData)).ok()
+    }
+
+    fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>> {
+        S::visit(map, rule, OfEquations { parameters: self.to_parameters().as_ref(), at })
+    }
+}
+
+/// Whether a step is the system's standard one, or a part of it.
+const fn is_standard<S: system::System>(rule: Rule) -> bool {
+    matches!(rule, Rule::Family(0, 1)) || !S::INVARIANT && matches!(rule, Rule::Family(1, 1))
+}
+
+/// Steps of one state.
+struct OfNumbers<'a> {
+    parameters: &'a [f64],
+    step: f64,
+}
+
+impl<S: system::System> Visitor<S> for OfNumbers<'_> {
+    type Output = Box<dyn Method<f64>>;
+
+    fn visit<M: Base>(self) -> Self::Output
+    where
+        S: Generated<M>,
+    {
+        // Compiled for the widest registers, so as to be taken together, where a step is the standard one by itself: the others are rarely
+        // taken for long, and each would be compiled twice more.
+        if const { S::INVARIANT && is_standard::<S>(M::RULE) } {
+            Flat::<OneStep<f64, S::Kernel<f64>>, true>::boxed(self.parameters, self.step)
+        } else {
+            Flat::<OneStep<f64, S::Kernel<f64>>, false>::boxed(self.parameters, self.step)
+        }
+    }
+}
+
+/// The standard step on the Cayley map, of states side by side.
+struct Standard<S>(PhantomData<fn() -> S>);
+
+impl<S: Schemes> Builder for Standard<S> {
+    type Error = ();
+
+    fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, ()> {
+        let mut generated =
+            |map, rule, step| S::visit(map, rule, OfLanes { parameters, step }).flatten().ok_or(());
+        Scheme::Standard(Map::Cayley).method(S::INVARIANT, step, &mut generated)
+    }
+}
+
+/// Steps of states side by side.
+struct OfLanes<'a, T> {
+    parameters: &'a [T],
+    step: T,
+}
+
+impl<T: Batch, S: system::System> Visitor<S> for OfLanes<'_, T> {
+    type Output = Option<Box<dyn Method<T>>>;
+
+    fn visit<M: Base>(self) -> Self::Output
+    where
+        S: Generated<M>,
+    {
+        // what is not asked for is not compiled
+        if const { matches!(M::MAP, Map::Cayley) && is_standard::<S>(M::RULE) } {
+            Some(Flat::<OneStep<T, S::Kernel<T>>, true>::boxed(self.parameters, self.step))
+        } else {
+            None
+        }
+    }
+}
+
+/// The equations of steps.
+struct OfEquations<'a> {
+    parameters: &'a [f64],
+    at: &'a At<'a>,
+}
+
+impl<S: system::System> Visitor<S> for OfEquations<'_> {
+    type Output = Box<dyn Equation>;
+
+    fn visit<M: Base>(self) -> Self::Output
+    where
+        S: Generated<M>,
+    {
+        let At { step, state, time, control } = *self.at;
+        equation::<S::Kernel<f64>>(self.parameters, step, state, time, control)
+    }
+}
