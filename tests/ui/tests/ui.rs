@@ -1,11 +1,11 @@
 //! What the compiler tells a user: descriptions that must fail, with their messages, and ones that must pass.
 //!
-//! After a deliberate change, `TRYBUILD=overwrite cargo test -p coadjoint-tests --test ui` writes the messages anew; read
+//! After a deliberate change, `TRYBUILD=overwrite cargo test -p coadjoint-ui` writes the messages anew; read
 //! them as a user would before committing them.
 
 #[test]
 fn messages() {
     let cases = trybuild::TestCases::new();
-    cases.compile_fail("ui/fail/*.rs");
-    cases.pass("ui/ok/*.rs");
+    cases.compile_fail("fail/*.rs");
+    cases.pass("ok/*.rs");
 }
