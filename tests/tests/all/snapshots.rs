@@ -1,7 +1,7 @@
 //! What is generated, for review: each snapshot shows a description and what becomes of it.
 //!
-//! After a change that is meant, accept with `INSTA_UPDATE=always cargo test --package coadjoint-tests --test snapshots`, and
-//! read the difference.
+//! After a change that is meant, accept with `INSTA_UPDATE=always cargo test --package coadjoint-tests --test all snapshots`,
+//! and read the difference.
 
 use coadjoint_codegen::emit::Expansion;
 use coadjoint_codegen::expand;
@@ -12,10 +12,10 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 /// The systems that the program runs, as they are described there.
-const FREE_RIGID_BODY: &str = include_str!("../../systems/src/free_rigid_body.rs");
-const HEAVY_TOP: &str = include_str!("../../systems/src/heavy_top.rs");
-const QUADROTOR: &str = include_str!("../../systems/src/quadrotor.rs");
-const COUPLED_BODIES: &str = include_str!("../../systems/src/coupled_bodies.rs");
+const FREE_RIGID_BODY: &str = include_str!("../../../systems/src/free_rigid_body.rs");
+const HEAVY_TOP: &str = include_str!("../../../systems/src/heavy_top.rs");
+const QUADROTOR: &str = include_str!("../../../systems/src/quadrotor.rs");
+const COUPLED_BODIES: &str = include_str!("../../../systems/src/coupled_bodies.rs");
 
 /// The annotated struct in a source file, with its documentation: the lines between two empty ones.
 fn description(source: &str) -> &str {

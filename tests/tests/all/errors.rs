@@ -359,14 +359,14 @@ fn errors_read_well() {
     potential = weight * gamma.dot(&chi) + 0.25 * gamma.x.powi(2) + (gamma.y * std::f32::consts::PI).cos(),
 )]
 #[derive(Clone, Debug, PartialEq)]
-pub struct SmallTop {
+struct SmallTop {
     /// Principal moments of inertia.
     #[inertia]
-    pub inertia: Vector3<f32>,
+    inertia: Vector3<f32>,
     /// Mass times gravity.
-    pub weight: f32,
+    weight: f32,
     /// To the centre of mass.
-    pub chi: Vector3<f32>,
+    chi: Vector3<f32>,
 }
 
 /// The same in double precision.
@@ -376,14 +376,14 @@ pub struct SmallTop {
     potential = weight * gamma.dot(&chi) + 0.25 * gamma.x.powi(2) + (gamma.y * std::f64::consts::PI).cos(),
 )]
 #[derive(Clone, Debug, PartialEq)]
-pub struct LargeTop {
+struct LargeTop {
     /// Principal moments of inertia.
     #[inertia]
-    pub inertia: Vector3<f64>,
+    inertia: Vector3<f64>,
     /// Mass times gravity.
-    pub weight: f64,
+    weight: f64,
     /// To the centre of mass.
-    pub chi: Vector3<f64>,
+    chi: Vector3<f64>,
 }
 
 fn small_and_large() -> ((SmallTop, SmallTopState), (LargeTop, LargeTopState)) {

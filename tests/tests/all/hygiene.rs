@@ -3,8 +3,6 @@
 // Most of what is defined here only has to compile, or to be in the way.
 #![allow(dead_code, unreachable_pub, unused_macros)]
 
-extern crate coadjoint as renamed;
-
 use coadjoint::prelude::*;
 use coadjoint_tests::random::Random;
 
@@ -60,7 +58,7 @@ mod the_crate_under_another_name {
 
     /// As another crate passes it on.
     #[facade::mechanics::lie_poisson_system(
-        crate = crate::the_crate_under_another_name::facade::mechanics,
+        crate = crate::hygiene::the_crate_under_another_name::facade::mechanics,
         group = SO3,
     )]
     pub struct PassedOn {
@@ -279,11 +277,11 @@ mod called {
                 fn works() {
                     let system = $name { inertia: Vector3::new(1.0, 2.0, 3.0), weight: 1.0 };
                     let state = $state {
-                        attitude: crate::rotation(),
+                        attitude: crate::hygiene::rotation(),
                         momentum: Vector3::new(1.0, 2.0, 3.0),
                         gamma: Vector3::z(),
                     };
-                    crate::drive(&system, &state);
+                    crate::hygiene::drive(&system, &state);
                     assert_eq!(<$name as coadjoint::System>::NAME, stringify!($name).trim_start_matches("r#"));
                 }
             }
@@ -408,7 +406,7 @@ mod fields {
 
     #[test]
     fn names_may_coincide_with_components() {
-        let (mut random, mut parameters) = (crate::Random::new(5), [0.0; 26]);
+        let (mut random, mut parameters) = (crate::hygiene::Random::new(5), [0.0; 26]);
         parameters.iter_mut().for_each(|x| *x = random.between(0.5, 1.5));
         let system = Clashing::from_parameters(&parameters);
         let state = ClashingState {
@@ -567,9 +565,9 @@ mod visibilities {
         }
 
         #[lie_poisson_system(group = SO3)]
-        pub(in crate::visibilities) struct Within {
+        pub(in crate::hygiene::visibilities) struct Within {
             #[inertia]
-            pub(in crate::visibilities) inertia: f64,
+            pub(in crate::hygiene::visibilities) inertia: f64,
         }
     }
 

@@ -33,7 +33,7 @@ struct Point {
 }
 
 static REFERENCES: LazyLock<References> = LazyLock::new(|| {
-    serde_json::from_str(include_str!("../data/reference.json")).expect("the references can be read")
+    serde_json::from_str(include_str!("../../data/reference.json")).expect("the references can be read")
 });
 
 impl Point {

@@ -8,7 +8,7 @@ use serde_json::Value;
 
 /// A compact top of the reference file, its start, and its state at `t = 1`.
 fn compact_top() -> (HeavyTop, HeavyTopState, Vec<f64>) {
-    let file: Value = serde_json::from_str(include_str!("../data/reference.json")).unwrap();
+    let file: Value = serde_json::from_str(include_str!("../../data/reference.json")).unwrap();
     let case =
         file["cases"].as_array().unwrap().iter().find(|case| case["name"] == "heavy_top_compact").unwrap();
     let numbers =

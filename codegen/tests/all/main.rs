@@ -1,0 +1,6 @@
+//! The tests of the generator from outside, in one binary: it is linked once.
+
+mod description;
+mod meaning;
+mod problems;
+mod soup;

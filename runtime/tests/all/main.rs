@@ -1,0 +1,7 @@
+//! The tests of the library as users have it, in one binary: it is linked once, and what two of them need is compiled once.
+
+mod certify;
+mod compensated;
+mod ensemble;
+mod generic;
+mod together;

@@ -1,0 +1,23 @@
+//! The tests of everything together, in one binary: it is linked once, and what two of them need is compiled once.
+
+// `hygiene` writes `::renamed`, and such a path begins with what the root of the crate names
+extern crate coadjoint as renamed;
+
+mod composition;
+mod derivatives;
+mod errors;
+mod expressions;
+mod generic;
+mod groups;
+// as reachable as the root: some lints that users deny ask for that
+pub mod hygiene;
+mod invariants;
+mod kernels;
+mod lie_poisson;
+mod linearization;
+mod longrun;
+mod paper;
+mod reference;
+mod snapshots;
+mod structure;
+mod stumpff;
