@@ -14,10 +14,17 @@ use coadjoint::kernel::Kernel;
 use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
-use coadjoint_systems::catalogued::Catalogued;
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, bodies};
-use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 use num_dual::DualSVec64;
+
+/// The catalogue's, which is described without derivatives.
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), derivatives)]
+struct HeavyTop {
+    #[inertia]
+    inertia: Vector3<f64>,
+    weight: f64,
+    chi: Vector3<f64>,
+}
 
 const STEP: f64 = 0.01;
 /// Steps of a run whose derivative is taken.
@@ -32,7 +39,12 @@ type Dual = DualSVec64<9>;
 type Walk<'a> = Box<dyn FnMut(u64) + 'a>;
 
 fn main() {
-    let (top, start) = HeavyTop::example();
+    let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: Vector3::z() };
+    let start = HeavyTopState {
+        attitude: UnitQuaternion::identity(),
+        momentum: vector![1.0, 1.0, 1.0],
+        gamma: Vector3::z(),
+    };
     let heavy = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
     let (m, gamma) = (start.momentum, start.gamma);
     let y: Vector6<f64> = vector![m.x, m.y, m.z, gamma.x, gamma.y, gamma.z];

@@ -4,12 +4,14 @@
 //! the solution. Nothing of what the derivatives in closed form are made of has a part in it.
 
 use coadjoint::composition::{Coefficients, Composed};
-use coadjoint::kernel::{Components, Kernel};
+use coadjoint::kernel::Kernel;
 use coadjoint::prelude::*;
 use coadjoint::scalar::Scalar;
 use coadjoint::scheme::{Family, TangentLift};
 use coadjoint::system::{Generated, Quantity, Role};
 use num_dual::Dual64;
+
+use crate::array;
 
 /// A scheme whose steps can be taken with any numbers.
 pub trait AnyStep<S: System> {
@@ -40,7 +42,7 @@ pub fn solved<T: Scalar, K: Kernel<T>>(
     for _ in 0..ITERATIONS {
         let evaluation = kernel.evaluate(state, &begun, &unknown);
         let correction = kernel.correction(state, &begun, &unknown, &evaluation);
-        unknown = K::Unknown::from_fn(|i| unknown.as_ref()[i] - correction.as_ref()[i]);
+        unknown = array(|i| unknown.as_ref()[i] - correction.as_ref()[i]);
     }
     kernel.finish(state, &begun, &unknown, &kernel.evaluate(state, &begun, &unknown))
 }
@@ -145,14 +147,12 @@ where
         trivialized += dimension;
     }
     let parameters = system.to_parameters();
-    let parameters = S::Parameters::from_fn(|i| {
-        Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i))))
-    });
+    let parameters =
+        array(|i| Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i)))));
     let control = control.to_components();
-    let control = S::ControlComponents::from_fn(|i| {
-        Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i))))
-    });
-    let start = S::StateComponents::from_fn(|i| start[i]);
+    let control =
+        array(|i| Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i)))));
+    let start = array(|i| start[i]);
     let end = M::step(&parameters, Dual64::from_re(step), &start, Dual64::from_re(time), &control);
 
     let (re, eps): (Vec<f64>, Vec<f64>) = end.as_ref().iter().map(|x| (x.re, x.eps)).unzip();

@@ -6,7 +6,16 @@ pub mod precise;
 pub mod random;
 pub mod systems;
 
+use coadjoint::kernel::Components;
+use coadjoint::scalar::Scalar;
 use proc_macro2::TokenStream;
+
+/// The array of what `value` gives for each index.
+pub fn array<T: Scalar, C: Components<T>>(mut value: impl FnMut(usize) -> T) -> C {
+    let mut array = C::splat(T::of(0.0));
+    array.as_mut().iter_mut().enumerate().for_each(|(index, entry)| *entry = value(index));
+    array
+}
 
 /// Items as people read them. Tokens that are not items fail here, before anything is compared.
 ///

@@ -133,8 +133,8 @@ struct Pair {
 
 fn passes<M, S>(system: &S, states: &[S::State], controls: &[S::Control]) -> Report
 where
-    S: Geometry<Scalar = f64> + Discretized<M>,
-    M: Claims<S>,
+    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
+    M: Claims<S> + 'static,
 {
     let report = Certification::new(system).states(states).controls(controls).time(0.4).run::<M>().unwrap();
     println!("{report}\n");
@@ -300,8 +300,8 @@ fn two_bodies() {
 /// The names of the certificates that fail.
 fn failing<M, S>(system: &S, states: &[S::State]) -> Vec<String>
 where
-    S: Geometry<Scalar = f64> + Discretized<M>,
-    M: Claims<S>,
+    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
+    M: Claims<S> + 'static,
 {
     let report = certify::<M, _>(system, states).unwrap();
     println!("{report}\n");
@@ -321,7 +321,7 @@ macro_rules! boast {
             impl Claims<Body> for Boast<$method, $claims> {
                 const CLAIM: Claim = <$claims as Claims<Body>>::CLAIM;
 
-                fn walk(walk: &mut Walk<'_, Body>, step: f64) -> bool {
+                fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
                     <$claims as Claims<Body>>::walk(walk, step)
                 }
             }
@@ -474,12 +474,12 @@ impl Discretized<Slow> for Body {
 impl Claims<Body> for Slow {
     const CLAIM: Claim = <Midpoint as Claims<Body>>::CLAIM;
 
-    fn walk(walk: &mut Walk<'_, Body>, step: f64) -> bool {
+    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         walk.family(Map::Exponential, 0.5, step);
         true
     }
 
-    fn kernels(probe: &mut Probe<'_, Body>, step: f64) {
+    fn kernels(probe: &mut Probe<'_>, step: f64) {
         probe.kernel::<Slowed<f64>>(step);
     }
 }
@@ -579,7 +579,7 @@ impl Discretized<Plain> for Bent {
 impl Claims<Bent> for Plain {
     const CLAIM: Claim = <Midpoint as Claims<Body>>::CLAIM;
 
-    fn walk(walk: &mut Walk<'_, Bent>, step: f64) -> bool {
+    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         walk.family(Map::Exponential, 0.5, step);
         true
     }

@@ -123,7 +123,10 @@ fn attitudes_stay_of_unit_length() {
         let begun = kernel.begin(&state, 0.0, &[]);
         for exponent in -300..=150 {
             let size = 10_f64.powi(exponent);
-            let unknown = Components::from_fn(|k| [size, -0.3 * size, 0.7 * size][k % 3]);
+            let mut unknown = <KernelOf<M> as Kernel<f64>>::Unknown::splat(0.0);
+            for (k, x) in unknown.as_mut().iter_mut().enumerate() {
+                *x = [size, -0.3 * size, 0.7 * size][k % 3];
+            }
             let evaluation = kernel.evaluate(&state, &begun, &unknown);
             let next = kernel.finish(&state, &begun, &unknown, &evaluation);
             let norm = next[..4].iter().map(|x| x * x).sum::<f64>().sqrt();

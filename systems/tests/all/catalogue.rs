@@ -5,10 +5,12 @@ use std::ops::ControlFlow;
 use coadjoint::system::{Quantity, Role};
 use coadjoint_systems::catalogue::{CATALOGUE, Entry, find};
 use coadjoint_systems::ledger::Ledger;
-use coadjoint_systems::simulation::{Job, Method, Order, Retraction, Whereabouts};
+use coadjoint_systems::simulation::{Job, Method, Order, Retraction, Sample, Whereabouts};
 
 /// The largest energy error relative to the energy that steps of order 2 may make.
 const SECOND: f64 = 5e-3;
+/// Every sample is to be seen.
+const EVERY: fn(u64) -> u64 = |index| index + 1;
 /// That steps of order 1 may make.
 const FIRST: f64 = 0.1;
 
@@ -56,13 +58,14 @@ fn examine(name: &str) {
         let job = Job { method, retraction, order, step: entry.step, steps: 500 };
         let mut ledger = None;
         let mut samples = 0;
-        let report = (entry.simulate)(&setup, &job, None, &mut |sample| {
-            samples += 1;
-            assert!(sample.state.iter().all(|x| x.is_finite()), "{name}, {job:?}");
-            ledger.get_or_insert_with(|| Ledger::new(sample)).push(sample);
-            ControlFlow::Continue(())
-        })
-        .unwrap_or_else(|error| panic!("{name}, {job:?}: {error}"));
+        let report = entry
+            .simulate(&setup, &job, None, &EVERY, &mut |sample| {
+                samples += 1;
+                assert!(sample.state.iter().all(|x| x.is_finite()), "{name}, {job:?}");
+                ledger.get_or_insert_with(|| Ledger::new(sample)).push(sample);
+                ControlFlow::Continue(())
+            })
+            .unwrap_or_else(|error| panic!("{name}, {job:?}: {error}"));
         assert_eq!((report.steps, samples), (500, 501), "{name}, {job:?}");
         let ledger = ledger.expect("samples");
         for kept in &ledger.casimirs {
@@ -74,10 +77,10 @@ fn examine(name: &str) {
         for method in Method::ALL {
             let energy = run(method, retraction, Order::Two).energy;
             let (error, energy) = (energy.error, energy.initial.abs());
-            if !entry.autonomous {
+            if !entry.description.autonomous {
                 continue;
             }
-            let is_standard = (entry.standard)() == method;
+            let is_standard = entry.standard() == method;
             let bound = if method.is_symmetric() || is_standard { SECOND } else { FIRST };
             assert!(error <= bound * energy, "{name}, {method:?}, {retraction:?}: {error} of {energy}");
             if method.is_symmetric() {
@@ -104,13 +107,13 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
     let run = |from: Option<&Whereabouts>, until: u64| {
         let mut seen = Vec::new();
         let mut whereabouts = Whereabouts::default();
-        (entry.simulate)(&setup, job, from, &mut |sample| {
+        let watch = &mut |sample: &Sample<'_>| {
             let numbers = sample.state.iter().chain(sample.casimirs).chain([&sample.time, &sample.energy]);
             seen.push((sample.index, numbers.map(|x| x.to_bits()).collect::<Vec<u64>>()));
-            whereabouts = sample.whereabouts();
+            whereabouts = Whereabouts::at(sample);
             if sample.index < until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
-        })
-        .expect("solvable");
+        };
+        entry.simulate(&setup, job, from, &EVERY, watch).expect("solvable");
         (seen, whereabouts)
     };
     let (whole, _) = run(None, job.steps);
@@ -132,7 +135,8 @@ fn compositions_need_symmetric_steps() {
         for method in [Method::EulerA, Method::EulerB] {
             let job =
                 Job { method, retraction: Retraction::Cayley, order: Order::Four, step: 0.01, steps: 1 };
-            let error = (entry.simulate)(&setup, &job, None, &mut |_| ControlFlow::Continue(()))
+            let error = entry
+                .simulate(&setup, &job, None, &EVERY, &mut |_| ControlFlow::Continue(()))
                 .expect_err("not symmetric");
             let message = error.to_string();
             assert!(
@@ -148,19 +152,27 @@ fn entries_are_complete_and_consistent() {
     for entry in CATALOGUE {
         assert!(!entry.about.is_empty() && !entry.about.ends_with('.'), "{}", entry.name);
         assert!(entry.step > 0.0 && entry.duration > entry.step, "{}", entry.name);
-        assert_eq!(entry.casimirs.len(), entry.casimir_units.len(), "{}", entry.name);
+        assert_eq!(entry.description.casimirs.len(), entry.casimir_units.len(), "{}", entry.name);
         let setup = (entry.example)();
         let count = |quantities: &[Quantity]| quantities.iter().map(|q| q.components.len()).sum::<usize>();
         // constants of the description follow the parameters
-        assert!(setup.parameters.len() >= count(entry.parameters), "{}", entry.name);
-        assert_eq!(setup.state.len(), count(entry.state), "{}", entry.name);
+        assert!(setup.parameters.len() >= count(entry.description.parameters), "{}", entry.name);
+        assert_eq!(setup.state.len(), count(entry.description.state), "{}", entry.name);
         assert_eq!(entry.columns().len(), setup.state.len() + 2, "{}", entry.name);
-        assert!(entry.parameters.iter().all(|quantity| quantity.role == Role::Parameter), "{}", entry.name);
-        assert!(entry.controls.iter().all(|quantity| quantity.role == Role::Control), "{}", entry.name);
-        let roles = |role| entry.state.iter().filter(|quantity| quantity.role == role).count();
+        assert!(
+            entry.description.parameters.iter().all(|quantity| quantity.role == Role::Parameter),
+            "{}",
+            entry.name
+        );
+        assert!(
+            entry.description.controls.iter().all(|quantity| quantity.role == Role::Control),
+            "{}",
+            entry.name
+        );
+        let roles = |role| entry.description.state.iter().filter(|quantity| quantity.role == role).count();
         assert!(roles(Role::Configuration) > 0, "{}", entry.name);
         assert_eq!(roles(Role::Configuration), roles(Role::Momentum), "{}", entry.name);
-        (entry.check)(&setup).expect("an example with valid parameters");
+        entry.check(&setup).expect("an example with valid parameters");
     }
 }
 
@@ -178,7 +190,7 @@ fn the_triangle_inequality_is_noticed() {
     let note = |inertia: [f64; 3]| {
         let mut setup = (entry.example)();
         setup.parameters.copy_from_slice(&inertia);
-        (entry.check)(&setup).expect("positive definite")
+        entry.check(&setup).expect("positive definite")
     };
     assert_eq!(note([1.0, 2.0, 2.5]), None);
     // a flat plate lies on the border

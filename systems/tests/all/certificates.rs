@@ -11,7 +11,7 @@ fn every_claim_holds_for_every_system() {
         for method in [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint] {
             for retraction in Retraction::ALL {
                 let what = format!("{} {} {}", entry.name, method.name(), retraction.name());
-                match (entry.certify)(&(entry.example)(), method, retraction) {
+                match entry.certify(&(entry.example)(), method, retraction) {
                     Ok(report) if report.passed() => {
                         measured += report.certificates.len();
                     }

@@ -2,16 +2,19 @@
 //! system.
 
 use coadjoint::composition::{Order4, Order10};
+mod described;
+
 use coadjoint::derivative::{
-    ByControl, ByParameters, ByState, Changes, Dense, Differentiable, Linearizable, Recording,
+    Adjoint, ByControl, ByParameters, ByState, Changes, Dense, Derives, Differentiable, Linearizable,
+    Recording, Tangent,
 };
 use coadjoint::geometry::{Geometry, Map};
-use coadjoint::kernel::Components;
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
 use coadjoint_systems::catalogued::Catalogued;
 use coadjoint_systems::*;
+use coadjoint_tests::array;
 use coadjoint_tests::dual::{self, AnyStep, Input};
 use coadjoint_tests::random::Random;
 
@@ -19,42 +22,65 @@ use coadjoint_tests::random::Random;
 const ROUNDING: f64 = 1e-13;
 
 /// A system with something to start from, and a step.
-trait Example: System<Scalar = f64> + Geometry + Differentiable {
+trait Example:
+    System<Scalar = f64>
+    + Geometry
+    + Derives<ByState>
+    + Derives<ByControl>
+    + Derives<ByParameters>
+    + Derives<Tangent>
+    + Derives<Adjoint>
+{
     const STEP: f64;
     /// Whether tangent vectors of [`Geometry`] are in the coordinates of derivatives.
     const IS_LEFT: bool = true;
     fn example() -> (Self, Self::State, Self::Control);
 }
 
-/// Of the systems that the program knows.
+/// The systems that the program knows, described with derivatives, and the program's examples.
 macro_rules! examples {
-    ($($system:path),* $(,)?) => {
-        $(impl Example for $system {
-            const STEP: f64 = <Self as Catalogued>::STEP;
+    ($($module:ident::$system:ident $(= $example:expr)?),* $(,)?) => {
+        $(impl Example for described::$system {
+            const STEP: f64 = <$module::$system as Catalogued>::STEP;
             fn example() -> (Self, Self::State, Self::Control) {
-                let (system, state) = <Self as Catalogued>::example();
-                let control = system.control(&state, 0.0);
-                (system, state, control)
+                let examples = [$(|| $example,)? <$module::$system as Catalogued>::example];
+                let (known, start) = examples[0]();
+                let control = known.control(&start, 0.0);
+                let system = Self::from_parameters(&known.to_parameters());
+                let state = <Self as System>::State::from_components(&start.to_components());
+                // it is the same system
+                assert_eq!(<Self as System>::State::QUANTITIES.len(), start.quantities().len());
+                assert_eq!(system.energy_at(&state, 0.3), known.energy_at(&start, 0.3));
+                assert_eq!(system.casimirs(&state), known.casimirs(&start));
+                (system, state, Control::from_components(&control.to_components()))
             }
         })*
     };
 }
+
+/// The quantities of a state.
+trait Quantities: State {
+    fn quantities(&self) -> &'static [coadjoint::system::Quantity] {
+        Self::QUANTITIES
+    }
+}
+
+impl<S: State> Quantities for S {}
+
+/// Not as thin as the program's: about its axis that one has so little inertia that the derivative by this is all rounding.
+fn thick_rod() -> (spherical_pendulum::SphericalPendulum, spherical_pendulum::SphericalPendulumState) {
+    let pendulum = spherical_pendulum::SphericalPendulum::rod(1.0, 1.0, 0.1);
+    let start = pendulum.sideways(60_f64.to_radians(), 0.4);
+    (pendulum, start)
+}
+
 examples! {
     harmonic_oscillator::HarmonicOscillator, kepler::Kepler, planar_pendulum::PlanarPendulum,
+    spherical_pendulum::SphericalPendulum = thick_rod(),
     free_rigid_body::FreeRigidBody, full_rigid_body::FullRigidBody,
     heavy_top::HeavyTop, magnetic_top::MagneticTop, quadrotor::Quadrotor,
     rigid_body_in_space::RigidBodyInSpace, gyrostat::Gyrostat, coupled_bodies::CoupledBodies,
     kirchhoff::Kirchhoff,
-}
-
-/// Not as thin as the program's: about its axis that one has so little inertia that the derivative by this is all rounding.
-impl Example for spherical_pendulum::SphericalPendulum {
-    const STEP: f64 = <Self as Catalogued>::STEP;
-    fn example() -> (Self, Self::State, Self::Control) {
-        let pendulum = Self::rod(1.0, 1.0, 0.1);
-        let start = pendulum.sideways(60_f64.to_radians(), 0.4);
-        (pendulum, start, Default::default())
-    }
 }
 
 /// A sledge that is pushed and steered on a slope, with a wind that comes and goes.
@@ -145,7 +171,7 @@ fn sample<S: Example>(random: &mut Random) -> (S, S::State, S::Control) {
     // all by one factor, so that what is symmetric stays so
     let factor = random.between(0.8, 1.25);
     let parameters = system.to_parameters();
-    let parameters = S::Parameters::from_fn(|i| factor * parameters.as_ref()[i]);
+    let parameters: S::Parameters<f64> = array(|i| factor * parameters.as_ref()[i]);
     let system = S::from_parameters(&parameters);
     system.validate().expect("valid parameters");
 
@@ -161,11 +187,11 @@ fn sample<S: Example>(random: &mut Random) -> (S, S::State, S::Control) {
         }
     }
     assert_eq!(zero.as_ref().len(), sizes.len());
-    let by = S::Tangent::from_fn(|i| sizes[i] * random.between(-1.0, 1.0));
+    let by: S::Tangent = array(|i| sizes[i] * random.between(-1.0, 1.0));
     let state = system.displace(&start, Map::Exponential, &by);
     let control = control.to_components();
-    let control =
-        <S::Control as Control>::Components::from_fn(|i| control.as_ref()[i] + random.between(-0.5, 0.5));
+    let control: <S::Control as Control>::Components =
+        array(|i| control.as_ref()[i] + random.between(-0.5, 0.5));
     (system, state, S::Control::from_components(&control))
 }
 
@@ -191,7 +217,7 @@ fn difference(a: &DMatrix<f64>, b: &DMatrix<f64>) -> f64 {
 fn poisson<S: Example>(system: &S, state: &S::State) -> DMatrix<f64> {
     let n = <S::StateVector as Dense<f64>>::ROWS;
     let columns = (0..n).map(|j| {
-        let unit = S::Tangent::from_fn(|i| f64::from(u8::from(i == j)));
+        let unit: S::Tangent = array(|i| f64::from(u8::from(i == j)));
         DVector::from_column_slice(system.hamiltonian_vector(state, &unit).as_ref())
     });
     DMatrix::from_columns(&columns.collect::<Vec<_>>())
@@ -310,42 +336,42 @@ macro_rules! all_schemes {
 #[test]
 fn every_block_of_every_system_is_that_of_dual_numbers() {
     let mut worst = all_schemes!(
-        harmonic_oscillator::HarmonicOscillator,
-        kepler::Kepler,
-        planar_pendulum::PlanarPendulum,
-        spherical_pendulum::SphericalPendulum,
-        free_rigid_body::FreeRigidBody,
-        full_rigid_body::FullRigidBody,
-        heavy_top::HeavyTop,
-        magnetic_top::MagneticTop,
-        quadrotor::Quadrotor,
-        rigid_body_in_space::RigidBodyInSpace,
-        gyrostat::Gyrostat,
-        coupled_bodies::CoupledBodies,
-        kirchhoff::Kirchhoff,
+        described::HarmonicOscillator,
+        described::Kepler,
+        described::PlanarPendulum,
+        described::SphericalPendulum,
+        described::FreeRigidBody,
+        described::FullRigidBody,
+        described::HeavyTop,
+        described::MagneticTop,
+        described::Quadrotor,
+        described::RigidBodyInSpace,
+        described::Gyrostat,
+        described::CoupledBodies,
+        described::Kirchhoff,
         Sledge,
         Flow,
         Spin,
     );
     // and the other way round where factors, bodies and spaces differ most
-    check::<heavy_top::HeavyTop, Midpoint<Exponential>>(&mut worst);
-    check::<heavy_top::HeavyTop, StormerVerlet<Cayley>>(&mut worst);
-    check::<rigid_body_in_space::RigidBodyInSpace, Midpoint<Exponential>>(&mut worst);
-    check::<rigid_body_in_space::RigidBodyInSpace, StormerVerlet<Cayley>>(&mut worst);
-    check::<gyrostat::Gyrostat, Midpoint<Exponential>>(&mut worst);
-    check::<gyrostat::Gyrostat, StormerVerlet<Cayley>>(&mut worst);
+    check::<described::HeavyTop, Midpoint<Exponential>>(&mut worst);
+    check::<described::HeavyTop, StormerVerlet<Cayley>>(&mut worst);
+    check::<described::RigidBodyInSpace, Midpoint<Exponential>>(&mut worst);
+    check::<described::RigidBodyInSpace, StormerVerlet<Cayley>>(&mut worst);
+    check::<described::Gyrostat, Midpoint<Exponential>>(&mut worst);
+    check::<described::Gyrostat, StormerVerlet<Cayley>>(&mut worst);
     check::<Flow, StormerVerlet<Cayley>>(&mut worst);
     check::<Sledge, TangentLift<Exponential>>(&mut worst);
     check::<Sledge, TangentLift<Cayley>>(&mut worst);
-    check::<quadrotor::Quadrotor, Order4<StormerVerlet<Cayley>>>(&mut worst);
-    check::<heavy_top::HeavyTop, Order10<SymplecticEulerA<Cayley>>>(&mut worst);
+    check::<described::Quadrotor, Order4<StormerVerlet<Cayley>>>(&mut worst);
+    check::<described::HeavyTop, Order10<SymplecticEulerA<Cayley>>>(&mut worst);
     println!("largest relative error {worst:e}");
 }
 
 /// A run of a quadrotor with controls that change, and with its derivative on the way.
 #[test]
 fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
-    use quadrotor::{Quadrotor, QuadrotorControl};
+    use described::{Quadrotor, QuadrotorControl};
     const STEPS: u64 = 130;
     let mut random = Random::new(7);
     let (system, start, control) = sample::<Quadrotor>(&mut random);
@@ -435,7 +461,7 @@ fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
 /// What cannot be stepped has no derivative, and is as before.
 #[test]
 fn an_error_leaves_the_state() {
-    let (system, start, _) = sample::<free_rigid_body::FreeRigidBody>(&mut Random::new(3));
+    let (system, start, _) = sample::<described::FreeRigidBody>(&mut Random::new(3));
     let mut state = start;
     state.momentum.x = f64::NAN;
     let mut stepper = system.stepper::<Cayley>(0.1).expect("valid");
@@ -450,16 +476,15 @@ fn an_error_leaves_the_state() {
 /// Carrying the momentum in space does not change the map, nor its derivative.
 #[test]
 fn a_carried_momentum_has_the_same_derivative() {
-    let (system, start, control) = sample::<free_rigid_body::FreeRigidBody>(&mut Random::new(4));
+    let (system, start, control) = sample::<described::FreeRigidBody>(&mut Random::new(4));
     fn jacobian<M>(
-        system: &free_rigid_body::FreeRigidBody,
-        mut state: free_rigid_body::FreeRigidBodyState,
+        system: &described::FreeRigidBody,
+        mut state: described::FreeRigidBodyState,
         control: &NoControl<f64>,
     ) -> coadjoint::nalgebra::Matrix6<f64>
     where
-        free_rigid_body::FreeRigidBody: Discretized<M>,
-        <free_rigid_body::FreeRigidBody as Discretized<M>>::Method<f64>:
-            Linearizable<free_rigid_body::FreeRigidBody>,
+        described::FreeRigidBody: Discretized<M>,
+        <described::FreeRigidBody as Discretized<M>>::Method<f64>: Linearizable<described::FreeRigidBody>,
     {
         let mut stepper = system.stepper::<M>(0.05).expect("valid");
         stepper.step_with(&mut state, control).expect("solvable");
@@ -481,7 +506,7 @@ struct SmallBody {
 
 #[test]
 fn single_precision_has_derivatives_too() {
-    let (body, start, control) = sample::<free_rigid_body::FreeRigidBody>(&mut Random::new(5));
+    let (body, start, control) = sample::<described::FreeRigidBody>(&mut Random::new(5));
     let small = SmallBody { inertia: body.inertia.cast() };
     let mut small_state = SmallBodyState { attitude: start.attitude.cast(), momentum: start.momentum.cast() };
     let mut state = start;

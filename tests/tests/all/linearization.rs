@@ -2,7 +2,7 @@
 
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
-use coadjoint_codegen::method::linearization::{Linearization, Matrices};
+use coadjoint_codegen::method::linearization::{Derivatives, Linearization, Matrices};
 use coadjoint_codegen::method::{Member, Rule, Scheme, Step};
 use coadjoint_codegen::model::{Hamiltonian, System};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
@@ -109,7 +109,7 @@ fn check<'a>(
     seed: u64,
     residuals: &mut Residuals,
 ) {
-    let linearization = Linearization::new(arena, system, scheme.retraction, step);
+    let linearization = Linearization::new(arena, system, scheme.retraction, step, Derivatives::ALL);
     let Linearization { state, control, parameters, next, .. } = &linearization;
     let mut point = random_point(system, seed);
     point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
@@ -134,8 +134,9 @@ fn check<'a>(
     residuals.vanish("λ·(Dφ δ) − (Dφ* λ)·δ", &(forward - backward), 1e-70);
 
     // the matrices are of the same map
-    let Matrices { through, columns } = linearization.matrices(arena);
-    let all = changes.into_iter().zip(&columns).flat_map(|(change, columns)| change.iter().zip(columns));
+    let Matrices { through, columns } = linearization.matrices(arena, Derivatives::ALL);
+    let of_changes = changes.into_iter().zip(&columns);
+    let all = of_changes.flat_map(|(change, columns)| change.iter().zip(columns.iter().flatten()));
     let (mut product, mut of_unknown) = (Column(vec![Real::from(0); next.len()]), None::<Column>);
     for (change, (explicit, unknown)) in all {
         let by = along.vector(&Vector(vec![change]));
@@ -144,7 +145,7 @@ fn check<'a>(
         of_unknown = Some(of_unknown.map_or(part.clone(), |sum| &sum + &part));
     }
     let of_unknown = of_unknown.expect("a state has components").0;
-    for (column, by) in through.iter().zip(&of_unknown) {
+    for (column, by) in through.iter().flatten().zip(&of_unknown) {
         product = &product + &along.vector(column).scale(by);
     }
     for (product, closed) in product.0.iter().zip(along.vector(next).0) {
