@@ -1,5 +1,46 @@
 //! The tests of the systems and of the program, in one binary: it is linked once.
 
+/// One test for each entry of the catalogue, so that they run side by side: each calls the function with its entry's name.
+macro_rules! entries {
+    ($check:ident) => {
+        entries! {
+            $check:
+            harmonic_oscillator
+            kepler
+            planar_pendulum
+            driven_pendulum
+            spherical_pendulum
+            free_rigid_body
+            full_rigid_body
+            heavy_top
+            lagrange_top
+            kovalevskaya_top
+            magnetic_top
+            quadrotor
+            loose_quadrotor
+            rigid_body_in_space
+            gyrostat
+            coupled_bodies
+            kirchhoff
+        }
+    };
+    ($check:ident: $($name:ident)*) => {
+        $(
+            #[test]
+            fn $name() {
+                $check(stringify!($name));
+            }
+        )*
+
+        #[test]
+        fn no_entry_is_left_out() {
+            let names: Vec<&str> =
+                coadjoint_systems::catalogue::CATALOGUE.iter().map(|entry| entry.name).collect();
+            assert_eq!(names, [$(stringify!($name)),*]);
+        }
+    };
+}
+
 mod applications;
 mod catalogue;
 mod certificates;
