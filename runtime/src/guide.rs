@@ -363,7 +363,7 @@ pub mod derivatives {
     //! # Derivatives
     //!
     //! Control, estimation and identification need to know how the motion changes where something else does: the state, a control, a
-    //! parameter. With `derivatives` in the description that is generated with the steps: the derivative of the step that is really taken,
+    //! parameter. With `derivatives` in the description, or `derivatives(state)` for a part of them, that is generated with the steps: the derivative of the step that is really taken,
     //! not of the continuous equations, exact to rounding at any step size.
     //!
     //! **What changes.** A configuration `g` becomes `g exp(δ)`, with `δ` in the algebra: three numbers for a rotation, in body axes, whatever it

@@ -211,7 +211,7 @@ pub trait System: Sized {
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
     note = "schemes are `Exponential`, `Cayley`, `SymplecticEulerA<Cayley>`, …, and compositions such as `Order6<Exponential>`",
-    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`"
+    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`; where `retractions(…)` names some, the others are not generated"
 )]
 pub trait Discretized<M>: System {
     /// What takes the steps, over a number or several side by side.
@@ -228,7 +228,7 @@ pub trait Discretized<M>: System {
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
     note = "schemes are `Exponential`, `Cayley`, `SymplecticEulerA<Cayley>`, …, and compositions such as `Order6<Exponential>`",
-    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`"
+    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`; where `retractions(…)` names some, the others are not generated"
 )]
 pub trait Generated<M>: System {
     /// The generated code, over any scalar.

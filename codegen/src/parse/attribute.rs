@@ -402,14 +402,14 @@ fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
         let known = Member::NAMED.map(|(name, _)| name);
         let all = list(known.iter().copied().chain(["Family(numerator, denominator)", "TangentLift"]));
         let guess = suggestion(&name.to_string(), &known);
-        let always = match name.to_string().as_str() {
-            "Exponential" | "Cayley" | "StormerVerlet" | "RightLift" => "; this one needs not be asked for",
-            _ => guess.as_str(),
+        let rest = match name.to_string().as_str() {
+            "Exponential" | "Cayley" | "StormerVerlet" | "RightLift" => {
+                format!("; this one needs not be asked for; there are {all}")
+            }
+            _ if guess.ends_with('?') => format!("{guess} There are {all}"),
+            _ => format!("; there are {all}"),
         };
-        syn::Error::new_spanned(
-            &name,
-            format!("there is no method `{name}` to ask for{always}; there are {all}"),
-        )
+        syn::Error::new_spanned(&name, format!("there is no method `{name}` to ask for{rest}"))
     })
 }
 

@@ -5,8 +5,7 @@ use coadjoint::composition::{Order4, Order10};
 mod described;
 
 use coadjoint::derivative::{
-    Adjoint, ByControl, ByParameters, ByState, Changes, Dense, Derives, Differentiable, Linearizable,
-    Recording, Tangent,
+    Adjoint, ByControl, ByParameters, ByState, Changes, Dense, Derives, Linearizable, Recording, Tangent,
 };
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::nalgebra::{DMatrix, DVector};

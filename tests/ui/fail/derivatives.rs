@@ -1,4 +1,4 @@
-//! Derivatives are asked for by a word alone.
+//! Derivatives are asked for by a word alone, or by what they are by.
 
 use coadjoint::prelude::*;
 
@@ -8,8 +8,8 @@ struct Valued {
     inertia: f64,
 }
 
-#[lie_poisson_system(group = SO3, derivatives(ByState))]
-struct Parenthesized {
+#[lie_poisson_system(group = SO3, derivatives(ByState, state, state, momentum))]
+struct Named {
     #[inertia]
     inertia: f64,
 }

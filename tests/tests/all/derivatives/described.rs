@@ -7,10 +7,10 @@ use coadjoint::prelude::*;
     potential = 0.5 * stiffness * position.norm_squared(),
     methods(Midpoint), derivatives,
 )]
-pub struct HarmonicOscillator {
+pub(super) struct HarmonicOscillator {
     #[inertia]
-    pub mass: f64,
-    pub stiffness: f64,
+    pub(super) mass: f64,
+    pub(super) stiffness: f64,
 }
 
 #[lie_poisson_system(
@@ -18,10 +18,10 @@ pub struct HarmonicOscillator {
     potential = -attraction * mass / position.norm(),
     methods(Midpoint), derivatives,
 )]
-pub struct Kepler {
+pub(super) struct Kepler {
     #[inertia]
-    pub mass: f64,
-    pub attraction: f64,
+    pub(super) mass: f64,
+    pub(super) attraction: f64,
 }
 
 #[lie_poisson_system(
@@ -29,11 +29,11 @@ pub struct Kepler {
     potential = weight * length * (1.0 - angle.cos_angle()),
     methods(Midpoint), derivatives,
 )]
-pub struct PlanarPendulum {
+pub(super) struct PlanarPendulum {
     #[inertia]
-    pub inertia: f64,
-    pub weight: f64,
-    pub length: f64,
+    pub(super) inertia: f64,
+    pub(super) weight: f64,
+    pub(super) length: f64,
 }
 
 #[lie_poisson_system(
@@ -42,23 +42,23 @@ pub struct PlanarPendulum {
     potential = weight * length * gamma.z,
     methods(Midpoint), derivatives,
 )]
-pub struct SphericalPendulum {
+pub(super) struct SphericalPendulum {
     #[inertia]
-    pub inertia: Vector3<f64>,
-    pub weight: f64,
-    pub length: f64,
+    pub(super) inertia: Vector3<f64>,
+    pub(super) weight: f64,
+    pub(super) length: f64,
 }
 
 #[lie_poisson_system(group = SO3, methods(Midpoint), derivatives)]
-pub struct FreeRigidBody {
+pub(super) struct FreeRigidBody {
     #[inertia]
-    pub inertia: Vector3<f64>,
+    pub(super) inertia: Vector3<f64>,
 }
 
 #[lie_poisson_system(group = SO3, methods(Midpoint), derivatives)]
-pub struct FullRigidBody {
+pub(super) struct FullRigidBody {
     #[inertia]
-    pub inertia: Matrix3<f64>,
+    pub(super) inertia: Matrix3<f64>,
 }
 
 #[lie_poisson_system(
@@ -67,11 +67,11 @@ pub struct FullRigidBody {
     potential = weight * gamma.dot(&chi),
     methods(Midpoint), derivatives,
 )]
-pub struct HeavyTop {
+pub(super) struct HeavyTop {
     #[inertia]
-    pub inertia: Vector3<f64>,
-    pub weight: f64,
-    pub chi: Vector3<f64>,
+    pub(super) inertia: Vector3<f64>,
+    pub(super) weight: f64,
+    pub(super) chi: Vector3<f64>,
 }
 
 #[lie_poisson_system(
@@ -80,12 +80,12 @@ pub struct HeavyTop {
     potential = weight * gamma.dot(&chi) - field.dot(&dipole),
     methods(Midpoint), derivatives,
 )]
-pub struct MagneticTop {
+pub(super) struct MagneticTop {
     #[inertia]
-    pub inertia: Vector3<f64>,
-    pub weight: f64,
-    pub chi: Vector3<f64>,
-    pub dipole: Vector3<f64>,
+    pub(super) inertia: Vector3<f64>,
+    pub(super) weight: f64,
+    pub(super) chi: Vector3<f64>,
+    pub(super) dipole: Vector3<f64>,
 }
 
 #[lie_poisson_system(
@@ -95,18 +95,18 @@ pub struct MagneticTop {
     force(attitude = moment, position = attitude * (thrust * Vector3::z())),
     methods(Midpoint), derivatives,
 )]
-pub struct Quadrotor {
+pub(super) struct Quadrotor {
     #[inertia(attitude)]
-    pub inertia: Vector3<f64>,
+    pub(super) inertia: Vector3<f64>,
     #[inertia(position)]
-    pub mass: f64,
-    pub gravity: f64,
+    pub(super) mass: f64,
+    pub(super) gravity: f64,
 }
 
 #[lie_poisson_system(group = SE3, methods(Midpoint), derivatives)]
-pub struct RigidBodyInSpace {
+pub(super) struct RigidBodyInSpace {
     #[inertia]
-    pub inertia: Matrix6<f64>,
+    pub(super) inertia: Matrix6<f64>,
 }
 
 #[lie_poisson_system(
@@ -117,10 +117,10 @@ pub struct RigidBodyInSpace {
     },
     methods(Midpoint), derivatives,
 )]
-pub struct Gyrostat {
-    pub inertia: Vector3<f64>,
-    pub rotor_inertia: f64,
-    pub axis: Vector3<f64>,
+pub(super) struct Gyrostat {
+    pub(super) inertia: Vector3<f64>,
+    pub(super) rotor_inertia: f64,
+    pub(super) axis: Vector3<f64>,
 }
 
 #[lie_poisson_system(
@@ -131,12 +131,12 @@ pub struct Gyrostat {
     },
     methods(Midpoint), derivatives,
 )]
-pub struct CoupledBodies {
+pub(super) struct CoupledBodies {
     #[inertia(first)]
-    pub first_inertia: Vector3<f64>,
+    pub(super) first_inertia: Vector3<f64>,
     #[inertia(second)]
-    pub second_inertia: Vector3<f64>,
-    pub stiffness: f64,
+    pub(super) second_inertia: Vector3<f64>,
+    pub(super) stiffness: f64,
 }
 
 #[lie_poisson_system(
@@ -147,8 +147,8 @@ pub struct CoupledBodies {
         + 0.5 * impulse.dot(&impulse.component_div(&mass)),
     methods(Midpoint), derivatives,
 )]
-pub struct Kirchhoff {
-    pub inertia: Vector3<f64>,
-    pub mass: Vector3<f64>,
-    pub screw: Vector3<f64>,
+pub(super) struct Kirchhoff {
+    pub(super) inertia: Vector3<f64>,
+    pub(super) mass: Vector3<f64>,
+    pub(super) screw: Vector3<f64>,
 }

@@ -34,17 +34,17 @@ fn expand(
     retraction: Option<Retraction>,
     derivatives: bool,
 ) -> syn::Result<TokenStream> {
-    let mut expansion = coadjoint_codegen::expand(attribute, item)?;
+    // the catalogue's descriptions ask for none
+    let asked = derivatives.then(|| quote::quote! { derivatives, });
+    let mut expansion = coadjoint_codegen::expand(quote::quote! { #asked #attribute }, item)?;
     if let Some(retraction) = retraction {
         let wanted = match retraction {
             Retraction::Exponential => group::Retraction::Exponential,
             Retraction::Cayley => group::Retraction::Cayley,
         };
         expansion.steps.retain(|step| step.scheme.retraction == wanted);
-    }
-    if !derivatives {
-        expansion.tangents = TokenStream::new();
-        expansion.steps.iter_mut().for_each(|step| step.derivative = None);
+        // it names all steps
+        expansion.schemes = TokenStream::new();
     }
     Ok(expansion.into_tokens())
 }
