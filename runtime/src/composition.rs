@@ -169,6 +169,7 @@ impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
 }
 
 impl<C: Coefficients, B: Method> Method for Composition<C, B> {
+    type Home = B::Home;
     type Scalar = B::Scalar;
     type Parameters = B::Parameters;
     type State = B::State;
@@ -234,6 +235,7 @@ mod tests {
     struct Clock(f64);
 
     impl Method for Clock {
+        type Home = ();
         type Scalar = f64;
         type Parameters = [f64; 0];
         type State = [f64; 1];

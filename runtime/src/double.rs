@@ -77,7 +77,8 @@ macro_rules! operations {
         struct $name<T>(Double<T>, Double<T>);
 
         impl<T: Batch> Work for $name<T> {
-            type Result = Double<T>;
+            type Home = ();
+    type Result = Double<T>;
 
             #[inline(always)]
             fn done(self) -> Double<T> {

@@ -148,8 +148,13 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
 
     /// Takes, in the `wanting` lanes, the polynomial that points best at this solution, and pointed well at those of earlier looks. An error of
     /// which the square is below `tolerance` is none.
-    #[inline(always)]
     pub(crate) fn choose(&mut self, solution: &U, wanting: T::Mask, tolerance: T) {
+        // out of line: once for all steps with as many unknowns
+        T::outline(Choose { extrapolation: self, solution, wanting, tolerance });
+    }
+
+    #[inline(always)]
+    fn chosen(&mut self, solution: &U, wanting: T::Mask, tolerance: T) {
         let window = self.window();
         let latest = &window[WINDOW - 1].components;
         let [mut of_through, mut of_near] = [Best::none(); 2];
@@ -211,6 +216,25 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
     }
 }
 
+/// [`Extrapolation::choose`], out of line.
+struct Choose<'a, T: Batch, U> {
+    extrapolation: &'a mut Extrapolation<T, U>,
+    solution: &'a U,
+    wanting: T::Mask,
+    tolerance: T,
+}
+
+impl<T: Batch, U: Components<T>> Work for Choose<'_, T, U> {
+    type Home = ();
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { extrapolation, solution, wanting, tolerance } = self;
+        extrapolation.chosen(solution, wanting, tolerance);
+    }
+}
+
 /// The best of some polynomials.
 #[derive(Clone, Copy)]
 struct Best<T> {
@@ -244,6 +268,7 @@ impl<T: Batch> Best<T> {
 struct Next<'a, T: Batch, U>(&'a Extrapolation<T, U>);
 
 impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
+    type Home = ();
     type Result = U;
 
     #[inline(always)]

@@ -95,6 +95,7 @@ struct Step<'a, B: Method, C> {
 }
 
 impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, B, C> {
+    type Home = B::Home;
     type Result = Outcome<T, C>;
 
     #[inline(always)]
@@ -113,6 +114,7 @@ impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, 
 }
 
 impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
+    type Home = <S::Method<Once<T>> as Method>::Home;
     type Scalar = T;
     type Parameters = <S as System>::Parameters<T>;
     type State = S::StateComponents<T>;

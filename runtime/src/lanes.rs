@@ -6,6 +6,8 @@
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use crate::scalar::{Batch, Mask, Real, Scalar, Work};
+#[cfg(not(all(feature = "std", target_arch = "x86_64")))]
+use crate::scalar::OutOfLine;
 use crate::stumpff;
 
 /// `N` numbers side by side, for code that is compiled for `P`.
@@ -74,9 +76,9 @@ impl Processor for Portable {
     type Vector = ();
     const DOUBLES: usize = 0;
 
-    #[inline(never)]
+    #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {
-        work.done()
+        W::Home::portable(work)
     }
     fn doubles<X: Real, const N: usize>(_: &[X; N]) {}
     fn numbers<X: Real, const N: usize>((): ()) -> [X; N] {

@@ -11,6 +11,8 @@ use crate::scalar::{Batch, Real, Scalar, Work};
 
 /// A discretization of one system with one step size, on flat arrays.
 pub trait Method: Clone + Send + Sync {
+    /// With what its steps are compiled: a kernel of its.
+    type Home: Send + Sync + 'static;
     /// `f64`, `f32`, or lanes of them.
     type Scalar: Batch;
     /// The system's parameters.
@@ -154,6 +156,7 @@ struct Part<'a, B: Method> {
 }
 
 impl<B: Method> Work for Part<'_, B> {
+    type Home = B::Home;
     type Result = Outcome<B::Scalar, B::State>;
 
     #[inline(always)]
@@ -261,6 +264,7 @@ where
     A: Method,
     B: Method<Scalar = A::Scalar, Parameters = A::Parameters, State = A::State, Control = A::Control>,
 {
+    type Home = A::Home;
     type Scalar = A::Scalar;
     type Parameters = A::Parameters;
     type State = A::State;
@@ -317,6 +321,7 @@ where
     B: Method,
     B: Method<State = S::StateComponents<<B as Method>::Scalar>>,
 {
+    type Home = B::Home;
     type Scalar = B::Scalar;
     type Parameters = B::Parameters;
     type State = B::State;
@@ -361,6 +366,7 @@ mod tests {
     }
 
     impl Method for Half {
+        type Home = ();
         type Scalar = f64;
         type Parameters = [f64; 0];
         type State = [f64; 0];

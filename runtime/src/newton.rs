@@ -55,6 +55,7 @@ struct Solve<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
+    type Home = K;
     type Result = SolutionOf<T, K>;
 
     #[inline(always)]
@@ -96,7 +97,9 @@ impl<T: Batch, K: Kernel<T>> Work for Solve<'_, T, K> {
                 // far from the solution the full correction can overshoot: shorten it
                 let far = worse & !stagnates;
                 if far.any() {
-                    let lost = backtrack(kernel, state, step, &mut unknown, &correction, &mut residual, far);
+                    let (unknown, correction, residual) = (&mut unknown, &correction, &mut residual);
+                    let backtrack = Backtrack { kernel, state, step, unknown, correction, residual, far };
+                    let lost = T::outline(backtrack);
                     unsolved = unsolved | lost;
                     open = open & !lost;
                 }
@@ -129,6 +132,7 @@ struct Evaluate<'a, T: Scalar, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Evaluate<'_, T, K> {
+    type Home = K;
     type Result = Evaluation<K::Unknown, K::Iterate>;
 
     #[inline(always)]
@@ -138,30 +142,39 @@ impl<T: Batch, K: Kernel<T>> Work for Evaluate<'_, T, K> {
 }
 
 /// The first of the corrections scaled by ½, ¼, … that makes the residual smaller. Returns the `far` lanes in which none does.
-fn backtrack<T: Batch, K: Kernel<T>>(
-    kernel: &K,
-    state: &K::State,
-    step: &K::Step,
-    unknown: &mut K::Unknown,
-    correction: &K::Unknown,
-    residual: &mut T,
+struct Backtrack<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    unknown: &'a mut K::Unknown,
+    correction: &'a K::Unknown,
+    residual: &'a mut T,
     far: T::Mask,
-) -> T::Mask {
-    let mut open = far;
-    let mut scale = 1.0;
-    for _ in 0..10 {
-        scale *= 0.5;
-        let candidate = subtract(open, unknown, correction, T::of(scale));
-        let then = relative(&evaluated(kernel, state, step, &candidate));
-        let better = open & then.below(*residual);
-        *unknown = select(better, &candidate, unknown);
-        *residual = T::select(better, then, *residual);
-        open = open & !better;
-        if !open.any() {
-            break;
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Backtrack<'_, T, K> {
+    type Home = K;
+    type Result = T::Mask;
+
+    #[inline(always)]
+    fn done(self) -> T::Mask {
+        let Self { kernel, state, step, unknown, correction, residual, far } = self;
+        let mut open = far;
+        let mut scale = 1.0;
+        for _ in 0..10 {
+            scale *= 0.5;
+            let candidate = subtract(open, unknown, correction, T::of(scale));
+            let then = relative(&evaluated(kernel, state, step, &candidate));
+            let better = open & then.below(*residual);
+            *unknown = select(better, &candidate, unknown);
+            *residual = T::select(better, then, *residual);
+            open = open & !better;
+            if !open.any() {
+                break;
+            }
         }
+        open
     }
-    open
 }
 
 /// What is counted in each lane, together.

@@ -19,6 +19,7 @@ pub struct OneStep<T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
+    type Home = K;
     type Scalar = T;
     type Parameters = K::Parameters;
     type State = K::State;
@@ -85,6 +86,7 @@ impl<'a, T: Batch, K: Kernel<T>> March<'a, T, K> {
 }
 
 impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
+    type Home = K;
     type Result = Marched<T>;
 
     #[inline(always)]
@@ -128,6 +130,7 @@ struct Anyhow<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Anyhow<'_, T, K> {
+    type Home = K;
     type Result = Outcome<T, K::State>;
 
     #[inline(always)]

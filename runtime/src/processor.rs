@@ -10,7 +10,7 @@ use core::mem::{transmute, transmute_copy};
 
 use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
-use crate::scalar::{Batch, FUSED, LongWork, On, Real, Work};
+use crate::scalar::{Batch, FUSED, LongWork, On, OutOfLine, Real, Work};
 use crate::terms::{Formula, Piece, Term, Weight};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
@@ -62,6 +62,23 @@ macro_rules! processors {
         $(#[$doc:meta])*
         $name:ident in $function:ident for $first:tt $(, $feature:tt)*: $alignment:ident of $bytes:literal bytes { $($operations:tt)* }
     )*) => {
+        /// As [`OutOfLine`], compiled for kinds of processors.
+        trait Wide: Sized + 'static {
+            $(
+                /// Does the work.
+                ///
+                /// # Safety
+                /// Only where the processor is of the kind.
+                #[target_feature(enable = $first $(, enable = $feature)*)]
+                #[inline(never)]
+                unsafe fn $function<W: Work<Home = Self>>(work: W) -> W::Result {
+                    work.done()
+                }
+            )*
+        }
+
+        impl<Home: 'static> Wide for Home {}
+
         $(
             $(#[$doc])*
             ///
@@ -81,12 +98,6 @@ macro_rules! processors {
             #[repr(align($bytes))]
             pub(crate) struct $alignment;
 
-            #[target_feature(enable = $first $(, enable = $feature)*)]
-            #[inline(never)]
-            fn $function<W: Work>(work: W) -> W::Result {
-                work.done()
-            }
-
             impl Processor for $name {
                 type Alignment = $alignment;
 
@@ -94,7 +105,7 @@ macro_rules! processors {
                 fn outline<W: Work>(work: W) -> W::Result {
                     debug_assert!(Self::is_here());
                     // SAFETY: the type is named nowhere but where it was looked whether the processor is of the kind
-                    unsafe { $function(work) }
+                    unsafe { <W::Home as Wide>::$function(work) }
                 }
 
                 operations! { $($operations)* }
@@ -146,9 +157,9 @@ type Two = [__m128d; 2];
 impl Processor for Portable {
     type Alignment = ();
 
-    #[inline(never)]
+    #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {
-        work.done()
+        W::Home::portable(work)
     }
 
     operations! {

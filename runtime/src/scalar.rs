@@ -179,14 +179,30 @@ pub trait Batch: Scalar {
 
 /// Something to do, with all that it needs. Not a closure, since these cannot say that they are always to be inlined.
 pub trait Work {
+    /// The type with which it is compiled when it is [out of line](OutOfLine): a kernel, or `()` for what belongs to none.
+    type Home: 'static;
     /// What comes of it.
     type Result;
     /// Does it. To be `#[inline(always)]`: the code is compiled for the processor that its caller is compiled for.
     fn done(self) -> Self::Result;
 }
 
+/// Functions that are not inlined, provided for all types. The compiler puts a provided method where its `Self` is: work of a kernel is compiled
+/// beside that, and what belongs to other systems is not compiled anew when it changes.
+pub(crate) trait OutOfLine: Sized + 'static {
+    /// Does the work, compiled for what the program is built for.
+    #[inline(never)]
+    fn portable<W: Work<Home = Self>>(work: W) -> W::Result {
+        work.done()
+    }
+}
+
+impl<Home: 'static> OutOfLine for Home {}
+
 /// Something to do that knows the processor that it is compiled for.
 pub trait LongWork {
+    /// As [`Work::Home`].
+    type Home: 'static;
     /// What comes of it.
     type Result;
     /// Does it, as [`Work::done`].
@@ -204,6 +220,7 @@ impl<P, W> On<P, W> {
 }
 
 impl<P: Processor, W: LongWork> Work for On<P, W> {
+    type Home = W::Home;
     type Result = W::Result;
 
     #[inline(always)]
@@ -321,9 +338,9 @@ macro_rules! real {
             fn plus_once(self, a: Self, b: Self) -> Self {
                 nalgebra::ComplexField::mul_add(a, b, self)
             }
-            #[inline(never)]
+            #[inline(always)]
             fn outline<W: Work>(work: W) -> W::Result {
-                work.done()
+                W::Home::portable(work)
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]

@@ -155,6 +155,7 @@ impl<T: Batch, U: Copy, I: Copy> Swept<T, U, I> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Sweeps<'_, T, K> {
+    type Home = K;
     type Result = Option<Swept<T, K::Unknown, K::Iterate>>;
 
     #[inline(always)]
@@ -438,7 +439,11 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        let contraction = if const { K::SWEEPS } { contraction(kernel, state, step, solution) } else { None };
+        let contraction = if const { K::SWEEPS } {
+            T::outline(Contraction { kernel, state, step, unknown: solution })
+        } else {
+            None
+        };
         let bound = T::of(SAFETY) * contraction.unwrap_or(T::of(1.0));
         let per_bound = T::of(1.0) / (bound + T::of(TINY));
         // the error that is left
@@ -498,28 +503,36 @@ const TINY: f64 = 1e-37;
 
 /// The norm of the derivative of the sweep, by differences: the root of the sum of all entries' squares, which bounds how much longer the
 /// sweep makes any change. None if there are no sweeps; not a number if any component is.
-#[inline(always)]
-fn contraction<T: Batch, K: Kernel<T>>(
-    kernel: &K,
-    state: &K::State,
-    step: &K::Step,
-    unknown: &K::Unknown,
-) -> Option<T> {
-    let sweep = |x: &K::Unknown| kernel.sweep(state, step, &newton::evaluated(kernel, state, step, x).right);
-    let here = sweep(unknown)?;
-    let size = size(unknown.as_ref());
-    // at rest: as far as a thousandth of a radian
-    let moves = T::of(0.0).below(size);
-    let offset = T::of(1e-3) * T::select(moves, size, T::of(1.0));
-    let per_offset = T::of(1.0) / offset;
-    let mut squares = T::of(0.0);
-    for i in 0..unknown.as_ref().len() {
-        let mut there = *unknown;
-        there.as_mut()[i] = there.as_ref()[i] + offset;
-        for (here, there) in here.as_ref().iter().zip(sweep(&there)?.as_ref()) {
-            let slope = per_offset * (*there - *here);
-            squares = squares.plus(slope, slope);
+struct Contraction<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    unknown: &'a K::Unknown,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Contraction<'_, T, K> {
+    type Home = K;
+    type Result = Option<T>;
+
+    #[inline(always)]
+    fn done(self) -> Option<T> {
+        let Self { kernel, state, step, unknown } = self;
+        let sweep = |x: &K::Unknown| kernel.sweep(state, step, &newton::evaluated(kernel, state, step, x).right);
+        let here = sweep(unknown)?;
+        let size = size(unknown.as_ref());
+        // at rest: as far as a thousandth of a radian
+        let moves = T::of(0.0).below(size);
+        let offset = T::of(1e-3) * T::select(moves, size, T::of(1.0));
+        let per_offset = T::of(1.0) / offset;
+        let mut squares = T::of(0.0);
+        for i in 0..unknown.as_ref().len() {
+            let mut there = *unknown;
+            there.as_mut()[i] = there.as_ref()[i] + offset;
+            for (here, there) in here.as_ref().iter().zip(sweep(&there)?.as_ref()) {
+                let slope = per_offset * (*there - *here);
+                squares = squares.plus(slope, slope);
+            }
         }
+        Some(squares.sqrt())
     }
-    Some(squares.sqrt())
 }

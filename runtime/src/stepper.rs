@@ -283,6 +283,7 @@ where
     S::Method<S::Scalar>: Linearizable<S>,
     B: Blocks<S>,
 {
+    type Home = <S::Method<S::Scalar> as Method>::Home;
     type Result = B::Jacobian;
 
     #[inline(always)]

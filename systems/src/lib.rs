@@ -9,7 +9,7 @@
 //! * [`guide`]: the figures that the program draws, and when a structure-preserving step pays
 //!
 //! The feature `program` (on by default) is for the program; without it there are only the systems and the classical integrators, and few
-//! dependencies.
+//! dependencies. The feature `bench` adds what `coadjoint bench` times.
 
 pub mod catalogued;
 pub mod classical;
@@ -32,7 +32,7 @@ pub mod spherical_pendulum;
 
 #[cfg(feature = "program")]
 pub mod applications;
-#[cfg(feature = "program")]
+#[cfg(feature = "bench")]
 pub mod cases;
 #[cfg(feature = "program")]
 pub mod catalogue;

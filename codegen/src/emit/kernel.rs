@@ -189,7 +189,6 @@ pub(super) fn kernel(
                 type Iterate = Iterate<T>;
 
                 #new_doc
-                #[inline]
                 fn new(parameters: &[T; #parameters], step: T) -> Self {
                     #new
                 }
@@ -201,7 +200,6 @@ pub(super) fn kernel(
                 }
 
                 #start_doc
-                #[inline]
                 fn start(&self, state: &[T; #state], step: &Step<T>) -> [T; #unknown] {
                     #start
                 }

@@ -83,7 +83,7 @@ fn keys() {
         "colour = red",
         &[(
             "colour",
-            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `control`, `force`, `invariance`, `methods`, `derivatives` and `crate`",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives` and `crate`",
         )],
     );
     attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);

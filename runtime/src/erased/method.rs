@@ -6,13 +6,14 @@ use std::vec::Vec;
 use crate::error::StepError;
 use crate::kernel::{Components, Kernel};
 use crate::method::{self, Advanced, Clock, Marched};
+use crate::newton::evaluated;
 use crate::scalar::{Batch, Scalar};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
 ///
 /// Slices have the lengths of the system's arrays.
 pub trait Method<T: Batch>: Send + Sync {
-    /// Takes other parameters and another step; what is remembered of earlier steps stays.
+    /// Takes other parameters and another step of numbers side by side; what is remembered of earlier steps stays.
     fn rebuild(&mut self, parameters: &[T], step: T);
 
     /// Writes the state after a step to `next`: see [`method::Method::advance`].
@@ -55,19 +56,24 @@ impl<M: method::Method, const BATCHES: bool> Flat<M, BATCHES> {
     where
         M: 'static,
     {
-        Box::new(Self(M::new(&array(parameters), step)))
+        Box::new(([], Self(M::new(&array(parameters), step))))
     }
 }
 
-impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for Flat<M, BATCHES> {
+// with an empty array of its home, so that the compiler puts it there: see `OutOfLine`
+impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0], Flat<M, BATCHES>) {
     fn rebuild(&mut self, parameters: &[M::Scalar], step: M::Scalar) {
+        if const { M::Scalar::LANES == 1 } {
+            // where there is one member, none takes another's place
+            return;
+        }
         let mut new = M::new(&array(parameters), step);
         // the memory of the old one, piece by piece
         let mut memory = Vec::new();
-        self.0.memory(&mut |piece| memory.extend_from_slice(piece));
+        self.1.0.memory(&mut |piece| memory.extend_from_slice(piece));
         let mut memory = memory.into_iter();
         new.memory(&mut |piece| piece.iter_mut().zip(&mut memory).for_each(|(x, value)| *x = value));
-        self.0 = new;
+        self.1.0 = new;
     }
 
     fn advance(
@@ -78,7 +84,7 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for Flat<M, BATCH
         control: &[M::Scalar],
         known: bool,
     ) -> Outcome<M::Scalar> {
-        match self.0.advance(&array(state), time, &array(control), known) {
+        match self.1.0.advance(&array(state), time, &array(control), known) {
             Ok(Advanced { state, iterations, residual }) => {
                 copy(next, state.as_ref());
                 Ok((iterations, residual))
@@ -101,13 +107,13 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for Flat<M, BATCH
             return Marched::default();
         }
         let mut now = array(state);
-        let marched = self.0.march(&mut now, clock, &array(control), most);
+        let marched = self.1.0.march(&mut now, clock, &array(control), most);
         copy(state, now.as_ref());
         marched
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [M::Scalar])) {
-        self.0.memory(visit);
+        self.1.0.memory(visit);
     }
 }
 
@@ -138,21 +144,24 @@ pub(crate) fn equation<K: Kernel<f64> + 'static>(
 ) -> Box<dyn Equation> {
     let (kernel, state) = (K::new(&array(parameters), step), array(state));
     let begun = kernel.begin(&state, time, &array(control));
-    Box::new(At { kernel, state, begun })
+    Box::new(([], At { kernel, state, begun }))
 }
 
-impl<K: Kernel<f64>> Equation for At<K> {
+impl<K: Kernel<f64>> Equation for ([K; 0], At<K>) {
     fn start(&self) -> Vec<f64> {
-        self.kernel.start(&self.state, &self.begun).as_ref().to_vec()
+        let (_, At { kernel, state, begun }) = self;
+        kernel.start(state, begun).as_ref().to_vec()
     }
 
     fn residual(&self, unknown: &[f64]) -> Vec<f64> {
-        self.kernel.evaluate(&self.state, &self.begun, &array(unknown)).residual.as_ref().to_vec()
+        let (_, At { kernel, state, begun }) = self;
+        evaluated(kernel, state, begun, &array(unknown)).residual.as_ref().to_vec()
     }
 
     fn correction(&self, unknown: &[f64]) -> Vec<f64> {
+        let (_, At { kernel, state, begun }) = self;
         let unknown = array(unknown);
-        let evaluation = self.kernel.evaluate(&self.state, &self.begun, &unknown);
-        self.kernel.correction(&self.state, &self.begun, &unknown, &evaluation).as_ref().to_vec()
+        let evaluation = evaluated(kernel, state, begun, &unknown);
+        kernel.correction(state, begun, &unknown, &evaluation).as_ref().to_vec()
     }
 }

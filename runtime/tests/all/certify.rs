@@ -356,6 +356,7 @@ struct Leaky;
 struct Leak<T: Batch>(<Body as Discretized<Midpoint>>::Method<T>);
 
 impl<T: Batch> Method for Leak<T> {
+    type Home = ();
     type Scalar = T;
     type Parameters = [T; 3];
     type State = [T; 7];

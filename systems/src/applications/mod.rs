@@ -18,7 +18,13 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// ```text
 /// Π̇ = Π × 𝓘⁻¹Π + τ,   Ṙ = R (𝓘⁻¹Π)^
 /// ```
-#[lie_poisson_system(group = SO3, control(torque: R3), force = torque, derivatives)]
+#[lie_poisson_system(
+    group = SO3,
+    control(torque: R3),
+    force = torque,
+    retractions(Cayley),
+    derivatives(state, controls, parameters),
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spacecraft {
     /// Tensor of inertia about the centre of mass, body frame, kg m².

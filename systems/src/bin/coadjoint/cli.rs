@@ -217,7 +217,15 @@ fn run(command_line: &CommandLine, console: &mut dyn Write) -> Result<(), Error>
             command::run::init(entry, &path, arguments.force, console)?;
         }
         Some(Command::Ensemble(arguments)) => command::ensemble::ensemble(arguments, console)?,
+        #[cfg(feature = "bench")]
         Some(Command::Bench(arguments)) => command::bench::bench(arguments, console)?,
+        #[cfg(not(feature = "bench"))]
+        Some(Command::Bench(_)) => {
+            return Err(Error::Input(
+                "this program was built without its benchmarks: `cargo run --release --features bench -- bench` builds and runs them"
+                    .to_owned(),
+            ));
+        }
         Some(Command::Figures(arguments)) => command::figures::figures(arguments, console)?,
         Some(Command::Show(arguments)) => command::show::show(arguments, console)?,
         Some(Command::Certify(arguments)) => command::certify::certify(arguments, console)?,

@@ -1,5 +1,6 @@
 //! What the program can be asked to do: one file per command.
 
+#[cfg(feature = "bench")]
 pub(crate) mod bench;
 pub(crate) mod certify;
 pub(crate) mod ensemble;

@@ -71,6 +71,7 @@ pub(crate) enum Error {
         wrong: usize,
     },
     /// A standard case cannot be timed.
+    #[cfg_attr(not(feature = "bench"), allow(dead_code, reason = "nothing is timed"))]
     #[error("cannot be timed: {0}")]
     Bench(String),
     /// A system of our own does not pass its own generator.
