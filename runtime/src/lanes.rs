@@ -5,9 +5,9 @@
 
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 use crate::scalar::OutOfLine;
+use crate::scalar::{Batch, Mask, Real, Scalar, Work};
 use crate::stumpff;
 
 /// `N` numbers side by side, for code that is compiled for `P`.

@@ -88,7 +88,7 @@ pub struct StormerVerlet<R = Exponential>(PhantomData<R>);
 #[non_exhaustive]
 pub enum Rule {
     /// The member `s = numerator/denominator` of the [family](Family), in lowest terms.
-    Family(u32, u32),
+    Member(u32, u32),
     /// [`TangentLift`]
     TangentLift,
 }
@@ -103,7 +103,7 @@ pub trait Base: 'static {
 
 impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, D> {
     const MAP: Map = R::MAP;
-    const RULE: Rule = Rule::Family(N, D);
+    const RULE: Rule = Rule::Member(N, D);
 }
 
 impl<R: Retraction + 'static> Base for TangentLift<R> {

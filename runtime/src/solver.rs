@@ -517,7 +517,8 @@ impl<T: Batch, K: Kernel<T>> Work for Contraction<'_, T, K> {
     #[inline(always)]
     fn done(self) -> Option<T> {
         let Self { kernel, state, step, unknown } = self;
-        let sweep = |x: &K::Unknown| kernel.sweep(state, step, &newton::evaluated(kernel, state, step, x).right);
+        let sweep =
+            |x: &K::Unknown| kernel.sweep(state, step, &newton::evaluated(kernel, state, step, x).right);
         let here = sweep(unknown)?;
         let size = size(unknown.as_ref());
         // at rest: as far as a thousandth of a radian

@@ -505,6 +505,7 @@ pub(crate) fn check_step(step: f64) -> Result<(), ParameterError> {
 
 /// A state from elsewhere is on its group, more or less.
 #[cold]
+#[inline]
 pub(crate) fn check_deviation(deviation: f64) -> Result<(), StepError> {
     // what is not finite is so named by the step
     let off = deviation.is_finite() && deviation > LARGEST_DEVIATION;

@@ -272,7 +272,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepExpansion]) -> TokenStream {
         let rules = std::iter::once(scheme).chain(aliases).map(|scheme| match scheme.rule {
             Rule::Family(Member { numerator, denominator }) => {
                 let (n, d) = (Literal::u32_unsuffixed(numerator), Literal::u32_unsuffixed(denominator));
-                quote! { #private::Rule::Family(#n, #d) }
+                quote! { #private::Rule::Member(#n, #d) }
             }
             Rule::TangentLift => quote! { #private::Rule::TangentLift },
         });

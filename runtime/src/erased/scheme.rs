@@ -19,7 +19,7 @@ pub enum Scheme {
     /// The bare retraction: the system's [standard](crate::System::Standard) step of order 2.
     Standard(Map),
     /// A step that the macro generated.
-    Generated(Map, Rule),
+    Step(Map, Rule),
     /// [`StormerVerlet`](crate::scheme::StormerVerlet)
     StormerVerlet(Map),
     /// A symmetric [composition](crate::composition) of steps with another scheme.
@@ -41,7 +41,7 @@ impl Scheme {
 
     /// The member `s = numerator/denominator` of the family.
     pub const fn family(map: Map, numerator: u32, denominator: u32) -> Self {
-        Self::Generated(map, Rule::Family(numerator, denominator))
+        Self::Step(map, Rule::Member(numerator, denominator))
     }
 
     /// The same with what the standard step is of a system that is [invariant](crate::System::INVARIANT) or not.
@@ -64,13 +64,13 @@ impl Scheme {
         generated: &mut dyn FnMut(Map, Rule, T) -> Result<Box<dyn Method<T>>, E>,
     ) -> Result<Box<dyn Method<T>>, E> {
         match self.resolved(invariant) {
-            Self::Generated(map, rule) => generated(map, rule, step),
+            Self::Step(map, rule) => generated(map, rule, step),
             Self::Composed { gamma, base, .. } => {
                 let part = |_, step| base.method(invariant, step, generated);
                 Ok(Box::new(Composition::new(gamma, step, part)?))
             }
             Self::StormerVerlet(map) | Self::Standard(map) => {
-                let halves = [Rule::Family(0, 1), Rule::Family(1, 1)];
+                let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
                 let part = |place: usize, step| generated(map, halves[place], step);
                 Ok(Box::new(Composition::new(&[0.5, 0.5], step, part)?))
             }
@@ -83,8 +83,8 @@ impl Scheme {
             Claim::family(description.invariant, description.forced, numerator, denominator)
         };
         match self.resolved(description.invariant) {
-            Self::Generated(_, Rule::Family(numerator, denominator)) => family(numerator, denominator),
-            Self::Generated(_, Rule::TangentLift) => Claim::TANGENT_LIFT,
+            Self::Step(_, Rule::Member(numerator, denominator)) => family(numerator, denominator),
+            Self::Step(_, Rule::TangentLift) => Claim::TANGENT_LIFT,
             Self::Composed { order, base, .. } => base.claim(description).composed(order),
             Self::StormerVerlet(_) | Self::Standard(_) => Claim { order: 2, symmetric: true, ..family(0, 1) },
         }
@@ -93,11 +93,11 @@ impl Scheme {
     /// Takes the same step from its definition; `false` if there is none to compare with.
     pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
         match self.resolved(invariant) {
-            Self::Generated(map, Rule::Family(numerator, denominator)) => {
+            Self::Step(map, Rule::Member(numerator, denominator)) => {
                 walk.family(map, f64::from(numerator) / f64::from(denominator), step);
                 true
             }
-            Self::Generated(_, Rule::TangentLift) => false,
+            Self::Step(_, Rule::TangentLift) => false,
             Self::Composed { gamma, base, .. } => {
                 gamma.iter().all(|gamma| base.walk(invariant, walk, gamma * step))
             }
@@ -112,13 +112,13 @@ impl Scheme {
     /// The generated steps that it is made of, and how long each one is.
     pub(crate) fn parts(&self, invariant: bool, step: f64, each: &mut dyn FnMut(Map, Rule, f64)) {
         match self.resolved(invariant) {
-            Self::Generated(map, rule) => each(map, rule, step),
+            Self::Step(map, rule) => each(map, rule, step),
             Self::Composed { gamma, base, .. } => {
                 gamma.iter().for_each(|gamma| base.parts(invariant, gamma * step, each));
             }
             Self::StormerVerlet(map) | Self::Standard(map) => {
-                each(map, Rule::Family(0, 1), 0.5 * step);
-                each(map, Rule::Family(1, 1), 0.5 * step);
+                each(map, Rule::Member(0, 1), 0.5 * step);
+                each(map, Rule::Member(1, 1), 0.5 * step);
             }
         }
     }
@@ -127,11 +127,11 @@ impl Scheme {
     pub fn name(&self) -> String {
         match self {
             Self::Standard(map) => std::format!("{map:?}"),
-            Self::Generated(map, Rule::Family(0, 1)) => std::format!("SymplecticEulerA<{map:?}>"),
-            Self::Generated(map, Rule::Family(1, 2)) => std::format!("Midpoint<{map:?}>"),
-            Self::Generated(map, Rule::Family(1, 1)) => std::format!("SymplecticEulerB<{map:?}>"),
-            Self::Generated(map, Rule::Family(n, d)) => std::format!("Family<{map:?}, {n}, {d}>"),
-            Self::Generated(map, Rule::TangentLift) => std::format!("TangentLift<{map:?}>"),
+            Self::Step(map, Rule::Member(0, 1)) => std::format!("SymplecticEulerA<{map:?}>"),
+            Self::Step(map, Rule::Member(1, 2)) => std::format!("Midpoint<{map:?}>"),
+            Self::Step(map, Rule::Member(1, 1)) => std::format!("SymplecticEulerB<{map:?}>"),
+            Self::Step(map, Rule::Member(n, d)) => std::format!("Family<{map:?}, {n}, {d}>"),
+            Self::Step(map, Rule::TangentLift) => std::format!("TangentLift<{map:?}>"),
             Self::StormerVerlet(map) => std::format!("StormerVerlet<{map:?}>"),
             Self::Composed { order, base, .. } => std::format!("Order{order}<{}>", base.name()),
         }

@@ -182,7 +182,7 @@ where
 
 /// Whether a step is the system's standard one, or a part of it.
 const fn is_standard<S: system::System>(rule: Rule) -> bool {
-    matches!(rule, Rule::Family(0, 1)) || !S::INVARIANT && matches!(rule, Rule::Family(1, 1))
+    matches!(rule, Rule::Member(0, 1)) || !S::INVARIANT && matches!(rule, Rule::Member(1, 1))
 }
 
 /// Steps of one state.

@@ -113,6 +113,9 @@ kinds! {
     driven_pendulum_with_a_control
     quadrotor
     coupled_bodies
+    body_in_the_plane
+    body_in_a_fluid
+    spin
     free_body_in_space_coordinates
     general_energy
 }
