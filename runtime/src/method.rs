@@ -173,6 +173,9 @@ impl<B: Method> Work for Part<'_, B> {
     }
 }
 
+/// How a step went, in each lane: its iterations and the residual left, or what went wrong.
+pub type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
+
 /// A step that consists of others.
 pub(crate) struct Course<T: Batch> {
     errors: T::Each<Option<StepError>>,
@@ -217,7 +220,7 @@ impl<T: Batch> Course<T> {
     #[inline(always)]
     pub(crate) fn count(
         &mut self,
-        outcome: Result<(T::Each<u32>, T), T::Each<Option<StepError>>>,
+        outcome: Counted<T>,
         (iterations, residual): (T::Each<u32>, T),
     ) -> Result<(), T::Each<Option<StepError>>> {
         if let Err(errors) = outcome {
@@ -237,7 +240,7 @@ impl<T: Batch> Course<T> {
 
     /// How the parts went.
     #[cfg(feature = "std")]
-    pub(crate) fn outcome(self) -> Result<(T::Each<u32>, T), T::Each<Option<StepError>>> {
+    pub(crate) fn outcome(self) -> Counted<T> {
         if self.is_flawless { Ok((self.iterations, self.residual)) } else { Err(self.errors) }
     }
 

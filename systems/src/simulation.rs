@@ -298,7 +298,7 @@ impl Entry {
             Some(control) => control(&setup.parameters, state, time),
             None => Vec::new(),
         };
-        let control: Option<&dyn Fn(&[f64], f64) -> Vec<f64>> = match self.control {
+        let control: Option<&erased::Control<'_>> = match self.control {
             Some(_) => Some(&law),
             None => None,
         };

@@ -279,7 +279,7 @@ pub(super) fn schemes(names: &Names, steps: &[StepExpansion]) -> TokenStream {
         let marker = marker(names, *scheme);
         quote! { (#private::Map::#map, #(#rules)|*) => #private::Visitor::visit::<#marker>(visitor) }
     });
-    quote! {
+    let schemes = quote! {
         #[automatically_derived]
         impl #private::Schemes for #system {
             #[inline]
@@ -294,7 +294,8 @@ pub(super) fn schemes(names: &Names, steps: &[StepExpansion]) -> TokenStream {
                 })
             }
         }
-    }
+    };
+    block(&schemes)
 }
 
 /// What belongs to one scheme, in a block of its own.

@@ -3,9 +3,9 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::method::{Method, Outcome};
+use super::method::Method;
 use crate::memory::visit_flag;
-use crate::method::{Clock, Course, Marched};
+use crate::method::{Clock, Counted, Course, Marched};
 use crate::scalar::Batch;
 
 /// Parts of a step, each a part of its length.
@@ -49,7 +49,7 @@ impl<T: Batch> Method<T> for Composition<T> {
         }
     }
 
-    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Outcome<T> {
+    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T> {
         let known = known && self.whole;
         // until all are through
         self.whole = false;

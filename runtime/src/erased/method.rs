@@ -3,9 +3,8 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use crate::error::StepError;
 use crate::kernel::{Components, Kernel};
-use crate::method::{self, Advanced, Clock, Marched};
+use crate::method::{self, Advanced, Clock, Counted, Marched};
 use crate::newton::evaluated;
 use crate::scalar::{Batch, Scalar};
 
@@ -20,7 +19,7 @@ pub trait Method<T: Batch>: Send + Sync {
     ///
     /// # Errors
     /// As there; what stands in `next` then counts in the lanes that did not fail.
-    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Outcome<T>;
+    fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T>;
 
     /// Takes steps for as long as they are as most steps are: see [`method::Method::march`].
     fn march(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> Marched<T>;
@@ -28,9 +27,6 @@ pub trait Method<T: Batch>: Send + Sync {
     /// Shows what is carried from step to step: see [`method::Method::memory`].
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
 }
-
-/// How a step went: iterations and residual; or what went wrong, for each lane.
-pub type Outcome<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
 
 /// The array of these numbers. What is missing is zero.
 #[inline(always)]
@@ -83,7 +79,7 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
         time: M::Scalar,
         control: &[M::Scalar],
         known: bool,
-    ) -> Outcome<M::Scalar> {
+    ) -> Counted<M::Scalar> {
         match self.1.0.advance(&array(state), time, &array(control), known) {
             Ok(Advanced { state, iterations, residual }) => {
                 copy(next, state.as_ref());

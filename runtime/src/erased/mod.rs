@@ -37,9 +37,9 @@ mod system;
 
 pub use crate::scheme::Rule;
 pub use ensemble::Ensemble;
-pub use method::{Equation, Flat, Method, Outcome};
+pub use method::{Equation, Flat, Method};
 pub use scheme::Scheme;
-pub use stepper::{Sample, Stepper, StepperError, Watched, run};
+pub use stepper::{Control, Sample, Stepper, StepperError, Watched, run};
 pub use system::{At, Description, Geometry, System};
 
 pub(crate) use method::equation;

@@ -250,13 +250,16 @@ impl fmt::Debug for Sample<'_> {
     }
 }
 
+/// Chooses the control to be held over the step from a state at a time.
+pub type Control<'a> = dyn Fn(&[f64], f64) -> Vec<f64> + 'a;
+
 /// What a run is besides its stepper and its state.
 pub struct Watched<'a> {
     /// How many steps to take.
     pub steps: u64,
     /// The control to be held over the step that starts from a state at a time; none where there are no controls: steps that nobody has to see
     /// are then taken together.
-    pub control: Option<&'a dyn Fn(&[f64], f64) -> Vec<f64>>,
+    pub control: Option<&'a Control<'a>>,
     /// The index of the next sample after an index that somebody has to see.
     pub next: &'a dyn Fn(u64) -> u64,
 }
