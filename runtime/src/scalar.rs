@@ -179,7 +179,7 @@ pub trait Batch: Scalar {
 
 /// Something to do, with all that it needs. Not a closure, since these cannot say that they are always to be inlined.
 pub trait Work {
-    /// The type with which it is compiled when it is [out of line](OutOfLine): a kernel, or `()` for what belongs to none.
+    /// The type with which it is compiled when it is out of line: a kernel, or `()` for what belongs to none.
     type Home: 'static;
     /// What comes of it.
     type Result;

@@ -220,9 +220,9 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
     let map = retraction.map();
     let base = match method {
         Method::Standard => Scheme::Standard(map),
-        Method::EulerA => Scheme::family(map, 0, 1),
-        Method::EulerB => Scheme::family(map, 1, 1),
-        Method::Midpoint => Scheme::family(map, 1, 2),
+        Method::EulerA => Scheme::member(map, 0, 1),
+        Method::EulerB => Scheme::member(map, 1, 1),
+        Method::Midpoint => Scheme::member(map, 1, 2),
         Method::Verlet => Scheme::StormerVerlet(map),
     };
     if order != Order::Two && !method.is_symmetric() {

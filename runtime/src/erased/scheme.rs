@@ -40,14 +40,14 @@ impl Scheme {
     }
 
     /// The member `s = numerator/denominator` of the family.
-    pub const fn family(map: Map, numerator: u32, denominator: u32) -> Self {
+    pub const fn member(map: Map, numerator: u32, denominator: u32) -> Self {
         Self::Step(map, Rule::Member(numerator, denominator))
     }
 
     /// The same with what the standard step is of a system that is [invariant](crate::System::INVARIANT) or not.
     pub fn resolved(&self, invariant: bool) -> Self {
         match self {
-            Self::Standard(map) if invariant => Self::family(*map, 0, 1),
+            Self::Standard(map) if invariant => Self::member(*map, 0, 1),
             Self::Standard(map) => Self::StormerVerlet(*map),
             Self::Composed { order, gamma, base } => {
                 Self::Composed { order: *order, gamma, base: Box::new(base.resolved(invariant)) }

@@ -3,5 +3,6 @@
 mod certify;
 mod compensated;
 mod ensemble;
+mod erased;
 mod generic;
 mod together;

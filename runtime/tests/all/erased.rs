@@ -1,0 +1,180 @@
+//! What is erased does the same as what is typed, to the last bit.
+// in a test, a panic is the report
+#![allow(clippy::unwrap_used)]
+
+use std::ops::ControlFlow;
+
+use coadjoint::certify::{Certification, certify_erased};
+use coadjoint::composition::{KahanLi6, Suzuki4};
+use coadjoint::erased::{self, Geometry as _, Rule, Scheme, StepperError, System as _, Watched};
+use coadjoint::geometry::{Geometry, Map};
+use coadjoint::prelude::*;
+use coadjoint::system::Schemes;
+
+/// Invariant: its standard step is one equation.
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint))]
+struct Top {
+    #[inertia]
+    inertia: Vector3<f64>,
+    weight: f64,
+}
+
+/// Pushed, on two factors, and with a time of its own: its standard step has two halves.
+#[lie_poisson_system(
+    group(attitude: SO3, position: R3),
+    control(thrust: f64),
+    potential = mass * 9.81 * position.z + (2.0 * t).sin() * position.x,
+    force(position = attitude * (thrust * Vector3::z())),
+    methods(Midpoint),
+)]
+struct Craft {
+    #[inertia(attitude)]
+    inertia: Vector3<f64>,
+    #[inertia(position)]
+    mass: f64,
+}
+
+fn top() -> (Top, TopState) {
+    let attitude = UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1);
+    let state =
+        TopState { attitude, momentum: vector![0.4, -0.8, 1.5], gamma: attitude.inverse() * Vector3::z() };
+    (Top { inertia: vector![1.0, 2.0, 2.5], weight: 0.7 }, state)
+}
+
+fn craft() -> (Craft, CraftState) {
+    let state = CraftState {
+        attitude: UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+        attitude_momentum: vector![0.01, -0.03, 0.02],
+        position: vector![0.1, 0.2, 0.3],
+        position_momentum: vector![-1.0, 0.5, 0.2],
+    };
+    (Craft { inertia: vector![0.03, 0.05, 0.04], mass: 1.3 }, state)
+}
+
+/// The same steps one by one and in batches, from a time on, and the same memory, with which a run goes on.
+fn agree<M, S>((system, start): (S, S::State), scheme: &Scheme, control: &S::Control)
+where
+    S: Discretized<M> + Geometry<Scalar = f64> + Schemes + Send + Sync + 'static,
+{
+    const STEP: f64 = 0.02;
+    let mut typed = system.stepper::<M>(STEP).unwrap();
+    let mut other = erased::Stepper::new(&system, scheme, STEP).unwrap();
+    typed.set_time(0.7);
+    other.set_time(0.7);
+    let mut state = start;
+    let mut numbers = state.to_components().as_ref().to_vec();
+    let held = control.to_components().as_ref().to_vec();
+    for _ in 0..40 {
+        let report = typed.step_with(&mut state, control).unwrap();
+        assert_eq!(other.step(&mut numbers, &held), Ok(report));
+        assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
+    }
+    let report = typed.steps_with(&mut state, control, 2_000).unwrap();
+    assert_eq!(other.steps(&mut numbers, &held, 2_000).unwrap().steps, report.steps);
+    assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
+    assert_eq!((other.time(), other.steps_taken()), (typed.time(), typed.steps_taken()));
+
+    let memory = typed.memory();
+    assert_eq!(other.memory(), memory, "{}", scheme.name());
+    let mut resumed = erased::Stepper::new(&system, scheme, STEP).unwrap();
+    resumed.recall(&memory).unwrap();
+    resumed.steps(&mut numbers, &held, 100).unwrap();
+    typed.steps_with(&mut state, control, 100).unwrap();
+    assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
+    assert!(resumed.recall(&memory[1..]).is_err());
+}
+
+#[test]
+fn steps_are_those_of_the_typed_stepper() {
+    let none = NoControl::default();
+    agree::<Cayley, _>(top(), &Scheme::Standard(Map::Cayley), &none);
+    agree::<Exponential, _>(top(), &Scheme::Standard(Map::Exponential), &none);
+    agree::<Midpoint<Cayley>, _>(top(), &Scheme::member(Map::Cayley, 1, 2), &none);
+    agree::<SymplecticEulerB, _>(top(), &Scheme::member(Map::Exponential, 1, 1), &none);
+    agree::<StormerVerlet<Cayley>, _>(top(), &Scheme::StormerVerlet(Map::Cayley), &none);
+    let order4 = Scheme::composed::<Suzuki4>(Scheme::Standard(Map::Cayley));
+    agree::<Order4<Cayley>, _>(top(), &order4, &none);
+
+    let thrust = CraftControl { thrust: 12.0 };
+    agree::<Cayley, _>(craft(), &Scheme::Standard(Map::Cayley), &thrust);
+    agree::<Exponential, _>(craft(), &Scheme::Standard(Map::Exponential), &thrust);
+    agree::<Midpoint<Exponential>, _>(craft(), &Scheme::member(Map::Exponential, 1, 2), &thrust);
+    let order6 = Scheme::composed::<KahanLi6>(Scheme::Standard(Map::Exponential));
+    agree::<Order6<Exponential>, _>(craft(), &order6, &thrust);
+}
+
+#[test]
+fn members_move_as_they_would_alone() {
+    fn alone<S: Discretized<Cayley> + Geometry<Scalar = f64> + Schemes + Send + Sync + 'static>(
+        (system, start): (S, S::State),
+        control: &S::Control,
+    ) {
+        let numbers = start.to_components().as_ref().to_vec();
+        let parameters = system.parameters();
+        let scaled = |k: usize| parameters.iter().map(|x| x * (1.0 + 0.01 * k as f64)).collect::<Vec<_>>();
+        let systems = (0..11).map(|k| system.with_parameters(&scaled(k))).collect();
+        let mut ensemble = erased::Ensemble::new(systems, vec![numbers.clone(); 11], 0.02).unwrap();
+        let held = control.to_components().as_ref().to_vec();
+        ensemble.control(|_, _| held.clone());
+        assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
+        for (member, system, state) in ensemble.members() {
+            let scheme = Scheme::Standard(Map::Cayley);
+            let mut expected = numbers.clone();
+            let mut stepper = erased::Stepper::new(system, &scheme, 0.02).unwrap();
+            stepper.steps(&mut expected, &held, 301).unwrap();
+            assert_eq!(state, expected, "member {member}");
+        }
+        assert_eq!((ensemble.time(), ensemble.failed()), (301.0 * 0.02, &[][..]));
+    }
+    alone(top(), &NoControl::default());
+    alone(craft(), &CraftControl { thrust: 12.0 });
+}
+
+#[test]
+fn certificates_are_the_same() {
+    let (system, state) = top();
+    let numbers = state.to_components().to_vec();
+    let typed = Certification::new(&system).states(&[state]).step(0.05).run::<Midpoint<Cayley>>().unwrap();
+    let scheme = Scheme::member(Map::Cayley, 1, 2);
+    let other = certify_erased(&system, &scheme, &[numbers], &[], Some(0.05)).unwrap();
+    assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
+    assert!(other.passed());
+}
+
+#[test]
+fn what_was_not_generated_is_said() {
+    let (system, state) = top();
+    let scheme = Scheme::Step(Map::Cayley, Rule::TangentLift);
+    let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
+    assert_eq!(error, StepperError::NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" });
+    let numbers = state.to_components().to_vec();
+    assert!(certify_erased(&system, &scheme, &[numbers], &[], None).is_err());
+    let wrong = system.with_parameters(&[1.0, -1.0, 1.0, 0.0]);
+    assert!(matches!(
+        erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
+        Err(StepperError::Parameter(_))
+    ));
+}
+
+/// A run shows what has to be seen and no more, and comes to the same whatever that is.
+#[test]
+fn a_run_is_looked_at_when_it_is_asked() {
+    let (system, start) = top();
+    let walk = |next: &dyn Fn(u64) -> u64| {
+        let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.02).unwrap();
+        let mut state = start.to_components().to_vec();
+        let mut seen = Vec::new();
+        let watched = Watched { steps: 1_000, control: None, next };
+        let report = erased::run(&mut stepper, &mut state, &watched, &mut |sample| {
+            seen.push((sample.index, sample.state.to_vec()));
+            ControlFlow::Continue(())
+        });
+        assert_eq!(report.unwrap().steps, 1_000);
+        seen
+    };
+    let every = walk(&|index| index + 1);
+    let some = walk(&|index| index + 300);
+    assert_eq!(every.len(), 1_001);
+    assert_eq!(some.iter().map(|(index, _)| *index).collect::<Vec<_>>(), [0, 300, 600, 900, 1_000]);
+    assert!(some.iter().all(|(index, state)| every[*index as usize].1 == *state));
+}
