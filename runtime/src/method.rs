@@ -202,39 +202,47 @@ impl<T: Batch> Course<T> {
         control: &B::Control,
         known: bool,
     ) -> Result<B::State, Failure<T, B::State>> {
-        let outcome = T::outline(Part { method, state, time, control, known });
-        let (counted, advanced) = match outcome {
-            Ok(advanced) => (Ok((advanced.iterations, advanced.residual)), advanced),
-            Err(Failure { errors, advanced }) => (Err(errors), advanced),
+        let advanced = match T::outline(Part { method, state, time, control, known }) {
+            Ok(advanced) => advanced,
+            Err(failure) => {
+                if self.fails(&failure.errors) {
+                    return Err(Failure { errors: self.errors, ..failure });
+                }
+                failure.advanced
+            }
         };
-        match self.count(counted, (advanced.iterations, advanced.residual)) {
-            Ok(()) => Ok(advanced.state),
-            Err(errors) => Err(Failure { errors, advanced }),
-        }
+        self.add(advanced.iterations, advanced.residual);
+        Ok(advanced.state)
     }
 
-    /// Counts a part that was taken, with what it did in lanes where nothing went wrong.
-    ///
-    /// # Errors
-    /// If something went wrong in every lane.
+    /// Takes in what went wrong in a part; whether something has in every lane.
     #[inline(always)]
-    pub(crate) fn count(
-        &mut self,
-        outcome: Counted<T>,
-        (iterations, residual): (T::Each<u32>, T),
-    ) -> Result<(), T::Each<Option<StepError>>> {
-        if let Err(errors) = outcome {
-            self.is_flawless = false;
-            for (error, other) in self.errors.as_mut().iter_mut().zip(errors.as_ref()) {
-                *error = error.or(*other);
-            }
-            if self.errors.as_ref().iter().all(Option::is_some) {
-                return Err(self.errors);
-            }
+    fn fails(&mut self, errors: &T::Each<Option<StepError>>) -> bool {
+        self.is_flawless = false;
+        for (error, other) in self.errors.as_mut().iter_mut().zip(errors.as_ref()) {
+            *error = error.or(*other);
         }
+        self.errors.as_ref().iter().all(Option::is_some)
+    }
+
+    #[inline(always)]
+    fn add(&mut self, iterations: T::Each<u32>, residual: T) {
         self.iterations = newton::sum::<T>(self.iterations, iterations);
         let larger = self.residual.below(residual);
         self.residual = T::select(larger, residual, self.residual);
+    }
+
+    /// Counts a part that was taken. The iterations of a part that failed in a lane interest nobody.
+    ///
+    /// # Errors
+    /// If something went wrong in every lane.
+    #[cfg(feature = "std")]
+    pub(crate) fn count(&mut self, outcome: Counted<T>) -> Result<(), T::Each<Option<StepError>>> {
+        match outcome {
+            Ok((iterations, residual)) => self.add(iterations, residual),
+            Err(errors) if self.fails(&errors) => return Err(self.errors),
+            Err(_) => {}
+        }
         Ok(())
     }
 

@@ -69,12 +69,7 @@ impl<T: Batch> Method<T> for Composition<T> {
                 Some(marched) => Ok(marched),
                 None => part.method.advance(&self.before, next, start, control, known),
             };
-            // what was counted where something went wrong is not kept: the iterations of a failed lane interest nobody
-            let counted = match &outcome {
-                Ok(counted) => *counted,
-                Err(_) => (T::all(0), T::of(0.0)),
-            };
-            course.count(outcome, counted)?;
+            course.count(outcome)?;
             done += part.gamma;
         }
         self.whole = true;
