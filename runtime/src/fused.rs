@@ -280,7 +280,7 @@ impl<T: Batch> Batch for Once<T> {
         T::outline_fused(work)
     }
     #[inline(always)]
-    fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
+    fn outline_long<W: LongWork>(work: W) -> W::Result {
         T::outline_long(work)
     }
 }

@@ -56,6 +56,9 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// What depends on the unknown and is needed again.
     type Iterate: Copy;
 
+    /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
+    const BLOCKS: &'static [usize];
+
     /// Stage *parameters*: once, when the stepper is built.
     fn new(parameters: &Self::Parameters, step: T) -> Self;
     /// Stage *step*: once a step. `time` is the time at the start of the step.

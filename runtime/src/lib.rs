@@ -63,7 +63,6 @@ pub mod ensemble;
 #[cfg(feature = "std")]
 pub mod erased;
 pub mod error;
-mod extrapolation;
 #[cfg(feature = "std")]
 pub mod fused;
 pub mod generic;
@@ -80,9 +79,7 @@ mod lanes;
 mod literals;
 mod memory;
 pub mod method;
-pub mod newton;
 pub mod observe;
-pub mod one_step;
 pub mod prelude;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod processor;
@@ -90,11 +87,10 @@ pub mod retraction;
 pub mod run;
 pub mod scalar;
 pub mod scheme;
-pub mod solver;
+pub mod solve;
 pub mod stepper;
 pub mod stumpff;
 pub mod system;
-mod terms;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
 

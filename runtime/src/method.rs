@@ -6,8 +6,8 @@ use crate::error::StepError;
 use crate::geometry::Isolated;
 use crate::kernel::Components;
 use crate::memory::visit_flag;
-use crate::newton;
 use crate::scalar::{Batch, Real, Scalar, Work};
+use crate::solve;
 
 /// A discretization of one system with one step size, on flat arrays.
 pub trait Method: Clone + Send + Sync {
@@ -99,6 +99,17 @@ pub struct Marched<T: Batch> {
 }
 
 impl<T: Batch> Marched<T> {
+    /// Counts steps, each of which took these iterations, and left this residual.
+    #[inline(always)]
+    pub(crate) fn count(&mut self, steps: u64, (iterations, residual): (T::Each<u32>, T)) {
+        let counts = self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut());
+        for ((all, most), each) in counts.zip(iterations.as_ref()) {
+            *all += steps * u64::from(*each);
+            *most = (*most).max(*each);
+        }
+        self.max_residual = T::select(self.max_residual.below(residual), residual, self.max_residual);
+    }
+
     /// Iterations and residual, if it was one step.
     #[inline(always)]
     pub(crate) fn single(&self) -> Option<(T::Each<u32>, T)> {
@@ -227,7 +238,7 @@ impl<T: Batch> Course<T> {
 
     #[inline(always)]
     fn add(&mut self, iterations: T::Each<u32>, residual: T) {
-        self.iterations = newton::sum::<T>(self.iterations, iterations);
+        self.iterations = solve::sum::<T>(self.iterations, iterations);
         let larger = self.residual.below(residual);
         self.residual = T::select(larger, residual, self.residual);
     }

@@ -169,11 +169,10 @@ pub trait Batch: Scalar {
     fn outline_fused<W: Work>(work: W) -> W::Result {
         Self::outline(work)
     }
-    /// The same for work that is done for long, compiled for the best processors that there are. None if the program runs on another: then it
-    /// is to be done in some other way.
+    /// The same for work that is done for long, compiled for the best processor that there is.
     #[inline(always)]
-    fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
-        Some(Self::outline(On::<Portable, W>::new(work)))
+    fn outline_long<W: LongWork>(work: W) -> W::Result {
+        Self::outline(On::<Portable, W>::new(work))
     }
 }
 
@@ -349,7 +348,7 @@ macro_rules! real {
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
-            fn outline_long<W: LongWork>(work: W) -> Option<W::Result> {
+            fn outline_long<W: LongWork>(work: W) -> W::Result {
                 crate::processor::outline_long(work)
             }
         })*

@@ -12,12 +12,12 @@ use crate::error::ParameterError;
 use crate::geometry::{Isolated, Map};
 use crate::kernel::{Components, Kernel};
 use crate::method::{Carried, Halves, Method};
-use crate::one_step::OneStep;
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Batch, Real, Scalar};
 use crate::scheme::{
     Base, Family, RightLift, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
 };
+use crate::solve::one_step::OneStep;
 use crate::stepper::Stepper;
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.

@@ -115,6 +115,8 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
     type Step = ();
     type Iterate = ();
 
+    const BLOCKS: &'static [usize] = &[3];
+
     fn new(parameters: &[T; 3], step: T) -> Self {
         Self { scaled: parameters.map(|moment| moment / step) }
     }
@@ -357,6 +359,8 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
     type Step = [T; 2];
     type Iterate = ();
 
+    const BLOCKS: &'static [usize] = &[];
+
     fn new(parameters: &[T; 3], step: T) -> Self {
         Self { parameters: *parameters, step }
     }
@@ -407,6 +411,8 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     type Unknown = [T; 3];
     type Step = ();
     type Iterate = ();
+
+    const BLOCKS: &'static [usize] = &[3];
 
     fn new(parameters: &[T; 3], step: T) -> Self {
         Self { step, inverse: parameters.map(|moment| T::of(1.0) / moment) }

@@ -165,6 +165,8 @@ pub(super) fn kernel(
         }
     });
 
+    let blocks = kernel.blocks.iter().map(|&length| Literal::usize_unsuffixed(length));
+
     quote! {
             #constants
 
@@ -187,6 +189,8 @@ pub(super) fn kernel(
                 type Unknown = [T; #unknown];
                 type Step = Step<T>;
                 type Iterate = Iterate<T>;
+
+                const BLOCKS: &'static [::core::primitive::usize] = &[#(#blocks),*];
 
                 #new_doc
                 fn new(parameters: &[T; #parameters], step: T) -> Self {

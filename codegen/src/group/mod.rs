@@ -66,6 +66,10 @@ pub trait Group: Sync {
     fn equations(&self, names: &EquationNames<'_>) -> Equations;
     /// Dimension of the algebra.
     fn dimension(&self) -> usize;
+    /// The lengths of the blocks of coordinates of the algebra that have a unit in common: angles, then lengths.
+    fn blocks(&self) -> Vec<usize> {
+        vec![self.dimension()]
+    }
     /// Suffixes of the algebra's coordinates.
     fn axes(&self) -> &'static [&'static str];
     /// The bracket `[x, y]`.

@@ -63,6 +63,10 @@ impl Group for SE2 {
         3
     }
 
+    fn blocks(&self) -> Vec<usize> {
+        vec![1, 2]
+    }
+
     fn axes(&self) -> &'static [&'static str] {
         &["x", "y", "z"]
     }

@@ -63,6 +63,10 @@ impl Group for SE3 {
         6
     }
 
+    fn blocks(&self) -> Vec<usize> {
+        vec![3, 3]
+    }
+
     fn axes(&self) -> &'static [&'static str] {
         &["x", "y", "z", "w", "a", "b"]
     }

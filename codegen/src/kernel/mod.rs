@@ -82,6 +82,8 @@ pub struct Kernel {
     pub iterate: Vec<String>,
     /// The components of the unknown.
     pub unknown: Vec<String>,
+    /// The lengths of the blocks of these that have a unit in common.
+    pub blocks: Vec<usize>,
     /// The names that the residual's components have within the correction.
     pub residual: Vec<String>,
     /// The names that the right side's components have within the sweep.
@@ -167,6 +169,7 @@ impl Kernel {
         let (unknown, residual, right, h) = symbols;
         kernel.right = kernel.symbols.of(&right);
         kernel.unknown = kernel.symbols.of(&unknown);
+        kernel.blocks = step.blocks.clone();
         kernel.residual = kernel.symbols.of(&residual);
         kernel.bounded = step.bounded.clone();
         kernel.h = h.as_symbol().map(|h| kernel.symbols.get(h)).filter(|h| kernel.new.inputs.contains(h));

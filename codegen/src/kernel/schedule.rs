@@ -129,6 +129,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
             finish: self.section(Some(Home::Local), &[], &outputs.next),
             bounded: Vec::new(),
             unknown: Vec::new(),
+            blocks: Vec::new(),
             residual: Vec::new(),
             right: Vec::new(),
             h: None,

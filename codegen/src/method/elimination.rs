@@ -10,6 +10,8 @@ use crate::expr::{Expr, Symbol, Vector};
 pub struct Equation<'a> {
     /// The unknowns, symbols.
     pub unknown: Vector<'a>,
+    /// The lengths of the blocks of unknowns that have a unit in common.
+    pub blocks: Vec<usize>,
     /// `left`, a function of the unknowns.
     pub left: Vector<'a>,
     /// `right`, a function of all unknowns of the step.

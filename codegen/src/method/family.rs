@@ -171,6 +171,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
         domain: domain.collect(),
         turns,
         unknown: join(|equation| &equation.unknown),
+        blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
         start: join(|equation| &equation.start),
         left: join(|equation| &equation.left),
         right: join(|equation| &equation.right),
@@ -296,6 +297,7 @@ fn equations<'a>(
                 let mean = rights[f].scale(motion.unit.recip());
                 equations.push(Equation {
                     unknown: motion.mean.clone(),
+                    blocks: factor.algebra.group.blocks(),
                     left: motion.mean.clone(),
                     right: mean.clone(),
                     solved: mean,
@@ -308,6 +310,7 @@ fn equations<'a>(
                 let right = in_units(&gradient);
                 equations.push(Equation {
                     unknown: motion.x.clone(),
+                    blocks: factor.algebra.group.blocks(),
                     left: motion.x.clone(),
                     right: right.clone(),
                     solved: right,
@@ -342,6 +345,7 @@ fn equations<'a>(
             }
             Equation {
                 unknown: collect(&block, &|f| motions[f].x.0.clone()),
+                blocks: block.iter().flat_map(|&f| system.factors[f].algebra.group.blocks()).collect(),
                 left,
                 solved: per(&solved),
                 right,

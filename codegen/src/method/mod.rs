@@ -17,6 +17,8 @@ pub struct Step<'a> {
     pub given: Vec<Symbol>,
     /// The symbols `x`, of stage *iteration*; none if the step is explicit.
     pub unknown: Vector<'a>,
+    /// The lengths of the blocks of `x` that have a unit in common.
+    pub blocks: Vec<usize>,
     /// A first approximation of `x` from the state.
     pub start: Vector<'a>,
     /// `left(x)`

@@ -70,6 +70,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
         h: t,
         given: [system.time_symbol(), system.control_symbols()].concat(),
         unknown: Vector(Vec::new()),
+        blocks: Vec::new(),
         start: Vector(Vec::new()),
         left: Vector(Vec::new()),
         right: Vector(Vec::new()),

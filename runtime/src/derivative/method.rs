@@ -7,8 +7,8 @@ use super::{
 use crate::composition::{Coefficients, Composition};
 use crate::geometry::Isolated;
 use crate::method::{Carried, Halves, Method};
-use crate::one_step::OneStep;
 use crate::scalar::{Batch, Scalar};
+use crate::solve::one_step::OneStep;
 
 /// Which of the derivatives are wanted.
 pub trait Wanted {

@@ -5,7 +5,6 @@ use std::vec::Vec;
 
 use crate::kernel::{Components, Kernel};
 use crate::method::{self, Advanced, Clock, Counted, Marched};
-use crate::newton::evaluated;
 use crate::scalar::{Batch, Scalar};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
@@ -151,13 +150,13 @@ impl<K: Kernel<f64>> Equation for ([K; 0], At<K>) {
 
     fn residual(&self, unknown: &[f64]) -> Vec<f64> {
         let (_, At { kernel, state, begun }) = self;
-        evaluated(kernel, state, begun, &array(unknown)).residual.as_ref().to_vec()
+        kernel.evaluate(state, begun, &array(unknown)).residual.as_ref().to_vec()
     }
 
     fn correction(&self, unknown: &[f64]) -> Vec<f64> {
         let (_, At { kernel, state, begun }) = self;
         let unknown = array(unknown);
-        let evaluation = evaluated(kernel, state, begun, &unknown);
+        let evaluation = kernel.evaluate(state, begun, &unknown);
         kernel.correction(state, begun, &unknown, &evaluation).as_ref().to_vec()
     }
 }

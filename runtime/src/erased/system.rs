@@ -10,9 +10,9 @@ use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::ParameterError;
 use crate::geometry::{self, Map};
-use crate::one_step::OneStep;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
+use crate::solve::one_step::OneStep;
 use crate::system::{self, Control, Generated, Quantity, Schemes, State, Visitor};
 
 /// What a system is, besides its numbers.

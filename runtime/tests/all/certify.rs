@@ -7,9 +7,9 @@ use coadjoint::certify::{Certification, CertifyError, Claim, Claims, Kept, Probe
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::kernel::{Evaluation, Kernel};
 use coadjoint::method::{Method, Outcome};
-use coadjoint::one_step::OneStep;
 use coadjoint::prelude::*;
 use coadjoint::scalar::{Batch, Scalar};
+use coadjoint::solve::one_step::OneStep;
 use coadjoint::system::{Generated, Quantity};
 
 /// Nothing acts on it.
@@ -407,6 +407,8 @@ impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
     type Unknown = K::Unknown;
     type Step = K::Step;
     type Iterate = K::Iterate;
+
+    const BLOCKS: &'static [usize] = K::BLOCKS;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
         Self(K::new(parameters, step))

@@ -5,4 +5,5 @@ mod compensated;
 mod ensemble;
 mod erased;
 mod generic;
+mod map;
 mod together;

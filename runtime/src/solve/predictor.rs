@@ -16,31 +16,32 @@
 //! the odd powers up to `2m − 1`, and of all `w` for which it does we take the least. They are larger than those of least squares, which need not be
 //! odd, by less than a fifth.
 
+use super::stopping::change;
+use super::terms::{Formula, Piece, Term, Weight, computed};
 use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Mask, Real, Scalar, Work};
-use crate::terms::{Formula, Piece, Term, Weight, computed};
 
 /// The most earlier solutions that the next one is extrapolated from.
 pub(crate) const WINDOW: usize = 16;
 /// How many are kept: the next power of two, so that places are found by a mask.
 const KEPT: usize = WINDOW.next_power_of_two();
 /// How many coefficients there are.
-const RECENT: usize = WINDOW / 2;
+pub(super) const RECENT: usize = WINDOW / 2;
 /// The polynomials that are tried. Those through the latest solutions: through how many.
 const THROUGH: [usize; 6] = [1, 2, 3, 4, 6, RECENT];
 /// Those near to all: of which degrees.
 const NEAR: [usize; 3] = [6, 8, 10];
 /// How many that makes.
 const FITS: usize = THROUGH.len() + NEAR.len();
-/// By how much the square of an error is to be smaller than a change that may be the last, for it may grow until it is looked at again.
-const MARGIN: f64 = 16.0;
-/// What is left of the square of an error at the next look.
-const LASTING: f64 = 0.25;
+/// By how much an error is to be smaller than a change that may be the last, for it may grow until it is looked at again.
+const MARGIN: f64 = 4.0;
+/// What is left of an error at the next calibration.
+const LASTING: f64 = 0.5;
 
 /// The last solutions, and how the next one follows from them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Extrapolation<T: Batch, U> {
+pub(crate) struct Predictor<T: Batch, U> {
     /// The solutions in a ring, each one twice, so that all are in a row wherever they begin; zeros where there were none.
     solutions: [Term<T, U>; 2 * KEPT],
     /// The place of the oldest, which the next one will take.
@@ -53,19 +54,19 @@ pub(crate) struct Extrapolation<T: Batch, U> {
     is_near: T::Mask,
     /// Whether they are so in all lanes, and in any: kept, so that not every step has to find out.
     near: [bool; 2],
-    /// The squares of the polynomials' errors, those found at the latest look and what is left of earlier ones.
+    /// The polynomials' errors, those found at the latest calibration and what is left of earlier ones.
     errors: [T; FITS],
 }
 
 /// Knows no solution.
-impl<T: Batch, U: Components<T>> Default for Extrapolation<T, U> {
+impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
     fn default() -> Self {
         let nothing = U::splat(T::of(0.0));
         Self {
             solutions: [Term::new(nothing); 2 * KEPT],
             oldest: 0,
             count: 0,
-            weights: terms(&through(1)),
+            weights: terms(&numbers(&THROUGH_ALL[0])),
             is_near: T::Mask::splat(false),
             near: [false; 2],
             errors: [T::of(0.0); FITS],
@@ -73,7 +74,7 @@ impl<T: Batch, U: Components<T>> Default for Extrapolation<T, U> {
     }
 }
 
-impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
+impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// How many solutions there were, up to [`WINDOW`].
     pub(crate) fn count(&self) -> usize {
         self.count
@@ -87,6 +88,14 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         &self.solutions[oldest + KEPT - WINDOW..oldest + KEPT]
     }
 
+    /// Forgets all solutions.
+    pub(crate) fn forget(&mut self) {
+        self.count = 0;
+        self.weights = terms(&numbers(&THROUGH_ALL[0]));
+        self.set_near(T::Mask::splat(false));
+        self.errors = [T::of(0.0); FITS];
+    }
+
     /// The latest solution.
     pub(crate) fn latest(&self) -> U {
         self.window()[WINDOW - 1].components
@@ -94,18 +103,12 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
 
     /// Remembers a solution, and forgets the oldest.
     #[inline(always)]
-    pub(crate) fn push(&mut self, unknown: &U) {
-        self.replace_oldest::<Portable>(unknown);
-        self.count = (self.count + 1).min(WINDOW);
-    }
-
-    /// The same where there are as many as can be.
-    #[inline(always)]
-    pub(crate) fn replace_oldest<P: Processor>(&mut self, unknown: &U) {
+    pub(crate) fn push<P: Processor>(&mut self, unknown: &U) {
         let oldest = self.oldest % KEPT;
         self.solutions[oldest].keep::<P>(unknown);
         self.solutions[oldest + KEPT].keep::<P>(unknown);
         self.oldest = oldest + 1;
+        self.count = (self.count + 1).min(WINDOW);
     }
 
     /// Where the solutions point.
@@ -146,15 +149,23 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
         sum
     }
 
-    /// Takes, in the `wanting` lanes, the polynomial that points best at this solution, and pointed well at those of earlier looks. An error of
-    /// which the square is below `tolerance` is none.
-    pub(crate) fn choose(&mut self, solution: &U, wanting: T::Mask, tolerance: T) {
-        // out of line: once for all steps with as many unknowns
-        T::outline(Choose { extrapolation: self, solution, wanting, tolerance });
+    /// Continues, in some lanes, the latest solutions, as many as `order` says there.
+    pub(crate) fn continue_through(&mut self, order: T, lanes: T::Mask) {
+        for lane in (0..T::LANES).filter(|lane| lanes.lane(*lane)) {
+            let weights = &THROUGH_ALL[(order.lane(lane).to_f64() as usize).clamp(1, RECENT) - 1];
+            for (mine, weight) in self.weights.iter_mut().zip(weights) {
+                let mut value = mine.value();
+                value.set_lane(lane, <T::Number as Scalar>::of(*weight));
+                *mine = Weight::new(value);
+            }
+        }
+        self.set_near(self.is_near & !lanes);
     }
 
+    /// Takes the polynomial that points best at this solution, and pointed well at those before. Errors relative to the unknown, of which one
+    /// below `tolerance` is none.
     #[inline(always)]
-    fn chosen(&mut self, solution: &U, wanting: T::Mask, tolerance: T) {
+    pub(crate) fn choose(&mut self, blocks: &[usize], solution: &U, tolerance: T) {
         let window = self.window();
         let latest = &window[WINDOW - 1].components;
         let [mut of_through, mut of_near] = [Best::none(); 2];
@@ -164,32 +175,30 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
             if points > self.count {
                 break;
             }
-            let weights = through(points);
+            let weights = numbers(&THROUGH_ALL[points - 1]);
             let terms = terms(&weights);
             let earlier: U = computed::<Portable, _, _>(&Through(&terms, window), latest);
             let guess = continued(&terms, &earlier, latest);
-            of_through.take_better(&weights, squared_distance(&guess, solution), lasting, wanting);
+            of_through.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
-        for (weights, lasting) in NEAR_ALL.into_iter().zip(errors_near) {
+        for (weights, lasting) in NEAR_ALL.iter().zip(errors_near) {
             if WINDOW > self.count {
                 break;
             }
-            let mut numbers = [T::of(0.0); RECENT];
-            numbers.iter_mut().zip(weights).for_each(|(number, weight)| *number = T::of(weight));
-            let (weights, terms) = (numbers, terms(&numbers));
+            let weights = numbers(weights);
+            let terms = terms(&weights);
             let earlier: U = computed::<Portable, _, _>(&Near(&terms, window), latest);
             let guess = continued(&terms, &earlier, latest);
-            of_near.take_better(&weights, squared_distance(&guess, solution), lasting, wanting);
+            of_near.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         // Those through the latest only where the others do not do: lanes with polynomials of both kinds take the time of both.
         let does = (T::of(MARGIN) * of_near.error).at_most(tolerance);
         let is_near = does | of_near.error.below(of_through.error);
         self.errors = errors;
         for (j, weight) in self.weights.iter_mut().enumerate() {
-            let best = T::select(is_near, of_near.weights[j], of_through.weights[j]);
-            *weight = Weight::new(T::select(wanting, best, weight.value()));
+            *weight = Weight::new(T::select(is_near, of_near.weights[j], of_through.weights[j]));
         }
-        self.set_near((self.is_near & !wanting) | (is_near & wanting));
+        self.set_near(is_near);
     }
 
     fn set_near(&mut self, is_near: T::Mask) {
@@ -216,29 +225,9 @@ impl<T: Batch, U: Components<T>> Extrapolation<T, U> {
     }
 }
 
-/// [`Extrapolation::choose`], out of line.
-struct Choose<'a, T: Batch, U> {
-    extrapolation: &'a mut Extrapolation<T, U>,
-    solution: &'a U,
-    wanting: T::Mask,
-    tolerance: T,
-}
-
-impl<T: Batch, U: Components<T>> Work for Choose<'_, T, U> {
-    type Home = ();
-    type Result = ();
-
-    #[inline(always)]
-    fn done(self) {
-        let Self { extrapolation, solution, wanting, tolerance } = self;
-        extrapolation.chosen(solution, wanting, tolerance);
-    }
-}
-
 /// The best of some polynomials.
 #[derive(Clone, Copy)]
 struct Best<T> {
-    /// The square of its error.
     error: T,
     weights: [T; RECENT],
 }
@@ -246,16 +235,16 @@ struct Best<T> {
 impl<T: Batch> Best<T> {
     /// With one solution there is nothing to choose, and with none the first will be the latest.
     fn none() -> Self {
-        Self { error: T::of(f64::INFINITY), weights: through(1) }
+        Self { error: T::of(f64::INFINITY), weights: numbers(&THROUGH_ALL[0]) }
     }
 
-    /// Takes another one, of which this is the square of the error now, where it is better. What it `was` is remembered in the `wanting`
-    /// lanes: an error changes its sign now and then, and is small for a while.
+    /// Takes another one, of which this is the error now, where it is better. What it `was` is remembered: an error changes its sign now and
+    /// then, and is small for a while.
     #[inline(always)]
-    fn take_better(&mut self, weights: &[T; RECENT], now: T, was: &mut T, wanting: T::Mask) {
+    fn take_better(&mut self, weights: &[T; RECENT], now: T, was: &mut T) {
         let before = T::of(LASTING) * *was;
         let error = T::select(now.below(before), before, now);
-        *was = T::select(wanting, error, *was);
+        *was = error;
         let better = error.below(self.error);
         self.error = T::select(better, error, self.error);
         for (mine, weight) in self.weights.iter_mut().zip(weights) {
@@ -265,7 +254,7 @@ impl<T: Batch> Best<T> {
 }
 
 /// Where the solutions point, out of line.
-struct Next<'a, T: Batch, U>(&'a Extrapolation<T, U>);
+struct Next<'a, T: Batch, U>(&'a Predictor<T, U>);
 
 impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
     type Home = ();
@@ -341,17 +330,28 @@ fn terms<T: Copy>(weights: &[T; RECENT]) -> [Weight<T>; RECENT] {
     terms
 }
 
-/// The coefficients of the polynomial through so many of the latest solutions.
-fn through<T: Scalar>(points: usize) -> [T; RECENT] {
-    // binomial coefficients with alternating signs
-    let mut coefficient = -1.0;
-    let mut weights = [T::of(0.0); RECENT];
-    for (j, weight) in weights.iter_mut().enumerate() {
-        coefficient *= -((points as f64 - j as f64) / (j as f64 + 1.0));
-        *weight = T::of(coefficient);
+/// The numbers of the kind.
+fn numbers<T: Scalar>(weights: &[f64; RECENT]) -> [T; RECENT] {
+    let mut numbers = [T::of(0.0); RECENT];
+    numbers.iter_mut().zip(weights).for_each(|(number, weight)| *number = T::of(*weight));
+    numbers
+}
+
+/// The coefficients of the polynomials through 1, 2, … of the latest solutions: binomial coefficients with alternating signs.
+const THROUGH_ALL: [[f64; RECENT]; RECENT] = {
+    let mut weights = [[0.0; RECENT]; RECENT];
+    let mut points = 1;
+    while points <= RECENT {
+        let (mut coefficient, mut j) = (-1.0, 0);
+        while j < points {
+            coefficient *= -((points - j) as f64 / (j + 1) as f64);
+            weights[points - 1][j] = coefficient;
+            j += 1;
+        }
+        points += 1;
     }
     weights
-}
+};
 
 /// The coefficients of the polynomials near to all: `w_j = 2 S(j) / (1 − 2 S(0))`.
 ///
@@ -413,29 +413,6 @@ const fn gcd(a: i128, b: i128) -> i128 {
     if a == 0 { 1 } else { a }
 }
 
-/// The sum of the squares of the components; not-a-number if any component is. Most kernels compute it too, in this order, and the compiler
-/// makes one of both.
-#[inline(always)]
-pub(crate) fn square<T: Scalar, U: Components<T>>(x: &U) -> T {
-    // no closures, which would not be compiled for the processor that the caller is compiled for
-    let [first, rest @ ..] = x.as_ref() else { return T::of(0.0) };
-    let mut sum = *first * *first;
-    for x in rest {
-        sum = sum.plus(*x, *x);
-    }
-    sum
-}
-
-/// The square of the distance between two unknowns; not-a-number if any component is.
-#[inline(always)]
-pub(crate) fn squared_distance<T: Scalar, U: Components<T>>(a: &U, b: &U) -> T {
-    let mut difference = *a;
-    for (a, b) in difference.as_mut().iter_mut().zip(b.as_ref()) {
-        *a = *a - *b;
-    }
-    square(&difference)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -443,7 +420,7 @@ mod tests {
     /// All fits, with the highest degree of polynomials that they continue.
     fn fits() -> impl Iterator<Item = (bool, [f64; RECENT], usize)> {
         let near = NEAR_ALL.into_iter().zip(NEAR).map(|(weights, degree)| (true, weights, degree));
-        THROUGH.into_iter().map(|points| (false, through(points), points - 1)).chain(near)
+        THROUGH.into_iter().map(|points| (false, THROUGH_ALL[points - 1], points - 1)).chain(near)
     }
 
     /// How much the solutions at −1, −2, … count.
@@ -476,7 +453,7 @@ mod tests {
             assert!(sum.abs() > 0.5, "{near} {degree}: {sum}");
         }
         // through as many points as there are coefficients
-        assert_eq!(through::<f64>(8), [8.0, -28.0, 56.0, -70.0, 56.0, -28.0, 8.0, -1.0]);
+        assert_eq!(THROUGH_ALL[7], [8.0, -28.0, 56.0, -70.0, 56.0, -28.0, 8.0, -1.0]);
     }
 
     /// The size of the coefficients of least squares for all solutions, of which there are none smaller: by orthogonal polynomials on them,
@@ -518,10 +495,10 @@ mod tests {
 
     #[test]
     fn the_window_moves_and_forgets() {
-        let mut course = Extrapolation::<f64, [f64; 1]>::default();
+        let mut course = Predictor::<f64, [f64; 1]>::default();
         for k in 0..40 {
             assert_eq!(course.count(), k.min(WINDOW));
-            course.push(&[k as f64]);
+            course.push::<Portable>(&[k as f64]);
             assert_eq!(course.next(), [k as f64]);
             assert_eq!(course.latest(), [k as f64]);
         }
@@ -530,7 +507,7 @@ mod tests {
             course.set_near(near);
             let next = 40.0 + fit as f64;
             let soon = course.then(&course.begun::<Portable>(), &[next - 1.0]);
-            course.push(&[next - 1.0]);
+            course.push::<Portable>(&[next - 1.0]);
             let [guess] = course.next();
             assert!((guess - next).abs() < 1e-12, "{near} {weights:?}: {guess}");
             assert_eq!(soon, [guess], "begun before the solution");

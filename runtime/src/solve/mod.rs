@@ -1,0 +1,399 @@
+//! Solves the equations of successive steps, `left(x) = right(x)`.
+//!
+//! Successive solutions are samples of a smooth trajectory: the [`predictor`] continues them by one step, and in small steps the next solution
+//! is known to many digits before anything is solved. One fixed-point iteration `x ← L⁻¹ right(x)` takes off the factor by which it contracts,
+//! about the angle turned in a step, and mostly brings what is left below rounding ([`one_step`]). Whether it did is seen at every step: its
+//! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not there is one more, if that
+//! promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
+
+pub(crate) mod newton;
+pub mod one_step;
+pub(crate) mod predictor;
+pub(crate) mod stopping;
+pub(crate) mod terms;
+
+use crate::kernel::{Components, Evaluation, Kernel};
+use crate::lanes::{Portable, Processor};
+use crate::scalar::{Batch, Mask, Real, Work};
+use predictor::{Predictor, RECENT, WINDOW};
+use stopping::{change, is_within, select};
+
+/// Steps between two calibrations: at first, and in the long run.
+const INTERVALS: [u32; 2] = [WINDOW as u32, 1024];
+/// Fixed-point iterations are made if they contract at least by this.
+const STRONG: f64 = 0.25;
+/// What the rate of contraction is multiplied by, for it may grow until it is measured again.
+const SAFETY: f64 = 2.0;
+/// The rate is measured where the prediction was off by more than this, in units of epsilon.
+const MEASURABLE: f64 = 16.0;
+/// An error of the unknown this small, in units of epsilon, is roundoff, and never is one that is larger than this.
+const ROUNDOFF: [f64; 2] = [2.0, 8.0];
+/// An error this small, in units of epsilon, makes no difference to the state, next to what is rounded there. The unknown changes the state
+/// by about as much as iterations contract: by the angle turned in a step.
+const NO_DIFFERENCE: f64 = 0.1;
+/// The change of the last iteration, in units of epsilon. Not less, if only for rounding; not more, for what is evaluated before it serves for
+/// the solution too.
+const LAST_CHANGE: [f64; 2] = [8.0, 256.0];
+/// A prediction that is off by more than this has missed something: the solutions before are no guide.
+const MISSED: f64 = 1e-9;
+/// The most fixed-point iterations of a step: where more are needed Newton's iteration is faster.
+const MOST: u32 = 8;
+/// By how much more it is off then than the last one that missed.
+const SUDDENLY: f64 = 8.0;
+/// A prediction that is off by more than this is not used.
+const LOST: f64 = 0.1;
+
+/// A solution of the step's equation.
+#[derive(Clone, Copy, Debug)]
+pub struct Solution<T: Batch, U, I> {
+    /// The unknown.
+    pub unknown: U,
+    /// The equation evaluated there, or so near that it makes no difference.
+    pub evaluation: Evaluation<U, I>,
+    /// Iterations made.
+    pub iterations: T::Each<u32>,
+    /// The residual left, relative to the equation's terms.
+    pub residual: T,
+    /// The lanes in which the residual did not come down to roundoff.
+    pub unsolved: T::Mask,
+}
+
+/// The solution of a kernel's equation.
+pub type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
+
+/// What is remembered of the solutions of earlier steps.
+#[derive(Clone, Copy, Debug)]
+pub struct Solver<T: Batch, U> {
+    /// The earlier solutions, and where they point.
+    predictor: Predictor<T, U>,
+    /// The next prediction.
+    prediction: U,
+    /// Steps until the next calibration.
+    due: u32,
+    /// Steps from the next calibration to the one after it.
+    interval: u32,
+    /// The factor by which the fixed-point iteration contracts, as far as it is known.
+    rate: T,
+    /// The relative change of a last iteration; negative where iterations do not contract strongly.
+    tolerance: T,
+    /// Whether they do in any lane.
+    is_strong: bool,
+    /// How many solutions the prediction continues while these are few; zero since it was calibrated.
+    order: T,
+    /// How far the last prediction was off that was off too far.
+    missed: T,
+}
+
+/// Remembers nothing.
+impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
+    fn default() -> Self {
+        let mut solver = Self {
+            predictor: Predictor::default(),
+            prediction: U::splat(T::of(0.0)),
+            due: INTERVALS[0],
+            interval: INTERVALS[0],
+            rate: T::of(0.0),
+            tolerance: T::of(0.0),
+            is_strong: true,
+            order: T::of(1.0),
+            missed: T::of(f64::INFINITY),
+        };
+        solver.set_rate(T::of(STRONG));
+        solver
+    }
+}
+
+/// How a step's equation was solved that one iteration did not solve as expected.
+#[derive(Clone, Copy)]
+pub(crate) struct Course<T: Batch> {
+    /// The lanes in which there were fixed-point iterations.
+    tried: T::Mask,
+    /// How far the prediction was off: the relative change of the first iteration, or of the first of Newton's corrections.
+    off: T,
+    /// The factor by which the last fixed-point iterations contracted; zero where that was not seen.
+    rate: T,
+}
+
+impl<T: Batch, U: Components<T>> Solver<T, U> {
+    /// Whether there is nothing to solve for: known when the code is compiled.
+    pub(crate) const IS_IDLE: bool = U::LENGTH == 0;
+
+    /// Whether the next step is to be tried on the fast path: where iterations contract strongly, or it is to be seen whether they do.
+    #[inline(always)]
+    pub(crate) fn is_fast(&self) -> bool {
+        Self::IS_IDLE || ((self.is_strong || self.due == 0) && self.predictor.count() > 0)
+    }
+
+    /// The next calibration is after so many steps, or at once.
+    #[inline(always)]
+    pub(crate) fn expected(&self) -> u64 {
+        if const { Self::IS_IDLE } { u64::MAX } else { self.due.into() }
+    }
+
+    /// The relative change of a last iteration on the fast path; negative where iterations do not contract strongly, and for calibration.
+    #[inline(always)]
+    pub(crate) fn limit(&self) -> T {
+        if self.due == 0 { T::of(-1.0) } else { self.tolerance }
+    }
+
+    /// Where the earlier solutions point.
+    #[inline(always)]
+    pub(crate) fn prediction(&self) -> U {
+        self.prediction
+    }
+
+    /// Where the solutions will point after this one.
+    #[inline(always)]
+    pub(crate) fn next<P: Processor>(&self, solution: &U) -> U {
+        self.predictor.then(&self.predictor.begun::<P>(), solution)
+    }
+
+    /// Remembers the solution of a step on the fast path.
+    #[inline(always)]
+    pub(crate) fn keep<P: Processor>(&mut self, solution: &U) {
+        if const { !Self::IS_IDLE } {
+            self.predictor.push::<P>(solution);
+        }
+    }
+
+    /// There were so many steps on the fast path, after which this is the prediction.
+    #[inline(always)]
+    pub(crate) fn took(&mut self, steps: u64, prediction: &U) {
+        self.due = u64::from(self.due).saturating_sub(steps) as u32;
+        self.prediction = *prediction;
+    }
+
+    /// The iterations that a step on the fast path takes, and a bound for the residual that it leaves.
+    #[inline(always)]
+    pub(crate) fn effort(&self) -> (T::Each<u32>, T) {
+        if const { Self::IS_IDLE } {
+            return (T::all(0), T::of(0.0));
+        }
+        (T::all(1), self.rate * self.tolerance)
+    }
+
+    /// Forgets all.
+    #[inline(always)]
+    pub(crate) fn forget(&mut self) {
+        self.predictor.forget();
+        (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
+        self.set_rate(T::of(STRONG));
+        (self.order, self.missed) = (T::of(1.0), T::of(f64::INFINITY));
+    }
+
+    /// The latest solution.
+    pub(crate) fn latest(&self) -> U {
+        self.predictor.latest()
+    }
+
+    fn set_rate(&mut self, rate: T) {
+        let bound = T::of(SAFETY) * rate;
+        let clamp = |x: T, [least, most]: [f64; 2]| {
+            let x = T::select(x.at_most(T::of(most)), x, T::of(most));
+            T::select(x.at_most(T::of(least)), T::of(least), x)
+        };
+        let error = clamp(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
+        let tolerance = T::of(T::EPSILON) * clamp(error / bound, LAST_CHANGE);
+        let strong = rate.at_most(T::of(STRONG));
+        self.rate = rate;
+        self.tolerance = T::select(strong, tolerance, T::of(-1.0));
+        self.is_strong = strong.any();
+    }
+
+    /// Solves a step's equation by whatever it takes; `first` is where an iteration from the prediction led to. Says how it went, too.
+    #[inline(always)]
+    pub(crate) fn solve<K>(
+        &self,
+        kernel: &K,
+        state: &K::State,
+        step: &K::Step,
+        first: Option<U>,
+    ) -> (SolutionOf<T, K>, Course<T>)
+    where
+        K: Kernel<T, Unknown = U>,
+    {
+        let none = T::Mask::splat(false);
+        let nothing = T::of(0.0);
+        let prediction = &self.prediction;
+        let (mut point, mut unknown, mut open) = (*prediction, *prediction, !none);
+        let mut course = Course { tried: none, off: nothing, rate: nothing };
+        let (mut iterations, mut residual) = (T::all(0), nothing);
+        if const { Self::IS_IDLE } {
+            let evaluation = kernel.evaluate(state, step, prediction);
+            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
+        }
+        let start = kernel.start(state, step);
+        let mut from = start;
+        if const { K::SWEEPS } && self.is_fast() {
+            course.tried = self.tries();
+            let (mut rate, mut last) = (self.rate, nothing);
+            let measures = self.due == 0 || self.predictor.count() <= 2;
+            let mut round = 0;
+            let is_enough = |first: &U| is_within::<T, _>(K::BLOCKS, prediction, first, self.limit());
+            if let Some(first) = first {
+                (unknown, last, iterations) =
+                    (first, change::<T, _>(K::BLOCKS, prediction, &first), T::all(1));
+                (course.off, open, round) = (last, !is_enough(&first), 1);
+            }
+            while round < MOST {
+                // while a few more promise to do, and one at least to see how they contract
+                let square = rate * rate;
+                let promised = ((square * square * rate) * last).at_most(self.tolerance);
+                let again =
+                    course.tried & open & (promised | T::Mask::splat(round == 0 || measures && round == 1));
+                if !again.any() {
+                    break;
+                }
+                if round > 0 {
+                    point = select(again, &unknown, &point);
+                }
+                let evaluation = kernel.evaluate(state, step, &point);
+                let Some(next) = kernel.sweep(state, step, &evaluation.right) else { break };
+                unknown = if round == 0 { next } else { select(again, &next, &unknown) };
+                let change = change::<T, _>(K::BLOCKS, &point, &unknown);
+                count::<T>(&mut iterations, again);
+                if round == 0 {
+                    (last, course.off) = (change, change);
+                    open = !is_enough(&unknown);
+                } else {
+                    let measured = again & T::of(MEASURABLE * T::EPSILON).below(last);
+                    rate = T::select(measured, change / last, rate);
+                    course.rate = T::select(measured, rate, course.rate);
+                    last = T::select(again, change, last);
+                    let left = rate * last;
+                    residual = T::select(again, left, residual);
+                    let [least, most] = [T::of(ROUNDOFF[0] * T::EPSILON), T::of(ROUNDOFF[1] * T::EPSILON)];
+                    let is_nothing =
+                        (rate * left).at_most(T::of(NO_DIFFERENCE * T::EPSILON)) & left.at_most(most);
+                    let is_last = last.at_most(T::of(LAST_CHANGE[1] * T::EPSILON));
+                    open = open & !(again & is_last & (left.at_most(least) | is_nothing));
+                }
+                if !open.any() {
+                    return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
+                }
+                round += 1;
+            }
+            // unless the prediction was far off
+            from = select(course.tried & course.off.at_most(T::of(LOST)), &unknown, &from);
+        }
+        if self.predictor.count() > 0 {
+            let predicted = !course.tried & change::<T, _>(K::BLOCKS, prediction, &start).at_most(T::of(1.0));
+            from = select(predicted, prediction, &from);
+        }
+        let from = select(open, &from, &point);
+        let (solution, correction) = newton::solve(kernel, state, step, &from, open);
+        course.off = T::select(course.tried, course.off, correction);
+        let iterations = sum::<T>(iterations, solution.iterations);
+        let residual = T::select(open, solution.residual, residual);
+        let unknown = select(open, &solution.unknown, &unknown);
+        (Solution { unknown, iterations, residual, ..solution }, course)
+    }
+
+    /// The lanes in which fixed-point iterations are to be made: where they contract strongly, and where it is to be seen whether they do.
+    fn tries(&self) -> T::Mask {
+        T::of(0.0).below(self.tolerance) | T::Mask::splat(self.due == 0)
+    }
+
+    /// Learns from a step whose equation was not solved by one iteration as expected, and remembers its solution.
+    pub(crate) fn learn(&mut self, solution: &U, blocks: &'static [usize], course: &Course<T>) {
+        if const { Self::IS_IDLE } {
+            return;
+        }
+        T::outline(Learn { solver: self, solution, blocks, course });
+    }
+
+    #[inline(always)]
+    fn learned(&mut self, solution: &U, blocks: &[usize], course: &Course<T>) {
+        let one = T::of(1.0);
+        let Course { tried, off, rate } = *course;
+        let open = T::of(0.0).below(off) & (!tried | !off.at_most(self.tolerance));
+        // a rate that is smaller than it was may be so by chance
+        let is_known = self.predictor.count() > 2;
+        let before = T::of(if is_known { 0.5 } else { 0.0 }) * self.rate;
+        let seen = T::of(0.0).below(rate);
+        let worse = self.rate.below(rate);
+        let renewed = seen & (worse | T::Mask::splat(self.due == 0 || !is_known));
+        if renewed.any() {
+            let rate = T::select(rate.below(before), before, rate);
+            let rate = T::select(rate.at_most(one), rate, one);
+            self.set_rate(T::select(renewed, rate, self.rate));
+        }
+        // One more solution to continue while that helps, and fewer when it does not; of a calibrated prediction all are forgotten if it suddenly
+        // is off.
+        let missed = T::of(MISSED).below(off);
+        let helps = off.below(self.missed) | !missed;
+        let ramps = T::of(0.0).below(self.order);
+        let suddenly = (T::of(SUDDENLY) * self.missed).below(off) & missed;
+        let fewer = T::select(T::of(3.0).at_most(self.order), self.order - T::of(2.0), one);
+        let order = T::select(helps & ramps, self.order + one, fewer);
+        let most = T::of(RECENT.min(self.predictor.count() + 1) as f64);
+        let order = T::select(order.at_most(most), order, most);
+        let ramps = open & (ramps | suddenly);
+        self.order = T::select(ramps, order, self.order);
+        self.missed = T::select(open, off, self.missed);
+        if self.due == 0 {
+            self.due = self.interval;
+            self.interval = (4 * self.interval).min(INTERVALS[1]);
+            self.predictor.choose(blocks, solution, self.tolerance);
+            self.order = T::of(0.0);
+        } else {
+            self.due -= 1;
+            if ramps.any() {
+                self.predictor.continue_through(self.order, ramps);
+            }
+        }
+        self.predictor.push::<Portable>(solution);
+        self.prediction = self.predictor.next();
+    }
+
+    /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
+    pub(crate) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        self.predictor.memory(visit);
+        let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
+        visit(&mut numbers);
+        // the same in all lanes
+        let [due, interval] = [numbers[0].lane(0).to_f64() as u32, numbers[1].lane(0).to_f64() as u32];
+        (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
+        visit(core::slice::from_mut(&mut self.rate));
+        visit(core::slice::from_mut(&mut self.order));
+        visit(core::slice::from_mut(&mut self.missed));
+        self.set_rate(self.rate);
+        self.prediction = self.predictor.next();
+    }
+}
+
+/// [`Solver::learn`], out of line: once for all steps with as many unknowns.
+struct Learn<'a, T: Batch, U> {
+    solver: &'a mut Solver<T, U>,
+    solution: &'a U,
+    blocks: &'static [usize],
+    course: &'a Course<T>,
+}
+
+impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
+    type Home = ();
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        let Self { solver, solution, blocks, course } = self;
+        solver.learned(solution, blocks, course);
+    }
+}
+
+/// What is counted in each lane, together.
+#[inline(always)]
+pub(crate) fn sum<T: Batch>(mut a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
+    for (a, b) in a.as_mut().iter_mut().zip(b.as_ref()) {
+        *a += *b;
+    }
+    a
+}
+
+/// Counts one more in the lanes where the mask is true.
+#[inline(always)]
+pub(crate) fn count<T: Batch>(counts: &mut T::Each<u32>, mask: T::Mask) {
+    for (lane, count) in counts.as_mut().iter_mut().enumerate() {
+        *count = count.saturating_add(u32::from(mask.lane(lane)));
+    }
+}

@@ -1,0 +1,90 @@
+//! Newton's iteration on a step's equation.
+
+use super::stopping::{ROUNDOFF, relative, select};
+use super::{Solution, SolutionOf, count};
+use crate::kernel::Kernel;
+use crate::scalar::{Batch, Mask};
+
+/// More corrections than any solvable step takes: convergence is quadratic once near, and a step that is not near after this many is too
+/// large.
+const MAX_ITERATIONS: u32 = 24;
+/// The most evaluations: corrections that overshoot are halved.
+const MAX_EVALUATIONS: u32 = 64;
+/// A residual up to here may be roundoff, in units of epsilon, where the last correction says that no more is left.
+const STAGNATION: f64 = 256.0;
+/// Below this a halved correction that makes the residual no smaller is none.
+const SHORTEST: f64 = 1e-3;
+
+/// Solves the equation in the `wanted` lanes from `start` on; in other lanes the unknown stays where it is. Returns the size of the first
+/// correction too.
+///
+/// A solution is found when the residual is down to roundoff, or near to it and the square of the last correction is below it. A correction
+/// that makes the residual no smaller is halved.
+#[inline(always)]
+pub(super) fn solve<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    start: &K::Unknown,
+    wanted: T::Mask,
+) -> (SolutionOf<T, K>, T) {
+    let none = T::Mask::splat(false);
+    let [roundoff, stagnation] = [ROUNDOFF, STAGNATION].map(|limit| T::of(limit * T::EPSILON));
+    let (mut unknown, mut residual) = (*start, T::of(f64::INFINITY));
+    let (mut correction, mut scale) = (*start, T::of(1.0));
+    let (mut moved, mut first) = (T::of(f64::INFINITY), T::of(0.0));
+    let (mut trial, mut open, mut unsolved) = (*start, wanted, none);
+    let mut iterations = T::all(0);
+    let mut evaluations = 0;
+    loop {
+        let evaluation = kernel.evaluate(state, step, &trial);
+        let then = relative::<T, _>(K::BLOCKS, &evaluation.residual, &evaluation.right);
+        if !open.any() {
+            return (Solution { unknown, evaluation, iterations, residual, unsolved }, first);
+        }
+        evaluations += 1;
+        let better = open & then.below(residual);
+        let missed = open & !better;
+        unknown = select(better, &trial, &unknown);
+        residual = T::select(better, then, residual);
+        // the full correction was small and did not help: what is left is what rounding leaves
+        let is_full = T::of(1.0).at_most(scale);
+        let quadratic = T::of(16.0) * (moved * moved);
+        let near = residual.at_most(stagnation) & (quadratic.at_most(T::of(T::EPSILON)) | !better);
+        let solved = residual.at_most(roundoff) | (near & is_full);
+        open = open & !solved;
+        // nor is there anything to correct where the start is nowhere
+        let lost = missed & open & (scale.below(T::of(SHORTEST)) | T::Mask::splat(evaluations == 1));
+        unsolved = unsolved | lost;
+        open = open & !lost;
+        let most = iterations.as_ref().iter().copied().max().unwrap_or(0);
+        if most == MAX_ITERATIONS || evaluations == MAX_EVALUATIONS {
+            // where it stagnates this was a slow way, but down to roundoff
+            unsolved = unsolved | (open & !residual.at_most(stagnation));
+            open = none;
+        }
+        if !open.any() {
+            // the evaluation of the solution, unless it is this one
+            if !missed.any() {
+                return (Solution { unknown, evaluation, iterations, residual, unsolved }, first);
+            }
+            trial = unknown;
+            continue;
+        }
+        let renewed = open & better;
+        if renewed.any() {
+            let newest = kernel.correction(state, step, &trial, &evaluation);
+            correction = select(renewed, &newest, &correction);
+            let size = relative::<T, _>(K::BLOCKS, &correction, &unknown);
+            moved = T::select(renewed, size, moved);
+            let is_first = evaluations == 1;
+            first = T::select(renewed & T::Mask::splat(is_first), size, first);
+            count::<T>(&mut iterations, renewed);
+        }
+        scale = T::select(better, T::of(1.0), T::of(0.5) * scale);
+        for (i, trial) in trial.as_mut().iter_mut().enumerate() {
+            let shorter = unknown.as_ref()[i] - scale * correction.as_ref()[i];
+            *trial = T::select(open, shorter, unknown.as_ref()[i]);
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! A step that is one equation, from its kernel.
+
+use super::stopping::is_within;
+use super::{Solution, Solver};
+use crate::error::StepError;
+use crate::kernel::{Components, Evaluation, Kernel};
+use crate::lanes::{Portable, Processor};
+use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
+use crate::scalar::{Batch, LongWork, Mask, Real, Work};
+
+/// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
+#[derive(Clone, Copy, Debug)]
+pub struct OneStep<T: Batch, K: Kernel<T>> {
+    kernel: K,
+    solver: Solver<T, K::Unknown>,
+}
+
+impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
+    type Home = K;
+    type Scalar = T;
+    type Parameters = K::Parameters;
+    type State = K::State;
+    type Control = K::Control;
+
+    fn new(parameters: &K::Parameters, step: T) -> Self {
+        Self { kernel: K::new(parameters, step), solver: Solver::default() }
+    }
+
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        known: bool,
+    ) -> Outcome<T, K::State> {
+        let mut first = None;
+        // Nearly all steps go this way. Side by side, they have gone it before, together.
+        if const { T::LANES == 1 && Self::HAS_FAST_PATH } && known && self.solver.is_fast() {
+            let (prediction, limit) = (self.solver.prediction(), self.solver.limit());
+            match self.fast::<Portable>(state, time, control, &prediction, limit) {
+                Ok((next, prediction)) => {
+                    self.solver.took(1, &prediction);
+                    let (iterations, residual) = self.solver.effort();
+                    return Ok(Advanced { state: next, iterations, residual });
+                }
+                Err(unknown) => first = unknown,
+            }
+        }
+        // copies, so that the fast path needs no addresses
+        let (state, control) = (*state, *control);
+        let (state, control) = (&state, &control);
+        T::outline(Slow { method: self, state, time, control, known, first, lossy: true })
+    }
+
+    #[inline(always)]
+    fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
+        T::outline_long(March { method: self, state, clock, control, most })
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        self.solver.memory(visit);
+    }
+}
+
+/// The state after a step on the fast path, and the prediction for the next one. Else where the first iteration led to if it was not enough.
+type Fast<T, K> =
+    Result<(<K as Kernel<T>>::State, <K as Kernel<T>>::Unknown), Option<<K as Kernel<T>>::Unknown>>;
+
+impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
+    /// Whether there is a fast path: where there is nothing to solve for, or fixed-point iterations solve it.
+    const HAS_FAST_PATH: bool = K::SWEEPS || <K::Unknown as Components<T>>::LENGTH == 0;
+
+    /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, and everything finite.
+    #[inline(always)]
+    fn fast<P: Processor>(
+        &mut self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        prediction: &K::Unknown,
+        limit: T,
+    ) -> Fast<T, K> {
+        let Self { kernel, solver } = self;
+        let begun = kernel.begin(state, time, control);
+        let evaluation = kernel.evaluate(state, &begun, prediction);
+        let (mut unknown, mut then) = (*prediction, *prediction);
+        if const { !Solver::<T, K::Unknown>::IS_IDLE } {
+            unknown = kernel.sweep(state, &begun, &evaluation.right).ok_or(None)?;
+            if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, limit).all() {
+                return Err(Some(unknown));
+            }
+            then = solver.next::<P>(&unknown);
+        }
+        let next = kernel.finish(state, &begun, &unknown, &evaluation);
+        let inside = is_inside(kernel, state, &begun, &unknown, &evaluation).all();
+        if inside & is_surely_finite::<T, K>(&next, control).all() {
+            solver.keep::<P>(&unknown);
+            return Ok((next, then));
+        }
+        Err(None)
+    }
+
+    /// The solution of the last step's equation.
+    pub(crate) fn solution(&self) -> K::Unknown {
+        self.solver.latest()
+    }
+
+    /// The state after a step whose equation has this solution.
+    pub(crate) fn next(
+        &self,
+        state: &K::State,
+        time: T,
+        control: &K::Control,
+        unknown: &K::Unknown,
+    ) -> K::State {
+        let begun = self.kernel.begin(state, time, control);
+        let evaluation = self.kernel.evaluate(state, &begun, unknown);
+        self.kernel.finish(state, &begun, unknown, &evaluation)
+    }
+}
+
+/// Steps of [`OneStep`], until one fails, of which nothing remains.
+pub(crate) struct March<'a, T: Batch, K: Kernel<T>> {
+    pub(crate) method: &'a mut OneStep<T, K>,
+    pub(crate) state: &'a mut K::State,
+    pub(crate) clock: Clock,
+    pub(crate) control: &'a K::Control,
+    pub(crate) most: u64,
+}
+
+impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
+    type Home = K;
+    type Result = Marched<T>;
+
+    #[inline(always)]
+    fn done<P: Processor>(self) -> Marched<T> {
+        let Self { method, state, clock, control, most } = self;
+        let mut marched = Marched::default();
+        // not in memory
+        let mut now = *state;
+        while marched.steps < most {
+            let mut first = None;
+            if const { OneStep::<T, K>::HAS_FAST_PATH } && method.solver.is_fast() {
+                let most = most.min(marched.steps + method.solver.expected());
+                let mut prediction = method.solver.prediction();
+                let limit = method.solver.limit();
+                let before = marched.steps;
+                while marched.steps < most {
+                    let time = T::of(clock.after(marched.steps));
+                    match method.fast::<P>(&now, time, control, &prediction, limit) {
+                        Ok((next, then)) => (now, prediction) = (next, then),
+                        Err(unknown) => {
+                            first = unknown;
+                            break;
+                        }
+                    }
+                    marched.steps += 1;
+                }
+                method.solver.took(marched.steps - before, &prediction);
+                if marched.steps > before {
+                    marched.count(marched.steps - before, method.solver.effort());
+                }
+            }
+            if marched.steps < most {
+                let time = T::of(clock.after(marched.steps));
+                let given = now;
+                let slow = Slow { method, state: &given, time, control, known: true, first, lossy: false };
+                let Ok(advanced) = T::outline(slow) else { break };
+                now = advanced.state;
+                marched.steps += 1;
+                marched.count(1, (advanced.iterations, advanced.residual));
+            }
+        }
+        *state = now;
+        marched
+    }
+}
+
+/// A step, with all that can happen.
+struct Slow<'a, T: Batch, K: Kernel<T>> {
+    method: &'a mut OneStep<T, K>,
+    state: &'a K::State,
+    time: T,
+    control: &'a K::Control,
+    /// Whether the state is the one that the last step led to.
+    known: bool,
+    /// Where the first iteration led to, if there was one.
+    first: Option<K::Unknown>,
+    /// Whether the step counts if it fails in some lanes.
+    lossy: bool,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
+    type Home = K;
+    type Result = Outcome<T, K::State>;
+
+    #[inline(always)]
+    fn done(self) -> Outcome<T, K::State> {
+        let Self { method: OneStep { kernel, solver }, state, time, control, known, first, lossy } = self;
+        if !known {
+            solver.forget();
+        }
+        let given = finite(state) & finite(control) & time.is_finite();
+        let begun = kernel.begin(state, time, control);
+        let (solution, course) = solver.solve(kernel, state, &begun, first);
+        let Solution { unknown, evaluation, iterations, residual, unsolved } = solution;
+        let next = kernel.finish(state, &begun, &unknown, &evaluation);
+        let inside = is_inside(kernel, state, &begun, &unknown, &evaluation);
+        let reached = finite(&next);
+        let good = given & !unsolved & inside & reached;
+        let advanced = Advanced { state: next, iterations, residual };
+        if good.all() {
+            solver.learn(&unknown, K::BLOCKS, &course);
+            return Ok(advanced);
+        }
+        if lossy && good.any() {
+            solver.learn(&unknown, K::BLOCKS, &course);
+        } else if lossy {
+            solver.forget();
+        }
+        let errors = T::each(|lane| {
+            if !given.lane(lane) {
+                return Some(StepError::NotFinite);
+            }
+            if unsolved.lane(lane) {
+                let (iterations, residual) = (iterations.as_ref()[lane], residual.lane(lane).to_f64());
+                return Some(StepError::NoConvergence { iterations, residual });
+            }
+            if !inside.lane(lane) {
+                return Some(StepError::OutsideDomain);
+            }
+            (!reached.lane(lane)).then_some(StepError::NotFinite)
+        });
+        Err(Failure { errors, advanced })
+    }
+}
+
+/// Whether a solution is inside the retraction's domain.
+#[inline(always)]
+fn is_inside<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    unknown: &K::Unknown,
+    evaluation: &Evaluation<K::Unknown, K::Iterate>,
+) -> T::Mask {
+    match kernel.domain(state, step, unknown, evaluation) {
+        Some(margin) => T::of(0.0).below(margin),
+        None => T::Mask::splat(true),
+    }
+}
+
+/// Whether all numbers of a lane are finite after a step, of which state and solution were; not so if their sum is too large.
+#[inline(always)]
+fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Control) -> T::Mask {
+    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+    let mut sums = [T::of(-0.0); 4];
+    let mut terms = 0;
+    for (k, component) in state.as_ref().iter().enumerate() {
+        if !K::is_bounded(k) {
+            sums[terms % 4] = sums[terms % 4] + *component;
+            terms += 1;
+        }
+    }
+    for component in control.as_ref() {
+        sums[terms % 4] = sums[terms % 4] + *component;
+        terms += 1;
+    }
+    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).at_most(T::of(0.0))
+}
+
+/// Whether all numbers of a lane are finite: no branch.
+#[inline(always)]
+fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
+    // what is finite times nothing is nothing, and nothing else is; four sums, for each has to wait for itself
+    let mut sums = [T::of(0.0); 4];
+    for (k, component) in components.as_ref().iter().enumerate() {
+        sums[k % 4] = sums[k % 4] + T::of(0.0) * *component;
+    }
+    ((sums[0] + sums[1]) + (sums[2] + sums[3])).at_most(T::of(0.0))
+}

@@ -1,0 +1,186 @@
+//! Every step is a map: its result depends on state, time, control and parameters alone, to rounding in each component's own units.
+
+use coadjoint::compensated::Compensated;
+use coadjoint::prelude::*;
+use coadjoint::{Discretized, State};
+
+/// A body in orbit, whose attitude feels where it is.
+#[lie_poisson_system(
+    group(attitude: SO3, position: R3),
+    potential = {
+        let distance = position.norm();
+        let below = attitude.inverse() * position;
+        -strength / distance + couple * below.dot(&chi) / distance
+    },
+    methods(Midpoint),
+)]
+#[derive(Clone)]
+struct Orbit {
+    #[inertia(attitude)]
+    inertia: Vector3<f64>,
+    #[inertia(position)]
+    mass: f64,
+    strength: f64,
+    couple: f64,
+    chi: Vector3<f64>,
+}
+
+/// Low around the Earth, with lengths in units of so many metres.
+fn orbit(metres: f64) -> (Orbit, OrbitState) {
+    let (per, square) = (1.0 / metres, 1.0 / (metres * metres));
+    let system = Orbit {
+        // energies are in units of kg (unit of length)²/s², and so is the moment of a body's attitude
+        inertia: square * vector![100.0, 200.0, 250.0],
+        mass: 1000.0,
+        strength: 3.986e17 * per * square,
+        couple: 0.05 * square,
+        chi: vector![0.3, 0.2, 1.0],
+    };
+    let state = OrbitState {
+        attitude: UnitQuaternion::identity(),
+        position: per * vector![7e6, 0.0, 0.0],
+        attitude_momentum: square * vector![0.1, 0.2, -0.2],
+        position_momentum: per * vector![0.0, 7.5e6, 0.0],
+    };
+    (system, state)
+}
+
+/// The largest difference of two states in any of the parts of these lengths, in units of epsilon of its size.
+fn off(parts: &[usize], a: &[f64], b: &[f64]) -> f64 {
+    let (mut worst, mut from) = (0.0_f64, 0);
+    for length in parts {
+        let (x, y) = (&a[from..from + length], &b[from..from + length]);
+        let size = y.iter().map(|y| y * y).sum::<f64>().sqrt();
+        let distance = x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt();
+        if distance > 0.0 {
+            worst = worst.max(distance / size / f64::EPSILON);
+        }
+        from += length;
+    }
+    worst
+}
+
+/// The largest error of warm steps against converged ones from the same states, over so many steps, in each part.
+fn warm_error<S, M>(system: &S, start: &S::State, step: f64, steps: usize, parts: &[usize]) -> f64
+where
+    S: System<Scalar = f64> + Discretized<M> + Discretized<Compensated<M>>,
+    S::State: Copy,
+{
+    let mut state = *start;
+    let mut warm = system.stepper::<M>(step).unwrap();
+    let mut worst = 0.0_f64;
+    for _ in 0..steps {
+        let mut converged = state;
+        let mut cold = system.stepper::<Compensated<M>>(step).unwrap();
+        cold.step(&mut converged).unwrap();
+        warm.step(&mut state).unwrap();
+        worst = worst.max(off(parts, state.to_components().as_ref(), converged.to_components().as_ref()));
+    }
+    worst
+}
+
+const ORBIT: [usize; 4] = [4, 3, 3, 3];
+
+#[test]
+fn an_orbit_is_solved_in_each_of_its_units() {
+    for metres in [1.0, 1e-3, 1e3] {
+        let (system, start) = orbit(metres);
+
+        let midpoint = warm_error::<_, Midpoint>(&system, &start, 1.0, 300, &ORBIT);
+        let verlet = warm_error::<_, StormerVerlet>(&system, &start, 1.0, 300, &ORBIT);
+        assert!(midpoint < 8.0 && verlet < 8.0, "{metres}: {midpoint}, {verlet}");
+    }
+}
+
+#[test]
+fn an_orbit_goes_there_and_back() {
+    for metres in [1.0, 1e-3, 1e3] {
+        let (system, start) = orbit(metres);
+        let mut state = start;
+        for step in [1.0, -1.0] {
+            let mut stepper = system.stepper::<Midpoint>(step).unwrap();
+            stepper.steps_with(&mut state, &NoControl::default(), 100).unwrap();
+        }
+        let angle = state.attitude.angle_to(&start.attitude);
+        let size = start.attitude_momentum.norm();
+        let momentum = (state.attitude_momentum - start.attitude_momentum).norm() / size;
+        assert!(angle < 1e-13 && momentum < 1e-12, "{metres}: {angle:e}, {momentum:e}");
+    }
+}
+
+#[test]
+fn units_by_powers_of_two_change_no_digit() {
+    let walked = |metres: f64| {
+        let (system, mut state) = orbit(metres);
+        let mut stepper = system.stepper::<Midpoint>(1.0).unwrap();
+        stepper.steps_with(&mut state, &NoControl::default(), 2_000).unwrap();
+        state.position *= metres;
+        state.position_momentum *= metres;
+        state.attitude_momentum *= metres * metres;
+        state
+    };
+    let here = walked(1.0);
+    for metres in [1024.0, 2_f64.powi(-20)] {
+        assert!(walked(metres) == here, "{metres}");
+    }
+}
+
+/// A body in a fluid that takes its motion.
+#[lie_poisson_system(
+    group(attitude: SO3, position: R3),
+    force(attitude = -drag * attitude_velocity, position = -drag * position_velocity),
+    methods(Midpoint)
+)]
+#[derive(Clone)]
+struct Damped {
+    #[inertia(attitude)]
+    inertia: Vector3<f64>,
+    #[inertia(position)]
+    mass: f64,
+    drag: f64,
+}
+
+/// Steps until it rests; none may be off while there is a momentum of this size.
+fn comes_to_rest<M>(drag: f64)
+where
+    Damped: Discretized<M> + Discretized<Compensated<M>>,
+{
+    let system = Damped { inertia: vector![1.0, 2.0, 2.5], mass: 1.3, drag };
+    let mut state = DampedState {
+        attitude: UnitQuaternion::identity(),
+        position: vector![0.0, 0.0, 0.0],
+        attitude_momentum: vector![0.4, -0.8, 1.5],
+        position_momentum: vector![3e-3, 2e-3, -1e-3],
+    };
+    let mut warm = system.stepper::<M>(1.0).unwrap();
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for step in 0..100_000 {
+        let before = state;
+        warm.step(&mut state).unwrap_or_else(|error| panic!("step {step} from {before:?}: {error}"));
+        let [turns, moves] = [before.attitude_momentum.amax(), before.position_momentum.amax()];
+        if moves > 1e-280 && step % 7 == 0 {
+            let mut converged = before;
+            system.stepper::<Compensated<M>>(1.0).unwrap().step(&mut converged).unwrap();
+            let first = if turns > 1e-280 { 3 } else { 0 };
+            let of = |state: &DampedState| {
+                [state.attitude_momentum.as_slice(), state.position_momentum.as_slice()].concat()
+            };
+            let (state, converged) = (of(&state), of(&converged));
+            worst = worst.max(off(&[first, 3], &state[3 - first..], &converged[3 - first..]));
+            compared += 1;
+        }
+    }
+    assert!(compared > 100 && worst * f64::EPSILON < 1e-13, "{compared}: {worst} eps");
+    let rest = 1e-300;
+    assert!(state.attitude_momentum.amax() < rest && state.position_momentum.amax() < rest, "{state:?}");
+}
+
+#[test]
+fn damped_motion_comes_to_rest() {
+    for drag in [0.05, 0.1, 0.3] {
+        comes_to_rest::<Midpoint>(drag);
+        comes_to_rest::<Midpoint<Exponential>>(drag);
+        comes_to_rest::<Cayley>(drag);
+        comes_to_rest::<Exponential>(drag);
+    }
+}
