@@ -53,6 +53,12 @@ pub enum StepError {
     /// The state, time or control handed in, or the state after the step, is infinite somewhere or not a number.
     #[error("the state, its time or a control is not finite")]
     NotFinite,
+    /// The list of numbers handed in is no state of the system.
+    #[error("the state must have {expected} numbers: it is of another system")]
+    Length {
+        /// How many numbers a state has.
+        expected: usize,
+    },
     /// The configuration handed in is not on its group: a rotation whose quaternion or complex number is not of unit length.
     /// (nalgebra's `new_unchecked` and its deserializer do not look.)
     #[error("a rotation of the state is not of unit length: its length differs from 1 by {deviation:e}")]

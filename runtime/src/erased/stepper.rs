@@ -10,7 +10,7 @@ use thiserror::Error;
 
 use super::method::Method;
 use super::scheme::Scheme;
-use super::system::{Geometry, System};
+use super::system::{Geometry, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::memory::{self, visit_flag};
 use crate::method::Clock;
@@ -69,8 +69,7 @@ impl<'s> Stepper<'s> {
 
     /// The stepper with a method of this step.
     pub(crate) fn of(system: &'s dyn Geometry, method: Box<dyn Method<f64>>, step: f64) -> Self {
-        let length = system.description().state.iter().map(|quantity| quantity.components.len()).sum();
-        let nothing = Vec::from_iter(core::iter::repeat_n(0.0, length));
+        let nothing = Vec::from_iter(core::iter::repeat_n(0.0, length(system.description().state)));
         Self {
             system,
             method,
@@ -127,12 +126,9 @@ impl<'s> Stepper<'s> {
     /// Takes one step: see [`Stepper::step_with`](crate::Stepper::step_with).
     ///
     /// # Errors
-    /// As there; state and time are then as before the call.
+    /// As there, or if the state has not as many numbers as the system's; state and time are then as before the call.
     pub fn step(&mut self, state: &mut [f64], control: &[f64]) -> Result<StepReport, StepError> {
-        if state.len() != self.left.len() {
-            // a state of another system is none
-            return Err(StepError::NotFinite);
-        }
+        check_length(state, self.left.len())?;
         let known = self.is_left_at(state);
         if !known {
             check_deviation(self.system.deviation(state))?;

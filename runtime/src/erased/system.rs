@@ -8,7 +8,7 @@ use super::method::{Equation, Flat, Method, array, equation};
 use super::scheme::Scheme;
 use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
-use crate::error::ParameterError;
+use crate::error::{ParameterError, StepError};
 use crate::geometry::{self, Map};
 use crate::one_step::OneStep;
 use crate::scalar::Batch;
@@ -51,6 +51,16 @@ impl Description {
             forced: S::FORCED,
         }
     }
+}
+
+/// How many numbers these quantities are.
+pub(crate) fn length(quantities: &[Quantity]) -> usize {
+    quantities.iter().map(|quantity| quantity.components.len()).sum()
+}
+
+/// Whether a list has as many numbers as a state.
+pub(crate) fn check_length(state: &[f64], expected: usize) -> Result<(), StepError> {
+    if state.len() == expected { Ok(()) } else { Err(StepError::Length { expected }) }
 }
 
 /// A system with its parameters and its geometry, on slices; any [`geometry::Geometry`] over `f64` is one.

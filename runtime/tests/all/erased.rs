@@ -156,6 +156,25 @@ fn what_was_not_generated_is_said() {
     ));
 }
 
+#[test]
+fn states_of_other_systems_are_refused() {
+    let (system, state) = top();
+    let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.1).unwrap();
+    let numbers = state.to_components().to_vec();
+    let error = StepError::Length { expected: numbers.len() };
+    for length in [0, 1, numbers.len() - 1, numbers.len() + 1] {
+        let mut wrong = numbers.clone();
+        wrong.resize(length, 0.0);
+        assert_eq!(stepper.step(&mut wrong, &[]), Err(error));
+        assert_eq!(stepper.steps(&mut wrong, &[], 10).unwrap_err().source, error);
+    }
+    assert_eq!(error.to_string(), "the state must have 10 numbers: it is of another system");
+    assert_eq!(stepper.steps_taken(), 0);
+    // a control is filled up with zeros, or cut off
+    let mut right = numbers.clone();
+    assert!(stepper.step(&mut right, &[0.3]).is_ok());
+}
+
 /// A run shows what has to be seen and no more, and comes to the same whatever that is.
 #[test]
 fn a_run_is_looked_at_when_it_is_asked() {
