@@ -46,7 +46,7 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use crate::erased::{Flat, Method, StepperError};
+use crate::erased::{Flat, Method, NotGenerated};
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
 use crate::scalar::{Batch, Real, Scalar};
@@ -97,7 +97,7 @@ pub enum EnsembleError {
     },
     /// There is no such step of the system.
     #[error(transparent)]
-    Scheme(#[from] StepperError),
+    NotGenerated(#[from] NotGenerated),
     /// There are more states than systems.
     #[error(
         "there are only {systems} systems for the states; `std::iter::repeat(&system)` gives all the same"

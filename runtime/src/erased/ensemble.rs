@@ -4,7 +4,7 @@ use core::fmt;
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::stepper::StepperError;
+use super::scheme::NotGenerated;
 use super::system::System;
 use crate::ensemble::members::{Member, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions};
@@ -44,10 +44,9 @@ impl Ensemble {
         }
         let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
         let Some(first) = systems.first() else { return Err(EnsembleError::TooFewSystems { systems: 0 }) };
-        let members = first.members(&members, step, widest).ok_or_else(|| StepperError::NotGenerated {
-            scheme: "Cayley".into(),
-            system: first.description().name,
-        })?;
+        let members = first
+            .members(&members, step, widest)
+            .ok_or_else(|| NotGenerated { scheme: "Cayley".into(), system: first.description().name })?;
         Ok(Self { systems, members })
     }
 

@@ -3,13 +3,12 @@
 use core::fmt;
 use core::ops::ControlFlow;
 use std::boxed::Box;
-use std::string::String;
 use std::vec::Vec;
 
 use thiserror::Error;
 
 use super::method::Method;
-use super::scheme::Scheme;
+use super::scheme::{NotGenerated, Scheme};
 use super::system::{Geometry, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::memory::{self, visit_flag};
@@ -41,15 +40,8 @@ pub enum StepperError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A step that the scheme is made of was not generated.
-    #[error(
-        "no step of the scheme `{scheme}` was generated for `{system}`; `methods(…)` in its description asks for it"
-    )]
-    NotGenerated {
-        /// The scheme.
-        scheme: String,
-        /// The system's name.
-        system: &'static str,
-    },
+    #[error(transparent)]
+    NotGenerated(#[from] NotGenerated),
 }
 
 impl<'s> Stepper<'s> {
@@ -60,11 +52,7 @@ impl<'s> Stepper<'s> {
     pub fn new(system: &'s dyn System, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
         system.validate()?;
         check_step(step)?;
-        let description = system.description();
-        let missing = || StepperError::NotGenerated { scheme: scheme.name(), system: description.name };
-        let mut generated = |map, rule, step| system.method(map, rule, step).ok_or_else(missing);
-        let method = scheme.method(description.invariant, step, &mut generated)?;
-        Ok(Self::of(system, method, step))
+        Ok(Self::of(system, scheme.of(system, step)?, step))
     }
 
     /// The stepper with a method of this step.

@@ -4,9 +4,11 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::certify::{Certification, certify_erased};
+use coadjoint::certify::{Certification, CertifyError, certify_erased};
 use coadjoint::composition::{KahanLi6, Suzuki4};
-use coadjoint::erased::{self, Geometry as _, Rule, Scheme, StepperError, System as _, Watched};
+use coadjoint::erased::{
+    self, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
+};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
@@ -142,13 +144,51 @@ fn certificates_are_the_same() {
 }
 
 #[test]
+fn certificates_fail_for_the_same_reasons() {
+    let (system, state) = top();
+    let numbers = state.to_components().to_vec();
+    let scheme = Scheme::member(Map::Cayley, 1, 2);
+    let refused = |system: &dyn erased::System, numbers: &[f64], step: f64| {
+        certify_erased(system, &scheme, &[numbers.to_vec()], &[], Some(step)).unwrap_err()
+    };
+    let typed = |system: &Top, state: TopState, step: f64| {
+        Certification::new(system).states(&[state]).step(step).run::<Midpoint<Cayley>>().unwrap_err()
+    };
+    let error = refused(&system, &numbers, 0.0);
+    assert_eq!(error, CertifyError::Parameter(ParameterError::Step { step: 0.0 }));
+    assert_eq!(typed(&system, state, 0.0), error);
+
+    let heavy = Top { inertia: vector![1.0, 2.0, 2.5], weight: f64::INFINITY };
+    let error = refused(&heavy, &numbers, 0.05);
+    assert_eq!(error, CertifyError::Parameter(ParameterError::NotFinite { name: "weight" }));
+    assert_eq!(typed(&heavy, state, 0.05), error);
+
+    let long = UnitQuaternion::new_unchecked(Quaternion::new(1.5, 0.0, 0.0, 0.0));
+    let off = TopState { attitude: long, ..state };
+    let error = refused(&system, off.to_components().as_ref(), 0.05);
+    let source = StepError::NotOnGroup { deviation: 0.5 };
+    assert_eq!(error, CertifyError::Step { certificate: "sample".to_owned(), state: 0, source });
+    assert_eq!(typed(&system, off, 0.05), error);
+
+    for length in [0, 3, 9, 11, 20] {
+        let mut wrong = numbers.clone();
+        wrong.resize(length, 0.5);
+        let source = StepError::Length { expected: 10 };
+        let error = CertifyError::Step { certificate: "sample".to_owned(), state: 0, source };
+        assert_eq!(refused(&system, &wrong, 0.05), error);
+    }
+}
+
+#[test]
 fn what_was_not_generated_is_said() {
     let (system, state) = top();
     let scheme = Scheme::Step(Map::Cayley, Rule::TangentLift);
     let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
-    assert_eq!(error, StepperError::NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" });
+    let missing = NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" };
+    assert_eq!(error, StepperError::NotGenerated(missing.clone()));
     let numbers = state.to_components().to_vec();
-    assert!(certify_erased(&system, &scheme, &[numbers], &[], None).is_err());
+    let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
+    assert_eq!(error, CertifyError::NotGenerated(missing));
     let wrong = system.with_parameters(&[1.0, -1.0, 1.0, 0.0]);
     assert!(matches!(
         erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
