@@ -36,6 +36,14 @@ pub enum ParameterError {
         /// The step asked for.
         step: f64,
     },
+    /// A list of numbers is not one of the system's parameters.
+    #[error("there are {got} parameters in place of {expected}: they are of another system")]
+    Length {
+        /// How many numbers the parameters are.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
     /// What a stepper is to recall is the memory of a stepper for another system or scheme.
     #[error("the memory has {got} numbers in place of {expected}: it is of another system or scheme")]
     Memory {

@@ -141,9 +141,9 @@ impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
     }
 }
 
-/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one.
+/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 pub trait System: Geometry + Send + Sync {
-    /// The same system with other parameters.
+    /// The same system with other parameters; what is missing is as in this one.
     fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;
 
     /// What takes a generated step of this length; none if it was not generated.
