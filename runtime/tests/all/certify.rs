@@ -238,6 +238,9 @@ fn the_right_side() {
     passes::<Cayley, _>(&fluid, &states, &[]);
     passes::<Midpoint<Cayley>, _>(&fluid, &states, &[]);
     passes::<Order4<SymplecticEulerB>, _>(&fluid, &states, &[]);
+    // another name for the member `s = 0`; on the exponential map every member is the same step
+    let report = passes::<SymplecticEulerB<Cayley>, _>(&fluid, &states, &[]);
+    assert_eq!(report.certificate("definition").unwrap().verdict, Verdict::Passed);
     passes::<TangentLift, _>(&fluid, &states, &[]);
 
     let drop = Drop { inertia: vector![1.0, 2.0, 2.5], strength: 1.5, chi: vector![0.1, 0.2, 0.4] };
