@@ -118,21 +118,14 @@ impl Scheme {
 
     /// Takes the same step from its definition; `false` if there is none to compare with.
     pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
-        match self.resolved(invariant) {
-            Self::Step(map, Rule::Member(numerator, denominator)) => {
+        let mut is_defined = true;
+        self.parts(invariant, step, &mut |map, rule, step| match rule {
+            Rule::Member(numerator, denominator) => {
                 walk.family(map, f64::from(numerator) / f64::from(denominator), step);
-                true
             }
-            Self::Step(_, Rule::TangentLift) => false,
-            Self::Composed { gamma, base, .. } => {
-                gamma.iter().all(|gamma| base.walk(invariant, walk, gamma * step))
-            }
-            Self::StormerVerlet(map) | Self::Standard(map) => {
-                walk.family(map, 0.0, 0.5 * step);
-                walk.family(map, 1.0, 0.5 * step);
-                true
-            }
-        }
+            Rule::TangentLift => is_defined = false,
+        });
+        is_defined
     }
 
     /// The generated steps that it is made of, and how long each one is.
