@@ -179,6 +179,8 @@ fn nobody_is_an_ensemble_too() {
     ensemble.control(|_, _| vec![1.0]);
     assert_eq!((ensemble.run(10), ensemble.time()), (0, 5.0));
     assert_eq!((ensemble.members().count(), ensemble.failed()), (0, &[][..]));
+    // and has time for more steps than can be counted
+    assert_eq!((ensemble.run(u64::MAX), ensemble.run(u64::MAX)), (0, 0));
 }
 
 /// However long the lists are that a law makes: what is missing is zero, for this member and for no other.
@@ -270,6 +272,8 @@ fn what_was_not_generated_is_said() {
     let numbers = state.to_components().to_vec();
     let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
     assert_eq!(error, CertifyError::NotGenerated(missing));
+    // a member that is none claims what it would
+    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&craft().0.description()).order, 1);
     let wrong = system.with_parameters(&[1.0, -1.0, 1.0, 0.0]);
     assert!(matches!(
         erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
