@@ -78,7 +78,7 @@ macro_rules! operations {
 
         impl<T: Batch> Work for $name<T> {
             type Home = ();
-    type Result = Double<T>;
+            type Result = Double<T>;
 
             #[inline(always)]
             fn done(self) -> Double<T> {

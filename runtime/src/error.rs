@@ -36,6 +36,14 @@ pub enum ParameterError {
         /// The step asked for.
         step: f64,
     },
+    /// A list of numbers is not one of the system's parameters.
+    #[error("there are {got} parameters in place of {expected}: they are of another system")]
+    Length {
+        /// How many numbers the parameters are.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
     /// What a stepper is to recall is the memory of a stepper for another system or scheme.
     #[error("the memory has {got} numbers in place of {expected}: it is of another system or scheme")]
     Memory {
@@ -53,6 +61,12 @@ pub enum StepError {
     /// The state, time or control handed in, or the state after the step, is infinite somewhere or not a number.
     #[error("the state, its time or a control is not finite")]
     NotFinite,
+    /// The list of numbers handed in is no state of the system.
+    #[error("the state must have {expected} numbers: it is of another system")]
+    Length {
+        /// How many numbers a state has.
+        expected: usize,
+    },
     /// The configuration handed in is not on its group: a rotation whose quaternion or complex number is not of unit length.
     /// (nalgebra's `new_unchecked` and its deserializer do not look.)
     #[error("a rotation of the state is not of unit length: its length differs from 1 by {deviation:e}")]

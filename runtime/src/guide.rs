@@ -363,8 +363,8 @@ pub mod derivatives {
     //! # Derivatives
     //!
     //! Control, estimation and identification need to know how the motion changes where something else does: the state, a control, a
-    //! parameter. With `derivatives` in the description, or `derivatives(state)` for a part of them, that is generated with the steps: the derivative of the step that is really taken,
-    //! not of the continuous equations, exact to rounding at any step size.
+    //! parameter. With `derivatives` in the description, or `derivatives(state)` for a part of them, that is generated with the steps: the
+    //! derivative of the step that is really taken, not of the continuous equations, exact to rounding at any step size.
     //!
     //! **What changes.** A configuration `g` becomes `g exp(δ)`, with `δ` in the algebra: three numbers for a rotation, in body axes, whatever it
     //! is stored as. Momenta, advected parameters, controls and parameters change by what is added to them. All parts of a state lie one after
@@ -424,8 +424,8 @@ pub mod derivatives {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
-    //! Backwards, a [`Recording`](crate::derivative::Recording) gives the derivatives of one function of the end of a run, and of states on the way, by the
-    //! start, by every control and by all parameters, for about four times the run itself.
+    //! Backwards, a [`Recording`](crate::derivative::Recording) gives the derivatives of one function of the end of a run, and of states on
+    //! the way, by the start, by every control and by all parameters, for about four times the run itself.
     //!
     //! What is worked out with these: `coadjoint_systems::applications`.
     //!
@@ -463,7 +463,8 @@ pub mod reading {
     //!
     //! Names follow the mathematics: `eta` is the step times the velocity (`half_eta` half of it, the unknown where the Cayley map turns),
     //! `momentum_mean` the mean momentum `μ̄` (`twice_momentum_mean` twice that), `turn` the retraction of `eta`, `kick` what potential and
-    //! forces add to the momentum, `gamma_mean` and `gamma_next` an advected parameter at the intermediate point and after the step. `Stumpff` functions `c0, c1, …` take the place of sines and cosines.
+    //! forces add to the momentum, `gamma_mean` and `gamma_next` an advected parameter at the intermediate point and after the step.
+    //! `Stumpff` functions `c0, c1, …` take the place of sines and cosines.
     //!
     //! Where the equation is explicit or linear, there is no unknown (`[T; 0]`), and `evaluate` and `correction` are empty.
 }

@@ -512,6 +512,16 @@ pub(crate) fn check_deviation(deviation: f64) -> Result<(), StepError> {
     if off { Err(StepError::NotOnGroup { deviation }) } else { Ok(()) }
 }
 
+/// A state from elsewhere is finite and on its group, more or less.
+#[cfg(feature = "std")]
+pub(crate) fn check_state(components: &[f64], deviation: f64) -> Result<(), StepError> {
+    if components.iter().all(|x| x.is_finite()) {
+        check_deviation(deviation)
+    } else {
+        Err(StepError::NotFinite)
+    }
+}
+
 impl<S: Discretized<M>, M> Clone for Stepper<S, M> {
     fn clone(&self) -> Self {
         let system = S::from_parameters(&self.system.to_parameters());

@@ -1,4 +1,4 @@
-//! How fast ensembles could be at most: `cargo bench --bench ceiling`.
+//! How fast ensembles could be at most: `cargo bench --features bench --bench ceiling`.
 //!
 //! Prints what a member's step takes beside what its multiplications and additions alone take, all independent of one another and in registers,
 //! with no load, store, division, root or comparison, and how many times as fast as the scalar step, one of many taken together, each is. All in

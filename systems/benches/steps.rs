@@ -1,4 +1,5 @@
-//! What steps cost: `cargo bench`, `cargo bench -- free_rigid_body`. The same cases as `coadjoint bench`, each with its spread.
+//! What steps cost: `cargo bench --features bench --bench steps`, with `-- free_rigid_body` for one system. The same cases as `coadjoint bench`,
+//! each with its spread.
 // a benchmark that cannot be made is to say so
 #![allow(clippy::unwrap_used)]
 

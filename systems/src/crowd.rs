@@ -66,9 +66,8 @@ pub fn run(
     watch: &mut Glance<'_>,
 ) -> Result<Course, SimulationError> {
     let members = (0..crowd.members).map(|member| drawn(setup, crowd, member));
-    let (systems, states): (Vec<Box<dyn erased::System>>, Vec<Vec<f64>>) =
-        members.map(|member| ((entry.system)(&member.parameters), member.state)).unzip();
-    let mut ensemble = Ensemble::new(systems, states, crowd.step)?;
+    let members = members.map(|Setup { parameters, state }| (parameters, state));
+    let mut ensemble = Ensemble::new(&*(entry.system)(&setup.parameters), members, crowd.step)?;
     let mut spreads = vec![Vec::new(); shown.len()];
     let every = crowd.every.max(1);
     let (mut taken, mut member_steps, mut seconds) = (0, 0, 0.0);

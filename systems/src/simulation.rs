@@ -126,16 +126,6 @@ impl Order {
     }
 }
 
-fn not_symmetric(method: Method, order: Order) -> SimulationError {
-    let symmetric: Vec<&str> =
-        Method::ALL.into_iter().filter(|method| method.is_symmetric()).map(Method::name).collect();
-    SimulationError::NotSymmetric {
-        order: order.number(),
-        method: method.name(),
-        symmetric: symmetric.join(", "),
-    }
-}
-
 /// Parameters and an initial state, in the order of the system's quantities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
@@ -183,15 +173,12 @@ pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
-    /// No stepper can be built with these parameters or this step.
+    /// No stepper can be built with these parameters, this scheme or this step, or it is not the one that an earlier run was made with.
     #[error(transparent)]
-    Parameter(#[from] ParameterError),
+    Stepper(#[from] StepperError),
     /// The motion could not be computed to its end.
     #[error("{}: {}", .0, .0.source)]
     Motion(#[from] RunError),
-    /// The scheme's steps were not generated for the system, or its parameters or the step are not valid.
-    #[error(transparent)]
-    Stepper(#[from] StepperError),
     /// A certificate could not be measured.
     #[error(transparent)]
     Certificate(#[from] CertifyError),
@@ -226,7 +213,12 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
         Method::Verlet => Scheme::StormerVerlet(map),
     };
     if order != Order::Two && !method.is_symmetric() {
-        return Err(not_symmetric(method, order));
+        let symmetric = Method::ALL.into_iter().filter(|method| method.is_symmetric()).map(Method::name);
+        return Err(SimulationError::NotSymmetric {
+            order: order.number(),
+            method: method.name(),
+            symmetric: symmetric.collect::<Vec<_>>().join(", "),
+        });
     }
     Ok(match order {
         Order::Two => base,
@@ -292,7 +284,7 @@ impl Entry {
         let mut state = setup.state.clone();
         if let Some(from) = from {
             state.clone_from(&from.state);
-            stepper.recall(&from.memory)?;
+            stepper.recall(&from.memory).map_err(StepperError::from)?;
         }
         let law = |state: &[f64], time: f64| match self.control {
             Some(control) => control(&setup.parameters, state, time),

@@ -41,7 +41,7 @@ impl Claim {
 
     /// What the member `s = numerator/denominator` of the family claims.
     pub(crate) const fn family(invariant: bool, forced: bool, numerator: u32, denominator: u32) -> Self {
-        let even = invariant || 2 * numerator == denominator;
+        let even = invariant || 2 * numerator as u64 == denominator as u64;
         Self { order: if even { 2 } else { 1 }, symmetric: even, poisson: !forced, casimirs: Kept::All }
     }
 

@@ -1,7 +1,7 @@
 //! The family's step from its definition, for any system, by fixed-point iteration.
 //!
-//! Of the generated code it takes what [`Geometry`](crate::geometry::Geometry) has, and none of a step's closed forms: the exponential's logarithmic derivative
-//! is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements.
+//! Of the generated code it takes what [`Geometry`](crate::geometry::Geometry) has, and none of a step's closed forms: the exponential's
+//! logarithmic derivative is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements.
 
 use nalgebra::{DMatrix, DVector};
 

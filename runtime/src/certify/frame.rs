@@ -73,6 +73,10 @@ impl<'a> Frame<'a> {
             weight: vec![1.0; first.len()],
             rate: 0.0,
         };
+        let still = frame.displace(first, Map::Exponential, &vec![0.0; n]);
+        if n == 0 || still.len() != first.len() {
+            return None;
+        }
 
         let elsewhere = |seed: f64| {
             let by: Vec<f64> = (1..=n).map(|i| 0.3 + 0.5 * (seed * i as f64).sin()).collect();

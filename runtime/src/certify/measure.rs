@@ -8,10 +8,10 @@ use super::definition::{Walk, series};
 use super::frame::{Frame, derivative, larger, slope};
 use super::probe::Probe;
 use super::report::{Bound, Certificate, Report, Verdict};
-use crate::erased::{Description, Geometry, Method, Stepper};
+use crate::erased::{Description, Geometry, Method, NotGenerated, Stepper, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::geometry::Map;
-use crate::stepper::check_step;
+use crate::stepper::{check_state, check_step};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
 const STEP: f64 = 0.1;
@@ -21,6 +21,7 @@ const NOISE: f64 = 3e-12;
 /// Why a figure cannot be measured.
 enum Trouble {
     Parameter(ParameterError),
+    NotGenerated(NotGenerated),
     Step(StepError),
     Degenerate,
 }
@@ -30,7 +31,7 @@ pub(super) struct Scheme<'a> {
     pub(super) name: String,
     pub(super) claim: Claim,
     /// What takes steps of a length.
-    pub(super) method: &'a dyn Fn(f64) -> Box<dyn Method<f64>>,
+    pub(super) method: &'a dyn Fn(f64) -> Result<Box<dyn Method<f64>>, NotGenerated>,
     /// Takes the same step from its definition; whether there is one.
     pub(super) walk: &'a dyn Fn(&mut Walk<'_>, f64) -> bool,
     /// Shows the kernels of a step.
@@ -73,9 +74,9 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Scheme<'_>) -> Result
     let mut samples = Vec::new();
     for (index, state) in states.iter().enumerate() {
         let control = held.next().unwrap_or(&none);
-        if !state.iter().all(|x| x.is_finite()) {
-            return Err(named("sample", index, Trouble::Step(StepError::NotFinite)));
-        }
+        check_length(state, length(description.state))
+            .and_then(|()| check_state(state, system.deviation(state)))
+            .map_err(|error| named("sample", index, Trouble::Step(error)))?;
         let frame = Frame::new(*system, state, control, *time)
             .ok_or(CertifyError::Structure { system: description.name })?;
         let step = step.unwrap_or(if frame.rate > 0.0 { STEP / frame.rate } else { STEP });
@@ -107,6 +108,7 @@ fn named(certificate: &str, state: usize, trouble: Trouble) -> CertifyError {
     let certificate = certificate.to_owned();
     match trouble {
         Trouble::Parameter(error) => error.into(),
+        Trouble::NotGenerated(error) => error.into(),
         Trouble::Step(source) => CertifyError::Step { certificate, state, source },
         Trouble::Degenerate => CertifyError::Degenerate { certificate, state },
     }
@@ -204,7 +206,8 @@ impl Sample<'_> {
         seen: &mut dyn FnMut(&[f64]),
     ) -> Result<(), Trouble> {
         check_step(step).map_err(Trouble::Parameter)?;
-        let mut stepper = Stepper::of(self.system, (self.scheme.method)(step), step);
+        let method = (self.scheme.method)(step).map_err(Trouble::NotGenerated)?;
+        let mut stepper = Stepper::of(self.system, method, step);
         stepper.set_time(time);
         let mut state = state.to_vec();
         for _ in 0..count {
@@ -317,7 +320,8 @@ impl Sample<'_> {
     }
 
     fn casimir(&self, index: usize, state: &[f64]) -> f64 {
-        self.system.casimirs(state)[index]
+        // of a system that names more than it has, the rest is none
+        self.system.casimirs(state).get(index).copied().unwrap_or(f64::NAN)
     }
 
     fn casimir_drift(&self, index: usize) -> Figure {

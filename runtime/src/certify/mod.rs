@@ -64,7 +64,7 @@ pub use definition::Walk;
 pub use probe::Probe;
 pub use report::{Bound, Certificate, Report, Verdict};
 
-use crate::erased::{self, Flat, StepperError};
+use crate::erased::{self, Flat, NotGenerated};
 use crate::error::{ParameterError, StepError};
 use crate::geometry::Geometry;
 use crate::system::{Control, Discretized, State};
@@ -162,7 +162,7 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
         let scheme = Scheme {
             name: M::name(),
             claim: M::CLAIM,
-            method: &|step| Flat::<S::Method<f64>, false>::boxed(&parameters, step),
+            method: &|step| Ok(Flat::<S::Method<f64>, false>::boxed(&parameters, step)),
             walk: &M::walk,
             kernels: &M::kernels,
         };
@@ -191,16 +191,10 @@ pub fn certify_erased(
     step: Option<f64>,
 ) -> Result<Report, CertifyError> {
     let description = system.description();
-    // what is missing is found out before anything is measured
-    erased::Stepper::new(system, scheme, step.unwrap_or(1.0))?;
-    let generated = |map, rule, step| system.method(map, rule, step).ok_or(());
     let scheme = Scheme {
         name: scheme.name(),
         claim: scheme.claim(&description),
-        method: &|step| match scheme.method(description.invariant, step, &mut { generated }) {
-            Ok(method) => method,
-            Err(()) => unreachable!("it was there"),
-        },
+        method: &|step| scheme.of(system, step),
         walk: &|walk, step| scheme.walk(description.invariant, walk, step),
         kernels: &|probe, step| {
             scheme.parts(description.invariant, step, &mut |map, rule, step| {
@@ -223,7 +217,7 @@ pub enum CertifyError {
     Parameter(#[from] ParameterError),
     /// A step that the scheme is made of was not generated.
     #[error(transparent)]
-    Scheme(#[from] StepperError),
+    NotGenerated(#[from] NotGenerated),
     /// There is nothing to measure at.
     #[error("there is no state to certify the steps at")]
     NoStates,

@@ -1,8 +1,8 @@
 //! Derivatives of the step that is really taken, exact to rounding: what control, estimation and identification linearize.
 //!
-//! Asked for in the description: `derivatives` for all of them, `derivatives(state)` for the matrix by the state alone, likewise
-//! `controls`, `parameters`, and the products `tangent` and `adjoint`. The code of each step is then accompanied by that of its derivative, in closed form: the
-//! implicit function theorem on the step's own equation, with all second derivatives of potentials and forces. Nothing is done by
+//! Asked for in the description: `derivatives` for all of them, `derivatives(state)` for the matrix by the state alone, likewise `controls`,
+//! `parameters`, and the products `tangent` and `adjoint`. The code of each step is then accompanied by that of its derivative, in closed
+//! form: the implicit function theorem on the step's own equation, with all second derivatives of potentials and forces. Nothing is done by
 //! differences.
 //!
 //! # Coordinates
@@ -12,8 +12,8 @@
 //! them. Controls and parameters change by what is added to their components, constants of the description excepted. The entries of an
 //! inertia matrix count one by one, as the step reads them: what is meant are changes that leave it symmetric.
 //!
-//! Jacobians are named, and their blocks taken, output first, then input: the block (`MOMENTUM`, `ATTITUDE`) is the derivative of the next momentum by the
-//! attitude.
+//! Jacobians are named, and their blocks taken, output first, then input: the block (`MOMENTUM`, `ATTITUDE`) is the derivative of the next
+//! momentum by the attitude.
 //!
 //! ```
 //! use coadjoint::prelude::*;

@@ -142,7 +142,7 @@ impl Members {
             member_steps += marched.member_steps;
         }
         self.failed.sort_unstable_by_key(|failed| failed.member);
-        self.taken += steps;
+        self.taken = self.taken.saturating_add(steps);
         member_steps
     }
 

@@ -46,11 +46,11 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use crate::erased::{Flat, Method, StepperError};
+use crate::erased::{Flat, Method, NotGenerated};
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
 use crate::scalar::{Batch, Real, Scalar};
-use crate::stepper::{check_deviation, check_step};
+use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use distribution::{Distribution, Spread};
 pub use members::Instructions;
@@ -97,7 +97,7 @@ pub enum EnsembleError {
     },
     /// There is no such step of the system.
     #[error(transparent)]
-    Scheme(#[from] StepperError),
+    NotGenerated(#[from] NotGenerated),
     /// There are more states than systems.
     #[error(
         "there are only {systems} systems for the states; `std::iter::repeat(&system)` gives all the same"
@@ -106,6 +106,18 @@ pub enum EnsembleError {
         /// How many systems there are.
         systems: usize,
     },
+}
+
+/// Whatever a stepper refuses, as a member.
+pub(crate) fn check_member(
+    member: usize,
+    parameters: Result<(), ParameterError>,
+    step: f64,
+    state: Result<(), StepError>,
+) -> Result<(), EnsembleError> {
+    let parameters = parameters.and_then(|()| check_step(step));
+    parameters.map_err(|source| EnsembleError::Parameters { member, source })?;
+    state.map_err(|source| EnsembleError::State { member, source })
 }
 
 /// How a run of an ensemble went.
@@ -234,22 +246,10 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         let numbers = |scalars: &[S::Scalar]| scalars.iter().map(|x| x.to_f64()).collect();
         for (member, state) in states.into_iter().enumerate() {
             let system = systems.next().ok_or(EnsembleError::TooFewSystems { systems: member })?;
-            // whatever a stepper refuses
-            if let Err(source) = system.validate().and_then(|()| check_step(step.to_f64())) {
-                return Err(EnsembleError::Parameters { member, source });
-            }
-            let (parameters, components) = (system.to_parameters(), state.to_components());
-            let is_finite = components.as_ref().iter().all(|x| x.is_finite());
-            let is_state = if is_finite {
-                check_deviation(state.deviation().to_f64())
-            } else {
-                Err(StepError::NotFinite)
-            };
-            is_state.map_err(|source| EnsembleError::State { member, source })?;
-            members.push(Member {
-                parameters: numbers(parameters.as_ref()),
-                state: numbers(components.as_ref()),
-            });
+            let (parameters, deviation) = (system.to_parameters(), state.deviation().to_f64());
+            let state: Vec<f64> = numbers(state.to_components().as_ref());
+            check_member(member, system.validate(), step.to_f64(), check_state(&state, deviation))?;
+            members.push(Member { parameters: numbers(parameters.as_ref()), state });
             all_parameters.push(parameters);
         }
         let builder = Typed::<S, M>(PhantomData);

@@ -4,51 +4,55 @@ use core::fmt;
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::stepper::StepperError;
-use super::system::System;
+use super::scheme::NotGenerated;
+use super::system::{System, check_length, length};
 use crate::ensemble::members::{Member, Members};
-use crate::ensemble::{EnsembleError, Failed, Instructions};
-use crate::error::StepError;
-use crate::stepper::{check_deviation, check_step};
+use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
+use crate::error::ParameterError;
+use crate::stepper::check_state;
 
 /// Many states of one system that move at the same time, each with parameters of its own, by the system's standard step on the Cayley map:
 /// [`Ensemble`](crate::Ensemble) with its types erased.
 pub struct Ensemble {
+    /// The system with each member's parameters.
     systems: Vec<Box<dyn System>>,
     members: Members,
+    controls: usize,
 }
 
 impl Ensemble {
-    /// An ensemble of as many members as there are states, the first with the first system, and so on: the same system with other parameters.
+    /// An ensemble of the system with these parameters and initial states, one of each for a member; what the parameters of `system` itself are
+    /// makes no difference.
     ///
     /// # Errors
-    /// If there are fewer systems than states, a member's parameters, the step or a state are not what a stepper takes, or there is no standard
-    /// step on the Cayley map.
+    /// If a list of parameters or a state has not as many numbers as the system's, the parameters, the step or a state are not what a stepper
+    /// takes, or there is no standard step on the Cayley map.
     pub fn new(
-        systems: Vec<Box<dyn System>>,
-        states: Vec<Vec<f64>>,
+        system: &dyn System,
+        members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
         step: f64,
     ) -> Result<Self, EnsembleError> {
-        let mut members = Vec::new();
-        for (member, state) in states.into_iter().enumerate() {
-            let system = systems.get(member).ok_or(EnsembleError::TooFewSystems { systems: member })?;
-            system
-                .validate()
-                .and_then(|()| check_step(step))
-                .map_err(|source| EnsembleError::Parameters { member, source })?;
-            let is_finite = state.iter().all(|x| x.is_finite());
+        let description = system.description();
+        let (expected, numbers) = (system.parameters().len(), length(description.state));
+        let (mut systems, mut checked) = (Vec::new(), Vec::new());
+        for (member, (parameters, state)) in members.into_iter().enumerate() {
+            let got = parameters.len();
+            if got != expected {
+                let source = ParameterError::Length { expected, got };
+                return Err(EnsembleError::Parameters { member, source });
+            }
+            let system = system.with_parameters(&parameters);
             let is_state =
-                if is_finite { check_deviation(system.deviation(&state)) } else { Err(StepError::NotFinite) };
-            is_state.map_err(|source| EnsembleError::State { member, source })?;
-            members.push(Member { parameters: system.parameters(), state });
+                check_length(&state, numbers).and_then(|()| check_state(&state, system.deviation(&state)));
+            check_member(member, system.validate(), step, is_state)?;
+            systems.push(system);
+            checked.push(Member { parameters, state });
         }
         let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
-        let Some(first) = systems.first() else { return Err(EnsembleError::TooFewSystems { systems: 0 }) };
-        let members = first.members(&members, step, widest).ok_or_else(|| StepperError::NotGenerated {
-            scheme: "Cayley".into(),
-            system: first.description().name,
-        })?;
-        Ok(Self { systems, members })
+        let members = system
+            .members(&checked, step, widest)
+            .ok_or_else(|| NotGenerated { scheme: "Cayley".into(), system: description.name })?;
+        Ok(Self { systems, members, controls: length(description.controls) })
     }
 
     /// All members that have not failed take so many steps. Returns the steps of all together.
@@ -77,10 +81,12 @@ impl Ensemble {
         alive.map(|(member, system)| (member, &**system, self.members.state(member)))
     }
 
-    /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero.
+    /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero. What a list leaves out is zero, what
+    /// is too much does not count.
     pub fn control(&mut self, mut choose: impl FnMut(&dyn System, &[f64]) -> Vec<f64>) {
         for (member, system) in self.systems.iter().enumerate() {
-            let control = choose(&**system, &self.members.state(member));
+            let mut control = choose(&**system, &self.members.state(member));
+            control.resize(self.controls, 0.0);
             self.members.set_control(member, &control);
         }
     }

@@ -122,8 +122,8 @@ pub trait Equation {
     fn correction(&self, unknown: &[f64]) -> Vec<f64>;
 }
 
-/// A kernel's equation.
-struct At<K: Kernel<f64>> {
+/// A kernel's equation, at a state.
+struct KernelEquation<K: Kernel<f64>> {
     kernel: K,
     state: K::State,
     begun: K::Step,
@@ -139,22 +139,22 @@ pub(crate) fn equation<K: Kernel<f64> + 'static>(
 ) -> Box<dyn Equation> {
     let (kernel, state) = (K::new(&array(parameters), step), array(state));
     let begun = kernel.begin(&state, time, &array(control));
-    Box::new(([], At { kernel, state, begun }))
+    Box::new(([], KernelEquation { kernel, state, begun }))
 }
 
-impl<K: Kernel<f64>> Equation for ([K; 0], At<K>) {
+impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
     fn start(&self) -> Vec<f64> {
-        let (_, At { kernel, state, begun }) = self;
+        let (_, KernelEquation { kernel, state, begun }) = self;
         kernel.start(state, begun).as_ref().to_vec()
     }
 
     fn residual(&self, unknown: &[f64]) -> Vec<f64> {
-        let (_, At { kernel, state, begun }) = self;
+        let (_, KernelEquation { kernel, state, begun }) = self;
         kernel.evaluate(state, begun, &array(unknown)).residual.as_ref().to_vec()
     }
 
     fn correction(&self, unknown: &[f64]) -> Vec<f64> {
-        let (_, At { kernel, state, begun }) = self;
+        let (_, KernelEquation { kernel, state, begun }) = self;
         let unknown = array(unknown);
         let evaluation = kernel.evaluate(state, begun, &unknown);
         kernel.correction(state, begun, &unknown, &evaluation).as_ref().to_vec()

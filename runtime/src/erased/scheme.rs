@@ -3,9 +3,11 @@
 use std::boxed::Box;
 use std::string::String;
 
+use thiserror::Error;
+
 use super::composition::Composition;
 use super::method::Method;
-use super::system::Description;
+use super::system::{Description, System};
 use crate::certify::{Claim, Walk};
 use crate::composition::Coefficients;
 use crate::geometry::Map;
@@ -33,6 +35,18 @@ pub enum Scheme {
     },
 }
 
+/// A step that a scheme is made of and that was not generated.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "no step of the scheme `{scheme}` was generated for `{system}`; `methods(…)` in its description asks for it"
+)]
+pub struct NotGenerated {
+    /// The scheme.
+    pub scheme: String,
+    /// The system's name.
+    pub system: &'static str,
+}
+
 impl Scheme {
     /// The symmetric composition with coefficients `C` of steps with another scheme.
     pub fn composed<C: Coefficients>(base: Self) -> Self {
@@ -54,6 +68,18 @@ impl Scheme {
             }
             other => other.clone(),
         }
+    }
+
+    /// What takes its steps of a system.
+    ///
+    /// # Errors
+    /// If one that it is made of was not generated.
+    pub(crate) fn of(&self, system: &dyn System, step: f64) -> Result<Box<dyn Method<f64>>, NotGenerated> {
+        let Description { name, invariant, .. } = system.description();
+        let missing = || NotGenerated { scheme: self.name(), system: name };
+        self.method(invariant, step, &mut |map, rule, step| {
+            system.method(map, rule, step).ok_or_else(missing)
+        })
     }
 
     /// What takes its steps; `generated` makes that of steps that the macro generated.
@@ -92,21 +118,14 @@ impl Scheme {
 
     /// Takes the same step from its definition; `false` if there is none to compare with.
     pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
-        match self.resolved(invariant) {
-            Self::Step(map, Rule::Member(numerator, denominator)) => {
+        let mut is_defined = true;
+        self.parts(invariant, step, &mut |map, rule, step| match rule {
+            Rule::Member(numerator, denominator) => {
                 walk.family(map, f64::from(numerator) / f64::from(denominator), step);
-                true
             }
-            Self::Step(_, Rule::TangentLift) => false,
-            Self::Composed { gamma, base, .. } => {
-                gamma.iter().all(|gamma| base.walk(invariant, walk, gamma * step))
-            }
-            Self::StormerVerlet(map) | Self::Standard(map) => {
-                walk.family(map, 0.0, 0.5 * step);
-                walk.family(map, 1.0, 0.5 * step);
-                true
-            }
-        }
+            Rule::TangentLift => is_defined = false,
+        });
+        is_defined
     }
 
     /// The generated steps that it is made of, and how long each one is.

@@ -3,14 +3,13 @@
 use core::fmt;
 use core::ops::ControlFlow;
 use std::boxed::Box;
-use std::string::String;
 use std::vec::Vec;
 
 use thiserror::Error;
 
 use super::method::Method;
-use super::scheme::Scheme;
-use super::system::{Geometry, System};
+use super::scheme::{NotGenerated, Scheme};
+use super::system::{Geometry, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::memory::{self, visit_flag};
 use crate::method::Clock;
@@ -41,15 +40,8 @@ pub enum StepperError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A step that the scheme is made of was not generated.
-    #[error(
-        "no step of the scheme `{scheme}` was generated for `{system}`; `methods(…)` in its description asks for it"
-    )]
-    NotGenerated {
-        /// The scheme.
-        scheme: String,
-        /// The system's name.
-        system: &'static str,
-    },
+    #[error(transparent)]
+    NotGenerated(#[from] NotGenerated),
 }
 
 impl<'s> Stepper<'s> {
@@ -60,17 +52,12 @@ impl<'s> Stepper<'s> {
     pub fn new(system: &'s dyn System, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
         system.validate()?;
         check_step(step)?;
-        let description = system.description();
-        let missing = || StepperError::NotGenerated { scheme: scheme.name(), system: description.name };
-        let mut generated = |map, rule, step| system.method(map, rule, step).ok_or_else(missing);
-        let method = scheme.method(description.invariant, step, &mut generated)?;
-        Ok(Self::of(system, method, step))
+        Ok(Self::of(system, scheme.of(system, step)?, step))
     }
 
     /// The stepper with a method of this step.
     pub(crate) fn of(system: &'s dyn Geometry, method: Box<dyn Method<f64>>, step: f64) -> Self {
-        let length = system.description().state.iter().map(|quantity| quantity.components.len()).sum();
-        let nothing = Vec::from_iter(core::iter::repeat_n(0.0, length));
+        let nothing = Vec::from_iter(core::iter::repeat_n(0.0, length(system.description().state)));
         Self {
             system,
             method,
@@ -127,12 +114,9 @@ impl<'s> Stepper<'s> {
     /// Takes one step: see [`Stepper::step_with`](crate::Stepper::step_with).
     ///
     /// # Errors
-    /// As there; state and time are then as before the call.
+    /// As there, or if the state has not as many numbers as the system's; state and time are then as before the call.
     pub fn step(&mut self, state: &mut [f64], control: &[f64]) -> Result<StepReport, StepError> {
-        if state.len() != self.left.len() {
-            // a state of another system is none
-            return Err(StepError::NotFinite);
-        }
+        check_length(state, self.left.len())?;
         let known = self.is_left_at(state);
         if !known {
             check_deviation(self.system.deviation(state))?;

@@ -8,7 +8,7 @@ use super::method::{Equation, Flat, Method, array, equation};
 use super::scheme::Scheme;
 use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
-use crate::error::ParameterError;
+use crate::error::{ParameterError, StepError};
 use crate::geometry::{self, Map};
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
@@ -51,6 +51,16 @@ impl Description {
             forced: S::FORCED,
         }
     }
+}
+
+/// How many numbers these quantities are.
+pub(crate) fn length(quantities: &[Quantity]) -> usize {
+    quantities.iter().map(|quantity| quantity.components.len()).sum()
+}
+
+/// Whether a list has as many numbers as a state.
+pub(crate) fn check_length(state: &[f64], expected: usize) -> Result<(), StepError> {
+    if state.len() == expected { Ok(()) } else { Err(StepError::Length { expected }) }
 }
 
 /// A system with its parameters and its geometry, on slices; any [`geometry::Geometry`] over `f64` is one.
@@ -131,9 +141,9 @@ impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
     }
 }
 
-/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one.
+/// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 pub trait System: Geometry + Send + Sync {
-    /// The same system with other parameters.
+    /// The same system with other parameters; what is missing is as in this one.
     fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;
 
     /// What takes a generated step of this length; none if it was not generated.

@@ -2,15 +2,22 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
+use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::Ordering::Relaxed;
+
 use coadjoint::certify;
-use coadjoint::certify::{Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk};
+use coadjoint::certify::{
+    Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk, certify_erased,
+};
+use coadjoint::erased::{NotGenerated, Scheme};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::kernel::{Evaluation, Kernel};
 use coadjoint::method::{Method, Outcome};
 use coadjoint::prelude::*;
 use coadjoint::scalar::{Batch, Scalar};
+use coadjoint::scheme::Rule;
 use coadjoint::solve::one_step::OneStep;
-use coadjoint::system::{Generated, Quantity};
+use coadjoint::system::{Generated, Quantity, Schemes, Visitor};
 
 /// Nothing acts on it.
 #[lie_poisson_system(group = SO3, methods(Midpoint, TangentLift, Family(1, 4)))]
@@ -231,6 +238,9 @@ fn the_right_side() {
     passes::<Cayley, _>(&fluid, &states, &[]);
     passes::<Midpoint<Cayley>, _>(&fluid, &states, &[]);
     passes::<Order4<SymplecticEulerB>, _>(&fluid, &states, &[]);
+    // another name for the member `s = 0`; on the exponential map every member is the same step
+    let report = passes::<SymplecticEulerB<Cayley>, _>(&fluid, &states, &[]);
+    assert_eq!(report.certificate("definition").unwrap().verdict, Verdict::Passed);
     passes::<TangentLift, _>(&fluid, &states, &[]);
 
     let drop = Drop { inertia: vector![1.0, 2.0, 2.5], strength: 1.5, chi: vector![0.1, 0.2, 0.4] };
@@ -586,6 +596,36 @@ impl Claims<Bent> for Plain {
         walk.family(Map::Exponential, 0.5, step);
         true
     }
+}
+
+/// How often the generated steps of [`Bent`] are still there.
+static LEFT: AtomicUsize = AtomicUsize::new(0);
+
+impl Generated<Midpoint> for Bent {
+    type Kernel<T: Scalar> = <Body as Generated<Midpoint>>::Kernel<T>;
+}
+
+impl Schemes for Bent {
+    fn visit<V: Visitor<Self>>(_: Map, _: Rule, visitor: V) -> Option<V::Output> {
+        let less = |left: usize| left.checked_sub(1);
+        LEFT.fetch_update(Relaxed, Relaxed, less).is_ok().then(|| visitor.visit::<Midpoint>())
+    }
+}
+
+#[test]
+fn a_step_that_vanishes_is_an_error() {
+    let (good, states) = body();
+    let bent = Bent { body: good, energy: 0.0, bracket: 0.0 };
+    let states: Vec<_> = states.iter().map(|state| state.to_components().to_vec()).collect();
+    let scheme = Scheme::member(Map::Exponential, 1, 2);
+    for left in [0, 1, 2, 10, 100] {
+        LEFT.store(left, Relaxed);
+        let error = certify_erased(&bent, &scheme, &states, &[], None).unwrap_err();
+        let missing = NotGenerated { scheme: "Midpoint<Exponential>".to_owned(), system: "Bent" };
+        assert_eq!(error, CertifyError::NotGenerated(missing), "{left}");
+    }
+    LEFT.store(usize::MAX, Relaxed);
+    assert!(certify_erased(&bent, &scheme, &states, &[], None).unwrap().passed());
 }
 
 #[test]

@@ -4,9 +4,12 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::certify::{Certification, certify_erased};
+use coadjoint::certify::{Certification, CertifyError, certify_erased};
 use coadjoint::composition::{KahanLi6, Suzuki4};
-use coadjoint::erased::{self, Geometry as _, Rule, Scheme, StepperError, System as _, Watched};
+use coadjoint::ensemble::EnsembleError;
+use coadjoint::erased::{
+    self, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
+};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
@@ -112,8 +115,8 @@ fn members_move_as_they_would_alone() {
         let numbers = start.to_components().as_ref().to_vec();
         let parameters = system.parameters();
         let scaled = |k: usize| parameters.iter().map(|x| x * (1.0 + 0.01 * k as f64)).collect::<Vec<_>>();
-        let systems = (0..11).map(|k| system.with_parameters(&scaled(k))).collect();
-        let mut ensemble = erased::Ensemble::new(systems, vec![numbers.clone(); 11], 0.02).unwrap();
+        let members = (0..11).map(|k| (scaled(k), numbers.clone()));
+        let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
         let held = control.to_components().as_ref().to_vec();
         ensemble.control(|_, _| held.clone());
         assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
@@ -131,6 +134,88 @@ fn members_move_as_they_would_alone() {
 }
 
 #[test]
+fn members_that_cannot_be_are_refused() {
+    let (system, state) = top();
+    let (parameters, state) = (system.parameters(), state.to_components().to_vec());
+    let refused = |member: usize, parameters: &[f64], state: &[f64], step: f64| {
+        let right = (system.parameters(), top().1.to_components().to_vec());
+        let mut members = vec![right; 5];
+        members[member] = (parameters.to_vec(), state.to_vec());
+        erased::Ensemble::new(&system, members, step).err()
+    };
+    let parameter = |member, source| Some(EnsembleError::Parameters { member, source });
+    let wrong = |member, source| Some(EnsembleError::State { member, source });
+    assert_eq!(refused(3, &parameters, &state, 0.01), None);
+    assert_eq!(refused(3, &parameters, &state, 0.0), parameter(0, ParameterError::Step { step: 0.0 }));
+    for got in [0, 3, 5] {
+        let mut others = parameters.clone();
+        others.resize(got, 1.0);
+        let error = refused(3, &others, &state, 0.01);
+        assert_eq!(error, parameter(3, ParameterError::Length { expected: 4, got }));
+    }
+    let infinite = [1.0, 2.0, 2.5, f64::INFINITY];
+    let error = refused(4, &infinite, &state, 0.01);
+    assert_eq!(error, parameter(4, ParameterError::NotFinite { name: "weight" }));
+    // as are those of another system
+    for length in [0, 9, 11, 13] {
+        let mut others = state.clone();
+        others.resize(length, 1.0);
+        let error = refused(2, &parameters, &others, 0.01);
+        assert_eq!(error, wrong(2, StepError::Length { expected: 10 }));
+    }
+    let mut lost = state.clone();
+    lost[5] = f64::NAN;
+    assert_eq!(refused(1, &parameters, &lost, 0.01), wrong(1, StepError::NotFinite));
+    let mut long = state.clone();
+    long[..4].copy_from_slice(&[0.0, 0.0, 1.5, 0.0]);
+    let error = refused(0, &parameters, &long, 0.01);
+    assert_eq!(error, wrong(0, StepError::NotOnGroup { deviation: 0.5 }));
+}
+
+#[test]
+fn nobody_is_an_ensemble_too() {
+    let (system, _) = top();
+    let mut ensemble = erased::Ensemble::new(&system, [], 0.5).unwrap();
+    ensemble.control(|_, _| vec![1.0]);
+    assert_eq!((ensemble.run(10), ensemble.time()), (0, 5.0));
+    assert_eq!((ensemble.members().count(), ensemble.failed()), (0, &[][..]));
+    // and has time for more steps than can be counted
+    assert_eq!((ensemble.run(u64::MAX), ensemble.run(u64::MAX)), (0, 0));
+}
+
+/// However long the lists are that a law makes: what is missing is zero, for this member and for no other.
+#[test]
+fn controls_of_members_are_their_own() {
+    let (system, state) = craft();
+    let numbers = state.to_components().to_vec();
+    let parameters = |k: usize| {
+        let mut parameters = system.parameters();
+        parameters[3] += k as f64;
+        parameters
+    };
+    let held = |system: &dyn erased::System| match system.parameters()[3] - 1.3 {
+        k if k < 0.5 => vec![12.0],
+        k if k < 1.5 => vec![],
+        k if k < 2.5 => vec![7.0, 1.0, 2.0],
+        k => vec![k],
+    };
+    let members = (0..11).map(|k| (parameters(k), numbers.clone()));
+    let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
+    for _ in 0..3 {
+        ensemble.control(|system, _| held(system));
+        ensemble.run(50);
+    }
+    assert_eq!(ensemble.members().count(), 11);
+    for (member, system, state) in ensemble.members() {
+        let mut expected = numbers.clone();
+        let scheme = Scheme::Standard(Map::Cayley);
+        let mut stepper = erased::Stepper::new(system, &scheme, 0.02).unwrap();
+        stepper.steps(&mut expected, &held(system), 150).unwrap();
+        assert_eq!(state, expected, "member {member}");
+    }
+}
+
+#[test]
 fn certificates_are_the_same() {
     let (system, state) = top();
     let numbers = state.to_components().to_vec();
@@ -142,18 +227,77 @@ fn certificates_are_the_same() {
 }
 
 #[test]
+fn certificates_fail_for_the_same_reasons() {
+    let (system, state) = top();
+    let numbers = state.to_components().to_vec();
+    let scheme = Scheme::member(Map::Cayley, 1, 2);
+    let refused = |system: &dyn erased::System, numbers: &[f64], step: f64| {
+        certify_erased(system, &scheme, &[numbers.to_vec()], &[], Some(step)).unwrap_err()
+    };
+    let typed = |system: &Top, state: TopState, step: f64| {
+        Certification::new(system).states(&[state]).step(step).run::<Midpoint<Cayley>>().unwrap_err()
+    };
+    let error = refused(&system, &numbers, 0.0);
+    assert_eq!(error, CertifyError::Parameter(ParameterError::Step { step: 0.0 }));
+    assert_eq!(typed(&system, state, 0.0), error);
+
+    let heavy = Top { inertia: vector![1.0, 2.0, 2.5], weight: f64::INFINITY };
+    let error = refused(&heavy, &numbers, 0.05);
+    assert_eq!(error, CertifyError::Parameter(ParameterError::NotFinite { name: "weight" }));
+    assert_eq!(typed(&heavy, state, 0.05), error);
+
+    let long = UnitQuaternion::new_unchecked(Quaternion::new(1.5, 0.0, 0.0, 0.0));
+    let off = TopState { attitude: long, ..state };
+    let error = refused(&system, off.to_components().as_ref(), 0.05);
+    let source = StepError::NotOnGroup { deviation: 0.5 };
+    assert_eq!(error, CertifyError::Step { certificate: "sample".to_owned(), state: 0, source });
+    assert_eq!(typed(&system, off, 0.05), error);
+
+    for length in [0, 3, 9, 11, 20] {
+        let mut wrong = numbers.clone();
+        wrong.resize(length, 0.5);
+        let source = StepError::Length { expected: 10 };
+        let error = CertifyError::Step { certificate: "sample".to_owned(), state: 0, source };
+        assert_eq!(refused(&system, &wrong, 0.05), error);
+    }
+}
+
+#[test]
 fn what_was_not_generated_is_said() {
     let (system, state) = top();
     let scheme = Scheme::Step(Map::Cayley, Rule::TangentLift);
     let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
-    assert_eq!(error, StepperError::NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" });
+    let missing = NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" };
+    assert_eq!(error, StepperError::NotGenerated(missing.clone()));
     let numbers = state.to_components().to_vec();
-    assert!(certify_erased(&system, &scheme, &[numbers], &[], None).is_err());
+    let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
+    assert_eq!(error, CertifyError::NotGenerated(missing));
+    // a member that is none claims what it would
+    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&craft().0.description()).order, 1);
     let wrong = system.with_parameters(&[1.0, -1.0, 1.0, 0.0]);
     assert!(matches!(
         erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
         Err(StepperError::Parameter(_))
     ));
+}
+
+#[test]
+fn states_of_other_systems_are_refused() {
+    let (system, state) = top();
+    let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.1).unwrap();
+    let numbers = state.to_components().to_vec();
+    let error = StepError::Length { expected: numbers.len() };
+    for length in [0, 1, numbers.len() - 1, numbers.len() + 1] {
+        let mut wrong = numbers.clone();
+        wrong.resize(length, 0.0);
+        assert_eq!(stepper.step(&mut wrong, &[]), Err(error));
+        assert_eq!(stepper.steps(&mut wrong, &[], 10).unwrap_err().source, error);
+    }
+    assert_eq!(error.to_string(), "the state must have 10 numbers: it is of another system");
+    assert_eq!(stepper.steps_taken(), 0);
+    // a control is filled up with zeros, or cut off
+    let mut right = numbers.clone();
+    assert!(stepper.step(&mut right, &[0.3]).is_ok());
 }
 
 /// A run shows what has to be seen and no more, and comes to the same whatever that is.

@@ -83,7 +83,7 @@ impl Journal {
     /// # Errors
     /// If the file is not there, cannot be written, or has fewer rows.
     pub(crate) fn resume(path: PathBuf, width: usize, rows: u64) -> Result<Self, Error> {
-        let length = rows * width as u64 * 8;
+        let length = rows.saturating_mul(width as u64 * 8);
         let open = || -> io::Result<Option<File>> {
             let mut file = OpenOptions::new().read(true).write(true).open(&path)?;
             if file.metadata()?.len() < length {

@@ -92,7 +92,7 @@ impl Error {
             Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
             Error::Interrupted => interrupt::EXIT_CODE,
             Error::Simulation(
-                SimulationError::Parameter(_)
+                SimulationError::Stepper(_)
                 | SimulationError::Ensemble(_)
                 | SimulationError::NotSymmetric { .. },
             ) => 2,

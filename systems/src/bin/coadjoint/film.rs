@@ -41,6 +41,13 @@ impl Film {
         Self { every: job.steps.div_ceil(MOMENTS).max(1), last: job.steps, times, states, energies, casimirs }
     }
 
+    /// Whether it is of a run of this system.
+    pub(crate) fn is_of(&self, entry: &Entry) -> bool {
+        let (numbers, casimirs) = ((entry.example)().state.len(), entry.description.casimirs.len());
+        self.states.iter().all(|state| state.len() == numbers)
+            && self.casimirs.iter().all(|values| values.len() == casimirs)
+    }
+
     /// Takes in a moment of the run.
     pub(crate) fn push(&mut self, sample: &Sample<'_>) {
         if sample.index.is_multiple_of(self.every) || sample.index == self.last {

@@ -1,6 +1,8 @@
 //! The program `coadjoint`: runs the systems of the catalogue, draws and shows them.
 //!
 //! It contains no mechanics, and treats all systems alike.
+// they panic where nobody listens
+#![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod checkpoint;
 mod cli;

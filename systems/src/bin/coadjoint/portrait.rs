@@ -38,6 +38,11 @@ impl Portrait {
         }
     }
 
+    /// Whether it is of a run of this system.
+    pub(crate) fn is_of(&self, entry: &Entry) -> bool {
+        self.state.len() == (entry.example)().state.len()
+    }
+
     /// Takes in a moment of the run.
     pub(crate) fn push(&mut self, entry: &Entry, sample: &Sample<'_>) {
         let (energy, casimirs) =

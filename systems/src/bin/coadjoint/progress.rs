@@ -1,6 +1,6 @@
 //! How far a run has come: a bar on a terminal, a line now and then otherwise.
 
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -25,7 +25,7 @@ enum Display {
 impl Progress {
     /// Begins to show the progress of a run of `total` steps.
     pub(crate) fn new(label: &str, total: u64) -> Self {
-        let display = if std::io::stderr().is_terminal() {
+        let display = if io::stderr().is_terminal() {
             Display::Bar(bar(label, total))
         } else {
             Display::Lines { last: Instant::now() }
@@ -48,7 +48,9 @@ impl Progress {
             Display::Lines { last } if last.elapsed() > PAUSE => {
                 *last = Instant::now();
                 let percent = 100 * u128::from(index) / u128::from(self.total.max(1));
-                eprintln!("{}: step {index} of {} ({percent} %)", self.label, self.total);
+                // where nobody listens, the run goes on
+                let _ =
+                    writeln!(io::stderr(), "{}: step {index} of {} ({percent} %)", self.label, self.total);
             }
             Display::Lines { .. } => {}
         }

@@ -63,6 +63,19 @@ struct Saved {
     version: u32,
 }
 
+impl Saved {
+    /// Whether it is of a run of this system: whoever wrote it, its lists are as long as they must be.
+    fn fits(&self, entry: &Entry) -> bool {
+        let Setup { parameters, state } = (entry.example)();
+        let Self { plan, record, whereabouts, .. } = self;
+        plan.setup.parameters.len() == parameters.len()
+            && plan.every > 0
+            && [&plan.setup.state, &whereabouts.state].iter().all(|list| list.len() == state.len())
+            && record.portrait.as_ref().is_none_or(|portrait| portrait.is_of(entry))
+            && record.film.as_ref().is_none_or(|film| film.is_of(entry))
+    }
+}
+
 /// A run that is being made.
 #[derive(Debug)]
 pub(crate) struct Session {
@@ -125,15 +138,19 @@ impl Session {
 
     /// Goes on with a run.
     pub(crate) fn resume(path: &Path) -> Result<Self, Error> {
-        let Saved { plan, record, rows, whereabouts, version } = checkpoint::load(path)?;
-        let entry = crate::suggest::system(&plan.system)?;
-        if version != self::version(entry) {
+        let saved: Saved = checkpoint::load(path)?;
+        let entry = crate::suggest::system(&saved.plan.system)?;
+        if saved.version != version(entry) {
             return Err(Error::Input(format!(
                 "{} was made by another version of coadjoint, whose steps may differ in their last digits: \
                  go on with that one, or begin anew",
                 path.display()
             )));
         }
+        if !saved.fits(entry) {
+            return Err(Error::Input(format!("{} is a damaged checkpoint", path.display())));
+        }
+        let Saved { plan, record, rows, whereabouts, .. } = saved;
         let rows = match plan.format {
             Some(_) => Rows::Kept(Journal::resume(Journal::beside(path), width(entry), rows)?),
             None => Rows::Dropped,
@@ -277,4 +294,52 @@ pub(crate) fn title(entry: &Entry, job: &Job) -> String {
     }
     parts.push(format!("h = {} s", job.step));
     parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use coadjoint_systems::simulation::Retraction;
+
+    fn saved(of: &str) -> Saved {
+        let entry = crate::suggest::system(of).expect("it is there");
+        let setup = (entry.example)();
+        let job = Job {
+            method: Method::Standard,
+            retraction: Retraction::Cayley,
+            order: Order::Two,
+            step: 0.01,
+            steps: 10,
+        };
+        let record = Record {
+            ledger: None,
+            portrait: Some(Portrait::new(entry, &job)),
+            film: Some(Film::new(entry, &job)),
+        };
+        let whereabouts = Whereabouts { state: setup.state.clone(), memory: Vec::new() };
+        let out = PathBuf::from("out");
+        let plan =
+            Plan { system: of.to_owned(), setup, job, every: 1, format: None, plot: true, html: None, out };
+        Saved { plan, record, rows: 0, whereabouts, version: version(entry) }
+    }
+
+    #[test]
+    fn a_checkpoint_that_was_tampered_with_is_damaged() {
+        let path = std::env::temp_dir().join(format!("coadjoint-tampered-{}.ck", std::process::id()));
+        let resumed = |tamper: &dyn Fn(&mut Saved)| {
+            let mut saved = saved("heavy_top");
+            tamper(&mut saved);
+            checkpoint::save(&path, &saved).expect("writable");
+            let resumed = Session::resume(&path);
+            checkpoint::remove(&path);
+            resumed.map(|_| ()).map_err(|error| error.to_string())
+        };
+        assert_eq!(resumed(&|_| {}), Ok(()));
+        let damaged = Err(format!("{} is a damaged checkpoint", path.display()));
+        assert_eq!(resumed(&|saved| saved.plan.every = 0), damaged);
+        assert_eq!(resumed(&|saved| saved.plan.setup.parameters.truncate(1)), damaged);
+        assert_eq!(resumed(&|saved| saved.plan.setup.state.push(0.0)), damaged);
+        assert_eq!(resumed(&|saved| saved.whereabouts.state.clear()), damaged);
+        assert_eq!(resumed(&|saved| saved.record.portrait = self::saved("kepler").record.portrait), damaged);
+    }
 }

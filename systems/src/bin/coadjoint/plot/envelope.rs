@@ -20,12 +20,12 @@ struct Part {
 impl Envelope {
     /// For a run with this many ticks, thinned to at most this many parts.
     pub(crate) fn new(ticks: u64, parts: usize) -> Self {
-        Self { ticks: ticks.max(1), parts: vec![None; parts.max(1)] }
+        Self { ticks, parts: vec![None; parts.max(1)] }
     }
 
     /// Takes in the value of one tick.
     pub(crate) fn push(&mut self, index: u64, time: f64, value: f64) {
-        let part = u128::from(index) * self.parts.len() as u128 / u128::from(self.ticks);
+        let part = u128::from(index) * self.parts.len() as u128 / u128::from(self.ticks.max(1));
         let Some(part) = self.parts.get_mut(part as usize) else { return };
         match part {
             None => *part = Some(Part { least: (time, value), greatest: (time, value) }),
