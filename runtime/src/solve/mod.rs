@@ -24,8 +24,10 @@ const INTERVALS: [u32; 2] = [WINDOW as u32, 1024];
 const STRONG: f64 = 0.25;
 /// What the rate of contraction is multiplied by, for it may grow until it is measured again.
 const SAFETY: f64 = 2.0;
-/// The rate is measured where the prediction was off by more than this, in units of epsilon.
-const MEASURABLE: f64 = 16.0;
+/// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
+const NOISE: f64 = 4.0;
+/// Changes larger than this, in units of epsilon, show the rate.
+const SHARP: f64 = 256.0;
 /// An error of the unknown this small, in units of epsilon, is roundoff, and never is one that is larger than this.
 const ROUNDOFF: [f64; 2] = [2.0, 8.0];
 /// An error this small, in units of epsilon, makes no difference to the state, next to what is rounded there. The unknown changes the state
@@ -110,8 +112,10 @@ pub(crate) struct Course<T: Batch> {
     tried: T::Mask,
     /// How far the prediction was off: the relative change of the first iteration, or of the first of Newton's corrections.
     off: T,
-    /// The factor by which the last fixed-point iterations contracted; zero where that was not seen.
+    /// The factor by which fixed-point iterations contracted at least, as far as that can be told from roundoff; zero where it cannot.
     rate: T,
+    /// Where nothing of that is roundoff.
+    is_sharp: T::Mask,
 }
 
 impl<T: Batch, U: Components<T>> Solver<T, U> {
@@ -216,7 +220,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let nothing = T::of(0.0);
         let prediction = &self.prediction;
         let (mut point, mut unknown, mut open) = (*prediction, *prediction, !none);
-        let mut course = Course { tried: none, off: nothing, rate: nothing };
+        let mut course = Course { tried: none, off: nothing, rate: nothing, is_sharp: none };
         let (mut iterations, mut residual) = (T::all(0), nothing);
         if const { Self::IS_IDLE } {
             let evaluation = kernel.evaluate(state, step, prediction);
@@ -256,9 +260,11 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
                     (last, course.off) = (change, change);
                     open = !is_enough(&unknown);
                 } else {
-                    let measured = again & T::of(MEASURABLE * T::EPSILON).below(last);
-                    rate = T::select(measured, change / last, rate);
-                    course.rate = T::select(measured, rate, course.rate);
+                    let seen = (change - T::of(NOISE * T::EPSILON)) / last;
+                    course.rate = T::select(again & course.rate.below(seen), seen, course.rate);
+                    course.is_sharp = course.is_sharp | (again & T::of(SHARP * T::EPSILON).below(last));
+                    let measured = again & T::of(SHARP * T::EPSILON).below(last);
+                    rate = T::select(measured | rate.below(seen), change / last, rate);
                     last = T::select(again, change, last);
                     let left = rate * last;
                     residual = T::select(again, left, residual);
@@ -305,16 +311,17 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     #[inline(always)]
     fn learned(&mut self, solution: &U, blocks: &[usize], course: &Course<T>) {
         let one = T::of(1.0);
-        let Course { tried, off, rate } = *course;
+        let Course { tried, off, rate, is_sharp } = *course;
         let open = T::of(0.0).below(off) & (!tried | !off.at_most(self.tolerance));
-        // a rate that is smaller than it was may be so by chance
+        // if it is smaller than it was, that may be by chance
         let is_known = self.predictor.count() > 2;
         let before = T::of(if is_known { 0.5 } else { 0.0 }) * self.rate;
-        let seen = T::of(0.0).below(rate);
-        let worse = self.rate.below(rate);
-        let renewed = seen & (worse | T::Mask::splat(self.due == 0 || !is_known));
+        let improves = is_sharp & T::Mask::splat(self.due == 0 || !is_known);
+        let renewed = self.rate.below(rate) | improves;
         if renewed.any() {
             let rate = T::select(rate.below(before), before, rate);
+            let least = T::of(1.0 / SHARP);
+            let rate = T::select(rate.below(least), least, rate);
             let rate = T::select(rate.at_most(one), rate, one);
             self.set_rate(T::select(renewed, rate, self.rate));
         }

@@ -171,11 +171,11 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let [mut of_through, mut of_near] = [Best::none(); 2];
         let mut errors = self.errors;
         let (errors_through, errors_near) = errors.split_at_mut(THROUGH.len());
-        for (points, lasting) in THROUGH.into_iter().zip(errors_through) {
+        for ((weights, points), lasting) in THROUGH_SOME.iter().zip(THROUGH).zip(errors_through) {
             if points > self.count {
                 break;
             }
-            let weights = numbers(&THROUGH_ALL[points - 1]);
+            let weights = numbers(weights);
             let terms = terms(&weights);
             let earlier: U = computed::<Portable, _, _>(&Through(&terms, window), latest);
             let guess = continued(&terms, &earlier, latest);
@@ -349,6 +349,17 @@ const THROUGH_ALL: [[f64; RECENT]; RECENT] = {
             j += 1;
         }
         points += 1;
+    }
+    weights
+};
+
+/// Those of them that are tried.
+const THROUGH_SOME: [[f64; RECENT]; THROUGH.len()] = {
+    let mut weights = [[0.0; RECENT]; THROUGH.len()];
+    let mut fit = 0;
+    while fit < THROUGH.len() {
+        weights[fit] = THROUGH_ALL[THROUGH[fit] - 1];
+        fit += 1;
     }
     weights
 };

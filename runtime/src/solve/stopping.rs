@@ -14,16 +14,17 @@ pub(super) const ROUNDOFF: f64 = 2.0;
 pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to: &U) -> T {
     // what is smaller than this has not its full precision: such blocks, and those at rest, count next to it
     let floor = T::of(T::LEAST / T::EPSILON);
-    let (of, to) = (of.as_ref(), to.as_ref());
-    let (mut ratios, mut from) = (T::of(0.0), 0);
-    for length in blocks {
+    let (mut of, mut to) = (of.as_ref(), to.as_ref());
+    let mut ratios = T::of(0.0);
+    for &length in blocks {
+        let (changes, sizes);
+        ((changes, of), (sizes, to)) = (of.split_at(length.min(of.len())), to.split_at(length.min(to.len())));
         let (mut change, mut size) = (T::of(0.0), floor);
-        for i in from..from + length {
-            change = change + of[i].abs();
-            size = size + to[i].abs();
+        for (of, to) in changes.iter().zip(sizes) {
+            change = change + of.abs();
+            size = size + to.abs();
         }
         ratios = ratios + change / size;
-        from += length;
     }
     ratios
 }
@@ -47,16 +48,18 @@ pub(super) fn is_within<T: Batch, U: Components<T>>(
     tolerance: T,
 ) -> T::Mask {
     let floor = T::of(T::LEAST / T::EPSILON);
-    let (from, to) = (from.as_ref(), to.as_ref());
-    let (mut is_within, mut first) = (T::Mask::splat(true), 0);
-    for length in blocks {
+    let (mut from, mut to) = (from.as_ref(), to.as_ref());
+    let mut is_within = T::Mask::splat(true);
+    for &length in blocks {
+        let (before, after);
+        ((before, from), (after, to)) =
+            (from.split_at(length.min(from.len())), to.split_at(length.min(to.len())));
         let (mut change, mut size) = (T::of(0.0), floor);
-        for i in first..first + length {
-            change = change + (to[i] - from[i]).abs();
-            size = size + to[i].abs();
+        for (from, to) in before.iter().zip(after) {
+            change = change + (*to - *from).abs();
+            size = size + to.abs();
         }
         is_within = is_within & change.at_most(tolerance * size);
-        first += length;
     }
     is_within
 }

@@ -191,7 +191,8 @@ fn a_step_that_is_far_too_large_is_refused() {
                 let before = bits::<S>(&state);
                 match system.stepper::<M>(step).expect("a stepper").step(&mut state) {
                     Err(StepError::NoConvergence { iterations, residual }) => {
-                        assert!(iterations >= 1 && !(residual < 5e-14), "{what}: {iterations}, {residual:e}");
+                        let begun = iterations >= 1 || !residual.is_finite();
+                        assert!(begun && !(residual < 5e-14), "{what}: {iterations}, {residual:e}");
                     }
                     Err(StepError::OutsideDomain) => {}
                     Err(error) => assert!(step.abs() > 1e99, "{what}, step {step:e}: {error}"),

@@ -117,6 +117,7 @@ impl RandomStep {
         let step = Step {
             h,
             unknown: Vector(unknown),
+            blocks: vec![self.unknowns],
             start: Vector(start),
             left: Vector(left),
             right: Vector(right.to_vec()),
