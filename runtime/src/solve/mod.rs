@@ -164,6 +164,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     #[inline(always)]
     pub(crate) fn took(&mut self, steps: u64, prediction: &U) {
         self.due = u64::from(self.due).saturating_sub(steps) as u32;
+        self.predictor.count_more(steps);
         self.prediction = *prediction;
     }
 
@@ -350,6 +351,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             }
         }
         self.predictor.push::<Portable>(solution);
+        self.predictor.count_more(1);
         self.prediction = self.predictor.next();
     }
 

@@ -101,14 +101,19 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.window()[WINDOW - 1].components
     }
 
-    /// Remembers a solution, and forgets the oldest.
+    /// Remembers a solution, and forgets the oldest: to be [counted](Self::count_more).
     #[inline(always)]
     pub(crate) fn push<P: Processor>(&mut self, unknown: &U) {
         let oldest = self.oldest % KEPT;
         self.solutions[oldest].keep::<P>(unknown);
         self.solutions[oldest + KEPT].keep::<P>(unknown);
         self.oldest = oldest + 1;
-        self.count = (self.count + 1).min(WINDOW);
+    }
+
+    /// Counts so many solutions more.
+    #[inline(always)]
+    pub(crate) fn count_more(&mut self, solutions: u64) {
+        self.count = WINDOW.min(self.count + (solutions as usize).min(WINDOW));
     }
 
     /// Where the solutions point.
@@ -510,6 +515,7 @@ mod tests {
         for k in 0..40 {
             assert_eq!(course.count(), k.min(WINDOW));
             course.push::<Portable>(&[k as f64]);
+            course.count_more(1);
             assert_eq!(course.next(), [k as f64]);
             assert_eq!(course.latest(), [k as f64]);
         }
