@@ -196,6 +196,8 @@ impl<T: Batch> Scalar for Double<T> {
     }
 }
 
+impl<T: Batch> crate::scalar::sealed::Sealed for Double<T> {}
+
 impl<T: Batch> Batch for Double<T> {
     type Number = T::Number;
     type Mask = T::Mask;

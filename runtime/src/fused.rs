@@ -215,6 +215,8 @@ impl<T: Batch> Scalar for Once<T> {
     }
 }
 
+impl<T: Batch> crate::scalar::sealed::Sealed for Once<T> {}
+
 impl<T: Batch> Batch for Once<T> {
     type Number = T::Number;
     type Mask = T::Mask;

@@ -61,10 +61,3 @@ pub trait Isolated: System {
         spatial: &Self::Spatial<T>,
     ) -> Self::StateComponents<T>;
 }
-
-/// A tangent vector of zeros.
-pub fn zero<G: Geometry>(like: &G::Tangent) -> G::Tangent {
-    let mut zero = *like;
-    zero.as_mut().iter_mut().for_each(|component| *component = G::Scalar::of(0.0));
-    zero
-}

@@ -253,6 +253,8 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     }
 }
 
+impl<X: Real, const N: usize, P: Processor> crate::scalar::sealed::Sealed for Lanes<X, N, P> {}
+
 impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     type Number = X;
     type Mask = Truths<N>;

@@ -66,11 +66,11 @@ pub mod error;
 #[cfg(feature = "std")]
 pub mod fused;
 pub mod generic;
-pub mod geometry;
+mod geometry;
 #[cfg(feature = "std")]
 pub mod guide;
 mod inertia;
-pub mod kernel;
+mod kernel;
 #[cfg_attr(
     not(feature = "std"),
     allow(dead_code, reason = "without std there are kinds of processors, but no lanes")
@@ -78,18 +78,18 @@ pub mod kernel;
 mod lanes;
 mod literals;
 mod memory;
-pub mod method;
+mod method;
 pub mod observe;
 pub mod prelude;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod processor;
 pub mod retraction;
 pub mod run;
-pub mod scalar;
+mod scalar;
 pub mod scheme;
-pub mod solve;
+mod solve;
 pub mod stepper;
-pub mod stumpff;
+mod stumpff;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
@@ -115,11 +115,16 @@ pub use system::{Control, Discretized, NoControl, State, System};
 pub mod __private {
     pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;
+    #[cfg(feature = "std")]
+    pub use crate::fused::Once;
     pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
-    pub use crate::kernel::{Evaluation, Kernel};
-    pub use crate::scalar::Scalar;
+    pub use crate::kernel::{Components, Evaluation, Kernel};
+    pub use crate::method::{Method, Outcome};
+    pub use crate::scalar::{Batch, Scalar};
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
+    pub use crate::solve::one_step::OneStep;
+    pub use crate::stumpff::family;
     pub use crate::system::{
         Control, Generated, NoControl, Quantity, Role, Schemes, State, Stored, System, Visitor,
     };

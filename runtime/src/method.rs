@@ -185,7 +185,7 @@ impl<B: Method> Work for Part<'_, B> {
 }
 
 /// How a step went, in each lane: its iterations and the residual left, or what went wrong.
-pub type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
+pub(crate) type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
 
 /// A step that consists of others.
 pub(crate) struct Course<T: Batch> {

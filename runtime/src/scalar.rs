@@ -10,7 +10,8 @@ use crate::lanes::{Portable, Processor};
 /// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
 ///
 /// Never without `std`, where nalgebra does it in software.
-pub const FUSED: bool = cfg!(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")));
+pub(crate) const FUSED: bool =
+    cfg!(all(feature = "std", any(target_feature = "fma", target_arch = "aarch64")));
 
 /// What straight-line code needs of a number: `f64`, `f32`, and anything that is a Copy
 /// [`RealField`] (dual numbers for one).
@@ -29,7 +30,7 @@ pub trait Scalar:
 {
     /// The scalar nearest to `value`.
     fn of(value: f64) -> Self;
-    /// `self + a b`, rounded once if the program is [built](FUSED) for processors with an instruction for it, else twice.
+    /// `self + a b`, rounded once if the program is built for processors with an instruction for it, else twice.
     #[inline(always)]
     fn plus(self, a: Self, b: Self) -> Self {
         self + a * b
@@ -69,7 +70,7 @@ pub trait Scalar:
     fn atan2(self, x: Self) -> Self;
     /// The lesser of two numbers.
     fn min(self, other: Self) -> Self;
-    /// The Stumpff functions `c_0(self), …, c_{N−1}(self)`: see [`stumpff`](crate::stumpff).
+    /// The Stumpff functions `c_0(self), …, c_{N−1}(self)`.
     fn stumpff<const N: usize>(self) -> [Self; N];
 }
 
@@ -116,9 +117,11 @@ impl<T: RealField + Copy> Scalar for T {
 
 /// Numbers that steps are taken with: one, or several side by side, each of which goes its own way.
 ///
-/// What holds for some of them and not for others is a [`Mask`], and both ways are then computed and one [selected](Self::select): no
+/// What holds for some of them and not for others is a mask, and both ways are then computed and one [selected](Self::select): no
 /// lane's result depends on what is in another.
-pub trait Batch: Scalar {
+///
+/// Sealed: code that is not checked relies on what these numbers say of themselves.
+pub trait Batch: Scalar + sealed::Sealed {
     /// The number in one lane: `f64` or `f32`.
     type Number: Real;
     /// A truth for each lane.
@@ -262,7 +265,7 @@ impl Mask for bool {
 }
 
 /// One real number: `f64` or `f32`, and no other type.
-pub trait Real: Batch<Number = Self, Mask = bool> + PartialOrd + sealed::Sealed {
+pub trait Real: Batch<Number = Self, Mask = bool> + PartialOrd {
     /// Whether it is `f64`.
     const IS_DOUBLE: bool;
     /// The nearest `f64`.
@@ -356,6 +359,7 @@ macro_rules! real {
 }
 real!(f64, f32);
 
-mod sealed {
+pub(crate) mod sealed {
+    /// Numbers of this crate.
     pub trait Sealed {}
 }

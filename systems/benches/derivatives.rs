@@ -9,8 +9,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use coadjoint::__private::Kernel;
 use coadjoint::derivative::{ByParameters, ByState, Changes, Recording};
-use coadjoint::kernel::Kernel;
 use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;

@@ -1,6 +1,6 @@
 //! What every system of this crate has beside its description.
 
-use coadjoint::geometry::Geometry;
+use coadjoint::__private::Geometry;
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
 

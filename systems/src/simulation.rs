@@ -4,12 +4,12 @@ use std::error::Error as _;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+use coadjoint::__private::Map;
 use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 pub use coadjoint::erased::Sample;
 use coadjoint::erased::{self, Scheme, StepperError, Watched};
-use coadjoint::geometry::Map;
 use coadjoint::prelude::*;
 use coadjoint::{RunError, RunReport};
 use thiserror::Error;

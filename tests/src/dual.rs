@@ -3,10 +3,10 @@
 //! The generated code of a step takes any scalar, dual numbers too, and Newton's iteration on them finds the derivative of the solution with
 //! the solution. Nothing of what the derivatives in closed form are made of has a part in it.
 
+use coadjoint::__private::Kernel;
+use coadjoint::__private::Scalar;
 use coadjoint::composition::{Coefficients, Composed};
-use coadjoint::kernel::Kernel;
 use coadjoint::prelude::*;
-use coadjoint::scalar::Scalar;
 use coadjoint::scheme::{Family, TangentLift};
 use coadjoint::system::{Generated, Quantity, Role};
 use num_dual::Dual64;

@@ -6,8 +6,8 @@ pub mod precise;
 pub mod random;
 pub mod systems;
 
-use coadjoint::kernel::Components;
-use coadjoint::scalar::Scalar;
+use coadjoint::__private::Components;
+use coadjoint::__private::Scalar;
 use proc_macro2::TokenStream;
 
 /// The array of what `value` gives for each index.

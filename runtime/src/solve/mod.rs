@@ -7,7 +7,7 @@
 //! promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
 
 pub(crate) mod newton;
-pub mod one_step;
+pub(crate) mod one_step;
 pub(crate) mod predictor;
 pub(crate) mod stopping;
 pub(crate) mod terms;
@@ -47,7 +47,7 @@ const LOST: f64 = 0.1;
 
 /// A solution of the step's equation.
 #[derive(Clone, Copy, Debug)]
-pub struct Solution<T: Batch, U, I> {
+pub(crate) struct Solution<T: Batch, U, I> {
     /// The unknown.
     pub unknown: U,
     /// The equation evaluated there, or so near that it makes no difference.
@@ -61,11 +61,11 @@ pub struct Solution<T: Batch, U, I> {
 }
 
 /// The solution of a kernel's equation.
-pub type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
+pub(crate) type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
 
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy, Debug)]
-pub struct Solver<T: Batch, U> {
+pub(crate) struct Solver<T: Batch, U> {
     /// The earlier solutions, and where they point.
     predictor: Predictor<T, U>,
     /// The next prediction.

@@ -5,18 +5,18 @@
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 
+use coadjoint::__private::OneStep;
+use coadjoint::__private::{Batch, Scalar};
+use coadjoint::__private::{Evaluation, Kernel};
+use coadjoint::__private::{Geometry, Map};
+use coadjoint::__private::{Method, Outcome};
 use coadjoint::certify;
 use coadjoint::certify::{
     Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk, certify_erased,
 };
 use coadjoint::erased::{NotGenerated, Scheme};
-use coadjoint::geometry::{Geometry, Map};
-use coadjoint::kernel::{Evaluation, Kernel};
-use coadjoint::method::{Method, Outcome};
 use coadjoint::prelude::*;
-use coadjoint::scalar::{Batch, Scalar};
 use coadjoint::scheme::Rule;
-use coadjoint::solve::one_step::OneStep;
 use coadjoint::system::{Generated, Quantity, Schemes, Visitor};
 
 /// Nothing acts on it.

@@ -4,13 +4,13 @@
 
 use std::ops::ControlFlow;
 
+use coadjoint::__private::{Geometry, Map};
 use coadjoint::certify::{Certification, CertifyError, certify_erased};
 use coadjoint::composition::{KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 use coadjoint::erased::{
     self, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
 };
-use coadjoint::geometry::{Geometry, Map};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
 

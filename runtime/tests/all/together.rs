@@ -2,12 +2,12 @@
 // a test that cannot go on is to say so
 #![allow(clippy::unwrap_used)]
 
+use coadjoint::__private::Method;
+use coadjoint::__private::Once;
+use coadjoint::__private::{Batch, Scalar};
+use coadjoint::__private::{Components, Kernel};
 use coadjoint::ensemble::Instructions;
-use coadjoint::fused::Once;
-use coadjoint::kernel::{Components, Kernel};
-use coadjoint::method::Method;
 use coadjoint::prelude::*;
-use coadjoint::scalar::{Batch, Scalar};
 use coadjoint::system::Generated;
 
 /// A rigid body that turns about a fixed point under gravity.

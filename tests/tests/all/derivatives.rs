@@ -4,10 +4,10 @@
 use coadjoint::composition::{Order4, Order10};
 mod described;
 
+use coadjoint::__private::{Geometry, Map};
 use coadjoint::derivative::{
     Adjoint, ByControl, ByParameters, ByState, Changes, Dense, Derives, Linearizable, Recording, Tangent,
 };
-use coadjoint::geometry::{Geometry, Map};
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use astro_float::{BigFloat, RoundingMode, Sign};
+use coadjoint::__private::family;
 use coadjoint::nalgebra::RealField;
-use coadjoint::stumpff::family;
 use num_dual::Dual2_64;
 
 /// The members of the largest family.
