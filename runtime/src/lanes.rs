@@ -371,9 +371,10 @@ pub(crate) struct Truths<const N: usize>([u64; N]);
 impl<const N: usize> Truths<N> {
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
-        let mut truths = self.0;
-        for (x, y) in truths.iter_mut().zip(&other.0) {
-            *x = f(*x, *y);
+        let (mut truths, mut k) = (self.0, 0);
+        while k < N {
+            truths[k] = f(self.0[k], other.0[k]);
+            k += 1;
         }
         Self(truths)
     }

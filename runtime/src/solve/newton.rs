@@ -2,14 +2,12 @@
 
 use super::stopping::{ROUNDOFF, relative, select};
 use super::{Solution, SolutionOf, count};
-use crate::kernel::Kernel;
+use crate::kernel::{Components, Kernel};
 use crate::scalar::{Batch, Mask};
 
-/// More corrections than any solvable step takes: convergence is quadratic once near, and a step that is not near after this many is too
+/// More evaluations than any solvable step takes: convergence is quadratic once near, and a step that is not near after this many is too
 /// large.
-const MAX_ITERATIONS: u32 = 24;
-/// The most evaluations: corrections that overshoot are halved.
-const MAX_EVALUATIONS: u32 = 64;
+const MAX_EVALUATIONS: u32 = 40;
 /// A residual up to here may be roundoff, in units of epsilon, where the last correction says that no more is left.
 const STAGNATION: f64 = 256.0;
 /// Below this a halved correction that makes the residual no smaller is none.
@@ -57,8 +55,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         let lost = missed & open & (scale.below(T::of(SHORTEST)) | T::Mask::splat(evaluations == 1));
         unsolved = unsolved | lost;
         open = open & !lost;
-        let most = iterations.as_ref().iter().copied().max().unwrap_or(0);
-        if most == MAX_ITERATIONS || evaluations == MAX_EVALUATIONS {
+        if evaluations == MAX_EVALUATIONS {
             // where it stagnates this was a slow way, but down to roundoff
             unsolved = unsolved | (open & !residual.at_most(stagnation));
             open = none;
@@ -82,9 +79,11 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
             count::<T>(&mut iterations, renewed);
         }
         scale = T::select(better, T::of(1.0), T::of(0.5) * scale);
-        for (i, trial) in trial.as_mut().iter_mut().enumerate() {
+        let mut i = 0;
+        while i < K::Unknown::LENGTH {
             let shorter = unknown.as_ref()[i] - scale * correction.as_ref()[i];
-            *trial = T::select(open, shorter, unknown.as_ref()[i]);
+            trial.as_mut()[i] = T::select(open, shorter, unknown.as_ref()[i]);
+            i += 1;
         }
     }
 }

@@ -257,15 +257,18 @@ fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Contr
     // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
     let mut sums = [T::of(-0.0); 4];
     let mut terms = 0;
-    for (k, component) in state.as_ref().iter().enumerate() {
+    let mut k = 0;
+    while k < K::State::LENGTH {
         if !K::is_bounded(k) {
-            sums[terms % 4] = sums[terms % 4] + *component;
+            sums[terms % 4] = sums[terms % 4] + state.as_ref()[k];
             terms += 1;
         }
+        k += 1;
     }
-    for component in control.as_ref() {
-        sums[terms % 4] = sums[terms % 4] + *component;
-        terms += 1;
+    k = 0;
+    while k < K::Control::LENGTH {
+        sums[terms % 4] = sums[terms % 4] + control.as_ref()[k];
+        (terms, k) = (terms + 1, k + 1);
     }
     (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).at_most(T::of(0.0))
 }
@@ -275,8 +278,10 @@ fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Contr
 fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
     // what is finite times nothing is nothing, and nothing else is; four sums, for each has to wait for itself
     let mut sums = [T::of(0.0); 4];
-    for (k, component) in components.as_ref().iter().enumerate() {
-        sums[k % 4] = sums[k % 4] + T::of(0.0) * *component;
+    let mut k = 0;
+    while k < C::LENGTH {
+        sums[k % 4] = sums[k % 4] + T::of(0.0) * components.as_ref()[k];
+        k += 1;
     }
     ((sums[0] + sums[1]) + (sums[2] + sums[3])).at_most(T::of(0.0))
 }

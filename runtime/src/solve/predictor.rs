@@ -16,7 +16,7 @@
 //! the odd powers up to `2m − 1`, and of all `w` for which it does we take the least. They are larger than those of least squares, which need not be
 //! odd, by less than a fifth.
 
-use super::stopping::change;
+use super::stopping::{change, select};
 use super::terms::{Formula, Piece, Term, Weight, computed};
 use crate::kernel::Components;
 use crate::lanes::{Portable, Processor};
@@ -118,7 +118,17 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Where the solutions point.
     pub(crate) fn next(&self) -> U {
-        T::outline(Next(self))
+        let (window, weights) = (self.window(), &self.weights);
+        let [all, any] = self.near;
+        if !any {
+            return T::outline(Next { window, weights, near: false });
+        }
+        let near = T::outline(Next { window, weights, near: true });
+        if all {
+            near
+        } else {
+            select(self.is_near, &near, &T::outline(Next { window, weights, near: false }))
+        }
     }
 
     /// What the solutions that there are will contribute to the guess after the next solution: [`then`](Self::then) it takes that one.
@@ -147,9 +157,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let mut sum = computed::<P, _, _>(&through, like);
         if any {
             let near = computed::<P, _, _>(&near, like);
-            for (sum, near) in sum.as_mut().iter_mut().zip(near.as_ref()) {
-                *sum = T::select(self.is_near, *near, *sum);
-            }
+            sum = select(self.is_near, &near, &sum);
         }
         sum
     }
@@ -172,7 +180,6 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(always)]
     pub(crate) fn choose(&mut self, blocks: &[usize], solution: &U, tolerance: T) {
         let window = self.window();
-        let latest = &window[WINDOW - 1].components;
         let [mut of_through, mut of_near] = [Best::none(); 2];
         let mut errors = self.errors;
         let (errors_through, errors_near) = errors.split_at_mut(THROUGH.len());
@@ -181,9 +188,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
                 break;
             }
             let weights = numbers(weights);
-            let terms = terms(&weights);
-            let earlier: U = computed::<Portable, _, _>(&Through(&terms, window), latest);
-            let guess = continued(&terms, &earlier, latest);
+            let guess = T::outline(Next { window, weights: &terms(&weights), near: false });
             of_through.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         for (weights, lasting) in NEAR_ALL.iter().zip(errors_near) {
@@ -191,9 +196,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
                 break;
             }
             let weights = numbers(weights);
-            let terms = terms(&weights);
-            let earlier: U = computed::<Portable, _, _>(&Near(&terms, window), latest);
-            let guess = continued(&terms, &earlier, latest);
+            let guess = T::outline(Next { window, weights: &terms(&weights), near: true });
             of_near.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         // Those through the latest only where the others do not do: lanes with polynomials of both kinds take the time of both.
@@ -258,8 +261,12 @@ impl<T: Batch> Best<T> {
     }
 }
 
-/// Where the solutions point, out of line.
-struct Next<'a, T: Batch, U>(&'a Predictor<T, U>);
+/// Where solutions point, by a polynomial through or near to them, out of line.
+struct Next<'a, T: Batch, U> {
+    window: &'a [Term<T, U>],
+    weights: &'a [Weight<T>; RECENT],
+    near: bool,
+}
 
 impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
     type Home = ();
@@ -267,8 +274,14 @@ impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
 
     #[inline(always)]
     fn done(self) -> U {
-        let window = self.0.window();
-        continued(&self.0.weights, &self.0.earlier::<Portable>(window), &window[WINDOW - 1].components)
+        let Self { window, weights, near } = self;
+        let latest = &window[WINDOW - 1].components;
+        let earlier = if near {
+            computed::<Portable, _, _>(&Near(weights, window), latest)
+        } else {
+            computed::<Portable, _, _>(&Through(weights, window), latest)
+        };
+        continued(weights, &earlier, latest)
     }
 }
 
@@ -322,8 +335,10 @@ impl<T: Batch, U: Components<T>> Formula<T> for Near<'_, T, U> {
 #[inline(always)]
 fn continued<T: Batch, U: Components<T>>(weights: &[Weight<T>; RECENT], earlier: &U, latest: &U) -> U {
     let mut sum = *earlier;
-    for (sum, latest) in sum.as_mut().iter_mut().zip(latest.as_ref()) {
-        *sum = Scalar::plus(*sum, weights[0].value(), *latest);
+    let mut i = 0;
+    while i < U::LENGTH {
+        sum.as_mut()[i] = Scalar::plus(earlier.as_ref()[i], weights[0].value(), latest.as_ref()[i]);
+        i += 1;
     }
     sum
 }

@@ -14,15 +14,16 @@ pub(super) const ROUNDOFF: f64 = 2.0;
 pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to: &U) -> T {
     // what is smaller than this has not its full precision: such blocks, and those at rest, count next to it
     let floor = T::of(T::LEAST / T::EPSILON);
-    let (mut of, mut to) = (of.as_ref(), to.as_ref());
-    let mut ratios = T::of(0.0);
-    for &length in blocks {
-        let (changes, sizes);
-        ((changes, of), (sizes, to)) = (of.split_at(length.min(of.len())), to.split_at(length.min(to.len())));
+    let (of, to) = (of.as_ref(), to.as_ref());
+    let (mut ratios, mut from) = (T::of(0.0), 0);
+    // loops over places: chains of iterators take longer to compile than all else here
+    for length in blocks {
+        let end = (from + length).min(U::LENGTH);
         let (mut change, mut size) = (T::of(0.0), floor);
-        for (of, to) in changes.iter().zip(sizes) {
-            change = change + of.abs();
-            size = size + to.abs();
+        while from < end {
+            change = change + of[from].abs();
+            size = size + to[from].abs();
+            from += 1;
         }
         ratios = ratios + change / size;
     }
@@ -33,8 +34,10 @@ pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to:
 #[inline(always)]
 pub(super) fn change<T: Batch, U: Components<T>>(blocks: &[usize], from: &U, to: &U) -> T {
     let mut difference = *to;
-    for (difference, from) in difference.as_mut().iter_mut().zip(from.as_ref()) {
-        *difference = *difference - *from;
+    let mut i = 0;
+    while i < U::LENGTH {
+        difference.as_mut()[i] = to.as_ref()[i] - from.as_ref()[i];
+        i += 1;
     }
     relative(blocks, &difference, to)
 }
@@ -68,8 +71,10 @@ pub(super) fn is_within<T: Batch, U: Components<T>>(
 #[inline(always)]
 pub(crate) fn select<T: Batch, U: Components<T>>(mask: T::Mask, yes: &U, no: &U) -> U {
     let mut selected = *no;
-    for (selected, yes) in selected.as_mut().iter_mut().zip(yes.as_ref()) {
-        *selected = T::select(mask, *yes, *selected);
+    let mut i = 0;
+    while i < U::LENGTH {
+        selected.as_mut()[i] = T::select(mask, yes.as_ref()[i], no.as_ref()[i]);
+        i += 1;
     }
     selected
 }
