@@ -307,7 +307,8 @@ pub mod forces {
     //! ```
     //!
     //! `step` without a control means all zeros. The stepper knows the time ([`Stepper::time`](crate::Stepper::time)), for
-    //! descriptions that name `t`; a run starts at 0 unless it says [`starting_at`](crate::Run::starting_at).
+    //! descriptions that name `t`; a run goes on at the stepper's time, at first 0, unless it says
+    //! [`starting_at`](crate::Run::starting_at).
     //!
     //! With forces no step is symplectic, as the motion is not; the order is that of the scheme, and advected parameters keep their
     //! Casimirs.

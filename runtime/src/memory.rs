@@ -6,21 +6,24 @@ use crate::scalar::{Batch, Real, Scalar};
 /// Shows pieces of a memory to whoever reads or replaces them.
 pub(crate) type Show<'a, T> = dyn FnMut(&mut dyn FnMut(&mut [T])) + 'a;
 
-/// A memory written down. A function, like the next, so that it is compiled once for all steppers.
+/// A memory written down: the start, the steps since and those before it, and what is shown. A function, like the next, so that it is compiled once for all steppers.
 #[cfg(feature = "std")]
-pub(crate) fn written<T: Real>(start: f64, taken: u64, show: &mut Show<'_, T>) -> std::vec::Vec<f64> {
-    let mut memory = std::vec![start, taken as f64];
+pub(crate) fn written<T: Real>(start: f64, steps: [u64; 2], show: &mut Show<'_, T>) -> std::vec::Vec<f64> {
+    let mut memory = std::vec![start, steps[0] as f64, steps[1] as f64];
     show(&mut |piece| memory.extend(piece.iter().map(|number| number.to_f64())));
     memory
 }
 
-/// Puts back what was written down; the start, and the steps since then.
-pub(crate) fn read<T: Real>(memory: &[f64], show: &mut Show<'_, T>) -> Result<(f64, u64), ParameterError> {
+/// Puts back what was written down; the start, and the steps since and before it.
+pub(crate) fn read<T: Real>(
+    memory: &[f64],
+    show: &mut Show<'_, T>,
+) -> Result<(f64, [u64; 2]), ParameterError> {
     // above that not every count has its own number
     const MOST: u64 = 1 << f64::MANTISSA_DIGITS;
-    let mut expected = 2;
+    let mut expected = 3;
     show(&mut |piece| expected += piece.len());
-    let [start, taken, rest @ ..] = memory else {
+    let [start, taken, before, rest @ ..] = memory else {
         return Err(ParameterError::Memory { expected, got: memory.len() });
     };
     if memory.len() != expected {
@@ -30,7 +33,7 @@ pub(crate) fn read<T: Real>(memory: &[f64], show: &mut Show<'_, T>) -> Result<(f
     show(&mut |piece| {
         piece.iter_mut().zip(&mut rest).for_each(|(number, value)| *number = T::of(*value));
     });
-    Ok((*start, (*taken as u64).min(MOST)))
+    Ok((*start, [(*taken as u64).min(MOST), (*before as u64).min(MOST)]))
 }
 
 /// Shows a truth as a number.

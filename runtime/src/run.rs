@@ -63,15 +63,50 @@ pub struct Tick<'a, S: System> {
     /// The control held over the step that led here; none for the initial state.
     pub control: Option<&'a S::Control>,
     #[cfg(feature = "std")]
-    memory: &'a dyn Fn() -> std::vec::Vec<f64>,
+    memory: Option<&'a dyn Fn() -> std::vec::Vec<f64>>,
+}
+
+impl<'a, S: System> Tick<'a, S> {
+    /// A moment that no run led to: an observer can be tested with it alone.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 0.0, 0.0] };
+    /// let mut invariants = Invariants::new();
+    /// invariants.observe(&Tick::new(&body, 0, 0.0, &state));
+    /// state.momentum.x = 2.0;
+    /// invariants.observe(&Tick::new(&body, 1, 0.1, &state));
+    /// assert_eq!(invariants.energy_error(), 1.5);
+    /// ```
+    pub fn new(system: &'a S, index: u64, time: f64, state: &'a S::State) -> Self {
+        let (report, control) = (None, None);
+        Self {
+            index,
+            time,
+            system,
+            state,
+            report,
+            control,
+            #[cfg(feature = "std")]
+            memory: None,
+        }
+    }
 }
 
 #[cfg(feature = "std")]
 impl<S: System> Tick<'_, S> {
     /// What the stepper carries at this moment: written down with the state, the run can go on from here later, to the last bit the same.
-    /// See [`Stepper::memory`] and [`Run::resumed`].
+    /// See [`Stepper::memory`]. Empty if no run led here.
     pub fn memory(&self) -> std::vec::Vec<f64> {
-        (self.memory)()
+        self.memory.map_or_else(std::vec::Vec::new, |memory| memory())
     }
 }
 
@@ -140,7 +175,7 @@ impl RunReport {
 
 /// A run that ended at a step which could not be taken. The state is the last one that was reached.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("step {step}, from time {time}, could not be taken")]
+#[error("step {step}, from time {time}, could not be taken: {cause}")]
 pub struct RunError {
     /// The step that failed, counted from 1.
     pub step: u64,
@@ -149,7 +184,7 @@ pub struct RunError {
     /// How the run went until then.
     pub report: RunReport,
     /// What went wrong.
-    pub source: StepError,
+    pub cause: StepError,
 }
 
 /// Chooses the control of each step of a run; closures do, by [`Run::controlled_by`].
@@ -184,6 +219,9 @@ impl<S: System> Controller<S> for Uncontrolled {
     }
 }
 
+/// How the last step went, and the control held over it; none before the first.
+type Last<S> = Option<(StepReport, <S as System>::Control)>;
+
 /// A run to be made: a stepper, a state to start from, who watches, and who controls.
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
@@ -198,9 +236,10 @@ pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Uncontrolled> {
 }
 
 impl<'a, T: Stepping + ?Sized> Run<'a, T> {
-    /// A run from `state` at time 0, whatever the stepper's time, that nobody watches or controls yet.
+    /// A run from `state` on, at the stepper's time, that nobody watches or controls yet. It goes on where the stepper is: time and index are
+    /// counted on, and the ticks of several runs are those of one that was not interrupted. A new stepper is at time 0.
     pub fn new(stepper: &'a mut T, state: &'a mut <T::System as System>::State) -> Self {
-        Self { stepper, state, start: Some(0.0), observer: (), controller: Uncontrolled }
+        Self { stepper, state, start: None, observer: (), controller: Uncontrolled }
     }
 }
 
@@ -210,17 +249,9 @@ where
     O: Observer<S>,
     C: Controller<S>,
 {
-    /// Starts at this time instead of 0. A run that goes on where another ended starts at the stepper's
-    /// [time](Stepper::time).
+    /// Starts at this time instead of the stepper's, with index 0.
     pub fn starting_at(mut self, time: f64) -> Self {
         self.start = Some(time);
-        self
-    }
-
-    /// Goes on where the stepper is, after steps that it took or [recalls](Stepper::recall): time and index are counted on from there, and
-    /// the ticks are those of one run that was not interrupted. The report tells of the new steps only.
-    pub fn resumed(mut self) -> Self {
-        self.start = None;
         self
     }
 
@@ -266,27 +297,111 @@ where
     /// If a step cannot be taken; state and stepper's time are then the last ones that were reached.
     #[inline]
     pub fn steps(mut self, count: u64) -> Result<RunReport, RunError> {
+        self.begin();
+        let mut report = RunReport::default();
+        self.walk(count, None, &mut report)?;
+        Ok(report)
+    }
+
+    /// Takes steps until `time`, fewer if an observer ends the run. The last one is shorter where whole steps do not lead there, and the stepper
+    /// has its own step again afterwards. None if `time` is behind.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+    /// let mut stepper = Body { inertia: vector![1.0, 2.0, 2.5] }.stepper::<Cayley>(0.1)?;
+    /// let report = Run::new(&mut stepper, &mut state).to(0.25)?;
+    /// assert_eq!((report.steps, stepper.time(), stepper.step_size()), (3, 0.25, 0.1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a step cannot be taken, or `time` is not finite; state and stepper's time are then the last ones that were reached.
+    pub fn to(mut self, time: f64) -> Result<RunReport, RunError> {
+        let (whole, rest) = self.way(time)?;
+        let mut report = RunReport::default();
+        let last = self.walk(whole, None, &mut report)?;
+        let step = self.stepper.step_size();
+        if rest != 0.0 && !report.stopped && self.stepper.set_step_size(rest).is_ok() {
+            let taken = self.walk(1, Some(last), &mut report);
+            // as it was: it was a step before
+            let _ = self.stepper.set_step_size(step);
+            taken?;
+        }
+        Ok(report)
+    }
+
+    /// Takes whole steps until `time` is reached or passed, fewer if an observer ends the run.
+    ///
+    /// # Errors
+    /// As [`to`](Self::to).
+    pub fn past(mut self, time: f64) -> Result<RunReport, RunError> {
+        let (whole, rest) = self.way(time)?;
+        let mut report = RunReport::default();
+        self.walk(whole + u64::from(rest != 0.0), None, &mut report)?;
+        Ok(report)
+    }
+
+    fn begin(&mut self) {
         if let Some(time) = self.start {
             self.stepper.start_at(time);
         }
-        let mut report = RunReport::default();
-        let mut last = None;
+    }
+
+    /// How many whole steps it is until a time, and what is left then; nothing if that is no more than roundoff.
+    fn way(&mut self, time: f64) -> Result<(u64, f64), RunError> {
+        self.begin();
+        let (now, step) = (self.stepper.now(), self.stepper.step_size());
+        if !time.is_finite() {
+            let (report, cause) = (RunReport::default(), StepError::NotFinite);
+            return Err(RunError { step: self.stepper.steps_taken() + 1, time: now, report, cause });
+        }
+        let steps = (time - now) / step;
+        let roundoff = 4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs();
+        let nearest = (steps + 0.5).floor();
+        if (steps - nearest).abs() <= roundoff {
+            return Ok((nearest.max(0.0) as u64, 0.0));
+        }
+        let whole = steps.max(0.0) as u64;
+        Ok((whole, if steps > 0.0 { (time - now) - whole as f64 * step } else { 0.0 }))
+    }
+
+    /// Takes steps. `after` the last one of a walk that this one goes on with; its tick was shown.
+    #[inline]
+    fn walk(
+        &mut self,
+        count: u64,
+        after: Option<Last<S>>,
+        report: &mut RunReport,
+    ) -> Result<Last<S>, RunError> {
+        let first = report.steps;
+        let mut is_shown = after.is_some();
+        let mut last = after.flatten();
         loop {
-            if self.show(last.as_ref()).is_break() {
+            if !is_shown && self.show(last.as_ref()).is_break() {
                 report.stopped = true;
-                return Ok(report);
+                return Ok(last);
             }
-            if report.steps >= count {
-                return Ok(report);
+            is_shown = false;
+            let taken = report.steps - first;
+            if taken >= count {
+                return Ok(last);
             }
             let control = self.controller.control(self.state, self.stepper.now());
-            let unseen = self.unseen(count - report.steps);
+            let unseen = self.unseen(count - taken);
             if unseen > 0 {
                 match self.stepper.steps_with(self.state, &control, unseen) {
                     Ok(steps) => report.add(&steps),
                     Err(error) => {
                         report.add(&error.report);
-                        return Err(RunError { report, ..error });
+                        return Err(RunError { report: *report, ..error });
                     }
                 }
             }
@@ -296,8 +411,9 @@ where
                     report.count(&step);
                     last = Some((step, control));
                 }
-                Err(source) => {
-                    return Err(RunError { step: self.stepper.steps_taken() + 1, time, report, source });
+                Err(cause) => {
+                    let step = self.stepper.steps_taken() + 1;
+                    return Err(RunError { step, time, report: *report, cause });
                 }
             }
         }
@@ -324,7 +440,7 @@ where
             report: last.map(|(report, _)| *report),
             control: last.map(|(_, control)| control),
             #[cfg(feature = "std")]
-            memory: &|| stepper.memory(),
+            memory: Some(&|| stepper.memory()),
         })
     }
 }
@@ -401,6 +517,64 @@ mod tests {
     }
 
     #[test]
+    fn a_run_goes_on_where_the_last_one_ended() {
+        let (mut state, mut whole) = (start(), start());
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        let mut seen = Vec::new();
+        for steps in [3, 4] {
+            Run::new(&mut stepper, &mut state)
+                .each(|tick| seen.push(tick.index))
+                .steps(steps)
+                .expect("solvable");
+        }
+        assert_eq!(seen, [0, 1, 2, 3, 3, 4, 5, 6, 7]);
+        Run::new(&mut body().stepper::<Cayley>(0.1).expect("valid"), &mut whole).steps(7).expect("solvable");
+        assert_eq!((state, stepper.time()), (whole.clone(), 0.7000000000000001));
+        // and begins anew
+        stepper.reset();
+        let mut again = start();
+        Run::new(&mut stepper, &mut again).steps(7).expect("solvable");
+        assert_eq!((again, stepper.time(), stepper.steps_taken()), (whole, 0.7000000000000001, 7));
+    }
+
+    #[test]
+    fn a_run_ends_at_its_time() {
+        for (step, time, steps) in
+            [(0.1, 0.25, 3), (0.1, 0.3, 3), (-0.1, -0.25, 3), (0.1, 0.04, 1), (0.1, -1.0, 0)]
+        {
+            let mut stepper = body().stepper::<Cayley>(step).expect("valid");
+            let (mut state, mut ticks) = (start(), Vec::new());
+            let run = Run::new(&mut stepper, &mut state).each(|tick| ticks.push((tick.index, tick.time)));
+            let report = run.to(time).expect("solvable");
+            assert_eq!((report.steps, stepper.steps_taken(), stepper.step_size()), (steps, steps, step));
+            let end = if steps == 0 { 0.0 } else { time };
+            assert!((stepper.time() - end).abs() < 1e-15, "{step} {time}: {}", stepper.time());
+            assert_eq!(ticks.len() as u64, steps + 1);
+            assert!(ticks.iter().enumerate().all(|(k, (index, _))| k as u64 == *index));
+            // the same as a step of that size
+            let mut other = start();
+            let mut whole = body().stepper::<Cayley>(step).expect("valid");
+            let before = (time / step + 1e-9).max(0.0) as u64;
+            whole.steps_with(&mut other, &crate::system::NoControl::default(), before).expect("solvable");
+            if before < steps {
+                let rest = time - before as f64 * step;
+                body().stepper::<Cayley>(rest).expect("valid").step(&mut other).expect("solvable");
+            }
+            assert_eq!(state, other);
+        }
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        let mut state = start();
+        let report = Run::new(&mut stepper, &mut state).past(0.25).expect("solvable");
+        assert_eq!((report.steps, stepper.time()), (3, 0.30000000000000004));
+        let error = Run::new(&mut stepper, &mut state).to(f64::NAN).expect_err("no time");
+        assert_eq!((error.step, error.cause), (4, StepError::NotFinite));
+        // whoever ends the run ends it, be it before the short step
+        let report =
+            Run::new(&mut stepper, &mut state).until(|tick| tick.index == 4).to(0.55).expect("solvable");
+        assert_eq!((report.steps, report.stopped), (1, true));
+    }
+
+    #[test]
     fn no_steps_still_show_the_initial_state() {
         let mut ticks = 0;
         let mut state = start();
@@ -421,7 +595,7 @@ mod tests {
 
         // at the last step too
         let report =
-            Run::new(&mut stepper, &mut state).until(|tick| tick.index == 7).steps(7).expect("solvable");
+            Run::new(&mut stepper, &mut state).until(|tick| tick.index == 17).steps(7).expect("solvable");
         assert_eq!((report.steps, report.stopped), (7, true));
     }
 
@@ -438,13 +612,13 @@ mod tests {
             .expect_err("no step from an infinite momentum");
         assert_eq!(
             error,
-            RunError { step: 1, time: 2.0, report: RunReport::default(), source: StepError::NotFinite }
+            RunError { step: 1, time: 2.0, report: RunReport::default(), cause: StepError::NotFinite }
         );
         assert_eq!(ticks, 1);
         assert_eq!(state, before);
-        assert_eq!(std::format!("{error}"), "step 1, from time 2, could not be taken");
-        let source = core::error::Error::source(&error).expect("a cause");
-        assert_eq!(std::format!("{source}"), "the state, its time or a control is not finite");
+        let message =
+            "step 1, from time 2, could not be taken: the state, its time or a control is not finite";
+        assert_eq!(std::format!("{error}"), message);
     }
 
     const DRIVEN: Oscillator = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
@@ -511,16 +685,14 @@ mod tests {
         let mut state = OscillatorState::REST;
         let mut stepper = DRIVEN.stepper::<Order4<Exponential>>(0.01).expect("valid");
         stepper.set_time(77.0);
-        // a run without a start starts at 0, whatever has been before
         Run::new(&mut stepper, &mut state)
+            .starting_at(0.0)
             .each(|tick| assert!(tick.state.distance(&DRIVEN.exact(tick.time)) < 1e-8))
             .steps(200)
             .expect("explicit");
         assert_eq!(stepper.time(), 2.0);
-        // and this one goes on
-        let time = stepper.time();
+        // a run without a start goes on
         Run::new(&mut stepper, &mut state)
-            .starting_at(time)
             .each(|tick| assert!(tick.state.distance(&DRIVEN.exact(tick.time)) < 1e-8))
             .steps(200)
             .expect("explicit");
@@ -558,7 +730,7 @@ mod tests {
             .each(|tick| last = tick.state.clone())
             .steps(10)
             .expect_err("not a number");
-        assert_eq!((error.step, error.time, error.source), (4, 2.5, StepError::NotFinite));
+        assert_eq!((error.step, error.time, error.cause), (4, 2.5, StepError::NotFinite));
         assert_eq!((state, stepper.time()), (last, 2.5));
     }
 }

@@ -34,8 +34,10 @@ pub struct Stepper<S: Discretized<M>, M> {
     step: S::Scalar,
     /// The time before the steps counted by `taken`.
     start: f64,
-    /// Steps since `start`.
+    /// Steps since `start`, all of this size.
     taken: u64,
+    /// Steps before these, of other sizes.
+    before: u64,
     /// The state that the last step led to.
     left: Option<S::StateComponents<S::Scalar>>,
 }
@@ -51,7 +53,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         let parameters = system.to_parameters();
         let system = S::from_parameters(&parameters);
         let method = S::Method::<S::Scalar>::new(&parameters, step);
-        Ok(Self { system, method, step, start: 0.0, taken: 0, left: None })
+        Ok(Self { system, method, step, start: 0.0, taken: 0, before: 0, left: None })
     }
 
     /// The system, as it was when the stepper was built.
@@ -71,12 +73,84 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
 
     /// The steps taken since the start, or since the time was set.
     pub fn steps_taken(&self) -> u64 {
-        self.taken
+        self.before + self.taken
     }
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: S::Scalar) {
         self.start_at(time.to_f64());
+    }
+
+    /// Forgets all steps: time 0, and no step taken.
+    pub fn reset(&mut self) {
+        (self.start, self.taken, self.before, self.left) = (0.0, 0, 0, None);
+    }
+
+    /// Takes steps of this size from now on. Time and count go on.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
+    /// let mut stepper = Body { inertia: vector![1.0, 2.0, 2.5] }.stepper::<Cayley>(0.1)?;
+    /// stepper.step(&mut state)?;
+    /// stepper.set_step_size(0.05)?;
+    /// stepper.step(&mut state)?;
+    /// assert_eq!((stepper.time(), stepper.steps_taken()), (0.1 + 0.05, 2));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If the step is zero or not finite; the stepper is then as before.
+    pub fn set_step_size(&mut self, step: S::Scalar) -> Result<(), ParameterError> {
+        check_step(step.to_f64())?;
+        (self.start, self.before, self.taken) = (Stepping::now(self), self.steps_taken(), 0);
+        (self.step, self.left) = (step, None);
+        self.method = S::Method::<S::Scalar>::new(&self.system.to_parameters(), step);
+        Ok(())
+    }
+
+    /// Takes the steps of a system with other parameters from now on. Time and count go on.
+    ///
+    /// # Errors
+    /// If the parameters are not those of a system that can move; the stepper is then as before.
+    pub fn set_system(&mut self, system: &S) -> Result<(), ParameterError> {
+        system.validate()?;
+        let parameters = system.to_parameters();
+        self.method = S::Method::<S::Scalar>::new(&parameters, self.step);
+        (self.system, self.left) = (S::from_parameters(&parameters), None);
+        Ok(())
+    }
+
+    /// The motion from a state on, as an iterator of times and states, the first one now; without controls. It ends after a step that could
+    /// not be taken.
+    ///
+    /// ```
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let start = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+    /// let mut stepper = Body { inertia: vector![1.0, 2.0, 2.5] }.stepper::<Cayley>(0.1)?;
+    /// for moment in stepper.trajectory(start).take(101) {
+    ///     let (time, state) = moment?;
+    ///     println!("{time:6.1} {:9.6}", state.momentum.x);
+    /// }
+    /// assert_eq!(stepper.time(), 10.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn trajectory(&mut self, from: S::State) -> Trajectory<'_, S, M> {
+        Trajectory { stepper: self, state: from, begun: false, ended: false }
     }
 
     /// What the stepper carries from one step to the next, besides the state: the time, and where the last solution was. Written
@@ -111,7 +185,9 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     pub fn memory(&self) -> std::vec::Vec<f64> {
         // what is shown could be replaced, so that a copy is shown
         let (mut method, mut left) = (self.method.clone(), self.left);
-        memory::written(self.start, self.taken, &mut |visit| Self::visit(&mut left, &mut method, visit))
+        memory::written(self.start, [self.taken, self.before], &mut |visit| {
+            Self::visit(&mut left, &mut method, visit)
+        })
     }
 
     /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
@@ -120,7 +196,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// If it has not as many numbers as the memory of this stepper.
     #[inline]
     pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        (self.start, self.taken) = memory::read(memory, &mut |visit| {
+        (self.start, [self.taken, self.before]) = memory::read(memory, &mut |visit| {
             Self::visit(&mut self.left, &mut self.method, visit);
         })?;
         self.forget_at_no_time();
@@ -239,8 +315,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             match self.step_apart(state, control) {
                 Ok(step) => report.count(&step),
                 Err(source) => {
-                    let (step, time) = (self.taken + 1, Stepping::now(self));
-                    return Err(RunError { step, time, report, source });
+                    let (step, time) = (self.steps_taken() + 1, Stepping::now(self));
+                    return Err(RunError { step, time, report, cause: source });
                 }
             }
         }
@@ -418,6 +494,13 @@ pub trait Stepping {
     fn start_at(&mut self, time: f64);
     /// [`Stepper::steps_taken`]
     fn steps_taken(&self) -> u64;
+    /// [`Stepper::step_size`]
+    fn step_size(&self) -> f64;
+    /// [`Stepper::set_step_size`]
+    ///
+    /// # Errors
+    /// As there.
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
     /// [`Stepper::memory`]
     #[cfg(feature = "std")]
     fn memory(&self) -> std::vec::Vec<f64>;
@@ -462,13 +545,23 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
 
     #[inline]
     fn start_at(&mut self, time: f64) {
-        (self.start, self.taken) = (time, 0);
+        (self.start, self.taken, self.before) = (time, 0, 0);
         self.forget_at_no_time();
     }
 
     #[inline]
     fn steps_taken(&self) -> u64 {
-        self.taken
+        Stepper::steps_taken(self)
+    }
+
+    #[inline]
+    fn step_size(&self) -> f64 {
+        self.step.to_f64()
+    }
+
+    #[inline]
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        Stepper::set_step_size(self, S::Scalar::of(step))
     }
 
     #[cfg(feature = "std")]
@@ -495,6 +588,42 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
         count: u64,
     ) -> Result<RunReport, RunError> {
         Stepper::steps_with(self, state, control, count)
+    }
+}
+
+/// The motion from a state on: [`Stepper::trajectory`].
+pub struct Trajectory<'a, S: Discretized<M>, M> {
+    stepper: &'a mut Stepper<S, M>,
+    state: S::State,
+    begun: bool,
+    ended: bool,
+}
+
+impl<S: Discretized<M>, M> Iterator for Trajectory<'_, S, M> {
+    /// A time, and the state then.
+    type Item = Result<(S::Scalar, S::State), StepError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        if self.begun {
+            if let Err(error) = self.stepper.step(&mut self.state) {
+                self.ended = true;
+                return Some(Err(error));
+            }
+        }
+        self.begun = true;
+        Some(Ok((self.stepper.time(), self.state.clone())))
+    }
+}
+
+impl<S: Discretized<M>, M> fmt::Debug for Trajectory<'_, S, M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Trajectory")
+            .field("stepper", &self.stepper)
+            .field("state", &self.state)
+            .finish_non_exhaustive()
     }
 }
 
@@ -525,8 +654,8 @@ pub(crate) fn check_state(components: &[f64], deviation: f64) -> Result<(), Step
 impl<S: Discretized<M>, M> Clone for Stepper<S, M> {
     fn clone(&self) -> Self {
         let system = S::from_parameters(&self.system.to_parameters());
-        let Self { step, start, taken, left, .. } = *self;
-        Self { system, method: self.method.clone(), step, start, taken, left }
+        let Self { step, start, taken, before, left, .. } = *self;
+        Self { system, method: self.method.clone(), step, start, taken, before, left }
     }
 }
 

@@ -177,7 +177,7 @@ pub enum SimulationError {
     #[error(transparent)]
     Stepper(#[from] StepperError),
     /// The motion could not be computed to its end.
-    #[error("{}: {}", .0, .0.source)]
+    #[error(transparent)]
     Motion(#[from] RunError),
     /// A certificate could not be measured.
     #[error(transparent)]
@@ -248,7 +248,7 @@ pub fn each_step<S: Catalogued>(
         see(index, time, &state);
         if index < steps {
             let control = system.control(&state, time).to_components();
-            let step = |source| RunError { step: index + 1, time, report: RunReport::default(), source };
+            let step = |cause| RunError { step: index + 1, time, report: RunReport::default(), cause };
             stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
         }
     }

@@ -112,7 +112,7 @@ where
                 Ok(taken) => report.count(&taken),
                 Err(source) => {
                     let time = crate::stepper::Stepping::now(stepper);
-                    return Err(RunError { step: step + 1, time, report, source });
+                    return Err(RunError { step: step + 1, time, report, cause: source });
                 }
             }
         }

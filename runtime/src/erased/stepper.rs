@@ -94,7 +94,7 @@ impl<'s> Stepper<'s> {
 
     /// What is carried from one step to the next: see [`Stepper::memory`](crate::Stepper::memory).
     pub fn memory(&mut self) -> Vec<f64> {
-        memory::written(self.start, self.taken, &mut |visit| {
+        memory::written(self.start, [self.taken, 0], &mut |visit| {
             show(&mut self.has_left, &mut self.left, &mut *self.method, visit);
         })
     }
@@ -104,9 +104,11 @@ impl<'s> Stepper<'s> {
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
     pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        (self.start, self.taken) = memory::read(memory, &mut |visit| {
+        let (start, [taken, before]) = memory::read(memory, &mut |visit| {
             show(&mut self.has_left, &mut self.left, &mut *self.method, visit);
         })?;
+        // here all steps are of one size
+        (self.start, self.taken) = (start - before as f64 * self.clock().step, taken + before);
         self.has_left &= self.start.is_finite();
         Ok(())
     }
@@ -163,7 +165,7 @@ impl<'s> Stepper<'s> {
             match self.step(state, control) {
                 Ok(step) => report.count(&step),
                 Err(source) => {
-                    return Err(RunError { step: self.taken + 1, time: self.time(), report, source });
+                    return Err(RunError { step: self.taken + 1, time: self.time(), report, cause: source });
                 }
             }
         }

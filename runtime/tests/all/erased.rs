@@ -291,7 +291,7 @@ fn states_of_other_systems_are_refused() {
         let mut wrong = numbers.clone();
         wrong.resize(length, 0.0);
         assert_eq!(stepper.step(&mut wrong, &[]), Err(error));
-        assert_eq!(stepper.steps(&mut wrong, &[], 10).unwrap_err().source, error);
+        assert_eq!(stepper.steps(&mut wrong, &[], 10).unwrap_err().cause, error);
     }
     assert_eq!(error.to_string(), "the state must have 10 numbers: it is of another system");
     assert_eq!(stepper.steps_taken(), 0);

@@ -155,7 +155,7 @@ fn what_cannot_go_on_stops_where_single_steps_stop() {
     let error = together.0.steps_with(&mut together.1, &NoControl::default(), 1_000_000).unwrap_err();
     assert!(together.1 == by_one.1);
     let taken = by_one.0.steps_taken_so_far();
-    assert_eq!((error.step, error.time, error.source), (taken + 1, by_one.0.time(), source));
+    assert_eq!((error.step, error.time, error.cause), (taken + 1, by_one.0.time(), source));
     assert_eq!((error.report.steps, together.0.time()), (taken, by_one.0.time()));
 
     let mut run = (system.stepper::<Exponential>(0.1).unwrap(), start);

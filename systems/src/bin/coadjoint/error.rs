@@ -24,7 +24,7 @@ pub(crate) enum Error {
     #[error("{0}")]
     Simulation(#[from] SimulationError),
     /// The motion of a figure could not be computed to its end.
-    #[error("{}: {}", .0, .0.source)]
+    #[error(transparent)]
     Motion(#[from] RunError),
     /// A classical integrator could not go on.
     #[error("{0}")]
