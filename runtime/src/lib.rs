@@ -71,22 +71,16 @@ mod geometry;
 pub mod guide;
 mod inertia;
 mod kernel;
-#[cfg_attr(
-    not(feature = "std"),
-    allow(dead_code, reason = "without std there are kinds of processors, but no lanes")
-)]
-mod lanes;
 mod literals;
 mod memory;
 mod method;
 pub mod observe;
 pub mod prelude;
-#[cfg(all(feature = "std", target_arch = "x86_64"))]
-mod processor;
 pub mod retraction;
 pub mod run;
 mod scalar;
 pub mod scheme;
+mod simd;
 mod solve;
 pub mod stepper;
 mod stumpff;

@@ -365,12 +365,15 @@ where
         }
         let steps = (time - now) / step;
         let roundoff = 4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs();
-        let nearest = (steps + 0.5).floor();
-        if (steps - nearest).abs() <= roundoff {
-            return Ok((nearest.max(0.0) as u64, 0.0));
+        if steps <= roundoff {
+            return Ok((0, 0.0));
         }
-        let whole = steps.max(0.0) as u64;
-        Ok((whole, if steps > 0.0 { (time - now) - whole as f64 * step } else { 0.0 }))
+        let nearest = (steps + 0.5) as u64;
+        if (steps - nearest as f64).abs() <= roundoff {
+            return Ok((nearest, 0.0));
+        }
+        let whole = steps as u64;
+        Ok((whole, (time - now) - whole as f64 * step))
     }
 
     /// Takes steps. `after` the last one of a walk that this one goes on with; its tick was shown.

@@ -4,7 +4,7 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
-use crate::lanes::{Portable, Processor};
+use crate::simd::lanes::{Portable, Processor};
 
 /// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
 /// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
@@ -347,12 +347,12 @@ macro_rules! real {
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
             fn outline_fused<W: Work>(work: W) -> W::Result {
-                crate::processor::outline_fused(work)
+                crate::simd::processor::outline_fused(work)
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
             fn outline_long<W: LongWork>(work: W) -> W::Result {
-                crate::processor::outline_long(work)
+                crate::simd::processor::outline_long(work)
             }
         })*
     };

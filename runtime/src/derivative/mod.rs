@@ -218,7 +218,7 @@ pub fn add_product<T: Scalar, const N: usize, const K: usize>(
             (by as &dyn Any).downcast_ref::<[f64; K]>(),
         );
         if let (Some(sum), Some(columns), Some(by)) = doubles {
-            return crate::lanes::add_product(sum, columns, by);
+            return crate::simd::lanes::add_product(sum, columns, by);
         }
     }
     for (column, by) in columns.iter().zip(by) {

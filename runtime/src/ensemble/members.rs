@@ -7,13 +7,13 @@ use std::vec::Vec;
 use super::Failed;
 use crate::erased::Method;
 use crate::error::StepError;
-use crate::lanes::Lanes;
-#[cfg(not(target_arch = "x86_64"))]
-use crate::lanes::Portable;
 use crate::method::Clock;
-#[cfg(target_arch = "x86_64")]
-use crate::processor::{Avx2, Avx512};
 use crate::scalar::{Batch, Real, Scalar};
+use crate::simd::lanes::Lanes;
+#[cfg(not(target_arch = "x86_64"))]
+use crate::simd::lanes::Portable;
+#[cfg(target_arch = "x86_64")]
+use crate::simd::processor::{Avx2, Avx512};
 
 /// Parameters and initial state of a member.
 #[derive(Clone, Debug)]

@@ -13,8 +13,8 @@ pub(crate) mod stopping;
 pub(crate) mod terms;
 
 use crate::kernel::{Components, Evaluation, Kernel};
-use crate::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Mask, Real, Work};
+use crate::simd::lanes::{Portable, Processor};
 use predictor::{Predictor, RECENT, WINDOW};
 use stopping::{change, is_within, select};
 

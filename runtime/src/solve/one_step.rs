@@ -4,9 +4,9 @@ use super::stopping::is_within;
 use super::{Solution, Solver};
 use crate::error::StepError;
 use crate::kernel::{Components, Evaluation, Kernel};
-use crate::lanes::{Portable, Processor};
 use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
 use crate::scalar::{Batch, LongWork, Mask, Real, Work};
+use crate::simd::lanes::{Portable, Processor};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
 #[derive(Clone, Copy, Debug)]

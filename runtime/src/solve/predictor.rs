@@ -19,8 +19,8 @@
 use super::stopping::{change, select};
 use super::terms::{Formula, Piece, Term, Weight, computed};
 use crate::kernel::Components;
-use crate::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Mask, Real, Scalar, Work};
+use crate::simd::lanes::{Portable, Processor};
 
 /// The most earlier solutions that the next one is extrapolated from.
 pub(crate) const WINDOW: usize = 16;

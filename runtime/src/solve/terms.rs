@@ -2,10 +2,10 @@
 //! for, and the same, bit for bit, as one by one.
 
 use crate::kernel::Components;
-use crate::lanes::Processor;
 use crate::scalar::Batch;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use crate::scalar::FUSED;
+use crate::simd::lanes::Processor;
 
 /// Components that were kept.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,7 @@ impl<T: Batch, U: Components<T>> Term<T, U> {
     pub(crate) fn keep<P: Processor>(&mut self, components: &U) {
         #[cfg(all(feature = "std", target_arch = "x86_64"))]
         if const { T::PAIRS } {
-            return crate::processor::keep::<P, _, _>(self, components);
+            return crate::simd::processor::keep::<P, _, _>(self, components);
         }
         self.components = *components;
     }
@@ -142,7 +142,7 @@ pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>>(formula: &impl 
     let mut done = 0;
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     if const { T::PAIRS && (P::FOURS || T::ONCE == FUSED) } {
-        done = crate::processor::compute::<P, T>(formula, components);
+        done = crate::simd::processor::compute::<P, T>(formula, components);
     }
     while done + 3 <= components.len() {
         let three: [T; 3] = formula.at(done);

@@ -428,7 +428,7 @@ impl<const N: usize> Not for Truths<N> {
 mod tests {
     use super::*;
     #[cfg(target_arch = "x86_64")]
-    use crate::processor::{Avx2, Avx512};
+    use crate::simd::processor::{Avx2, Avx512};
 
     /// Every operation does in each lane what it does to the number alone, not-a-number, infinities and zeros included.
     fn do_in_each_lane_as_alone<const N: usize, P: Processor>() {

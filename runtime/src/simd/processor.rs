@@ -9,8 +9,8 @@ use core::arch::x86_64::*;
 use core::mem::{transmute, transmute_copy};
 
 use crate::kernel::Components;
-use crate::lanes::{Portable, Processor};
 use crate::scalar::{Batch, FUSED, LongWork, On, OutOfLine, Real, Work};
+use crate::simd::lanes::{Portable, Processor};
 use crate::solve::terms::{Formula, Piece, Term, Weight};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
@@ -341,9 +341,9 @@ pub(crate) fn outline_long<W: LongWork>(work: W) -> W::Result {
 mod tests {
     use super::*;
     use crate::fused::Once;
-    use crate::lanes::Portable;
     use crate::method::{Clock, Method};
     use crate::scalar::Mask;
+    use crate::simd::lanes::Portable;
     use crate::solve::one_step::{March, OneStep};
     use crate::solve::terms::computed;
     use crate::test_system::Midpoint;

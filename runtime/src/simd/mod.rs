@@ -1,0 +1,12 @@
+//! Numbers side by side, and the instructions for them: the only code that is not checked.
+//!
+//! What it relies on is sealed: [`Batch`](crate::scalar::Batch) numbers, arrays as [`Components`](crate::kernel::Components), and processors
+//! that are named nowhere but where it was looked whether the program runs on one.
+
+#[cfg_attr(
+    not(feature = "std"),
+    allow(dead_code, reason = "without std there are kinds of processors, but no lanes")
+)]
+pub(crate) mod lanes;
+#[cfg(all(feature = "std", target_arch = "x86_64"))]
+pub(crate) mod processor;
