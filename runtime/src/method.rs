@@ -185,6 +185,7 @@ impl<B: Method> Work for Part<'_, B> {
 }
 
 /// How a step went, in each lane: its iterations and the residual left, or what went wrong.
+#[cfg(feature = "std")]
 pub(crate) type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
 
 /// A step that consists of others.

@@ -35,7 +35,7 @@ const ROUNDOFF: [f64; 2] = [2.0, 8.0];
 const NO_DIFFERENCE: f64 = 0.1;
 /// The change of the last iteration, in units of epsilon. Not less, if only for rounding; not more, for what is evaluated before it serves for
 /// the solution too.
-const LAST_CHANGE: [f64; 2] = [8.0, 256.0];
+const LAST_CHANGE: [f64; 2] = [8.0, 128.0];
 /// A prediction that is off by more than this has missed something: the solutions before are no guide.
 const MISSED: f64 = 1e-9;
 /// The most fixed-point iterations of a step: where more are needed Newton's iteration is faster.

@@ -184,3 +184,94 @@ fn damped_motion_comes_to_rest() {
         comes_to_rest::<Exponential>(drag);
     }
 }
+
+/// A top that is pushed.
+#[lie_poisson_system(
+    group = SO3,
+    advected(gamma: R3),
+    control(moment: R3),
+    potential = weight * gamma.dot(&chi),
+    force = moment,
+    methods(Midpoint)
+)]
+#[derive(Clone)]
+struct Pushed {
+    #[inertia]
+    inertia: Vector3<f64>,
+    weight: f64,
+    chi: Vector3<f64>,
+}
+
+const PUSHED: Pushed =
+    Pushed { inertia: Vector3::new(1.0, 2.0, 2.5), weight: 1.7, chi: Vector3::new(0.3, 0.2, 1.0) };
+
+/// The largest error of warm steps against converged ones, in units of epsilon of each part.
+fn pushed_error<M>(
+    start: &PushedState,
+    step: f64,
+    steps: usize,
+    moment: impl Fn(usize) -> Vector3<f64>,
+) -> f64
+where
+    Pushed: Discretized<M> + Discretized<Compensated<M>>,
+{
+    let mut state = *start;
+    let mut warm = PUSHED.stepper::<M>(step).unwrap();
+    let mut worst = 0.0_f64;
+    for k in 0..steps {
+        let (mut converged, control) = (state, PushedControl { moment: moment(k) });
+        PUSHED.stepper::<Compensated<M>>(step).unwrap().step_with(&mut converged, &control).unwrap();
+        warm.step_with(&mut state, &control).unwrap();
+        let [is, should] = [&state, &converged].map(|state| state.to_components());
+        worst = worst.max(off(&[4, 3, 3], is.as_ref(), should.as_ref()));
+    }
+    worst
+}
+
+fn upright(tilt: f64, momentum: Vector3<f64>) -> PushedState {
+    let gamma = Vector3::new(tilt, 0.0, 1.0).normalize();
+    PushedState { attitude: UnitQuaternion::identity(), momentum, gamma }
+}
+
+/// Between −1 and 1, at random.
+fn noise(k: usize) -> Vector3<f64> {
+    let number = |seed: usize| {
+        let mut x = (3 * k + seed + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        x ^= x >> 31;
+        x = x.wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        (x >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    };
+    Vector3::new(number(0), number(1), number(2))
+}
+
+#[test]
+fn steps_are_maps_whatever_the_controls_do() {
+    let start = upright(0.1, vector![0.4, -0.8, 1.5]);
+    for size in [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 30.0] {
+        let cayley = pushed_error::<Cayley>(&start, 0.01, 400, |k| size * noise(k));
+        let midpoint = pushed_error::<Midpoint>(&start, 0.02, 400, |k| size * noise(k));
+        // now and then
+        let pulses = pushed_error::<Cayley>(&start, 0.01, 400, |k| {
+            if k % 37 == 5 { size * noise(k) } else { Vector3::zeros() }
+        });
+        assert!(cayley.max(midpoint).max(pulses) < 10.0, "{size:e}: {cayley}, {midpoint}, {pulses}");
+    }
+}
+
+#[test]
+fn steps_are_maps_where_motion_is_chaotic_sudden_or_fast() {
+    let none = |_| Vector3::zeros();
+    for step in [0.001, 0.01, 0.05, 0.1, 0.2, 0.4] {
+        let start = upright(0.1, vector![0.4, -0.8, 1.5]);
+        let cayley = pushed_error::<Cayley>(&start, step, 1_500, none);
+        let midpoint = pushed_error::<Midpoint<Exponential>>(&start, step, 1_500, none);
+        assert!(cayley.max(midpoint) < 10.0, "{step}: {cayley}, {midpoint}");
+    }
+    // it stands for long, and then falls
+    let quiet = upright(1e-9, vector![0.0, 0.0, 1e-9]);
+    let (cayley, midpoint) = (
+        pushed_error::<Cayley>(&quiet, 0.02, 2_000, none),
+        pushed_error::<Midpoint>(&quiet, 0.02, 2_000, none),
+    );
+    assert!(cayley.max(midpoint) < 10.0, "{cayley}, {midpoint}");
+}
