@@ -14,7 +14,7 @@ use coadjoint::derivative::{ByParameters, ByState, Changes, Recording};
 use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
-use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, bodies};
+use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Timed, bodies};
 use num_dual::DualSVec64;
 
 /// The catalogue's, which is described without derivatives.
@@ -54,9 +54,7 @@ fn main() {
         ("RK4 by hand", STEPS, {
             let mut state = at;
             Box::new(move |steps| {
-                for _ in 0..steps {
-                    state = Rk4Quaternion.step(&heavy, 0.0, &state, STEP).unwrap();
-                }
+                state = Rk4Quaternion.run(&heavy, state, STEP, steps).unwrap();
                 black_box(&state);
             })
         }),

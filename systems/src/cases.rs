@@ -10,7 +10,7 @@ use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 
 use crate::catalogued::Catalogued;
-use crate::classical::{AttitudeState, Integrator, Method, OnSo3, Rk4Quaternion, Rkmk4, bodies};
+use crate::classical::{AttitudeState, Method, Rk4Quaternion, Rkmk4, Timed, bodies};
 use crate::coupled_bodies::CoupledBodies;
 use crate::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use crate::heavy_top::HeavyTop;
@@ -28,12 +28,6 @@ pub struct Case {
 }
 
 impl Case {
-    fn new(problem: &'static str, method: impl Into<String>, walk: impl FnMut() -> bool + 'static) -> Self {
-        let mut walk = walk;
-        let all = move |steps| (0..steps).all(|_| walk());
-        Self { problem, method: method.into(), steps: 20_000, walk: Box::new(all) }
-    }
-
     /// Takes so many steps, on from where the last ones led; whether all could be taken.
     pub fn walk(&mut self, steps: u64) -> bool {
         (self.walk)(steps)
@@ -283,16 +277,17 @@ fn classical<I, S, const N: usize>(
     mut state: AttitudeState<N>,
 ) -> Case
 where
-    I: Integrator<S, AttitudeState<N>> + 'static,
-    S: OnSo3<N> + 'static,
+    I: Timed<S, AttitudeState<N>> + 'static,
+    S: 'static,
 {
-    Case::new(problem, I::NAME, move || match integrator.step(&system, 0.0, &state, 0.01) {
-        Ok(next) => {
-            state = next;
+    let walk = move |steps| match integrator.run(&system, state, 0.01, steps) {
+        Ok(end) => {
+            state = end;
             true
         }
         Err(_) => false,
-    })
+    };
+    Case { problem, method: I::NAME.into(), steps: 20_000, walk: Box::new(walk) }
 }
 
 /// A body with or without a weight.
@@ -330,6 +325,6 @@ where
     R: MatrixRetraction<G, N, D> + 'static,
 {
     let mut stepper = GenericStepper::new(group, retraction, hamiltonian, 0.01)?;
-    let case = Case::new(problem, method, move || stepper.step(&mut g, &mut mu).is_ok());
-    Ok(Case { steps: 500, ..case })
+    let walk = move |steps| (0..steps).all(|_| stepper.step(&mut g, &mut mu).is_ok());
+    Ok(Case { problem, method: method.into(), steps: 500, walk: Box::new(walk) })
 }

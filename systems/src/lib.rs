@@ -11,8 +11,9 @@
 //! The feature `program` (on by default) is for the program; without it there are only the systems and the classical integrators, and few
 //! dependencies. The feature `bench` adds what `coadjoint bench` times.
 
+pub use coadjoint_classical as classical;
+
 pub mod catalogued;
-pub mod classical;
 pub mod coupled_bodies;
 #[cfg(feature = "program")]
 pub mod driven_pendulum;

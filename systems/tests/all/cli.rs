@@ -54,6 +54,13 @@ impl Drop for Scratch {
     }
 }
 
+/// What a page shows.
+fn shown(page: &str) -> Value {
+    let (_, rest) = page.split_once("type=\"application/json\">").expect("data");
+    let (data, _) = rest.split_once("</script>").expect("data end");
+    serde_json::from_str(data).expect("JSON")
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("UTF-8")
 }
@@ -121,6 +128,64 @@ fn run_writes_a_table_of_the_motion() {
         assert!((row[11] - 1.555).abs() < 1e-3, "energy");
     }
     assert_ne!(rows[4][5..8], rows[0][5..8], "it moves");
+}
+
+/// What is found of a run does not depend on how much of it is written.
+#[test]
+fn every_thins_what_is_written_and_nothing_else() {
+    let found = |every: u64| {
+        let scratch = Scratch::new(&format!("every-{every}"));
+        let (number, rows) = (every.to_string(), 6000 / every as usize + 1);
+        let run = ["run", "planar_pendulum", "--step", "0.01", "--duration", "60", "--every", &number];
+        let printed =
+            scratch.prints(&[&run[..], &["--plot", "--html", "view.html", "--format", "json"]].concat());
+        let told: Vec<String> =
+            printed.lines().filter(|line| !line.starts_with("time per step")).map(str::to_owned).collect();
+        let stem = "out/planar_pendulum-exponential";
+        let json: Value = serde_json::from_str(&scratch.read(&format!("{stem}.json"))).expect("JSON");
+        assert_eq!(json["rows"].as_array().map(Vec::len), Some(rows));
+        let page = scratch.read("view.html");
+        assert_eq!(shown(&page)["time"].as_array().map(Vec::len), Some(2001));
+        (told, json["invariants"].clone(), scratch.read(&format!("{stem}.svg")), page)
+    };
+    let all = found(1);
+    assert!(all.0.iter().any(|line| line.ends_with("and does not grow")), "{:?}", all.0);
+    for every in [177, 1_000_000] {
+        let thinned = found(every);
+        assert_eq!((&thinned.0, &thinned.1), (&all.0, &all.1));
+        assert!(thinned.2 == all.2, "the picture depends on `--every {every}`");
+        assert!(thinned.3 == all.3, "the page depends on `--every {every}`");
+    }
+}
+
+/// An interrupted run tells of all steps that it took, whatever was written of them.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_run_tells_where_it_stopped() {
+    use std::io::{BufRead, BufReader};
+    let scratch = Scratch::new("interrupted");
+    let mut child = Command::new(env!("CARGO_BIN_EXE_coadjoint"))
+        .args(["run", "heavy_top", "--duration", "1e9", "--every", "100000000000"])
+        .current_dir(&scratch.0)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    // now and then it tells how far it has come
+    let mut line = String::new();
+    BufReader::new(child.stderr.as_mut().expect("piped")).read_line(&mut line).expect("readable");
+    let words: Vec<&str> = line.split(' ').collect();
+    let ["heavy_top:", "step", step, ..] = words[..] else { panic!("{line}") };
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    let output = child.wait_with_output().expect("it ends");
+    assert_eq!(output.status.code(), Some(130));
+    let printed = text(&output.stdout);
+    let value = |name: &str| printed.lines().find_map(|line| line.strip_prefix(name)).expect(name).trim();
+    let steps: u64 = value("steps").replace(' ', "").parse().expect("a number");
+    assert!(steps >= step.parse().expect("a number"), "{line}{printed}");
+    let time: f64 = value("interrupted at").trim_end_matches(" s").parse().expect("a number");
+    assert!((time - steps as f64 * 0.01).abs() < 1e-6, "{printed}");
+    assert!(value("largest energy error, J").parse::<f64>().expect("a number") > 1e-7, "{printed}");
 }
 
 #[test]
@@ -594,9 +659,7 @@ fn a_view_is_one_page_that_needs_nothing_else() {
             !page.contains("__COADJOINT_DATA__") && !page.contains("http://") && !page.contains("https://"),
             "{system}"
         );
-        let (_, rest) = page.split_once("type=\"application/json\">").expect("data");
-        let (data, _) = rest.split_once("</script>").expect("data end");
-        let data: Value = serde_json::from_str(data).expect("JSON");
+        let data = shown(&page);
         assert_eq!(data["title"], system);
         let moments = data["time"].as_array().expect("a list").len();
         assert!((1001..=2001).contains(&moments), "{system}: {moments}");

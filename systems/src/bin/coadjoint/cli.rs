@@ -222,7 +222,7 @@ fn run(command_line: &CommandLine, console: &mut dyn Write) -> Result<(), Error>
         #[cfg(not(feature = "bench"))]
         Some(Command::Bench(_)) => {
             return Err(Error::Input(
-                "this program was built without its benchmarks: `cargo run --release --features bench -- bench` builds and runs them"
+                "this program was built without its benchmarks: `cargo run --profile bench --features bench -- bench` builds and runs them"
                     .to_owned(),
             ));
         }

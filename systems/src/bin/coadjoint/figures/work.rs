@@ -8,7 +8,7 @@ use nalgebra::Vector6;
 
 use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
-use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
+use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies, integrate};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 use coadjoint_systems::simulation::{self, Order, Retraction, SimulationError, each_step};
 
@@ -284,17 +284,17 @@ fn march(
     Ok(AttitudeState { attitude: end.attitude, y: body(&end) })
 }
 
-fn classical<I: Integrator<bodies::HeavyTop, AttitudeState<6>>>(
+fn classical<I: Timed<bodies::HeavyTop, AttitudeState<6>>>(
     method: &I,
     top: &bodies::HeavyTop,
     start: AttitudeState<6>,
     steps: u64,
-    mut see: Option<&mut See<'_>>,
+    see: Option<&mut See<'_>>,
 ) -> Option<AttitudeState<6>> {
-    let see = |_, _, state: &AttitudeState<6>| {
-        if let Some(see) = &mut see {
-            see(&state.y);
-        }
-    };
-    integrate(method, top, 0.0, start, DURATION / steps as f64, steps, see).ok()
+    let step = DURATION / steps as f64;
+    match see {
+        Some(see) => integrate(method, top, 0.0, start, step, steps, |_, _, state| see(&state.y)),
+        None => method.run(top, start, step, steps),
+    }
+    .ok()
 }

@@ -10,7 +10,7 @@ use super::{Diverged, Integrator, Method, VectorField, finite};
 /// states stay on the submanifold; nothing else is preserved by that.
 ///
 /// ```
-/// use coadjoint_systems::classical::{Projected, Rk2, integrate, unit_leading};
+/// use coadjoint_classical::{Projected, Rk2, integrate, unit_leading};
 /// use nalgebra::Vector3;
 ///
 /// // the planar pendulum on the cylinder of (cos θ, sin θ, p), (1.21)
@@ -19,7 +19,7 @@ use super::{Diverged, Integrator, Method, VectorField, finite};
 /// let start = Vector3::new(1_f64.cos(), 1_f64.sin(), 0.0);
 /// let end = integrate(&method, &pendulum, 0.0, start, 0.1, 1_000, |_, _, _| {})?;
 /// assert!((end.x.hypot(end.y) - 1.0).abs() < 1e-15);
-/// # Ok::<(), coadjoint_systems::classical::Diverged>(())
+/// # Ok::<(), coadjoint_classical::Diverged>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Projected<I, P> {
