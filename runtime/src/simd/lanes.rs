@@ -136,9 +136,10 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
 
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(X, X) -> X) -> Self {
-        let mut numbers = self.0;
-        for (x, y) in numbers.iter_mut().zip(&other.0) {
-            *x = f(*x, *y);
+        let (mut numbers, mut k) = (self.0, 0);
+        while k < N {
+            numbers[k] = f(self.0[k], other.0[k]);
+            k += 1;
         }
         Self(numbers, P::Alignment::default())
     }

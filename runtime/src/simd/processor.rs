@@ -6,7 +6,7 @@
 #![allow(unsafe_code, reason = "instructions of one processor must not be used on another")]
 
 use core::arch::x86_64::*;
-use core::mem::{transmute, transmute_copy};
+use core::mem::transmute;
 
 use crate::kernel::Components;
 use crate::scalar::{Batch, FUSED, LongWork, On, OutOfLine, Real, Work};
@@ -25,28 +25,28 @@ macro_rules! operations {
         fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> $vector {
             assert!(X::IS_DOUBLE && N == $lanes, "as many doubles as there are in the vector");
             // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { transmute_copy(numbers) }
+            unsafe { (&raw const *numbers).cast::<$vector>().read_unaligned() }
         }
 
         #[inline(always)]
         fn numbers<X: Real, const N: usize>(doubles: $vector) -> [X; N] {
             assert!(X::IS_DOUBLE && N == $lanes, "as many doubles as there are in the vector");
             // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { transmute_copy(&doubles) }
+            unsafe { (&raw const doubles).cast::<[X; N]>().read() }
         }
 
         #[inline(always)]
         fn mask<const N: usize>(truths: &[u64; N]) -> $vector {
             assert!(N == $lanes, "as many truths as there are doubles in the vector");
             // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { transmute_copy(truths) }
+            unsafe { (&raw const *truths).cast::<$vector>().read_unaligned() }
         }
 
         #[inline(always)]
         fn truths<const N: usize>(mask: $vector) -> [u64; N] {
             assert!(N == $lanes, "as many truths as there are doubles in the vector");
             // SAFETY: the same size, and all bits have a meaning in both
-            unsafe { transmute_copy(&mask) }
+            unsafe { (&raw const mask).cast::<[u64; N]>().read() }
         }
 
         $(#[inline(always)]

@@ -3,10 +3,11 @@
 //! Successive solutions are samples of a smooth trajectory: the [`predictor`] continues them by one step, and in small steps the next solution
 //! is known to many digits before anything is solved. One fixed-point iteration `x ← L⁻¹ right(x)` takes off the factor by which it contracts,
 //! about the angle turned in a step, and mostly brings what is left below rounding ([`one_step`]). Whether it did is seen at every step: its
-//! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not there is one more, if that
-//! promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
+//! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not there are a few more
+//! ([`fixed_point`]), if that promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
 
-pub(crate) mod newton;
+mod fixed_point;
+mod newton;
 pub(crate) mod one_step;
 pub(crate) mod predictor;
 pub(crate) mod stopping;
@@ -15,8 +16,9 @@ pub(crate) mod terms;
 use crate::kernel::{Components, Evaluation, Kernel};
 use crate::scalar::{Batch, Mask, Real, Work};
 use crate::simd::lanes::{Portable, Processor};
+use fixed_point::{Iterated, Known, SHARP};
 use predictor::{Predictor, RECENT, WINDOW};
-use stopping::{change, is_within, select};
+use stopping::{change, select};
 
 /// Steps between two calibrations: at first, and in the long run.
 const INTERVALS: [u32; 2] = [WINDOW as u32, 1024];
@@ -24,10 +26,6 @@ const INTERVALS: [u32; 2] = [WINDOW as u32, 1024];
 const STRONG: f64 = 0.25;
 /// What the rate of contraction is multiplied by, for it may grow until it is measured again.
 const SAFETY: f64 = 2.0;
-/// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
-const NOISE: f64 = 4.0;
-/// Changes larger than this, in units of epsilon, show the rate.
-const SHARP: f64 = 256.0;
 /// An error of the unknown this small, in units of epsilon, is roundoff, and never is one that is larger than this.
 const ROUNDOFF: [f64; 2] = [2.0, 8.0];
 /// An error this small, in units of epsilon, makes no difference to the state, next to what is rounded there. The unknown changes the state
@@ -38,9 +36,7 @@ const NO_DIFFERENCE: f64 = 0.1;
 const LAST_CHANGE: [f64; 2] = [8.0, 128.0];
 /// A prediction that is off by more than this has missed something: the solutions before are no guide.
 const MISSED: f64 = 1e-9;
-/// The most fixed-point iterations of a step: where more are needed Newton's iteration is faster.
-const MOST: u32 = 8;
-/// By how much more it is off then than the last one that missed.
+/// By how much more it is then off than the last one that missed.
 const SUDDENLY: f64 = 8.0;
 /// A prediction that is off by more than this is not used.
 const LOST: f64 = 0.1;
@@ -217,79 +213,33 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     where
         K: Kernel<T, Unknown = U>,
     {
-        let none = T::Mask::splat(false);
-        let nothing = T::of(0.0);
-        let prediction = &self.prediction;
-        let (mut point, mut unknown, mut open) = (*prediction, *prediction, !none);
-        let mut course = Course { tried: none, off: nothing, rate: nothing, is_sharp: none };
-        let (mut iterations, mut residual) = (T::all(0), nothing);
+        let (none, prediction) = (T::Mask::splat(false), &self.prediction);
         if const { Self::IS_IDLE } {
             let evaluation = kernel.evaluate(state, step, prediction);
+            let (unknown, iterations, residual) = (*prediction, T::all(0), T::of(0.0));
+            let course = Course { tried: none, off: residual, rate: residual, is_sharp: none };
             return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
         }
-        let start = kernel.start(state, step);
-        let mut from = start;
-        if const { K::SWEEPS } && self.is_fast() {
-            course.tried = self.tries();
-            let (mut rate, mut last) = (self.rate, nothing);
-            let measures = self.due == 0 || self.predictor.count() <= 2;
-            let mut round = 0;
-            let is_enough = |first: &U| is_within::<T, _>(K::BLOCKS, prediction, first, self.limit());
-            if let Some(first) = first {
-                (unknown, last, iterations) =
-                    (first, change::<T, _>(K::BLOCKS, prediction, &first), T::all(1));
-                (course.off, open, round) = (last, !is_enough(&first), 1);
-            }
-            while round < MOST {
-                // while a few more promise to do, and one at least to see how they contract
-                let square = rate * rate;
-                let promised = ((square * square * rate) * last).at_most(self.tolerance);
-                let again =
-                    course.tried & open & (promised | T::Mask::splat(round == 0 || measures && round == 1));
-                if !again.any() {
-                    break;
-                }
-                if round > 0 {
-                    point = select(again, &unknown, &point);
-                }
-                let evaluation = kernel.evaluate(state, step, &point);
-                let Some(next) = kernel.sweep(state, step, &evaluation.right) else { break };
-                unknown = if round == 0 { next } else { select(again, &next, &unknown) };
-                let change = change::<T, _>(K::BLOCKS, &point, &unknown);
-                count::<T>(&mut iterations, again);
-                if round == 0 {
-                    (last, course.off) = (change, change);
-                    open = !is_enough(&unknown);
-                } else {
-                    let seen = (change - T::of(NOISE * T::EPSILON)) / last;
-                    course.rate = T::select(again & course.rate.below(seen), seen, course.rate);
-                    course.is_sharp = course.is_sharp | (again & T::of(SHARP * T::EPSILON).below(last));
-                    let measured = again & T::of(SHARP * T::EPSILON).below(last);
-                    rate = T::select(measured | rate.below(seen), change / last, rate);
-                    last = T::select(again, change, last);
-                    let left = rate * last;
-                    residual = T::select(again, left, residual);
-                    let [least, most] = [T::of(ROUNDOFF[0] * T::EPSILON), T::of(ROUNDOFF[1] * T::EPSILON)];
-                    let is_nothing =
-                        (rate * left).at_most(T::of(NO_DIFFERENCE * T::EPSILON)) & left.at_most(most);
-                    let is_last = last.at_most(T::of(LAST_CHANGE[1] * T::EPSILON));
-                    open = open & !(again & is_last & (left.at_most(least) | is_nothing));
-                }
-                if !open.any() {
-                    return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
-                }
-                round += 1;
-            }
-            // unless the prediction was far off
-            from = select(course.tried & course.off.at_most(T::of(LOST)), &unknown, &from);
+        let is_fast = const { K::SWEEPS } && self.is_fast();
+        let (rate, tolerance, limit) = (self.rate, self.tolerance, self.limit());
+        let tried = if is_fast { self.tries() } else { none };
+        let measures = self.due == 0 || self.predictor.count() <= 2;
+        let known = Known { prediction, first, rate, tolerance, limit, tried, measures };
+        let Iterated { point, unknown, evaluation, iterations, residual, open, mut course } =
+            fixed_point::iterate(kernel, state, step, known);
+        if let (false, Some(evaluation)) = (open.any(), evaluation) {
+            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
         }
+        // from where iterations led to, or from the prediction, unless that was far off
+        let mut from = kernel.start(state, step);
         if self.predictor.count() > 0 {
-            let predicted = !course.tried & change::<T, _>(K::BLOCKS, prediction, &start).at_most(T::of(1.0));
-            from = select(predicted, prediction, &from);
+            let predicted = !tried & change::<T, _>(K::BLOCKS, prediction, &from).at_most(T::of(1.0));
+            let iterated = tried & course.off.at_most(T::of(LOST));
+            from = select(iterated, &unknown, &select(predicted, prediction, &from));
         }
         let from = select(open, &from, &point);
         let (solution, correction) = newton::solve(kernel, state, step, &from, open);
-        course.off = T::select(course.tried, course.off, correction);
+        course.off = T::select(tried, course.off, correction);
         let iterations = sum::<T>(iterations, solution.iterations);
         let residual = T::select(open, solution.residual, residual);
         let unknown = select(open, &solution.unknown, &unknown);

@@ -203,8 +203,10 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let does = (T::of(MARGIN) * of_near.error).at_most(tolerance);
         let is_near = does | of_near.error.below(of_through.error);
         self.errors = errors;
-        for (j, weight) in self.weights.iter_mut().enumerate() {
-            *weight = Weight::new(T::select(is_near, of_near.weights[j], of_through.weights[j]));
+        let mut j = 0;
+        while j < RECENT {
+            self.weights[j] = Weight::new(T::select(is_near, of_near.weights[j], of_through.weights[j]));
+            j += 1;
         }
         self.set_near(is_near);
     }
@@ -255,8 +257,10 @@ impl<T: Batch> Best<T> {
         *was = error;
         let better = error.below(self.error);
         self.error = T::select(better, error, self.error);
-        for (mine, weight) in self.weights.iter_mut().zip(weights) {
-            *mine = T::select(better, *weight, *mine);
+        let mut j = 0;
+        while j < RECENT {
+            self.weights[j] = T::select(better, weights[j], self.weights[j]);
+            j += 1;
         }
     }
 }
@@ -346,14 +350,22 @@ fn continued<T: Batch, U: Components<T>>(weights: &[Weight<T>; RECENT], earlier:
 /// Coefficients as they are kept. A loop: mapped arrays are a dozen functions more to compile.
 fn terms<T: Copy>(weights: &[T; RECENT]) -> [Weight<T>; RECENT] {
     let mut terms = [Weight::new(weights[0]); RECENT];
-    terms.iter_mut().zip(weights).for_each(|(term, weight)| *term = Weight::new(*weight));
+    let mut j = 0;
+    while j < RECENT {
+        terms[j] = Weight::new(weights[j]);
+        j += 1;
+    }
     terms
 }
 
 /// The numbers of the kind.
 fn numbers<T: Scalar>(weights: &[f64; RECENT]) -> [T; RECENT] {
     let mut numbers = [T::of(0.0); RECENT];
-    numbers.iter_mut().zip(weights).for_each(|(number, weight)| *number = T::of(*weight));
+    let mut j = 0;
+    while j < RECENT {
+        numbers[j] = T::of(weights[j]);
+        j += 1;
+    }
     numbers
 }
 
