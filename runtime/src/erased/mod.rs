@@ -39,8 +39,8 @@ pub use crate::scheme::Rule;
 pub use ensemble::Ensemble;
 pub use method::{Equation, Flat, Method};
 pub use scheme::{NotGenerated, Scheme};
-pub use stepper::{Control, Sample, Stepper, StepperError, Watched, run};
+pub use stepper::{Controls, Law, Sample, Stepper, StepperError, Watched, run};
 pub use system::{At, Description, Geometry, System};
 
-pub(crate) use method::equation;
+pub(crate) use method::{equation, of_only_lane};
 pub(crate) use system::{check_length, length};

@@ -8,7 +8,7 @@ use coadjoint::certify::{Certification, CertifyError, certify_erased};
 use coadjoint::composition::{KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 use coadjoint::erased::{
-    self, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
+    self, Controls, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
 };
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::prelude::*;
@@ -118,7 +118,7 @@ fn members_move_as_they_would_alone() {
         let members = (0..11).map(|k| (scaled(k), numbers.clone()));
         let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
         let held = control.to_components().as_ref().to_vec();
-        ensemble.control(|_, _| held.clone());
+        ensemble.control(|_, _, control| control.copy_from_slice(&held));
         assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
         for (member, system, state) in ensemble.members() {
             let scheme = Scheme::Standard(Map::Cayley);
@@ -176,43 +176,99 @@ fn members_that_cannot_be_are_refused() {
 fn nobody_is_an_ensemble_too() {
     let (system, _) = top();
     let mut ensemble = erased::Ensemble::new(&system, [], 0.5).unwrap();
-    ensemble.control(|_, _| vec![1.0]);
+    ensemble.control(|_, _, control| control.fill(1.0));
     assert_eq!((ensemble.run(10), ensemble.time()), (0, 5.0));
     assert_eq!((ensemble.members().count(), ensemble.failed()), (0, &[][..]));
     // and has time for more steps than can be counted
     assert_eq!((ensemble.run(u64::MAX), ensemble.run(u64::MAX)), (0, 0));
 }
 
-/// However long the lists are that a law makes: what is missing is zero, for this member and for no other.
+/// Those that are held, and those of a law, which a member's own run has too. What is not written is zero, for this member and for no other.
 #[test]
 fn controls_of_members_are_their_own() {
     let (system, state) = craft();
     let numbers = state.to_components().to_vec();
-    let parameters = |k: usize| {
-        let mut parameters = system.parameters();
-        parameters[3] += k as f64;
-        parameters
+    let members = || (0..11).map(|_| (system.parameters(), numbers.clone()));
+    let held = |member: usize, control: &mut [f64]| match member {
+        1 => {}
+        _ => control[0] = 10.0 + member as f64,
     };
-    let held = |system: &dyn erased::System| match system.parameters()[3] - 1.3 {
-        k if k < 0.5 => vec![12.0],
-        k if k < 1.5 => vec![],
-        k if k < 2.5 => vec![7.0, 1.0, 2.0],
-        k => vec![k],
+    let law = |member: usize, state: &[f64], time: f64, control: &mut [f64]| {
+        held(member, control);
+        control.iter_mut().for_each(|control| *control *= (3.0 * time).sin() - state[6]);
     };
-    let members = (0..11).map(|k| (parameters(k), numbers.clone()));
-    let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
+    let mut ensemble = erased::Ensemble::new(&system, members(), 0.02).unwrap();
+    let mut steered = erased::Ensemble::new(&system, members(), 0.02).unwrap();
     for _ in 0..3 {
-        ensemble.control(|system, _| held(system));
-        ensemble.run(50);
+        ensemble.control(|member, _, control| held(member, control));
+        assert_eq!(ensemble.run(50), 550);
+        assert_eq!(steered.run_controlled(50, &law), 550);
     }
-    assert_eq!(ensemble.members().count(), 11);
-    for (member, system, state) in ensemble.members() {
-        let mut expected = numbers.clone();
-        let scheme = Scheme::Standard(Map::Cayley);
-        let mut stepper = erased::Stepper::new(system, &scheme, 0.02).unwrap();
-        stepper.steps(&mut expected, &held(system), 150).unwrap();
+    let scheme = Scheme::Standard(Map::Cayley);
+    let stepper = || erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    for ((member, _, state), (_, _, other)) in ensemble.members().zip(steered.members()) {
+        let (mut expected, mut control) = (numbers.clone(), [0.0]);
+        held(member, &mut control);
+        stepper().steps(&mut expected, &control, 150).unwrap();
         assert_eq!(state, expected, "member {member}");
+
+        let own = |state: &[f64], time: f64, control: &mut [f64]| law(member, state, time, control);
+        let watched = Watched { steps: 150, controls: Controls::Chosen(&own), next: &|index| index + 40 };
+        let mut expected = numbers.clone();
+        erased::run(&mut stepper(), &mut expected, &watched, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(other, expected, "member {member}");
     }
+    assert_eq!((ensemble.members().count(), steered.members().count()), (11, 11));
+}
+
+/// A law is asked once for each step, at the state and the time that the step starts from.
+#[test]
+fn laws_see_what_single_steps_start_from() {
+    let (system, start) = craft();
+    let scheme = Scheme::Standard(Map::Exponential);
+    let choose = |state: &[f64], time: f64| 12.0 + state[9] - (5.0 * time).cos();
+    let mut alone = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut expected = start.to_components().to_vec();
+    for _ in 0..100 {
+        let control = choose(&expected, alone.time());
+        alone.step(&mut expected, &[control]).unwrap();
+    }
+    let law = |state: &[f64], time: f64, control: &mut [f64]| control[0] += choose(state, time);
+    let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut state = start.to_components().to_vec();
+    let watched = Watched { steps: 100, controls: Controls::Chosen(&law), next: &|index| index + 30 };
+    let report = erased::run(&mut stepper, &mut state, &watched, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(report.unwrap().steps, 100);
+    assert_eq!((state, stepper.time()), (expected, alone.time()));
+    assert_eq!(stepper.memory(), alone.memory());
+    // nor is it shown a state of another system
+    let error = erased::run(&mut stepper, &mut [1.0], &watched, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(error.unwrap_err().source, StepError::Length { expected: 13 });
+}
+
+/// A stepper goes to another thread and on from there.
+#[test]
+fn steppers_can_be_sent() {
+    let (system, start) = top();
+    let scheme = Scheme::Standard(Map::Cayley);
+    let walk = |stepper: &mut erased::Stepper<'_>, state: &mut [f64]| {
+        stepper.steps(state, &[], 100).unwrap();
+    };
+    let mut expected = start.to_components().to_vec();
+    let mut alone = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    walk(&mut alone, &mut expected);
+    walk(&mut alone, &mut expected);
+    let mut state = start.to_components().to_vec();
+    let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    walk(&mut stepper, &mut state);
+    let state = std::thread::scope(|scope| {
+        let other = scope.spawn(move || {
+            walk(&mut stepper, &mut state);
+            state
+        });
+        other.join().unwrap()
+    });
+    assert_eq!(state, expected);
 }
 
 #[test]
@@ -308,7 +364,7 @@ fn a_run_is_looked_at_when_it_is_asked() {
         let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.02).unwrap();
         let mut state = start.to_components().to_vec();
         let mut seen = Vec::new();
-        let watched = Watched { steps: 1_000, control: None, next };
+        let watched = Watched { steps: 1_000, controls: Controls::Held(&[]), next };
         let report = erased::run(&mut stepper, &mut state, &watched, &mut |sample| {
             seen.push((sample.index, sample.state.to_vec()));
             ControlFlow::Continue(())
