@@ -49,9 +49,11 @@ impl Ensemble {
             checked.push(Member { parameters, state });
         }
         let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
-        let members = system
-            .members(&checked, step, widest)
-            .ok_or_else(|| NotGenerated { scheme: "Cayley".into(), system: description.name })?;
+        let members = system.members(&checked, step, widest).ok_or_else(|| NotGenerated {
+            scheme: "Cayley".into(),
+            system: description.name,
+            key: "retractions",
+        })?;
         Ok(Self { systems, members, controls: length(description.controls) })
     }
 

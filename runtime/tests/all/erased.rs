@@ -4,22 +4,27 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::certify::{Certification, CertifyError, certify_erased};
-use coadjoint::composition::{KahanLi6, Suzuki4};
+use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
+use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
-use coadjoint::erased::{
-    self, Controls, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
-};
+use coadjoint::erased::{self, Controls, NotGenerated, Rule, Scheme, StepperError, Watched};
 use coadjoint::geometry::{Geometry, Map};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
 
 /// Invariant: its standard step is one equation.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint))]
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint, TangentLift))]
 struct Top {
     #[inertia]
     inertia: Vector3<f64>,
     weight: f64,
+}
+
+/// With one retraction, and a force.
+#[lie_poisson_system(group = SO3, control(moment: R3), force = moment, retractions(Cayley))]
+struct Satellite {
+    #[inertia]
+    inertia: Vector3<f64>,
 }
 
 /// Pushed, on two factors, and with a time of its own: its standard step has two halves.
@@ -35,6 +40,11 @@ struct Craft {
     inertia: Vector3<f64>,
     #[inertia(position)]
     mass: f64,
+}
+
+/// A system with its type erased.
+fn erased<S: Schemes + Geometry<Scalar = f64> + Send + Sync + 'static>(system: &S) -> &dyn erased::System {
+    system
 }
 
 fn top() -> (Top, TopState) {
@@ -113,7 +123,7 @@ fn members_move_as_they_would_alone() {
         control: &S::Control,
     ) {
         let numbers = start.to_components().as_ref().to_vec();
-        let parameters = system.parameters();
+        let parameters = erased(&system).parameters();
         let scaled = |k: usize| parameters.iter().map(|x| x * (1.0 + 0.01 * k as f64)).collect::<Vec<_>>();
         let members = (0..11).map(|k| (scaled(k), numbers.clone()));
         let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
@@ -136,9 +146,9 @@ fn members_move_as_they_would_alone() {
 #[test]
 fn members_that_cannot_be_are_refused() {
     let (system, state) = top();
-    let (parameters, state) = (system.parameters(), state.to_components().to_vec());
+    let (parameters, state) = (erased(&system).parameters(), state.to_components().to_vec());
     let refused = |member: usize, parameters: &[f64], state: &[f64], step: f64| {
-        let right = (system.parameters(), top().1.to_components().to_vec());
+        let right = (erased(&system).parameters(), top().1.to_components().to_vec());
         let mut members = vec![right; 5];
         members[member] = (parameters.to_vec(), state.to_vec());
         erased::Ensemble::new(&system, members, step).err()
@@ -188,7 +198,7 @@ fn nobody_is_an_ensemble_too() {
 fn controls_of_members_are_their_own() {
     let (system, state) = craft();
     let numbers = state.to_components().to_vec();
-    let members = || (0..11).map(|_| (system.parameters(), numbers.clone()));
+    let members = || (0..11).map(|_| (erased(&system).parameters(), numbers.clone()));
     let held = |member: usize, control: &mut [f64]| match member {
         1 => {}
         _ => control[0] = 10.0 + member as f64,
@@ -246,6 +256,20 @@ fn laws_see_what_single_steps_start_from() {
     assert_eq!(error.unwrap_err().source, StepError::Length { expected: 13 });
 }
 
+/// With the erased trait in scope too, what is called on a system is what its own trait has.
+#[test]
+fn calls_of_a_system_are_its_own() {
+    use erased::System as _;
+    let (system, state) = top();
+    let numbers = state.to_components().to_vec();
+    let (energy, other) = (system.energy(&state), erased(&system).energy(&numbers, 0.0));
+    assert_eq!(energy, other);
+    assert_eq!(system.casimirs(&state).to_vec(), erased(&system).casimirs(&numbers));
+    assert!(system.validate().is_ok());
+    let wrong = system.with_parameters(&[1.0, -1.0]);
+    assert_eq!((wrong.parameters(), wrong.validate().is_err()), (vec![1.0, -1.0, 2.5, 0.7], true));
+}
+
 /// A stepper goes to another thread and on from there.
 #[test]
 fn steppers_can_be_sent() {
@@ -275,11 +299,43 @@ fn steppers_can_be_sent() {
 fn certificates_are_the_same() {
     let (system, state) = top();
     let numbers = state.to_components().to_vec();
-    let typed = Certification::new(&system).states(&[state]).step(0.05).run::<Midpoint<Cayley>>().unwrap();
-    let scheme = Scheme::member(Map::Cayley, 1, 2);
-    let other = certify_erased(&system, &scheme, &[numbers], &[], Some(0.05)).unwrap();
-    assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
-    assert!(other.passed());
+    let certification = Certification::new(&system).states(&[state]).step(0.05);
+    let same = |typed: Result<Report, CertifyError>, scheme: &Scheme, name: &str| {
+        let typed = typed.unwrap();
+        let other = certify_erased(&system, scheme, &[numbers.clone()], &[], Some(0.05)).unwrap();
+        assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
+        assert_eq!((&*other.scheme, &*scheme.name()), (name, name));
+        assert!(other.passed(), "{other}");
+    };
+    let cayley = Scheme::Standard(Map::Cayley);
+    let exponential = Scheme::Standard(Map::Exponential);
+    same(certification.run::<Cayley>(), &cayley, "Cayley");
+    same(certification.run::<Midpoint<Cayley>>(), &Scheme::member(Map::Cayley, 1, 2), "Midpoint<Cayley>");
+    let euler = Scheme::member(Map::Exponential, 1, 1);
+    same(certification.run::<SymplecticEulerB>(), &euler, "SymplecticEulerB<Exponential>");
+    let verlet = Scheme::StormerVerlet(Map::Exponential);
+    same(certification.run::<StormerVerlet>(), &verlet, "StormerVerlet<Exponential>");
+    let lift = Scheme::Step(Map::Exponential, Rule::TangentLift);
+    same(certification.run::<TangentLift>(), &lift, "TangentLift<Exponential>");
+    let order4 = Scheme::composed::<Suzuki4>(exponential);
+    same(certification.run::<Order4<Exponential>>(), &order4, "Order4<Exponential>");
+    let order6 = Scheme::composed::<KahanLi6>(Scheme::StormerVerlet(Map::Cayley));
+    same(certification.run::<Order6<StormerVerlet<Cayley>>>(), &order6, "Order6<StormerVerlet<Cayley>>");
+    let own = Scheme::composed::<Halves>(cayley);
+    same(certification.run::<Composed<Halves, Cayley>>(), &own, "Composed<Halves, Cayley>");
+}
+
+/// Coefficients of one's own.
+struct Halves;
+
+impl Coefficients for Halves {
+    type Steps<X: Clone + Send + Sync> = [X; 2];
+    const ORDER: u32 = 2;
+    const GAMMA: &'static [f64] = &[0.5, 0.5];
+
+    fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> [X; 2] {
+        std::array::from_fn(make)
+    }
 }
 
 #[test]
@@ -321,16 +377,30 @@ fn certificates_fail_for_the_same_reasons() {
 #[test]
 fn what_was_not_generated_is_said() {
     let (system, state) = top();
-    let scheme = Scheme::Step(Map::Cayley, Rule::TangentLift);
+    let scheme = Scheme::member(Map::Cayley, 1, 4);
     let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
-    let missing = NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" };
+    let missing = NotGenerated { scheme: "Family<Cayley, 1, 4>".to_owned(), system: "Top", key: "methods" };
     assert_eq!(error, StepperError::NotGenerated(missing.clone()));
     let numbers = state.to_components().to_vec();
     let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
     assert_eq!(error, CertifyError::NotGenerated(missing));
+    // by the key of the description that asks for it
+    let satellite = Satellite { inertia: vector![1.0, 2.0, 2.5] };
+    let advice = |scheme: &Scheme| {
+        let error = erased::Stepper::new(&satellite, scheme, 0.1).unwrap_err().to_string();
+        error.split_once("; ").unwrap().1.to_owned()
+    };
+    let [methods, retractions] =
+        ["methods", "retractions"].map(|key| format!("`{key}(…)` in its description asks for it"));
+    assert_eq!(advice(&Scheme::member(Map::Cayley, 1, 2)), methods);
+    assert_eq!(advice(&Scheme::Standard(Map::Exponential)), retractions);
+    assert_eq!(advice(&Scheme::StormerVerlet(Map::Exponential)), retractions);
+    assert_eq!(advice(&Scheme::member(Map::Exponential, 1, 2)), retractions);
+    assert_eq!(advice(&Scheme::composed::<Suzuki4>(Scheme::Standard(Map::Exponential))), retractions);
+    assert!(erased::Stepper::new(&satellite, &Scheme::Standard(Map::Cayley), 0.1).is_ok());
     // a member that is none claims what it would
-    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&craft().0.description()).order, 1);
-    let wrong = system.with_parameters(&[1.0, -1.0, 1.0, 0.0]);
+    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&erased(&craft().0).description()).order, 1);
+    let wrong = erased(&system).with_parameters(&[1.0, -1.0, 1.0, 0.0]);
     assert!(matches!(
         erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
         Err(StepperError::Parameter(_))
