@@ -275,6 +275,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<S, C, M> Discretized<Composed<C, M>> for S
 where
     S: Discretized<M>,

@@ -121,7 +121,7 @@ pub mod __private {
     pub use crate::scalar::Scalar;
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
     pub use crate::system::{
-        Control, Generated, NoControl, Quantity, Role, Schemes, State, Stored, System, Visitor,
+        Control, Generated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored, System, Visitor,
     };
     pub use nalgebra;
     pub use serde;
