@@ -3,6 +3,27 @@
 use proc_macro::TokenStream;
 
 /// Derives a structure-preserving stepper from the description of a mechanical system.
+///
+/// It stands above a struct whose fields are the parameters, before any `#[derive(…)]`, and takes these keys, of which only `group` must be there:
+///
+/// | key | meaning |
+/// |---|---|
+/// | `group = SO3` | where the configuration lives: `R1` … `R6`, `SO2`, `SO3`, `SE2`, `SE3`, `SU2` |
+/// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own |
+/// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates |
+/// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |
+/// | `hamiltonian = …` | any smooth energy, in place of inertia and potential |
+/// | `control(moment: R3, thrust: f64)` | what acts from outside, held over each step |
+/// | `force = moment`, `force(attitude = moment)` | what changes the momentum beside the energy |
+/// | `invariance = right` | momentum and velocity in space, in place of the body |
+/// | `methods(Midpoint, Family(1, 4), TangentLift)` | schemes to generate beside the standard ones |
+/// | `retractions(Cayley)` | the retractions to generate steps with; without it both, `Exponential` and `Cayley` |
+/// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |
+/// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
+///
+/// `#[inertia]` on a field, or `#[inertia(attitude)]` for some of the factors: a number, principal moments, or a symmetric positive definite
+/// matrix. Beside the struct there are then its state, `…State`, its controls, `…Control`, and implementations of `coadjoint`'s traits.
+/// Expressions are ordinary Rust; the guide in `coadjoint`'s documentation has a page for each notion.
 #[proc_macro_attribute]
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_poisson_system(attribute.into(), item.into()).into()

@@ -46,7 +46,31 @@ pub trait Coefficients {
     type Steps<X: Clone + Send + Sync>: Clone + AsRef<[X]> + AsMut<[X]> + Send + Sync;
     /// The order of the composition of symmetric steps of order 2.
     const ORDER: u32;
-    /// The `γᵢ`, of which those after the middle repeat those before it.
+    /// The `γᵢ`, of which those after the middle repeat those before it, and the sum is 1 up to roundoff; others do not compile where a step
+    /// is composed of them.
+    ///
+    /// ```compile_fail
+    /// use coadjoint::composition::{Coefficients, Composed};
+    /// use coadjoint::prelude::*;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// struct TooShort;
+    /// impl Coefficients for TooShort {
+    ///     type Steps<X: Clone + Send + Sync> = [X; 2];
+    ///     const ORDER: u32 = 2;
+    ///     const GAMMA: &'static [f64] = &[0.3, 0.3]; // [0.5, 0.5] compiles
+    ///     fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> [X; 2] {
+    ///         std::array::from_fn(make)
+    ///     }
+    /// }
+    /// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    /// let stepper = body.stepper::<Composed<TooShort, Cayley>>(0.1);
+    /// ```
     const GAMMA: &'static [f64];
     /// One `X` for each step, made one after the other, of its number.
     fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> Self::Steps<X>;
@@ -151,6 +175,42 @@ coefficients! {
     ]
 }
 
+/// Coefficients that are those of a symmetric composition.
+pub(crate) const fn checked(gamma: &'static [f64]) -> &'static [f64] {
+    assert!(!gamma.is_empty(), "a composition has steps");
+    let (mut sum, mut size) = (0.0, 0.0);
+    let mut i = 0;
+    while i < gamma.len() {
+        assert!(gamma[i] == gamma[gamma.len() - 1 - i], "a composition is symmetric");
+        sum += gamma[i];
+        size += gamma[i].abs();
+        i += 1;
+    }
+    // of each sum half a unit of roundoff, and as much of each coefficient
+    let off = (sum - 1.0).abs();
+    assert!(
+        off <= gamma.len() as f64 * size * f64::EPSILON,
+        "the steps of a composition are one step together"
+    );
+    gamma
+}
+
+/// The composition as users write it, of the type of its coefficients and its base.
+#[cfg(feature = "std")]
+pub(crate) fn name(coefficients: &str, base: &str) -> std::string::String {
+    use core::any::type_name;
+    let orders = [
+        (type_name::<Suzuki4>(), "Order4"),
+        (type_name::<KahanLi6>(), "Order6"),
+        (type_name::<KahanLi8>(), "Order8"),
+        (type_name::<SofroniouSpaletta10>(), "Order10"),
+    ];
+    match orders.iter().find(|(own, _)| *own == coefficients) {
+        Some((_, order)) => std::format!("{order}<{base}>"),
+        None => std::format!("Composed<{}, {base}>", crate::certify::without_paths(coefficients)),
+    }
+}
+
 /// The composed method: a base method for each step, each with a memory of its own.
 #[derive(Debug)]
 pub struct Composition<C: Coefficients, B: Method> {
@@ -177,7 +237,10 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
 
     #[inline]
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        let steps = C::steps(|k| B::new(parameters, step * B::Scalar::of(C::GAMMA[k])));
+        let gamma = const { checked(C::GAMMA) };
+        // of as many steps as there are coefficients
+        let part = |k: usize| gamma.get(k).copied().unwrap_or(0.0);
+        let steps = C::steps(|k| B::new(parameters, step * B::Scalar::of(part(k))));
         Self { steps, step, whole: false }
     }
 
@@ -212,6 +275,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<S, C, M> Discretized<Composed<C, M>> for S
 where
     S: Discretized<M>,

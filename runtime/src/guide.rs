@@ -6,8 +6,9 @@
 //! 4. [Forces and controls](forces)
 //! 5. [Many at once](ensembles)
 //! 6. [Derivatives](derivatives): control, estimation, identification
-//! 7. [Reading the generated code](reading)
-//! 8. [The mathematics](mathematics), with the paper's equations and its misprints
+//! 7. [Chosen while the program runs](erased): any system, any scheme, in lists of numbers
+//! 8. [Reading the generated code](reading)
+//! 9. [The mathematics](mathematics), with the paper's equations and its misprints
 //!
 //! The figures, and what each shows, are in the documentation of the crate `coadjoint-systems`: `coadjoint_systems::figures`.
 
@@ -239,6 +240,22 @@ pub mod choosing {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
+    //! With both retractions the standard steps are generated. `retractions(Cayley)` leaves it at those named, which halves what the description
+    //! costs to compile; a scheme on the other one is then an error of the compiler. What else is wanted is named in `methods(…)`.
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! #[lie_poisson_system(group = SO3, retractions(Cayley), methods(Midpoint))]
+    //! struct Body {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //! }
+    //!
+    //! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    //! assert!(body.stepper::<Cayley>(0.1).is_ok() && body.stepper::<Midpoint<Cayley>>(0.1).is_ok());
+    //! ```
+    //!
     //! # Fast
     //!
     //! * Steps taken together take less time than one by one, with the same result: [`steps_with`](crate::Stepper::steps_with), and with it a
@@ -367,6 +384,15 @@ pub mod derivatives {
     //! parameter. With `derivatives` in the description, or `derivatives(state)` for a part of them, that is generated with the steps: the
     //! derivative of the step that is really taken, not of the continuous equations, exact to rounding at any step size.
     //!
+    //! | call | needs `derivatives(…)` with |
+    //! |---|---|
+    //! | [`step_with_jacobian`](crate::Stepper::step_with_jacobian), [`jacobian`](crate::derivative::StepDerivative::jacobian) by [`ByState`](crate::derivative::ByState) | `state` |
+    //! | the same by [`ByControl`](crate::derivative::ByControl) | `controls` |
+    //! | the same by [`ByParameters`](crate::derivative::ByParameters) | `parameters` |
+    //! | [`tangent`](crate::derivative::StepDerivative::tangent) of a step, or of a [`Recording`](crate::derivative::Recording::tangent) | `tangent` |
+    //! | [`adjoint`](crate::derivative::StepDerivative::adjoint) of a step, [`gradient`](crate::derivative::Recording::gradient) and [`gradient_with`](crate::derivative::Recording::gradient_with) of a recording | `adjoint` |
+    //! | [`step_with_derivative`](crate::Stepper::step_with_derivative), [`Recording::new`](crate::derivative::Recording::new) | any of them |
+    //!
     //! **What changes.** A configuration `g` becomes `g exp(δ)`, with `δ` in the algebra: three numbers for a rotation, in body axes, whatever it
     //! is stored as. Momenta, advected parameters, controls and parameters change by what is added to them. All parts of a state lie one after
     //! the other, as its fields do; `TopPart::MOMENTUM` says where.
@@ -426,7 +452,8 @@ pub mod derivatives {
     //! ```
     //!
     //! Backwards, a [`Recording`](crate::derivative::Recording) gives the derivatives of one function of the end of a run, and of states on
-    //! the way, by the start, by every control and by all parameters, for about four times the run itself.
+    //! the way, by the start, by every control and by all parameters. Run and derivative take about four times as long as the run alone with its
+    //! steps one by one; six times as long as one whose steps are taken [together](crate::Stepper::steps_with), where that is faster.
     //!
     //! What is worked out with these: `coadjoint_systems::applications`.
     //!
@@ -434,6 +461,64 @@ pub mod derivatives {
     //! `P`, and `det D = 1`, where no force acts; the product backwards is the transpose of that forwards.
     //!
     //! Steps of [`Compensated`](crate::compensated) and [`Fused`](crate::fused) schemes have none of their own: take those of the scheme itself.
+}
+
+pub mod erased {
+    //! # Chosen while the program runs
+    //!
+    //! A program that takes system, scheme and parameters from a file or a command line has no types for them.
+    //! [`coadjoint::erased`](crate::erased) has systems behind a `dyn` [`System`](crate::erased::System), schemes as a value of
+    //! [`Scheme`](crate::erased::Scheme), and parameters, states and controls as lists of numbers, in the order of the struct's fields. Steps are
+    //! the same to the last bit, and take about the same time. What is compiled for each system is its arithmetic alone.
+    //!
+    //! ```
+    //! use coadjoint::erased::{self, Controls, Scheme, Watched};
+    //! use coadjoint::geometry::Map;
+    //! use coadjoint::prelude::*;
+    //! use std::ops::ControlFlow;
+    //!
+    //! #[lie_poisson_system(group = SO2, potential = -weight * angle.cos_angle(), control(motor: R1), force = motor)]
+    //! struct Pendulum {
+    //!     #[inertia]
+    //!     inertia: f64,
+    //!     weight: f64,
+    //! }
+    //!
+    //! #[lie_poisson_system(group = SO3)]
+    //! struct Body {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //! }
+    //!
+    //! fn system(name: &str) -> Option<Box<dyn erased::System>> {
+    //!     Some(match name {
+    //!         "pendulum" => Box::new(Pendulum { inertia: 1.0, weight: 9.81 }),
+    //!         "body" => Box::new(Body { inertia: vector![1.0, 2.0, 2.5] }),
+    //!         _ => return None,
+    //!     })
+    //! }
+    //!
+    //! let pendulum = system("pendulum").ok_or("no such system")?.with_parameters(&[2.0, 9.81]);
+    //! assert_eq!(pendulum.description().parameters[0].name, "inertia");
+    //! let mut stepper = erased::Stepper::new(&*pendulum, &Scheme::Standard(Map::Cayley), 0.01)?;
+    //! // the angle's cosine and sine, and the momentum
+    //! let mut state = [1.0, 0.0, 3.0];
+    //! // a brake, asked anew before each step; `Controls::Held` where nothing changes
+    //! let brake = |state: &[f64], _time: f64, motor: &mut [f64]| motor[0] = -2.0 * state[2];
+    //! let run = Watched { steps: 1_000, controls: Controls::Chosen(&brake), next: &|index| index + 100 };
+    //! let mut energies = Vec::new();
+    //! erased::run(&mut stepper, &mut state, &run, &mut |sample| {
+    //!     energies.push(sample.energy);
+    //!     ControlFlow::Continue(())
+    //! })?;
+    //! assert_eq!(energies.len(), 11);
+    //! assert!(energies[10] < energies[0]);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! A scheme that was not generated is then an error when the stepper is built, [`NotGenerated`](crate::erased::NotGenerated), which names the
+    //! key of the description that asks for it. [`Ensemble`](crate::erased::Ensemble) and [`certify_erased`](crate::certify::certify_erased) are
+    //! the same for ensembles and certificates. There are no derivatives.
 }
 
 pub mod reading {

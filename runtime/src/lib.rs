@@ -120,7 +120,7 @@ pub mod __private {
     pub use crate::solve::one_step::OneStep;
     pub use crate::stumpff::family;
     pub use crate::system::{
-        Control, Generated, NoControl, Quantity, Role, Schemes, State, Stored, System, Visitor,
+        Control, Generated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored, System, Visitor,
     };
     pub use nalgebra;
     pub use serde;

@@ -249,6 +249,7 @@ impl<T: Batch> Course<T> {
     /// # Errors
     /// If something went wrong in every lane.
     #[cfg(feature = "std")]
+    #[inline(always)]
     pub(crate) fn count(&mut self, outcome: Counted<T>) -> Result<(), T::Each<Option<StepError>>> {
         match outcome {
             Ok((iterations, residual)) => self.add(iterations, residual),

@@ -1,17 +1,18 @@
 //! The stepper: a method with its step, for people to call.
 
 use core::fmt;
+use core::marker::PhantomData;
 
 use crate::derivative::{
-    Blocks, DerivativeOf, Differentiable, Linearizable, StepDerivative, StepJacobian, jacobian,
+    BlocksOf, DerivativeOf, Differentiable, HasDerivative, Linearizable, StepDerivative, StepJacobian,
 };
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
 use crate::memory::{self, visit_flag};
-use crate::method::{Advanced, Clock, Method};
+use crate::method::{Advanced, Clock};
 use crate::run::{RunError, RunReport};
 use crate::scalar::{Batch, Real, Scalar, Work};
-use crate::system::{Control, Discretized, State, System};
+use crate::system::{Control, Discretized, MethodOf, State, System};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,10 +28,11 @@ pub struct StepReport {
 ///
 /// Built by [`System::stepper`]. The result of a step depends on the state, the time and the control alone, up to roundoff: the
 /// stepper only remembers where the last solutions were, to start the next one where they point. It counts the time from 0, or from where
-/// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice.
-pub struct Stepper<S: Discretized<M>, M> {
+/// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice. The method `D` follows from system and scheme.
+pub struct Stepper<S: System, M, D = <S as Discretized<M>>::Method<<S as System>::Scalar>> {
     system: S,
-    method: S::Method<S::Scalar>,
+    method: D,
+    scheme: PhantomData<fn() -> M>,
     step: S::Scalar,
     /// The time before the steps counted by `taken`.
     start: f64,
@@ -46,14 +48,14 @@ pub struct Stepper<S: Discretized<M>, M> {
 /// that the first step puts it back.
 const LARGEST_DEVIATION: f64 = 1e-3;
 
-impl<S: Discretized<M>, M> Stepper<S, M> {
+impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     pub(crate) fn new(system: &S, step: S::Scalar) -> Result<Self, ParameterError> {
         system.validate()?;
         check_step(step.to_f64())?;
         let parameters = system.to_parameters();
         let system = S::from_parameters(&parameters);
-        let method = S::Method::<S::Scalar>::new(&parameters, step);
-        Ok(Self { system, method, step, start: 0.0, taken: 0, before: 0, left: None })
+        let method = D::new(&parameters, step);
+        Ok(Self { system, method, scheme: PhantomData, step, start: 0.0, taken: 0, before: 0, left: None })
     }
 
     /// The system, as it was when the stepper was built.
@@ -112,7 +114,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         check_step(step.to_f64())?;
         (self.start, self.before, self.taken) = (Stepping::now(self), self.steps_taken(), 0);
         (self.step, self.left) = (step, None);
-        self.method = S::Method::<S::Scalar>::new(&self.system.to_parameters(), step);
+        self.method = D::new(&self.system.to_parameters(), step);
         Ok(())
     }
 
@@ -123,7 +125,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     pub fn set_system(&mut self, system: &S) -> Result<(), ParameterError> {
         system.validate()?;
         let parameters = system.to_parameters();
-        self.method = S::Method::<S::Scalar>::new(&parameters, self.step);
+        self.method = D::new(&parameters, self.step);
         (self.system, self.left) = (S::from_parameters(&parameters), None);
         Ok(())
     }
@@ -149,7 +151,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// assert_eq!(stepper.time(), 10.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn trajectory(&mut self, from: S::State) -> Trajectory<'_, S, M> {
+    pub fn trajectory(&mut self, from: S::State) -> Trajectory<'_, Self> {
         Trajectory { stepper: self, state: from, begun: false, ended: false }
     }
 
@@ -214,7 +216,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     #[inline]
     fn visit(
         left: &mut Option<S::StateComponents<S::Scalar>>,
-        method: &mut S::Method<S::Scalar>,
+        method: &mut D,
         visit: &mut dyn FnMut(&mut [S::Scalar]),
     ) {
         let mut is_known = left.is_some();
@@ -344,33 +346,27 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     }
 }
 
-/// The derivatives of the last step.
-struct JacobianWork<'a, S: Discretized<M>, M, B> {
-    stepper: &'a Stepper<S, M>,
+/// The derivatives of the last step, which started so.
+struct JacobianWork<'a, S: System, M, D, B> {
+    stepper: &'a Stepper<S, M, D>,
     state: &'a S::StateComponents<S::Scalar>,
     time: S::Scalar,
     control: &'a S::ControlComponents<S::Scalar>,
-    blocks: core::marker::PhantomData<B>,
+    blocks: PhantomData<B>,
 }
 
-impl<S, M, B> Work for JacobianWork<'_, S, M, B>
-where
-    S: Discretized<M> + Differentiable,
-    S::Method<S::Scalar>: Linearizable<S>,
-    B: Blocks<S>,
-{
-    type Home = <S::Method<S::Scalar> as Method>::Home;
+impl<S: System, M, D: MethodOf<S>, B: BlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
+    type Home = D::Home;
     type Result = B::Jacobian;
 
     #[inline(always)]
     fn done(self) -> B::Jacobian {
-        let Self { stepper, state, time, control, .. } = self;
-        let derivative = stepper.derivative(state, time, control, &stepper.method.trace());
-        jacobian::<S, S::Method<S::Scalar>, B>(&derivative)
+        let Self { stepper: Stepper { system, method, step, .. }, state, time, control, .. } = self;
+        B::matrices(method, &system.to_parameters(), *step, state, time, control)
     }
 }
 
-// what derivatives need is asked for by each function, so that the compiler says what is missing where it is
+// what derivatives need is asked for by each function, in one word, so that the compiler says what is missing where it is, and once
 impl<S: Discretized<M>, M> Stepper<S, M> {
     /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
     ///
@@ -383,12 +379,12 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         control: &S::Control,
     ) -> Result<(DerivativeOf<S, M>, StepReport), StepError>
     where
-        S: Differentiable,
-        S::Method<S::Scalar>: Linearizable<S>,
+        S::Method<S::Scalar>: HasDerivative<S>,
     {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;
-        let derivative = self.derivative(&components, time, &control.to_components(), &self.method.trace());
+        let (parameters, control) = (self.system.to_parameters(), control.to_components());
+        let derivative = self.method.last_derivative(&parameters, self.step, &components, time, &control);
         Ok((StepDerivative::new(derivative), report))
     }
 
@@ -407,32 +403,26 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         _: B,
     ) -> Result<StepJacobian<B::Jacobian>, StepError>
     where
-        S: Differentiable,
-        S::Method<S::Scalar>: Linearizable<S>,
-        B: Blocks<S>,
+        B: BlocksOf<S, S::Method<S::Scalar>>,
     {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;
-        let work = JacobianWork::<S, M, B> {
+        let work = JacobianWork::<S, M, S::Method<S::Scalar>, B> {
             stepper: self,
             state: &components,
             time,
             control: &control.to_components(),
-            blocks: core::marker::PhantomData,
+            blocks: PhantomData,
         };
         // for wide registers where there are some: what comes of it is the same, the operations are
         Ok(StepJacobian { jacobian: S::Scalar::outline_fused(work), report })
     }
 }
 
-impl<S, M> Stepper<S, M>
-where
-    S: Discretized<M> + Differentiable,
-    S::Method<S::Scalar>: Linearizable<S>,
-{
+impl<S: Differentiable, M, D: MethodOf<S> + Linearizable<S>> Stepper<S, M, D> {
     /// The solutions of the last step's equations.
     #[cfg(feature = "std")]
-    pub(crate) fn trace(&self) -> <S::Method<S::Scalar> as Linearizable<S>>::Trace {
+    pub(crate) fn trace(&self) -> D::Trace {
         self.method.trace()
     }
 
@@ -443,8 +433,8 @@ where
         state: &S::StateComponents<S::Scalar>,
         time: S::Scalar,
         control: &S::ControlComponents<S::Scalar>,
-        trace: &<S::Method<S::Scalar> as Linearizable<S>>::Trace,
-    ) -> <S::Method<S::Scalar> as Linearizable<S>>::Derivative {
+        trace: &D::Trace,
+    ) -> D::Derivative {
         self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
     }
 }
@@ -530,7 +520,7 @@ pub trait Stepping {
     ) -> Result<RunReport, RunError>;
 }
 
-impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
+impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
     type System = S;
 
     #[inline]
@@ -592,37 +582,40 @@ impl<S: Discretized<M>, M> Stepping for Stepper<S, M> {
 }
 
 /// The motion from a state on: [`Stepper::trajectory`].
-pub struct Trajectory<'a, S: Discretized<M>, M> {
-    stepper: &'a mut Stepper<S, M>,
-    state: S::State,
+pub struct Trajectory<'a, T: Stepping> {
+    stepper: &'a mut T,
+    state: <T::System as System>::State,
     begun: bool,
     ended: bool,
 }
 
-impl<S: Discretized<M>, M> Iterator for Trajectory<'_, S, M> {
+impl<T: Stepping> Iterator for Trajectory<'_, T> {
     /// A time, and the state then.
-    type Item = Result<(S::Scalar, S::State), StepError>;
+    type Item = Result<(f64, <T::System as System>::State), StepError>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.ended {
             return None;
         }
-        if self.begun {
-            if let Err(error) = self.stepper.step(&mut self.state) {
-                self.ended = true;
-                return Some(Err(error));
-            }
+        if self.begun
+            && let Err(error) = self.stepper.step_with(&mut self.state, &Default::default())
+        {
+            self.ended = true;
+            return Some(Err(error));
         }
         self.begun = true;
-        Some(Ok((self.stepper.time(), self.state.clone())))
+        Some(Ok((self.stepper.now(), self.state.clone())))
     }
 }
 
-impl<S: Discretized<M>, M> fmt::Debug for Trajectory<'_, S, M> {
+impl<T: Stepping> fmt::Debug for Trajectory<'_, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Trajectory")
-            .field("stepper", &self.stepper)
-            .field("state", &self.state)
+        let Self { stepper, state, ended, .. } = self;
+        let mut debug = f.debug_struct("Trajectory");
+        debug
+            .field("time", &stepper.now())
+            .field("state", state)
+            .field("ended", ended)
             .finish_non_exhaustive()
     }
 }
@@ -651,15 +644,15 @@ pub(crate) fn check_state(components: &[f64], deviation: f64) -> Result<(), Step
     }
 }
 
-impl<S: Discretized<M>, M> Clone for Stepper<S, M> {
+impl<S: System, M, D: MethodOf<S>> Clone for Stepper<S, M, D> {
     fn clone(&self) -> Self {
         let system = S::from_parameters(&self.system.to_parameters());
         let Self { step, start, taken, before, left, .. } = *self;
-        Self { system, method: self.method.clone(), step, start, taken, before, left }
+        Self { system, method: self.method.clone(), scheme: PhantomData, step, start, taken, before, left }
     }
 }
 
-impl<S: Discretized<M>, M> fmt::Debug for Stepper<S, M> {
+impl<S: System, M, D: MethodOf<S>> fmt::Debug for Stepper<S, M, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Stepper")
             .field("system", &S::NAME)

@@ -210,8 +210,8 @@ pub trait System: Sized {
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "schemes are `Exponential`, `Cayley`, `SymplecticEulerA<Cayley>`, …, and compositions such as `Order6<Exponential>`",
-    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`; where `retractions(…)` names some, the others are not generated"
+    note = "where the description has `retractions(…)`, no others are generated than those it names; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
+    note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
 pub trait Discretized<M>: System {
     /// What takes the steps, over a number or several side by side.
@@ -223,12 +223,33 @@ pub trait Discretized<M>: System {
         >;
 }
 
+/// A method for the arrays of a system.
+pub trait MethodOf<S: System>:
+    Method<
+        Scalar = S::Scalar,
+        Parameters = S::Parameters<S::Scalar>,
+        State = S::StateComponents<S::Scalar>,
+        Control = S::ControlComponents<S::Scalar>,
+    >
+{
+}
+
+impl<S: System, D> MethodOf<S> for D where
+    D: Method<
+            Scalar = S::Scalar,
+            Parameters = S::Parameters<S::Scalar>,
+            State = S::StateComponents<S::Scalar>,
+            Control = S::ControlComponents<S::Scalar>,
+        >
+{
+}
+
 /// A system for which the macro has generated the straight-line code of a step of the scheme `M`, a member of the
 /// [family](Family).
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "schemes are `Exponential`, `Cayley`, `SymplecticEulerA<Cayley>`, …, and compositions such as `Order6<Exponential>`",
-    note = "a scheme that was not generated is asked for in the description with `methods(Midpoint, …)`; where `retractions(…)` names some, the others are not generated"
+    note = "where the description has `retractions(…)`, no others are generated than those it names; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
+    note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
 pub trait Generated<M>: System {
     /// The generated code, over any scalar.
@@ -238,6 +259,16 @@ pub trait Generated<M>: System {
             State = Self::StateComponents<T>,
             Control = Self::ControlComponents<T>,
         >;
+}
+
+/// A system whose steps were generated with the retraction `R`. Implemented by the macro.
+#[diagnostic::on_unimplemented(
+    message = "there are no steps with the retraction `{R}` for `{Self}`",
+    note = "where the description has `retractions(…)`, no others are generated than those it names"
+)]
+pub trait Retracted<R>: System {
+    /// The [standard](System::Standard) scheme.
+    type Scheme;
 }
 
 /// The steps that were generated for a system, to be chosen from while the program runs. Implemented by the macro.
@@ -256,6 +287,7 @@ pub trait Visitor<S: System> {
         S: Generated<M>;
 }
 
+#[diagnostic::do_not_recommend]
 impl<S, R, const N: u32, const D: u32> Discretized<Family<R, N, D>> for S
 where
     S: Generated<Family<R, N, D>>,
@@ -263,6 +295,7 @@ where
     type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
 }
 
+#[diagnostic::do_not_recommend]
 impl<S, R> Discretized<StormerVerlet<R>> for S
 where
     S: Discretized<SymplecticEulerA<R>> + Discretized<SymplecticEulerB<R>>,
@@ -273,10 +306,12 @@ where
     >;
 }
 
+#[diagnostic::do_not_recommend]
 impl<S: Generated<TangentLift<R>>, R> Discretized<TangentLift<R>> for S {
     type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
 }
 
+#[diagnostic::do_not_recommend]
 impl<S, M> Discretized<RightLift<M>> for S
 where
     S: Isolated + Discretized<M>,
@@ -284,18 +319,20 @@ where
     type Method<T: Batch> = Carried<S, <S as Discretized<M>>::Method<T>>;
 }
 
+#[diagnostic::do_not_recommend]
 impl<S> Discretized<Exponential> for S
 where
-    S: System + Discretized<<S as System>::Standard<Exponential>>,
+    S: Retracted<Exponential> + Discretized<<S as Retracted<Exponential>>::Scheme>,
 {
-    type Method<T: Batch> = <S as Discretized<<S as System>::Standard<Exponential>>>::Method<T>;
+    type Method<T: Batch> = <S as Discretized<<S as Retracted<Exponential>>::Scheme>>::Method<T>;
 }
 
+#[diagnostic::do_not_recommend]
 impl<S> Discretized<Cayley> for S
 where
-    S: System + Discretized<<S as System>::Standard<Cayley>>,
+    S: Retracted<Cayley> + Discretized<<S as Retracted<Cayley>>::Scheme>,
 {
-    type Method<T: Batch> = <S as Discretized<<S as System>::Standard<Cayley>>>::Method<T>;
+    type Method<T: Batch> = <S as Discretized<<S as Retracted<Cayley>>::Scheme>>::Method<T>;
 }
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit

@@ -9,7 +9,7 @@ use crate::kernel::{Evaluation, Kernel};
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::Scalar;
 use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
-use crate::system::{Control, Generated, NoControl, Quantity, Role, State, System};
+use crate::system::{Control, Generated, NoControl, Quantity, Retracted, Role, State, System};
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Body {
@@ -45,6 +45,10 @@ impl State for BodyState {
             momentum: Vector3::new(x, y, z),
         }
     }
+}
+
+impl<R> Retracted<R> for Body {
+    type Scheme = SymplecticEulerA<R>;
 }
 
 impl System for Body {
@@ -273,6 +277,10 @@ impl Control for OscillatorControl {
     fn from_components(&[force]: &[f64; 1]) -> Self {
         Self { force }
     }
+}
+
+impl<R> Retracted<R> for Oscillator {
+    type Scheme = StormerVerlet<R>;
 }
 
 impl System for Oscillator {

@@ -83,14 +83,14 @@ pub struct Entry {
     pub example: fn() -> Setup,
     /// The system with these parameters.
     pub system: fn(&[f64]) -> Box<dyn erased::System>,
-    /// Its own control law: what is held over the step from a state at a time, by its parameters. None if it has no controls.
-    pub control: Option<ControlLaw>,
+    /// Its own control law with these parameters. None if it has no controls.
+    pub control: Option<fn(&[f64]) -> ControlLaw>,
     /// The moment of inertia, if it is a body of mass, by its parameters.
     pub body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
 }
 
-/// Controls by parameters, state and time.
-pub type ControlLaw = fn(&[f64], &[f64], f64) -> Vec<f64>;
+/// Writes what is held over the step from a state at a time.
+pub type ControlLaw = Box<dyn Fn(&[f64], f64, &mut [f64]) + Send + Sync>;
 
 impl Entry {
     const fn of<S: Catalogued>(name: &'static str, source: &'static str) -> Self {
@@ -141,9 +141,14 @@ fn system<S: Catalogued>(parameters: &[f64]) -> S {
     S::from_parameters(&filled(S::example().0.to_parameters(), parameters))
 }
 
-fn control<S: Catalogued>(parameters: &[f64], state: &[f64], time: f64) -> Vec<f64> {
-    let state = S::State::from_components(&filled(S::example().1.to_components(), state));
-    system::<S>(parameters).control(&state, time).to_components().as_ref().to_vec()
+fn control<S: Catalogued>(parameters: &[f64]) -> ControlLaw {
+    let system = system::<S>(parameters);
+    let example = S::example().1.to_components();
+    Box::new(move |state, time, to| {
+        let state = S::State::from_components(&filled(example, state));
+        let control = system.control(&state, time).to_components();
+        to.iter_mut().zip(control.as_ref()).for_each(|(to, number)| *to = *number);
+    })
 }
 
 /// `chi_x` for a component, `weight` for a scalar.

@@ -65,8 +65,9 @@ pub fn run(
     shown: &[Shown],
     watch: &mut Glance<'_>,
 ) -> Result<Course, SimulationError> {
-    let members = (0..crowd.members).map(|member| drawn(setup, crowd, member));
-    let members = members.map(|Setup { parameters, state }| (parameters, state));
+    let members: Vec<Setup> = (0..crowd.members).map(|member| drawn(setup, crowd, member)).collect();
+    let laws = entry.control.map(|law| members.iter().map(|own| law(&own.parameters)).collect::<Vec<_>>());
+    let members = members.into_iter().map(|Setup { parameters, state }| (parameters, state));
     let mut ensemble = Ensemble::new(&*(entry.system)(&setup.parameters), members, crowd.step)?;
     let mut spreads = vec![Vec::new(); shown.len()];
     let every = crowd.every.max(1);
@@ -83,15 +84,15 @@ pub fn run(
         if taken == crowd.steps {
             break;
         }
-        // to the next look, or until the control is to be chosen anew
-        let mut steps = (every - taken % every).min(crowd.steps - taken);
+        // to the next look
+        let steps = (every - taken % every).min(crowd.steps - taken);
         let start = std::time::Instant::now();
-        if let Some(control) = entry.control {
-            let time = ensemble.time();
-            ensemble.control(|system, state| control(&system.parameters(), state, time));
-            steps = 1;
-        }
-        member_steps += ensemble.run(steps);
+        member_steps += match &laws {
+            Some(laws) => ensemble.run_controlled(steps, &|member, state, time, control| {
+                laws[member](state, time, control);
+            }),
+            None => ensemble.run(steps),
+        };
         seconds += start.elapsed().as_secs_f64();
         taken += steps;
     }

@@ -9,8 +9,9 @@ use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 pub use coadjoint::erased::Sample;
-use coadjoint::erased::{self, Scheme, StepperError, Watched};
+use coadjoint::erased::{self, Controls, Scheme, StepperError, Watched};
 use coadjoint::prelude::*;
+use coadjoint::system::Quantity;
 use coadjoint::{RunError, RunReport};
 use thiserror::Error;
 
@@ -286,16 +287,10 @@ impl Entry {
             state.clone_from(&from.state);
             stepper.recall(&from.memory).map_err(StepperError::from)?;
         }
-        let law = |state: &[f64], time: f64| match self.control {
-            Some(control) => control(&setup.parameters, state, time),
-            None => Vec::new(),
-        };
-        let control: Option<&erased::Control<'_>> = match self.control {
-            Some(_) => Some(&law),
-            None => None,
-        };
+        let law = self.control.map(|control| control(&setup.parameters));
+        let controls = law.as_ref().map_or(Controls::Held(&[]), |law| Controls::Chosen(law));
         let steps = job.steps.saturating_sub(stepper.steps_taken());
-        Ok(erased::run(&mut stepper, &mut state, &Watched { steps, control, next }, watch)?)
+        Ok(erased::run(&mut stepper, &mut state, &Watched { steps, controls, next }, watch)?)
     }
 
     /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
@@ -342,7 +337,10 @@ impl Entry {
             ControlFlow::Continue(())
         })?;
         let controls: Vec<Vec<f64>> = match self.control {
-            Some(control) => states.iter().map(|state| control(&setup.parameters, state, 0.0)).collect(),
+            Some(control) => {
+                let law = control(&setup.parameters);
+                states.iter().map(|state| chosen(&law, self.description.controls, state)).collect()
+            }
             None => Vec::new(),
         };
         let system = (self.system)(&setup.parameters);
@@ -355,6 +353,13 @@ impl Entry {
     pub fn standard(&self) -> Method {
         if self.description.invariant { Method::EulerA } else { Method::Verlet }
     }
+}
+
+/// What a law chooses at a state at time 0.
+fn chosen(law: &erased::Law<'_>, controls: &[Quantity], state: &[f64]) -> Vec<f64> {
+    let mut control = vec![0.0; controls.iter().map(|quantity| quantity.components.len()).sum()];
+    law(state, 0.0, &mut control);
+    control
 }
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.

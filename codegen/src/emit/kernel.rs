@@ -268,9 +268,21 @@ pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
     }
 }
 
-/// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for.
+/// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for. `impl Retracted<Cayley> for HeavyTop { … }` for each
+/// retraction that there is.
 pub(super) fn schemes(names: &Names, steps: &[StepExpansion]) -> TokenStream {
-    let Names { system, private, .. } = names;
+    let Names { system, private, coadjoint, .. } = names;
+    let mut retractions: Vec<_> = steps.iter().map(|step| step.scheme.retraction.name()).collect();
+    retractions.dedup();
+    let retracted = retractions.into_iter().map(|retraction| {
+        let retraction = format_ident!("{retraction}");
+        quote! {
+            #[automatically_derived]
+            impl #private::Retracted<#coadjoint::#retraction> for #system {
+                type Scheme = <Self as #private::System>::Standard<#coadjoint::#retraction>;
+            }
+        }
+    });
     let arms = steps.iter().map(|StepExpansion { scheme, aliases, .. }| {
         let map = format_ident!("{}", scheme.retraction.name());
         let rules = std::iter::once(scheme).chain(aliases).map(|scheme| match scheme.rule {
@@ -284,6 +296,8 @@ pub(super) fn schemes(names: &Names, steps: &[StepExpansion]) -> TokenStream {
         quote! { (#private::Map::#map, #(#rules)|*) => #private::Visitor::visit::<#marker>(visitor) }
     });
     let schemes = quote! {
+        #(#retracted)*
+
         #[automatically_derived]
         impl #private::Schemes for #system {
             #[inline]

@@ -402,14 +402,17 @@ fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
         let known = Member::NAMED.map(|(name, _)| name);
         let all = list(known.iter().copied().chain(["Family(numerator, denominator)", "TangentLift"]));
         let guess = suggestion(&name.to_string(), &known);
-        let rest = match name.to_string().as_str() {
-            "Exponential" | "Cayley" | "StormerVerlet" | "RightLift" => {
-                format!("; this one needs not be asked for; there are {all}")
+        let message = match name.to_string().as_str() {
+            "Exponential" | "Cayley" => format!(
+                "`{name}` is a retraction, not a method: the standard steps with it are generated, unless `retractions(…)` names others only"
+            ),
+            "StormerVerlet" | "RightLift" => {
+                format!("leave out `{name}`: the steps that it is made of are generated without it")
             }
-            _ if guess.ends_with('?') => format!("{guess} There are {all}"),
-            _ => format!("; there are {all}"),
+            _ if guess.ends_with('?') => format!("there is no method `{name}`{guess} There are {all}"),
+            _ => format!("there is no method `{name}`; there are {all}"),
         };
-        syn::Error::new_spanned(&name, format!("there is no method `{name}` to ask for{rest}"))
+        syn::Error::new_spanned(&name, message)
     })
 }
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::definition::Walk;
 use super::probe::Probe;
-use crate::composition::{Coefficients, Composed};
+use crate::composition::{self, Coefficients, Composed};
 use crate::geometry::Geometry;
 use crate::retraction::{Cayley, Exponential, Retraction};
 use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
@@ -100,12 +100,11 @@ where
     const CLAIM: Claim = Claim::family(S::INVARIANT, S::FORCED, N, D);
 
     fn name() -> String {
-        let retraction = without_paths(core::any::type_name::<R>());
         match (N, D) {
-            (0, 1) => format!("SymplecticEulerA<{retraction}>"),
-            (1, 2) => format!("Midpoint<{retraction}>"),
-            (1, 1) => format!("SymplecticEulerB<{retraction}>"),
-            _ => format!("Family<{retraction}, {N}, {D}>"),
+            (0, 1) => on::<R>("SymplecticEulerA"),
+            (1, 2) => on::<R>("Midpoint"),
+            (1, 1) => on::<R>("SymplecticEulerB"),
+            _ => format!("Family<{}, {N}, {D}>", without_paths(core::any::type_name::<R>())),
         }
     }
 
@@ -128,6 +127,10 @@ where
     // half of the first member, then half of its adjoint
     const CLAIM: Claim = Claim { order: 2, symmetric: true, ..SymplecticEulerA::<R>::CLAIM };
 
+    fn name() -> String {
+        on::<R>("StormerVerlet")
+    }
+
     fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
         SymplecticEulerA::<R>::walk(walk, 0.5 * step) && SymplecticEulerB::<R>::walk(walk, 0.5 * step)
     }
@@ -140,6 +143,10 @@ where
 
 impl<S: Geometry<Scalar = f64>, R> Claims<S> for TangentLift<R> {
     const CLAIM: Claim = Claim::TANGENT_LIFT;
+
+    fn name() -> String {
+        on::<R>("TangentLift")
+    }
 }
 
 impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
@@ -162,7 +169,7 @@ impl<S: Geometry<Scalar = f64>, C: Coefficients, M: Claims<S>> Claims<S> for Com
     const CLAIM: Claim = M::CLAIM.composed(C::ORDER);
 
     fn name() -> String {
-        format!("Composed<{}, {}>", without_paths(core::any::type_name::<C>()), M::name())
+        composition::name(core::any::type_name::<C>(), &M::name())
     }
 
     fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
@@ -176,8 +183,13 @@ impl<S: Geometry<Scalar = f64>, C: Coefficients, M: Claims<S>> Claims<S> for Com
     }
 }
 
+/// A scheme on the retraction `R`. The compiler's own name leaves out what is the default.
+fn on<R>(scheme: &str) -> String {
+    format!("{scheme}<{}>", without_paths(core::any::type_name::<R>()))
+}
+
 /// `Family<Cayley, 1, 2>` of `coadjoint::scheme::Family<coadjoint::retraction::Cayley, 1, 2>`.
-fn without_paths(name: &str) -> String {
+pub(crate) fn without_paths(name: &str) -> String {
     let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let mut short = String::new();
     let mut rest = name;

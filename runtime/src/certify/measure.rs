@@ -8,9 +8,10 @@ use super::definition::{Walk, series};
 use super::frame::{Frame, derivative, larger, slope};
 use super::probe::Probe;
 use super::report::{Bound, Certificate, Report, Verdict};
-use crate::erased::{Description, Geometry, Method, NotGenerated, Stepper, check_length, length};
+use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
 use crate::error::{ParameterError, StepError};
 use crate::geometry::Map;
+use crate::method::Clock;
 use crate::stepper::{check_state, check_step};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
@@ -206,12 +207,13 @@ impl Sample<'_> {
         seen: &mut dyn FnMut(&[f64]),
     ) -> Result<(), Trouble> {
         check_step(step).map_err(Trouble::Parameter)?;
-        let method = (self.scheme.method)(step).map_err(Trouble::NotGenerated)?;
-        let mut stepper = Stepper::of(self.system, method, step);
-        stepper.set_time(time);
-        let mut state = state.to_vec();
-        for _ in 0..count {
-            stepper.step(&mut state, self.control).map_err(Trouble::Step)?;
+        let mut method = (self.scheme.method)(step).map_err(Trouble::NotGenerated)?;
+        let (mut state, mut next) = (state.to_vec(), state.to_vec());
+        for taken in 0..count as u64 {
+            let now = Clock { start: time, step, taken }.after(0);
+            let outcome = method.advance(&state, &mut next, now, self.control, taken > 0);
+            outcome.map_err(|errors| Trouble::Step(of_only_lane(errors)))?;
+            core::mem::swap(&mut state, &mut next);
             seen(&state);
         }
         Ok(())

@@ -59,6 +59,7 @@ mod report;
 
 use thiserror::Error;
 
+pub(crate) use claims::without_paths;
 pub use claims::{Claim, Claims, Kept};
 pub use definition::Walk;
 pub use probe::Probe;

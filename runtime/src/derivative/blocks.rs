@@ -7,6 +7,7 @@ use nalgebra::SMatrix;
 use super::{AllChanges, Derives, Differentiable, Linearizable, StateChange, Wanted};
 use crate::scalar::{Real, Scalar};
 use crate::stepper::StepReport;
+use crate::system::{MethodOf, System};
 
 /// A step with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +68,58 @@ pub struct ByParameters;
 
 /// The derivatives of the next state that are asked for: [`ByState`], [`ByControl`], [`ByParameters`], or several of them, as `(ByState,
 /// ByControl)`. Others are not computed.
-pub trait Blocks<S: Differentiable>: Wanted {
+#[diagnostic::on_unimplemented(
+    message = "the derivatives `{Self}` of the steps of `{S}` were not generated",
+    note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
+)]
+pub trait Blocks<S: System>: Wanted {
     /// The matrix, or the matrices in the order asked for.
     type Jacobian;
 
     /// The matrices of these columns.
     #[doc(hidden)]
-    fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian;
+    fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian
+    where
+        S: Differentiable;
+}
+
+/// [`Blocks`] that were generated for the steps of the method `D`.
+#[diagnostic::on_unimplemented(
+    message = "the derivatives `{Self}` of the steps of `{S}` were not generated",
+    note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
+)]
+pub trait BlocksOf<S: System, D: MethodOf<S>>: Blocks<S> {
+    /// Those of the method's last step, which started so.
+    #[doc(hidden)]
+    fn matrices(
+        method: &D,
+        parameters: &D::Parameters,
+        step: S::Scalar,
+        state: &D::State,
+        time: S::Scalar,
+        control: &D::Control,
+    ) -> Self::Jacobian;
+}
+
+#[diagnostic::do_not_recommend]
+impl<S, D, B> BlocksOf<S, D> for B
+where
+    S: Differentiable,
+    D: MethodOf<S> + Linearizable<S>,
+    B: Blocks<S>,
+{
+    #[inline(always)]
+    fn matrices(
+        method: &D,
+        parameters: &D::Parameters,
+        step: S::Scalar,
+        state: &D::State,
+        time: S::Scalar,
+        control: &D::Control,
+    ) -> B::Jacobian {
+        let derivative = method.derivative(parameters, step, state, time, control, &method.trace());
+        jacobian::<S, D, B>(&derivative)
+    }
 }
 
 /// The matrix of these columns.
@@ -97,6 +143,7 @@ macro_rules! single {
             const PARAMETERS: bool = $parameters;
         }
 
+        #[diagnostic::do_not_recommend]
         impl<S: Derives<$blocks>> Blocks<S> for $blocks {
             type Jacobian = S::$blocks;
 
@@ -117,6 +164,7 @@ macro_rules! several {
             const PARAMETERS: bool = $($blocks::PARAMETERS)||*;
         }
 
+        #[diagnostic::do_not_recommend]
         impl<S: Differentiable, $($blocks: Blocks<S>),*> Blocks<S> for ($($blocks,)*) {
             type Jacobian = ($($blocks::Jacobian,)*);
 

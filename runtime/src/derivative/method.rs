@@ -9,6 +9,7 @@ use crate::geometry::Isolated;
 use crate::method::{Carried, Halves, Method};
 use crate::scalar::{Batch, Scalar};
 use crate::solve::one_step::OneStep;
+use crate::system::{MethodOf, System};
 
 /// Which of the derivatives are wanted.
 pub trait Wanted {
@@ -22,7 +23,7 @@ pub trait Wanted {
 
 /// A method whose steps of the system `S` have derivatives.
 #[diagnostic::on_unimplemented(
-    message = "the steps of this scheme have no derivatives",
+    message = "there are no derivatives of the steps of `{S}`",
     note = "derivatives are asked for in the description, with `derivatives`"
 )]
 pub trait Linearizable<S: Differentiable>: Method {
@@ -72,9 +73,48 @@ pub trait Linearizable<S: Differentiable>: Method {
     fn columns<W: Wanted>(derivative: &Self::Derivative) -> AllColumns<S, Self::Scalar>;
 }
 
+/// A method whose steps of the system `S` have derivatives: all that there is to ask for, so that the compiler says once that they were not
+/// generated.
+#[diagnostic::on_unimplemented(
+    message = "there are no derivatives of the steps of `{S}`",
+    note = "derivatives are asked for in the description, with `derivatives`"
+)]
+pub trait HasDerivative<S: System>: MethodOf<S> {
+    /// The derivative of a step.
+    type Point;
+
+    /// That of the last step, which started so.
+    fn last_derivative(
+        &self,
+        parameters: &Self::Parameters,
+        step: Self::Scalar,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+    ) -> Self::Point;
+}
+
+#[diagnostic::do_not_recommend]
+impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> HasDerivative<S> for D {
+    type Point = D::Derivative;
+
+    #[inline(always)]
+    fn last_derivative(
+        &self,
+        parameters: &Self::Parameters,
+        step: Self::Scalar,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+    ) -> D::Derivative {
+        self.derivative(parameters, step, state, time, control, &self.trace())
+    }
+}
+
 /// The columns of derivatives by state, controls and parameters.
 pub type AllColumns<S, T> = AllChanges<S, StateChange<S, T>>;
 
+#[diagnostic::do_not_recommend]
 impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneStep<T, K> {
     type Trace = K::Unknown;
     type Derivative = K::Point;
@@ -196,6 +236,7 @@ fn start<S: Differentiable, D: Linearizable<S>>() -> AllColumns<S, D::Scalar> {
     (state, no_columns::<D::Scalar, _, _>(), no_columns::<D::Scalar, _, _>())
 }
 
+#[diagnostic::do_not_recommend]
 impl<S, A, B> Linearizable<S> for Halves<A, B>
 where
     S: Differentiable,
@@ -262,6 +303,7 @@ where
     }
 }
 
+#[diagnostic::do_not_recommend]
 impl<S: Differentiable, C: Coefficients, B: Linearizable<S>> Linearizable<S> for Composition<C, B> {
     type Trace = C::Steps<B::Trace>;
     type Derivative = C::Steps<B::Derivative>;
@@ -329,6 +371,7 @@ impl<S: Differentiable, C: Coefficients, B: Linearizable<S>> Linearizable<S> for
 }
 
 /// Carrying the momentum changes what rounding makes of it, not the map.
+#[diagnostic::do_not_recommend]
 impl<S, B> Linearizable<S> for Carried<S, B>
 where
     S: Isolated + Differentiable,

@@ -60,15 +60,14 @@ mod run;
 
 use core::fmt;
 
-pub(crate) use blocks::jacobian;
-pub use blocks::{Block, Blocks, ByControl, ByParameters, ByState, Dense, Part, StepJacobian};
-pub use method::{AllColumns, Linearizable, Wanted};
+pub use blocks::{Block, Blocks, BlocksOf, ByControl, ByParameters, ByState, Dense, Part, StepJacobian};
+pub use method::{AllColumns, HasDerivative, Linearizable, Wanted};
 #[cfg(feature = "std")]
 pub use run::{Moment, Recording};
 
 use crate::kernel::{Components, Kernel};
 use crate::scalar::Scalar;
-use crate::system::{Discretized, System};
+use crate::system::{Discretized, MethodOf, System};
 
 /// A system whose steps have derivatives, and the spaces that these act between.
 #[diagnostic::on_unimplemented(
@@ -116,6 +115,10 @@ pub struct Adjoint;
 ///
 /// A map that was not asked for has the body that stands here and gives zeros. Nobody comes to see them: everything public that
 /// applies a map asks for a system that [`Derives`] it.
+#[diagnostic::on_unimplemented(
+    message = "there are no derivatives of the steps of `{S}`",
+    note = "derivatives are asked for in the description, with `derivatives`"
+)]
 pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
     /// What the derivative is made of at one point.
     type Point: Copy + Send + Sync;
@@ -299,20 +302,22 @@ impl<S: Differentiable> fmt::Debug for Changes<S> {
 pub type DerivativeOf<S, M> = StepDerivative<S, <S as Discretized<M>>::Method<<S as System>::Scalar>>;
 
 /// The derivative of one step, of the method `D`, as a linear map.
-pub struct StepDerivative<S: Differentiable, D: Linearizable<S>> {
-    derivative: D::Derivative,
-    system: core::marker::PhantomData<S>,
+pub struct StepDerivative<S, D, P = <D as HasDerivative<S>>::Point> {
+    derivative: P,
+    of: core::marker::PhantomData<fn() -> (S, D)>,
+}
+
+impl<S, D, P> StepDerivative<S, D, P> {
+    pub(crate) fn new(derivative: P) -> Self {
+        Self { derivative, of: core::marker::PhantomData }
+    }
 }
 
 impl<S, D> StepDerivative<S, D>
 where
     S: Differentiable,
-    D: Linearizable<S, Scalar = S::Scalar>,
+    D: MethodOf<S> + Linearizable<S>,
 {
-    pub(crate) fn new(derivative: D::Derivative) -> Self {
-        Self { derivative, system: core::marker::PhantomData }
-    }
-
     /// The change of the next state that a change makes.
     pub fn tangent(&self, changes: &Changes<S>) -> S::StateVector
     where
@@ -339,13 +344,13 @@ where
 }
 
 // written out, because derived it would ask the same of `S` and `D`
-impl<S: Differentiable, D: Linearizable<S>> Clone for StepDerivative<S, D> {
+impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> Clone for StepDerivative<S, D> {
     fn clone(&self) -> Self {
-        Self { derivative: self.derivative.clone(), system: self.system }
+        Self { derivative: self.derivative.clone(), of: self.of }
     }
 }
 
-impl<S: Differentiable, D: Linearizable<S>> fmt::Debug for StepDerivative<S, D> {
+impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> fmt::Debug for StepDerivative<S, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("StepDerivative").field("system", &S::NAME).finish_non_exhaustive()
     }

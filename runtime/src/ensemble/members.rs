@@ -125,10 +125,10 @@ impl Members {
         (self.start, self.taken) = (time, 0);
     }
 
-    /// All take so many steps; returns the steps of all together.
-    pub(crate) fn march(&mut self, steps: u64) -> u64 {
+    /// All take so many steps, with the controls that they have, or those of a law; returns the steps of all together.
+    pub(crate) fn march(&mut self, steps: u64, law: Option<&Law<'_>>) -> u64 {
         let clock = Clock { start: self.start, step: self.step, taken: self.taken };
-        let march = |block: &mut Box<dyn Block>| block.march(clock, steps);
+        let march = |block: &mut Box<dyn Block>| block.march(clock, steps, law);
         #[cfg(feature = "parallel")]
         let marched: Vec<Marched> = {
             use rayon::prelude::*;
@@ -155,15 +155,23 @@ impl Members {
         block.is_alive(lane)
     }
 
-    /// The state of a member; of one that failed, the last that it reached.
-    pub(crate) fn state(&self, member: usize) -> Vec<f64> {
+    /// Puts the state of a member in the place of what there is; of one that failed, the last that it reached.
+    pub(crate) fn state(&self, member: usize, state: &mut Vec<f64>) {
         let (block, lane) = self.place(member);
-        block.state(lane)
+        state.clear();
+        block.state(lane, state);
     }
 
     pub(crate) fn set_control(&mut self, member: usize, control: &[f64]) {
         self.blocks[member / self.width].set_control(member % self.width, control);
     }
+}
+
+/// Chooses the controls of the members, as many numbers as there are: for the member of this number, in this state at this time, it writes them to
+/// numbers that are zero.
+pub(crate) struct Law<'a> {
+    pub(crate) controls: usize,
+    pub(crate) choose: &'a (dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync),
 }
 
 /// What came of some steps.
@@ -174,9 +182,10 @@ struct Marched {
 
 /// A few members side by side; how many, and on what kind of processor, is hidden behind it.
 trait Block: Send + Sync {
-    fn march(&mut self, clock: Clock, steps: u64) -> Marched;
+    fn march(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> Marched;
     fn is_alive(&self, lane: usize) -> bool;
-    fn state(&self, lane: usize) -> Vec<f64>;
+    /// Adds the state in a lane.
+    fn state(&self, lane: usize, to: &mut Vec<f64>);
     fn set_control(&mut self, lane: usize, control: &[f64]);
 }
 
@@ -275,7 +284,7 @@ impl<T: Batch> Lanewise<T> {
         for (lane, error) in errors.iter().enumerate() {
             if let (Some(source), Lane::Alive) = (*error, &self.lanes[lane]) {
                 failed.push(Failed { member: self.first + lane, step, source });
-                self.lanes[lane] = Lane::Failed(taken(&self.state, lane));
+                self.lanes[lane] = Lane::Failed(taken(&self.state, lane).collect());
             }
         }
         let Some(other) = self.lanes.iter().position(|lane| matches!(lane, Lane::Alive)) else {
@@ -296,20 +305,36 @@ impl<T: Batch> Lanewise<T> {
 }
 
 impl<T: Batch> Block for Lanewise<T> {
-    fn march(&mut self, clock: Clock, steps: u64) -> Marched {
+    fn march(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> Marched {
         let mut marched = Marched { failed: Vec::new(), member_steps: 0 };
         let mut members = self.alive();
         let mut done = 0;
+        let (mut state, mut control) = (Vec::new(), Vec::new());
         while done < steps && members > 0 {
+            let mut most = steps - done;
+            if let Some(Law { controls, choose }) = law {
+                most = 1;
+                for lane in 0..T::LANES {
+                    if !self.is_alive(lane) {
+                        continue;
+                    }
+                    state.clear();
+                    self.state(lane, &mut state);
+                    control.clear();
+                    control.resize(*controls, 0.0);
+                    choose(self.first + lane, &state, clock.after(done), &mut control);
+                    self.set_control(lane, &control);
+                }
+            }
             // at no time in particular the step is not one like the last
             let known = self.known && clock.start.is_finite();
             if known {
                 let now = Clock { taken: clock.taken + done, ..clock };
-                let batch = self.method.march(&mut self.state, now, &self.control, steps - done);
+                let batch = self.method.march(&mut self.state, now, &self.control, most);
                 done += batch.steps;
                 marched.member_steps += batch.steps * members;
-                if done == steps {
-                    break;
+                if batch.steps == most {
+                    continue;
                 }
             }
             let time = T::of(clock.after(done));
@@ -331,10 +356,10 @@ impl<T: Batch> Block for Lanewise<T> {
         matches!(self.lanes[lane], Lane::Alive)
     }
 
-    fn state(&self, lane: usize) -> Vec<f64> {
+    fn state(&self, lane: usize, to: &mut Vec<f64>) {
         match &self.lanes[lane] {
-            Lane::Failed(state) => state.clone(),
-            Lane::Alive | Lane::Empty => taken(&self.state, lane),
+            Lane::Failed(state) => to.extend_from_slice(state),
+            Lane::Alive | Lane::Empty => to.extend(taken(&self.state, lane)),
         }
     }
 
@@ -352,6 +377,6 @@ fn put<T: Batch>(all: &mut [T], lane: usize, one: &[f64]) {
 }
 
 /// The numbers in a lane.
-fn taken<T: Batch>(all: &[T], lane: usize) -> Vec<f64> {
-    all.iter().map(|numbers| numbers.lane(lane).to_f64()).collect()
+fn taken<T: Batch>(all: &[T], lane: usize) -> impl Iterator<Item = f64> + '_ {
+    all.iter().map(move |numbers| numbers.lane(lane).to_f64())
 }

@@ -164,16 +164,17 @@ impl<S: System> Moment<'_, S> {
         let alive = (0..self.len()).filter(|&member| self.members.is_alive(member));
         alive.map(|member| {
             let system = S::from_parameters(&self.parameters[member]);
-            (member, system, state_of::<S>(self.members, member))
+            (member, system, state_of::<S>(self.members, member, &mut Vec::new()))
         })
     }
 }
 
-/// The state of a member.
-fn state_of<S: System>(members: &Members, member: usize) -> S::State {
+/// The state of a member, by way of these numbers.
+fn state_of<S: System>(members: &Members, member: usize, numbers: &mut Vec<f64>) -> S::State {
+    members.state(member, numbers);
     let mut components = S::StateComponents::<S::Scalar>::splat(S::Scalar::of(0.0));
-    for (component, number) in components.as_mut().iter_mut().zip(members.state(member)) {
-        *component = S::Scalar::of(number);
+    for (component, number) in components.as_mut().iter_mut().zip(numbers) {
+        *component = S::Scalar::of(*number);
     }
     S::State::from_components(&components)
 }
@@ -275,7 +276,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         report.stopped = watcher.watch(&self.moment(0)).is_break();
         while report.steps < steps && !report.stopped {
             let stretch = interval.max(1).min(steps - report.steps);
-            report.member_steps += self.members.march(stretch);
+            report.member_steps += self.members.march(stretch, None);
             report.steps += stretch;
             report.stopped = watcher.watch(&self.moment(report.steps)).is_break();
         }
@@ -319,12 +320,12 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// The state of a member: of one that failed, the last that it reached; none if there are not so many.
     pub fn state(&self, member: usize) -> Option<S::State> {
-        (member < self.len()).then(|| state_of::<S>(&self.members, member))
+        (member < self.len()).then(|| state_of::<S>(&self.members, member, &mut Vec::new()))
     }
 
     /// The states of all members, in order.
     pub fn states(&self) -> impl Iterator<Item = S::State> + '_ {
-        (0..self.len()).map(|member| state_of::<S>(&self.members, member))
+        (0..self.len()).map(|member| state_of::<S>(&self.members, member, &mut Vec::new()))
     }
 
     /// The members that failed, in order.
@@ -339,10 +340,12 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero.
     pub fn control(&mut self, mut choose: impl FnMut(usize, &S::State) -> S::Control) {
+        let (mut state, mut held) = (Vec::new(), Vec::new());
         for member in 0..self.len() {
-            let control = choose(member, &state_of::<S>(&self.members, member)).to_components();
-            let control: Vec<f64> = control.as_ref().iter().map(|x| x.to_f64()).collect();
-            self.members.set_control(member, &control);
+            let control = choose(member, &state_of::<S>(&self.members, member, &mut state)).to_components();
+            held.clear();
+            held.extend(control.as_ref().iter().map(|x| x.to_f64()));
+            self.members.set_control(member, &held);
         }
     }
 }

@@ -13,8 +13,8 @@ pub(super) struct Composition<T: Batch> {
     parts: Vec<Part<T>>,
     /// The whole step.
     step: T,
-    /// The state before the part that is being taken.
-    before: Vec<T>,
+    /// The state between two parts.
+    between: Vec<T>,
     /// Whether all parts remember solutions of one and the same step.
     whole: bool,
 }
@@ -37,7 +37,7 @@ impl<T: Batch> Composition<T> {
             .iter()
             .enumerate()
             .map(|(place, &gamma)| part(place, step * T::of(gamma)).map(|method| Part { method, gamma }));
-        Ok(Self { parts: parts.collect::<Result<_, E>>()?, step, before: Vec::new(), whole: false })
+        Ok(Self { parts: parts.collect::<Result<_, E>>()?, step, between: Vec::new(), whole: false })
     }
 }
 
@@ -53,24 +53,32 @@ impl<T: Batch> Method<T> for Composition<T> {
         let known = known && self.whole;
         // until all are through
         self.whole = false;
-        next.copy_from_slice(state);
+        self.between.resize(state.len(), T::of(0.0));
+        // from one to the other, so that nothing is copied; the last part writes to `next`
+        let (mut to, mut other) = match self.parts.len() % 2 {
+            0 => (&mut self.between[..], next),
+            _ => (next, &mut self.between[..]),
+        };
         // how much of the whole step is done
         let mut done = 0.0;
         let mut course = Course::<T>::new();
-        for part in &mut self.parts {
-            self.before.clear();
-            self.before.extend_from_slice(next);
+        for (place, part) in self.parts.iter_mut().enumerate() {
+            let from = if place == 0 { state } else { &*other };
             let start = time + T::of(done) * self.step;
             let marched = match known && T::LANES > 1 {
-                true => part.method.march(next, Clock::at(start), control, 1).single(),
+                true => {
+                    to.copy_from_slice(from);
+                    part.method.march(to, Clock::at(start), control, 1).single()
+                }
                 false => None,
             };
             let outcome = match marched {
                 Some(marched) => Ok(marched),
-                None => part.method.advance(&self.before, next, start, control, known),
+                None => part.method.advance(from, to, start, control, known),
             };
             course.count(outcome)?;
             done += part.gamma;
+            core::mem::swap(&mut to, &mut other);
         }
         self.whole = true;
         course.outcome()

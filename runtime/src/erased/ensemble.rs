@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 use super::scheme::NotGenerated;
 use super::system::{System, check_length, length};
-use crate::ensemble::members::{Member, Members};
+use crate::ensemble::members::{Law, Member, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
 use crate::stepper::check_state;
@@ -49,15 +49,27 @@ impl Ensemble {
             checked.push(Member { parameters, state });
         }
         let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
-        let members = system
-            .members(&checked, step, widest)
-            .ok_or_else(|| NotGenerated { scheme: "Cayley".into(), system: description.name })?;
+        let members = system.members(&checked, step, widest).ok_or_else(|| NotGenerated {
+            scheme: "Cayley".into(),
+            system: description.name,
+            key: "retractions",
+        })?;
         Ok(Self { systems, members, controls: length(description.controls) })
     }
 
-    /// All members that have not failed take so many steps. Returns the steps of all together.
+    /// All members that have not failed take so many steps, with the controls that they [have](Self::control). Returns the steps of all together.
     pub fn run(&mut self, steps: u64) -> u64 {
-        self.members.march(steps)
+        self.members.march(steps, None)
+    }
+
+    /// The same with controls that are chosen anew before each step: for the member of this number, in this state at this time, `choose` writes
+    /// them to numbers that are zero. The last ones are held on.
+    pub fn run_controlled(
+        &mut self,
+        steps: u64,
+        choose: &(dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync),
+    ) -> u64 {
+        self.members.march(steps, Some(&Law { controls: self.controls, choose }))
     }
 
     /// The time.
@@ -78,15 +90,21 @@ impl Ensemble {
     /// The system and the state of each member that has not failed, with its number.
     pub fn members(&self) -> impl Iterator<Item = (usize, &dyn System, Vec<f64>)> + '_ {
         let alive = self.systems.iter().enumerate().filter(|(member, _)| self.members.is_alive(*member));
-        alive.map(|(member, system)| (member, &**system, self.members.state(member)))
+        alive.map(|(member, system)| {
+            let mut state = Vec::new();
+            self.members.state(member, &mut state);
+            (member, &**system, state)
+        })
     }
 
-    /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero. What a list leaves out is zero, what
-    /// is too much does not count.
-    pub fn control(&mut self, mut choose: impl FnMut(&dyn System, &[f64]) -> Vec<f64>) {
-        for (member, system) in self.systems.iter().enumerate() {
-            let mut control = choose(&**system, &self.members.state(member));
-            control.resize(self.controls, 0.0);
+    /// Chooses the controls of all members, to be held until they are chosen anew; before, they are zero. `choose` sees the number of a member
+    /// and its state, and writes to numbers that are zero.
+    pub fn control(&mut self, mut choose: impl FnMut(usize, &[f64], &mut [f64])) {
+        let (mut state, mut control) = (Vec::new(), std::vec![0.0; self.controls]);
+        for member in 0..self.systems.len() {
+            self.members.state(member, &mut state);
+            control.fill(0.0);
+            choose(member, &state, &mut control);
             self.members.set_control(member, &control);
         }
     }

@@ -3,6 +3,7 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
+use crate::error::StepError;
 use crate::kernel::{Components, Kernel};
 use crate::method::{self, Advanced, Clock, Counted, Marched};
 use crate::scalar::{Batch, Scalar};
@@ -27,18 +28,37 @@ pub trait Method<T: Batch>: Send + Sync {
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
 }
 
+/// The error of a step of one state that could not be taken.
+pub(crate) fn of_only_lane(errors: [Option<StepError>; 1]) -> StepError {
+    // it has failed
+    errors.into_iter().flatten().next().unwrap_or(StepError::NotFinite)
+}
+
 /// The array of these numbers. What is missing is zero.
 #[inline(always)]
 pub(crate) fn array<T: Scalar, C: Components<T>>(numbers: &[T]) -> C {
     let mut array = C::splat(T::of(0.0));
-    array.as_mut().iter_mut().zip(numbers).for_each(|(to, number)| *to = *number);
+    match numbers.get(..C::LENGTH) {
+        // as many as the compiler knows: a few moves of whole registers
+        Some(numbers) => array.as_mut().copy_from_slice(numbers),
+        None => copy(array.as_mut(), numbers),
+    }
     array
 }
 
-/// Copies as many numbers as there is room for.
-#[inline(always)]
+/// Copies as many numbers as there is room for. Not inlined: where the lengths are the same, nobody calls it.
+#[inline(never)]
 pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+}
+
+/// Writes the array to as many numbers, or to as many as there is room for.
+#[inline(always)]
+fn write<T: Scalar, C: Components<T>>(to: &mut [T], array: &C) {
+    match to.get_mut(..C::LENGTH) {
+        Some(to) => to.copy_from_slice(array.as_ref()),
+        None => copy(to, array.as_ref()),
+    }
 }
 
 /// A method on arrays as one on slices. `BATCHES`: whether steps are also compiled to be taken together, for what the processor turns out
@@ -81,11 +101,11 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
     ) -> Counted<M::Scalar> {
         match self.1.0.advance(&array(state), time, &array(control), known) {
             Ok(Advanced { state, iterations, residual }) => {
-                copy(next, state.as_ref());
+                write(next, &state);
                 Ok((iterations, residual))
             }
             Err(failure) => {
-                copy(next, failure.advanced.state.as_ref());
+                write(next, &failure.advanced.state);
                 Err(failure.errors)
             }
         }
@@ -103,7 +123,7 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
         }
         let mut now = array(state);
         let marched = self.1.0.march(&mut now, clock, &array(control), most);
-        copy(state, now.as_ref());
+        write(state, &now);
         marched
     }
 

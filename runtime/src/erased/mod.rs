@@ -6,7 +6,7 @@
 //! where the system is known, a [`Stepper`](crate::Stepper) has the same steps, to the last bit, and takes less for each call.
 //!
 //! ```
-//! use coadjoint::erased::{self, Scheme, System as _};
+//! use coadjoint::erased::{self, Scheme};
 //! use coadjoint::geometry::Map;
 //! use coadjoint::prelude::*;
 //!
@@ -38,9 +38,9 @@ mod system;
 pub use crate::scheme::Rule;
 pub use ensemble::Ensemble;
 pub use method::{Equation, Flat, Method};
-pub use scheme::{NotGenerated, Scheme};
-pub use stepper::{Control, Sample, Stepper, StepperError, Watched, run};
-pub use system::{At, Description, Geometry, System};
+pub use scheme::{Composed, NotGenerated, Scheme};
+pub use stepper::{Controls, Law, Sample, Stepper, StepperError, Watched, run};
+pub use system::{At, Description, System};
 
-pub(crate) use method::equation;
-pub(crate) use system::{check_length, length};
+pub(crate) use method::{equation, of_only_lane};
+pub(crate) use system::{Geometry, check_length, length};

@@ -9,7 +9,7 @@ use super::composition::Composition;
 use super::method::Method;
 use super::system::{Description, System};
 use crate::certify::{Claim, Walk};
-use crate::composition::Coefficients;
+use crate::composition::{self, Coefficients, checked};
 use crate::geometry::Map;
 use crate::scalar::Batch;
 use crate::scheme::Rule;
@@ -24,33 +24,41 @@ pub enum Scheme {
     Step(Map, Rule),
     /// [`StormerVerlet`](crate::scheme::StormerVerlet)
     StormerVerlet(Map),
-    /// A symmetric [composition](crate::composition) of steps with another scheme.
-    Composed {
-        /// The order of the composition of symmetric steps of order 2.
-        order: u32,
-        /// How long each of the steps is, as a part of the whole.
-        gamma: &'static [f64],
-        /// The scheme of the steps.
-        base: Box<Scheme>,
-    },
+    /// A symmetric [composition](crate::composition) of steps with another scheme: see [`composed`](Self::composed).
+    Composed(Composed),
+}
+
+/// A symmetric [composition](crate::composition) of steps with another scheme.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Composed {
+    /// The type of the coefficients.
+    coefficients: &'static str,
+    order: u32,
+    gamma: &'static [f64],
+    base: Box<Scheme>,
 }
 
 /// A step that a scheme is made of and that was not generated.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "no step of the scheme `{scheme}` was generated for `{system}`; `methods(…)` in its description asks for it"
+    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
 )]
 pub struct NotGenerated {
     /// The scheme.
     pub scheme: String,
     /// The system's name.
     pub system: &'static str,
+    /// The key of the description that asks for it: `methods`, or `retractions` where it names another one.
+    pub key: &'static str,
 }
 
 impl Scheme {
-    /// The symmetric composition with coefficients `C` of steps with another scheme.
+    /// The symmetric composition with coefficients `C` of steps with another scheme. Coefficients that are none do not compile: see
+    /// [`Coefficients::GAMMA`].
     pub fn composed<C: Coefficients>(base: Self) -> Self {
-        Self::Composed { order: C::ORDER, gamma: C::GAMMA, base: Box::new(base) }
+        let gamma = const { checked(C::GAMMA) };
+        let (coefficients, base) = (core::any::type_name::<C>(), Box::new(base));
+        Self::Composed(Composed { coefficients, order: C::ORDER, gamma, base })
     }
 
     /// The member `s = numerator/denominator` of the family.
@@ -63,8 +71,8 @@ impl Scheme {
         match self {
             Self::Standard(map) if invariant => Self::member(*map, 0, 1),
             Self::Standard(map) => Self::StormerVerlet(*map),
-            Self::Composed { order, gamma, base } => {
-                Self::Composed { order: *order, gamma, base: Box::new(base.resolved(invariant)) }
+            Self::Composed(composed) => {
+                Self::Composed(Composed { base: Box::new(composed.base.resolved(invariant)), ..*composed })
             }
             other => other.clone(),
         }
@@ -76,9 +84,13 @@ impl Scheme {
     /// If one that it is made of was not generated.
     pub(crate) fn of(&self, system: &dyn System, step: f64) -> Result<Box<dyn Method<f64>>, NotGenerated> {
         let Description { name, invariant, .. } = system.description();
-        let missing = || NotGenerated { scheme: self.name(), system: name };
         self.method(invariant, step, &mut |map, rule, step| {
-            system.method(map, rule, step).ok_or_else(missing)
+            system.method(map, rule, step).ok_or_else(|| {
+                // with a retraction, this one is generated for every system
+                let has_map = system.method(map, Rule::Member(0, 1), step).is_some();
+                let key = if has_map { "methods" } else { "retractions" };
+                NotGenerated { scheme: self.name(), system: name, key }
+            })
         })
     }
 
@@ -91,7 +103,7 @@ impl Scheme {
     ) -> Result<Box<dyn Method<T>>, E> {
         match self.resolved(invariant) {
             Self::Step(map, rule) => generated(map, rule, step),
-            Self::Composed { gamma, base, .. } => {
+            Self::Composed(Composed { gamma, base, .. }) => {
                 let part = |_, step| base.method(invariant, step, generated);
                 Ok(Box::new(Composition::new(gamma, step, part)?))
             }
@@ -111,7 +123,7 @@ impl Scheme {
         match self.resolved(description.invariant) {
             Self::Step(_, Rule::Member(numerator, denominator)) => family(numerator, denominator),
             Self::Step(_, Rule::TangentLift) => Claim::TANGENT_LIFT,
-            Self::Composed { order, base, .. } => base.claim(description).composed(order),
+            Self::Composed(Composed { order, base, .. }) => base.claim(description).composed(order),
             Self::StormerVerlet(_) | Self::Standard(_) => Claim { order: 2, symmetric: true, ..family(0, 1) },
         }
     }
@@ -132,7 +144,7 @@ impl Scheme {
     pub(crate) fn parts(&self, invariant: bool, step: f64, each: &mut dyn FnMut(Map, Rule, f64)) {
         match self.resolved(invariant) {
             Self::Step(map, rule) => each(map, rule, step),
-            Self::Composed { gamma, base, .. } => {
+            Self::Composed(Composed { gamma, base, .. }) => {
                 gamma.iter().for_each(|gamma| base.parts(invariant, gamma * step, each));
             }
             Self::StormerVerlet(map) | Self::Standard(map) => {
@@ -152,7 +164,9 @@ impl Scheme {
             Self::Step(map, Rule::Member(n, d)) => std::format!("Family<{map:?}, {n}, {d}>"),
             Self::Step(map, Rule::TangentLift) => std::format!("TangentLift<{map:?}>"),
             Self::StormerVerlet(map) => std::format!("StormerVerlet<{map:?}>"),
-            Self::Composed { order, base, .. } => std::format!("Order{order}<{}>", base.name()),
+            Self::Composed(Composed { coefficients, base, .. }) => {
+                composition::name(coefficients, &base.name())
+            }
         }
     }
 }

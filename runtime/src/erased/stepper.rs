@@ -7,18 +7,18 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use super::method::Method;
+use super::method::{Method, of_only_lane};
 use super::scheme::{NotGenerated, Scheme};
-use super::system::{Geometry, System, check_length, length};
+use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::memory::{self, visit_flag};
-use crate::method::Clock;
+use crate::method::{Clock, Counted};
 use crate::run::{RunError, RunReport};
-use crate::stepper::{StepReport, check_deviation, check_step, is_same};
+use crate::stepper::{StepReport, check_deviation, check_step};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 pub struct Stepper<'s> {
-    system: &'s dyn Geometry,
+    system: &'s dyn System,
     method: Box<dyn Method<f64>>,
     step: f64,
     /// The time before the steps counted by `taken`.
@@ -52,26 +52,14 @@ impl<'s> Stepper<'s> {
     pub fn new(system: &'s dyn System, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
         system.validate()?;
         check_step(step)?;
-        Ok(Self::of(system, scheme.of(system, step)?, step))
-    }
-
-    /// The stepper with a method of this step.
-    pub(crate) fn of(system: &'s dyn Geometry, method: Box<dyn Method<f64>>, step: f64) -> Self {
-        let nothing = Vec::from_iter(core::iter::repeat_n(0.0, length(system.description().state)));
-        Self {
-            system,
-            method,
-            step,
-            start: 0.0,
-            taken: 0,
-            has_left: false,
-            left: nothing.clone(),
-            next: nothing,
-        }
+        let method = scheme.of(system, step)?;
+        let nothing = std::vec![0.0; length(system.description().state)];
+        let (left, next) = (nothing.clone(), nothing);
+        Ok(Self { system, method, step, start: 0.0, taken: 0, has_left: false, left, next })
     }
 
     /// The system.
-    pub fn system(&self) -> &'s dyn Geometry {
+    pub fn system(&self) -> &'s dyn System {
         self.system
     }
 
@@ -118,24 +106,45 @@ impl<'s> Stepper<'s> {
     /// # Errors
     /// As there, or if the state has not as many numbers as the system's; state and time are then as before the call.
     pub fn step(&mut self, state: &mut [f64], control: &[f64]) -> Result<StepReport, StepError> {
+        let report = if self.is_left_at(state) {
+            self.follow(control)?
+        } else {
+            self.check(state)?;
+            self.start(state, control)?
+        };
+        state.copy_from_slice(&self.left);
+        Ok(report)
+    }
+
+    /// Whether steps can start from a state from elsewhere.
+    fn check(&self, state: &[f64]) -> Result<(), StepError> {
         check_length(state, self.left.len())?;
-        let known = self.is_left_at(state);
-        if !known {
-            check_deviation(self.system.deviation(state))?;
-        }
+        check_deviation(self.system.deviation(state))
+    }
+
+    /// Takes a step from a state from elsewhere.
+    fn start(&mut self, state: &[f64], control: &[f64]) -> Result<StepReport, StepError> {
         let time = self.time();
-        match self.method.advance(state, &mut self.next, time, control, known) {
-            Ok((iterations, residual)) => {
-                state.copy_from_slice(&self.next);
-                self.left.copy_from_slice(&self.next);
-                self.has_left = true;
-                self.taken += 1;
-                // of the only lane
-                Ok(StepReport { iterations: iterations.iter().sum(), residual })
-            }
-            // of the only lane, which has failed
-            Err(errors) => Err(errors.into_iter().flatten().next().unwrap_or(StepError::NotFinite)),
-        }
+        let outcome = self.method.advance(state, &mut self.next, time, control, false);
+        self.arrive(outcome)
+    }
+
+    /// Takes a step from where the last one led to.
+    #[inline]
+    fn follow(&mut self, control: &[f64]) -> Result<StepReport, StepError> {
+        let time = self.time();
+        let outcome = self.method.advance(&self.left, &mut self.next, time, control, true);
+        self.arrive(outcome)
+    }
+
+    #[inline]
+    fn arrive(&mut self, outcome: Counted<f64>) -> Result<StepReport, StepError> {
+        let (iterations, residual) = outcome.map_err(of_only_lane)?;
+        core::mem::swap(&mut self.left, &mut self.next);
+        self.has_left = true;
+        self.taken += 1;
+        // of the only lane
+        Ok(StepReport { iterations: iterations.iter().sum(), residual })
     }
 
     /// Takes `count` steps with `control` held all the time: see [`Stepper::steps_with`](crate::Stepper::steps_with).
@@ -143,12 +152,27 @@ impl<'s> Stepper<'s> {
     /// # Errors
     /// If a step cannot be taken; state and time are then the last ones that were reached.
     pub fn steps(&mut self, state: &mut [f64], control: &[f64], count: u64) -> Result<RunReport, RunError> {
+        self.go(state, &mut Acting::Held(control), count)
+    }
+
+    /// Takes `count` steps. What would happen once a step for the caller's sake, happens once: until the last one, states are where the stepper
+    /// has them.
+    fn go(&mut self, state: &mut [f64], acting: &mut Acting<'_>, count: u64) -> Result<RunReport, RunError> {
         let mut report = RunReport::default();
-        while report.steps < count {
-            if self.is_left_at(state) {
-                let most = count - report.steps;
-                let marched = self.method.march(state, self.clock(), control, most);
-                self.left.copy_from_slice(state);
+        let mut known = self.is_left_at(state);
+        // not every method takes steps together
+        let mut marches = true;
+        let outcome = loop {
+            if report.steps == count {
+                break Ok(());
+            }
+            if known
+                && marches
+                && let Acting::Held(control) = acting
+            {
+                let clock = self.clock();
+                let marched = self.method.march(&mut self.left, clock, control, count - report.steps);
+                marches = marched.steps > 0;
                 self.taken += marched.steps;
                 report.add(&RunReport {
                     steps: marched.steps,
@@ -159,17 +183,29 @@ impl<'s> Stepper<'s> {
                     max_residual: marched.max_residual,
                 });
                 if report.steps == count {
-                    break;
+                    break Ok(());
                 }
             }
-            match self.step(state, control) {
+            if !known && let Err(source) = self.check(state) {
+                break Err(source);
+            }
+            let now = if known { &self.left[..] } else { &*state };
+            let control = acting.control(now, self.clock().after(0));
+            let step = if known { self.follow(control) } else { self.start(state, control) };
+            match step {
                 Ok(step) => report.count(&step),
-                Err(source) => {
-                    return Err(RunError { step: self.taken + 1, time: self.time(), report, cause: source });
-                }
+                Err(source) => break Err(source),
             }
+            known = true;
+        };
+        // else it is where it was
+        if report.steps > 0 {
+            state.copy_from_slice(&self.left);
         }
-        Ok(report)
+        match outcome {
+            Ok(()) => Ok(report),
+            Err(cause) => Err(RunError { step: self.taken + 1, time: self.time(), report, cause }),
+        }
     }
 
     fn clock(&self) -> Clock {
@@ -177,7 +213,8 @@ impl<'s> Stepper<'s> {
     }
 
     fn is_left_at(&self, state: &[f64]) -> bool {
-        self.has_left && state.len() == self.left.len() && is_same(&self.left, state)
+        let differences = self.left.iter().zip(state).map(|(a, b)| a.to_bits() ^ b.to_bits());
+        self.has_left && state.len() == self.left.len() && differences.fold(0, |all, bits| all | bits) == 0
     }
 }
 
@@ -236,16 +273,54 @@ impl fmt::Debug for Sample<'_> {
     }
 }
 
-/// Chooses the control to be held over the step from a state at a time.
-pub type Control<'a> = dyn Fn(&[f64], f64) -> Vec<f64> + 'a;
+/// Writes the control to be held over the step from a state at a time to numbers that are zero.
+pub type Law<'a> = dyn Fn(&[f64], f64, &mut [f64]) + 'a;
+
+/// What acts on the system from outside.
+#[derive(Clone, Copy)]
+pub enum Controls<'a> {
+    /// Always the same; what is missing is zero. Steps that nobody has to see are taken together.
+    Held(&'a [f64]),
+    /// Chosen anew before each step.
+    Chosen(&'a Law<'a>),
+}
+
+impl fmt::Debug for Controls<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Held(control) => f.debug_tuple("Held").field(control).finish(),
+            Self::Chosen(_) => f.debug_tuple("Chosen").finish_non_exhaustive(),
+        }
+    }
+}
+
+/// [`Controls`] with a place for what is chosen.
+enum Acting<'a> {
+    Held(&'a [f64]),
+    Chosen(&'a Law<'a>, Vec<f64>),
+}
+
+impl Acting<'_> {
+    /// What acts over the step from this state at this time.
+    #[inline]
+    fn control(&mut self, state: &[f64], time: f64) -> &[f64] {
+        match self {
+            Self::Held(control) => control,
+            Self::Chosen(law, control) => {
+                control.fill(0.0);
+                law(state, time, control);
+                control
+            }
+        }
+    }
+}
 
 /// What a run is besides its stepper and its state.
 pub struct Watched<'a> {
     /// How many steps to take.
     pub steps: u64,
-    /// The control to be held over the step that starts from a state at a time; none where there are no controls: steps that nobody has to see
-    /// are then taken together.
-    pub control: Option<&'a Control<'a>>,
+    /// What acts from outside; `Controls::Held(&[])` where there are no controls.
+    pub controls: Controls<'a>,
     /// The index of the next sample after an index that somebody has to see.
     pub next: &'a dyn Fn(u64) -> u64,
 }
@@ -262,6 +337,12 @@ pub fn run(
     watch: &mut dyn FnMut(&Sample<'_>) -> ControlFlow<()>,
 ) -> Result<RunReport, RunError> {
     let mut report = RunReport::default();
+    let mut acting = match run.controls {
+        Controls::Held(control) => Acting::Held(control),
+        Controls::Chosen(law) => {
+            Acting::Chosen(law, std::vec![0.0; length(stepper.system.description().controls)])
+        }
+    };
     loop {
         let (index, time) = (stepper.taken, stepper.time());
         let system = stepper.system;
@@ -279,20 +360,12 @@ pub fn run(
             return Ok(report);
         }
         let until_seen = (run.next)(index).saturating_sub(index).clamp(1, run.steps - report.steps);
-        let mut left = until_seen;
-        while left > 0 {
-            let (control, count) = match run.control {
-                Some(control) => (control(state, stepper.time()), 1),
-                None => (Vec::new(), left),
-            };
-            match stepper.steps(state, &control, count) {
-                Ok(steps) => report.add(&steps),
-                Err(error) => {
-                    report.add(&error.report);
-                    return Err(RunError { report, ..error });
-                }
+        match stepper.go(state, &mut acting, until_seen) {
+            Ok(steps) => report.add(&steps),
+            Err(error) => {
+                report.add(&error.report);
+                return Err(RunError { report, ..error });
             }
-            left -= count;
         }
     }
 }

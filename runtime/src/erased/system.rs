@@ -63,7 +63,8 @@ pub(crate) fn check_length(state: &[f64], expected: usize) -> Result<(), StepErr
     if state.len() == expected { Ok(()) } else { Err(StepError::Length { expected }) }
 }
 
-/// A system with its parameters and its geometry, on slices; any [`geometry::Geometry`] over `f64` is one.
+/// A system with its parameters and its geometry, on slices; any [`geometry::Geometry`] over `f64` is one. Not to be imported from outside: the
+/// calls of [`system::System`] would be ambiguous.
 ///
 /// Slices have the lengths of the system's arrays: what is missing counts as zero, what is too much does not count.
 pub trait Geometry {
@@ -142,6 +143,11 @@ impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
 }
 
 /// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
+///
+/// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`geometry::Geometry`] have them on states:
+/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time)`, `casimirs(state)`, `displace(state, map, by)`,
+/// `differential(state, time)`, `hamiltonian_vector(state, covector)` and `force(state, time, control)`. Slices have the lengths of the system's
+/// arrays: what is missing counts as zero, what is too much does not count.
 pub trait System: Geometry + Send + Sync {
     /// The same system with other parameters; what is missing is as in this one.
     fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;

@@ -621,7 +621,8 @@ fn a_step_that_vanishes_is_an_error() {
     for left in [0, 1, 2, 10, 100] {
         LEFT.store(left, Relaxed);
         let error = certify_erased(&bent, &scheme, &states, &[], None).unwrap_err();
-        let missing = NotGenerated { scheme: "Midpoint<Exponential>".to_owned(), system: "Bent" };
+        let missing =
+            NotGenerated { scheme: "Midpoint<Exponential>".to_owned(), system: "Bent", key: "retractions" };
         assert_eq!(error, CertifyError::NotGenerated(missing), "{left}");
     }
     LEFT.store(usize::MAX, Relaxed);

@@ -5,21 +5,26 @@
 use std::ops::ControlFlow;
 
 use coadjoint::__private::{Geometry, Map};
-use coadjoint::certify::{Certification, CertifyError, certify_erased};
-use coadjoint::composition::{KahanLi6, Suzuki4};
+use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
+use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
-use coadjoint::erased::{
-    self, Geometry as _, NotGenerated, Rule, Scheme, StepperError, System as _, Watched,
-};
+use coadjoint::erased::{self, Controls, NotGenerated, Rule, Scheme, StepperError, Watched};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
 
 /// Invariant: its standard step is one equation.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint))]
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint, TangentLift))]
 struct Top {
     #[inertia]
     inertia: Vector3<f64>,
     weight: f64,
+}
+
+/// With one retraction, and a force.
+#[lie_poisson_system(group = SO3, control(moment: R3), force = moment, retractions(Cayley))]
+struct Satellite {
+    #[inertia]
+    inertia: Vector3<f64>,
 }
 
 /// Pushed, on two factors, and with a time of its own: its standard step has two halves.
@@ -35,6 +40,11 @@ struct Craft {
     inertia: Vector3<f64>,
     #[inertia(position)]
     mass: f64,
+}
+
+/// A system with its type erased.
+fn erased<S: Schemes + Geometry<Scalar = f64> + Send + Sync + 'static>(system: &S) -> &dyn erased::System {
+    system
 }
 
 fn top() -> (Top, TopState) {
@@ -113,12 +123,12 @@ fn members_move_as_they_would_alone() {
         control: &S::Control,
     ) {
         let numbers = start.to_components().as_ref().to_vec();
-        let parameters = system.parameters();
+        let parameters = erased(&system).parameters();
         let scaled = |k: usize| parameters.iter().map(|x| x * (1.0 + 0.01 * k as f64)).collect::<Vec<_>>();
         let members = (0..11).map(|k| (scaled(k), numbers.clone()));
         let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
         let held = control.to_components().as_ref().to_vec();
-        ensemble.control(|_, _| held.clone());
+        ensemble.control(|_, _, control| control.copy_from_slice(&held));
         assert_eq!(ensemble.run(300) + ensemble.run(1), 11 * 301);
         for (member, system, state) in ensemble.members() {
             let scheme = Scheme::Standard(Map::Cayley);
@@ -136,9 +146,9 @@ fn members_move_as_they_would_alone() {
 #[test]
 fn members_that_cannot_be_are_refused() {
     let (system, state) = top();
-    let (parameters, state) = (system.parameters(), state.to_components().to_vec());
+    let (parameters, state) = (erased(&system).parameters(), state.to_components().to_vec());
     let refused = |member: usize, parameters: &[f64], state: &[f64], step: f64| {
-        let right = (system.parameters(), top().1.to_components().to_vec());
+        let right = (erased(&system).parameters(), top().1.to_components().to_vec());
         let mut members = vec![right; 5];
         members[member] = (parameters.to_vec(), state.to_vec());
         erased::Ensemble::new(&system, members, step).err()
@@ -176,54 +186,156 @@ fn members_that_cannot_be_are_refused() {
 fn nobody_is_an_ensemble_too() {
     let (system, _) = top();
     let mut ensemble = erased::Ensemble::new(&system, [], 0.5).unwrap();
-    ensemble.control(|_, _| vec![1.0]);
+    ensemble.control(|_, _, control| control.fill(1.0));
     assert_eq!((ensemble.run(10), ensemble.time()), (0, 5.0));
     assert_eq!((ensemble.members().count(), ensemble.failed()), (0, &[][..]));
     // and has time for more steps than can be counted
     assert_eq!((ensemble.run(u64::MAX), ensemble.run(u64::MAX)), (0, 0));
 }
 
-/// However long the lists are that a law makes: what is missing is zero, for this member and for no other.
+/// Those that are held, and those of a law, which a member's own run has too. What is not written is zero, for this member and for no other.
 #[test]
 fn controls_of_members_are_their_own() {
     let (system, state) = craft();
     let numbers = state.to_components().to_vec();
-    let parameters = |k: usize| {
-        let mut parameters = system.parameters();
-        parameters[3] += k as f64;
-        parameters
+    let members = || (0..11).map(|_| (erased(&system).parameters(), numbers.clone()));
+    let held = |member: usize, control: &mut [f64]| match member {
+        1 => {}
+        _ => control[0] = 10.0 + member as f64,
     };
-    let held = |system: &dyn erased::System| match system.parameters()[3] - 1.3 {
-        k if k < 0.5 => vec![12.0],
-        k if k < 1.5 => vec![],
-        k if k < 2.5 => vec![7.0, 1.0, 2.0],
-        k => vec![k],
+    let law = |member: usize, state: &[f64], time: f64, control: &mut [f64]| {
+        held(member, control);
+        control.iter_mut().for_each(|control| *control *= (3.0 * time).sin() - state[6]);
     };
-    let members = (0..11).map(|k| (parameters(k), numbers.clone()));
-    let mut ensemble = erased::Ensemble::new(&system, members, 0.02).unwrap();
+    let mut ensemble = erased::Ensemble::new(&system, members(), 0.02).unwrap();
+    let mut steered = erased::Ensemble::new(&system, members(), 0.02).unwrap();
     for _ in 0..3 {
-        ensemble.control(|system, _| held(system));
-        ensemble.run(50);
+        ensemble.control(|member, _, control| held(member, control));
+        assert_eq!(ensemble.run(50), 550);
+        assert_eq!(steered.run_controlled(50, &law), 550);
     }
-    assert_eq!(ensemble.members().count(), 11);
-    for (member, system, state) in ensemble.members() {
-        let mut expected = numbers.clone();
-        let scheme = Scheme::Standard(Map::Cayley);
-        let mut stepper = erased::Stepper::new(system, &scheme, 0.02).unwrap();
-        stepper.steps(&mut expected, &held(system), 150).unwrap();
+    let scheme = Scheme::Standard(Map::Cayley);
+    let stepper = || erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    for ((member, _, state), (_, _, other)) in ensemble.members().zip(steered.members()) {
+        let (mut expected, mut control) = (numbers.clone(), [0.0]);
+        held(member, &mut control);
+        stepper().steps(&mut expected, &control, 150).unwrap();
         assert_eq!(state, expected, "member {member}");
+
+        let own = |state: &[f64], time: f64, control: &mut [f64]| law(member, state, time, control);
+        let watched = Watched { steps: 150, controls: Controls::Chosen(&own), next: &|index| index + 40 };
+        let mut expected = numbers.clone();
+        erased::run(&mut stepper(), &mut expected, &watched, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(other, expected, "member {member}");
     }
+    assert_eq!((ensemble.members().count(), steered.members().count()), (11, 11));
+}
+
+/// A law is asked once for each step, at the state and the time that the step starts from.
+#[test]
+fn laws_see_what_single_steps_start_from() {
+    let (system, start) = craft();
+    let scheme = Scheme::Standard(Map::Exponential);
+    let choose = |state: &[f64], time: f64| 12.0 + state[9] - (5.0 * time).cos();
+    let mut alone = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut expected = start.to_components().to_vec();
+    for _ in 0..100 {
+        let control = choose(&expected, alone.time());
+        alone.step(&mut expected, &[control]).unwrap();
+    }
+    let law = |state: &[f64], time: f64, control: &mut [f64]| control[0] += choose(state, time);
+    let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut state = start.to_components().to_vec();
+    let watched = Watched { steps: 100, controls: Controls::Chosen(&law), next: &|index| index + 30 };
+    let report = erased::run(&mut stepper, &mut state, &watched, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(report.unwrap().steps, 100);
+    assert_eq!((state, stepper.time()), (expected, alone.time()));
+    assert_eq!(stepper.memory(), alone.memory());
+    // nor is it shown a state of another system
+    let error = erased::run(&mut stepper, &mut [1.0], &watched, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(error.unwrap_err().cause, StepError::Length { expected: 13 });
+}
+
+/// With the erased trait in scope too, what is called on a system is what its own trait has.
+#[test]
+fn calls_of_a_system_are_its_own() {
+    use erased::System as _;
+    let (system, state) = top();
+    let numbers = state.to_components().to_vec();
+    let (energy, other) = (system.energy(&state), erased(&system).energy(&numbers, 0.0));
+    assert_eq!(energy, other);
+    assert_eq!(system.casimirs(&state).to_vec(), erased(&system).casimirs(&numbers));
+    assert!(system.validate().is_ok());
+    let wrong = system.with_parameters(&[1.0, -1.0]);
+    assert_eq!((wrong.parameters(), wrong.validate().is_err()), (vec![1.0, -1.0, 2.5, 0.7], true));
+}
+
+/// A stepper goes to another thread and on from there.
+#[test]
+fn steppers_can_be_sent() {
+    let (system, start) = top();
+    let scheme = Scheme::Standard(Map::Cayley);
+    let walk = |stepper: &mut erased::Stepper<'_>, state: &mut [f64]| {
+        stepper.steps(state, &[], 100).unwrap();
+    };
+    let mut expected = start.to_components().to_vec();
+    let mut alone = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    walk(&mut alone, &mut expected);
+    walk(&mut alone, &mut expected);
+    let mut state = start.to_components().to_vec();
+    let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    walk(&mut stepper, &mut state);
+    let state = std::thread::scope(|scope| {
+        let other = scope.spawn(move || {
+            walk(&mut stepper, &mut state);
+            state
+        });
+        other.join().unwrap()
+    });
+    assert_eq!(state, expected);
 }
 
 #[test]
 fn certificates_are_the_same() {
     let (system, state) = top();
     let numbers = state.to_components().to_vec();
-    let typed = Certification::new(&system).states(&[state]).step(0.05).run::<Midpoint<Cayley>>().unwrap();
-    let scheme = Scheme::member(Map::Cayley, 1, 2);
-    let other = certify_erased(&system, &scheme, &[numbers], &[], Some(0.05)).unwrap();
-    assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
-    assert!(other.passed());
+    let certification = Certification::new(&system).states(&[state]).step(0.05);
+    let same = |typed: Result<Report, CertifyError>, scheme: &Scheme, name: &str| {
+        let typed = typed.unwrap();
+        let other = certify_erased(&system, scheme, &[numbers.clone()], &[], Some(0.05)).unwrap();
+        assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
+        assert_eq!((&*other.scheme, &*scheme.name()), (name, name));
+        assert!(other.passed(), "{other}");
+    };
+    let cayley = Scheme::Standard(Map::Cayley);
+    let exponential = Scheme::Standard(Map::Exponential);
+    same(certification.run::<Cayley>(), &cayley, "Cayley");
+    same(certification.run::<Midpoint<Cayley>>(), &Scheme::member(Map::Cayley, 1, 2), "Midpoint<Cayley>");
+    let euler = Scheme::member(Map::Exponential, 1, 1);
+    same(certification.run::<SymplecticEulerB>(), &euler, "SymplecticEulerB<Exponential>");
+    let verlet = Scheme::StormerVerlet(Map::Exponential);
+    same(certification.run::<StormerVerlet>(), &verlet, "StormerVerlet<Exponential>");
+    let lift = Scheme::Step(Map::Exponential, Rule::TangentLift);
+    same(certification.run::<TangentLift>(), &lift, "TangentLift<Exponential>");
+    let order4 = Scheme::composed::<Suzuki4>(exponential);
+    same(certification.run::<Order4<Exponential>>(), &order4, "Order4<Exponential>");
+    let order6 = Scheme::composed::<KahanLi6>(Scheme::StormerVerlet(Map::Cayley));
+    same(certification.run::<Order6<StormerVerlet<Cayley>>>(), &order6, "Order6<StormerVerlet<Cayley>>");
+    let own = Scheme::composed::<Halves>(cayley);
+    same(certification.run::<Composed<Halves, Cayley>>(), &own, "Composed<Halves, Cayley>");
+}
+
+/// Coefficients of one's own.
+struct Halves;
+
+impl Coefficients for Halves {
+    type Steps<X: Clone + Send + Sync> = [X; 2];
+    const ORDER: u32 = 2;
+    const GAMMA: &'static [f64] = &[0.5, 0.5];
+
+    fn steps<X: Clone + Send + Sync>(make: impl FnMut(usize) -> X) -> [X; 2] {
+        std::array::from_fn(make)
+    }
 }
 
 #[test]
@@ -265,16 +377,30 @@ fn certificates_fail_for_the_same_reasons() {
 #[test]
 fn what_was_not_generated_is_said() {
     let (system, state) = top();
-    let scheme = Scheme::Step(Map::Cayley, Rule::TangentLift);
+    let scheme = Scheme::member(Map::Cayley, 1, 4);
     let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
-    let missing = NotGenerated { scheme: "TangentLift<Cayley>".to_owned(), system: "Top" };
+    let missing = NotGenerated { scheme: "Family<Cayley, 1, 4>".to_owned(), system: "Top", key: "methods" };
     assert_eq!(error, StepperError::NotGenerated(missing.clone()));
     let numbers = state.to_components().to_vec();
     let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
     assert_eq!(error, CertifyError::NotGenerated(missing));
+    // by the key of the description that asks for it
+    let satellite = Satellite { inertia: vector![1.0, 2.0, 2.5] };
+    let advice = |scheme: &Scheme| {
+        let error = erased::Stepper::new(&satellite, scheme, 0.1).unwrap_err().to_string();
+        error.split_once("; ").unwrap().1.to_owned()
+    };
+    let [methods, retractions] =
+        ["methods", "retractions"].map(|key| format!("`{key}(…)` in its description asks for it"));
+    assert_eq!(advice(&Scheme::member(Map::Cayley, 1, 2)), methods);
+    assert_eq!(advice(&Scheme::Standard(Map::Exponential)), retractions);
+    assert_eq!(advice(&Scheme::StormerVerlet(Map::Exponential)), retractions);
+    assert_eq!(advice(&Scheme::member(Map::Exponential, 1, 2)), retractions);
+    assert_eq!(advice(&Scheme::composed::<Suzuki4>(Scheme::Standard(Map::Exponential))), retractions);
+    assert!(erased::Stepper::new(&satellite, &Scheme::Standard(Map::Cayley), 0.1).is_ok());
     // a member that is none claims what it would
-    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&craft().0.description()).order, 1);
-    let wrong = system.with_parameters(&[1.0, -1.0, 1.0, 0.0]);
+    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&erased(&craft().0).description()).order, 1);
+    let wrong = erased(&system).with_parameters(&[1.0, -1.0, 1.0, 0.0]);
     assert!(matches!(
         erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
         Err(StepperError::Parameter(_))
@@ -308,7 +434,7 @@ fn a_run_is_looked_at_when_it_is_asked() {
         let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.02).unwrap();
         let mut state = start.to_components().to_vec();
         let mut seen = Vec::new();
-        let watched = Watched { steps: 1_000, control: None, next };
+        let watched = Watched { steps: 1_000, controls: Controls::Held(&[]), next };
         let report = erased::run(&mut stepper, &mut state, &watched, &mut |sample| {
             seen.push((sample.index, sample.state.to_vec()));
             ControlFlow::Continue(())

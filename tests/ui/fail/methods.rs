@@ -1,6 +1,6 @@
 use coadjoint::prelude::*;
 
-#[lie_poisson_system(group = SO3, invariance = both, methods(Midpiont, Family(5, 4), Cayley))]
+#[lie_poisson_system(group = SO3, invariance = both, methods(Midpiont, Family(5, 4), Cayley, StormerVerlet))]
 pub struct Body {
     #[inertia]
     pub inertia: Vector3<f64>,
