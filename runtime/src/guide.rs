@@ -540,7 +540,7 @@ pub mod reading {
     //! |---|---|---|
     //! | `new` | once | what depends on parameters and step |
     //! | `begin` | once a step | what depends on state, time and controls |
-    //! | `start` | at the first step | a first approximation of the unknown; later ones are [extrapolated](crate::solver) |
+    //! | `start` | at the first step | a first approximation of the unknown; later ones are [extrapolated](crate::solve) |
     //! | `evaluate` | once an iteration | `left(x) − right(x)` |
     //! | `sweep` | once a sweep | the solution of `left(x) = right`, where `left` is linear |
     //! | `correction` | once a Newton iteration | Newton's, with the closed-form Jacobian |
