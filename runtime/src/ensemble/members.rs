@@ -5,7 +5,7 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::Failed;
-use crate::erased::Method;
+use crate::erased::{MemberLaw, Method};
 use crate::error::StepError;
 use crate::method::Clock;
 use crate::scalar::{Batch, Real, Scalar};
@@ -167,11 +167,10 @@ impl Members {
     }
 }
 
-/// Chooses the controls of the members, as many numbers as there are: for the member of this number, in this state at this time, it writes them to
-/// numbers that are zero.
+/// Chooses the controls of the members, as many numbers as there are.
 pub(crate) struct Law<'a> {
     pub(crate) controls: usize,
-    pub(crate) choose: &'a (dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync),
+    pub(crate) choose: &'a MemberLaw<'a>,
 }
 
 /// What came of some steps.

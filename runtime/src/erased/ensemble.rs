@@ -11,6 +11,9 @@ use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
 use crate::stepper::check_state;
 
+/// Writes the control to be held over the step of a member, by its number, from a state at a time to numbers that are zero.
+pub type MemberLaw<'a> = dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync + 'a;
+
 /// Many states of one system that move at the same time, each with parameters of its own, by the system's standard step on the Cayley map:
 /// [`Ensemble`](crate::Ensemble) with its types erased.
 pub struct Ensemble {
@@ -62,13 +65,8 @@ impl Ensemble {
         self.members.march(steps, None)
     }
 
-    /// The same with controls that are chosen anew before each step: for the member of this number, in this state at this time, `choose` writes
-    /// them to numbers that are zero. The last ones are held on.
-    pub fn run_controlled(
-        &mut self,
-        steps: u64,
-        choose: &(dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync),
-    ) -> u64 {
+    /// The same with controls that are chosen anew before each step. The last ones are held on.
+    pub fn run_controlled(&mut self, steps: u64, choose: &MemberLaw<'_>) -> u64 {
         self.members.march(steps, Some(&Law { controls: self.controls, choose }))
     }
 

@@ -36,7 +36,7 @@ mod stepper;
 mod system;
 
 pub use crate::scheme::Rule;
-pub use ensemble::Ensemble;
+pub use ensemble::{Ensemble, MemberLaw};
 pub use method::{Equation, Flat, Method};
 pub use scheme::{Composed, NotGenerated, Scheme};
 pub use stepper::{Controls, Law, Sample, Stepper, StepperError, Watched, run};

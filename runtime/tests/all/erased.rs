@@ -302,7 +302,7 @@ fn certificates_are_the_same() {
     let certification = Certification::new(&system).states(&[state]).step(0.05);
     let same = |typed: Result<Report, CertifyError>, scheme: &Scheme, name: &str| {
         let typed = typed.unwrap();
-        let other = certify_erased(&system, scheme, &[numbers.clone()], &[], Some(0.05)).unwrap();
+        let other = certify_erased(&system, scheme, std::slice::from_ref(&numbers), &[], Some(0.05)).unwrap();
         assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
         assert_eq!((&*other.scheme, &*scheme.name()), (name, name));
         assert!(other.passed(), "{other}");
