@@ -244,7 +244,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         Self { steps, step, whole: false }
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(
         &mut self,
         state: &B::State,

@@ -99,13 +99,14 @@ pub struct Marched<T: Batch> {
 }
 
 impl<T: Batch> Marched<T> {
-    /// Counts steps, each of which took these iterations, and left this residual.
+    /// Counts steps: the iterations of all, the most of one, and the largest residual.
     #[inline(always)]
-    pub(crate) fn count(&mut self, steps: u64, (iterations, residual): (T::Each<u32>, T)) {
-        let counts = self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut());
-        for ((all, most), each) in counts.zip(iterations.as_ref()) {
-            *all += steps * u64::from(*each);
-            *most = (*most).max(*each);
+    pub(crate) fn count(&mut self, (iterations, most, residual): (T::Each<u64>, T::Each<u32>, T)) {
+        for (mine, all) in self.iterations.as_mut().iter_mut().zip(iterations.as_ref()) {
+            *mine += *all;
+        }
+        for (mine, most) in self.max_iterations.as_mut().iter_mut().zip(most.as_ref()) {
+            *mine = (*mine).max(*most);
         }
         self.max_residual = T::select(self.max_residual.below(residual), residual, self.max_residual);
     }
@@ -201,11 +202,12 @@ impl<T: Batch> Course<T> {
         Self { errors: T::all(None), is_flawless: true, iterations: T::all(0), residual: T::of(0.0) }
     }
 
-    /// Takes a part of the step. Not inlined: what is composed of several is compiled once for all that it is part of, and next to a step
-    /// a call is nothing.
+    /// Takes a part of the step: out of line, so that it is compiled once for all that it is part of, and next to a step a call is nothing.
+    /// What is counted is counted with the caller's instructions.
     ///
     /// # Errors
     /// If something went wrong in every lane.
+    #[inline(always)]
     pub(crate) fn part<B: Method<Scalar = T>>(
         &mut self,
         method: &mut B,
@@ -299,7 +301,7 @@ where
         Self { first: A::new(parameters, half), second: B::new(parameters, half), half, whole: false }
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(
         &mut self,
         state: &A::State,
@@ -356,7 +358,7 @@ where
         Self { base: B::new(parameters, step), has_stepped: false, spatial: nothing }
     }
 
-    #[inline]
+    #[inline(always)]
     fn advance(
         &mut self,
         state: &B::State,

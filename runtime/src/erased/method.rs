@@ -5,8 +5,8 @@ use std::vec::Vec;
 
 use crate::error::StepError;
 use crate::kernel::{Components, Kernel};
-use crate::method::{self, Advanced, Clock, Counted, Marched};
-use crate::scalar::{Batch, Scalar};
+use crate::method::{self, Advanced, Clock, Counted, Marched, Outcome};
+use crate::scalar::{Batch, Scalar, Work};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
 ///
@@ -75,6 +75,26 @@ impl<M: method::Method, const BATCHES: bool> Flat<M, BATCHES> {
     }
 }
 
+/// A step of a method.
+struct Step<'a, M: method::Method> {
+    method: &'a mut M,
+    state: &'a M::State,
+    time: M::Scalar,
+    control: &'a M::Control,
+    known: bool,
+}
+
+impl<M: method::Method> Work for Step<'_, M> {
+    type Home = M::Home;
+    type Result = Outcome<M::Scalar, M::State>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let Self { method, state, time, control, known } = self;
+        method.advance(state, time, control, known)
+    }
+}
+
 // with an empty array of its home, so that the compiler puts it there: see `OutOfLine`
 impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0], Flat<M, BATCHES>) {
     fn rebuild(&mut self, parameters: &[M::Scalar], step: M::Scalar) {
@@ -99,7 +119,11 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
         control: &[M::Scalar],
         known: bool,
     ) -> Counted<M::Scalar> {
-        match self.1.0.advance(&array(state), time, &array(control), known) {
+        let step =
+            Step { method: &mut self.1.0, state: &array(state), time, control: &array(control), known };
+        // numbers side by side need the instructions that they are made for
+        let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::outline(step) } else { step.done() };
+        match outcome {
             Ok(Advanced { state, iterations, residual }) => {
                 write(next, &state);
                 Ok((iterations, residual))

@@ -3,7 +3,7 @@
 use super::stopping::{change, is_within, select};
 use super::{Course, LAST_CHANGE, NO_DIFFERENCE, ROUNDOFF, count};
 use crate::kernel::{Evaluation, Kernel};
-use crate::scalar::{Batch, Mask};
+use crate::scalar::{Batch, Mask, Work};
 
 /// The most iterations of a step: where more are needed Newton's iteration is faster.
 const MOST: u32 = 8;
@@ -43,9 +43,37 @@ pub(super) struct Iterated<T: Batch, U, I> {
     pub course: Course<T>,
 }
 
+/// The same out of line.
+pub(super) fn iterate<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    known: Known<'_, T, K::Unknown>,
+) -> Iterated<T, K::Unknown, K::Iterate> {
+    T::outline(Iterate { kernel, state, step, known })
+}
+
+struct Iterate<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    known: Known<'a, T, K::Unknown>,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Iterate<'_, T, K> {
+    type Home = K;
+    type Result = Iterated<T, K::Unknown, K::Iterate>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let Self { kernel, state, step, known } = self;
+        iterated(kernel, state, step, known)
+    }
+}
+
 /// Iterates for as long as a few more iterations promise to do.
 #[inline(always)]
-pub(super) fn iterate<T: Batch, K: Kernel<T>>(
+pub(super) fn iterated<T: Batch, K: Kernel<T>>(
     kernel: &K,
     state: &K::State,
     step: &K::Step,

@@ -60,7 +60,7 @@ pub(crate) struct Solution<T: Batch, U, I> {
 pub(crate) type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
 
 /// What is remembered of the solutions of earlier steps.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct Solver<T: Batch, U> {
     /// The earlier solutions, and where they point.
     predictor: Predictor<T, U>,
@@ -80,6 +80,9 @@ pub(crate) struct Solver<T: Batch, U> {
     order: T,
     /// How far the last prediction was off that was off too far.
     missed: T,
+    /// Iterations beyond the first of steps on the fast path, and the most of one.
+    more: T::Each<u64>,
+    most: T::Each<u32>,
 }
 
 /// Remembers nothing.
@@ -95,6 +98,8 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
             is_strong: true,
             order: T::of(1.0),
             missed: T::of(f64::INFINITY),
+            more: T::all(0),
+            most: T::all(1),
         };
         solver.set_rate(T::of(STRONG));
         solver
@@ -164,13 +169,18 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.prediction = *prediction;
     }
 
-    /// The iterations that a step on the fast path takes, and a bound for the residual that it leaves.
+    /// Iterations of so many steps on the fast path, the most of one, and a bound for the residual that they left.
     #[inline(always)]
-    pub(crate) fn effort(&self) -> (T::Each<u32>, T) {
-        if const { Self::IS_IDLE } {
-            return (T::all(0), T::of(0.0));
+    pub(crate) fn effort(&mut self, steps: u64) -> (T::Each<u64>, T::Each<u32>, T) {
+        if const { Self::IS_IDLE } || steps == 0 {
+            return (T::all(0), T::all(0), T::of(0.0));
         }
-        (T::all(1), self.rate * self.tolerance)
+        let (mut iterations, most) = (self.more, self.most);
+        for iterations in iterations.as_mut() {
+            *iterations += steps;
+        }
+        (self.more, self.most) = (T::all(0), T::all(1));
+        (iterations, most, self.rate * self.tolerance)
     }
 
     /// Forgets all.
@@ -187,14 +197,11 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.predictor.latest()
     }
 
+    #[inline(always)]
     fn set_rate(&mut self, rate: T) {
         let bound = T::of(SAFETY) * rate;
-        let clamp = |x: T, [least, most]: [f64; 2]| {
-            let x = T::select(x.at_most(T::of(most)), x, T::of(most));
-            T::select(x.at_most(T::of(least)), T::of(least), x)
-        };
-        let error = clamp(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
-        let tolerance = T::of(T::EPSILON) * clamp(error / bound, LAST_CHANGE);
+        let error = clamped(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
+        let tolerance = T::of(T::EPSILON) * clamped(error / bound, LAST_CHANGE);
         let strong = rate.at_most(T::of(STRONG));
         self.rate = rate;
         self.tolerance = T::select(strong, tolerance, T::of(-1.0));
@@ -220,13 +227,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             let course = Course { tried: none, off: residual, rate: residual, is_sharp: none };
             return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
         }
-        let is_fast = const { K::SWEEPS } && self.is_fast();
-        let (rate, tolerance, limit) = (self.rate, self.tolerance, self.limit());
-        let tried = if is_fast { self.tries() } else { none };
-        let measures = self.due == 0 || self.predictor.count() <= 2;
-        let known = Known { prediction, first, rate, tolerance, limit, tried, measures };
+        let known = self.known::<K>(first);
+        let tried = known.tried;
         let Iterated { point, unknown, evaluation, iterations, residual, open, mut course } =
-            fixed_point::iterate(kernel, state, step, known);
+            fixed_point::iterated(kernel, state, step, known);
         if let (false, Some(evaluation)) = (open.any(), evaluation) {
             return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
         }
@@ -246,7 +250,51 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         (Solution { unknown, iterations, residual, ..solution }, course)
     }
 
+    /// What is known before fixed-point iterations.
+    #[inline(always)]
+    fn known<K: Kernel<T, Unknown = U>>(&self, first: Option<U>) -> Known<'_, T, U> {
+        let is_fast = const { K::SWEEPS } && self.is_fast();
+        let tried = if is_fast { self.tries() } else { T::Mask::splat(false) };
+        let measures = self.due == 0 || self.predictor.count() <= 2;
+        let (prediction, rate, tolerance, limit) =
+            (&self.prediction, self.rate, self.tolerance, self.limit());
+        Known { prediction, first, rate, tolerance, limit, tried, measures }
+    }
+
+    /// A few iterations more on the fast path, from where the first led to. None if these do not do in all lanes, or there is something to
+    /// learn from them.
+    #[inline(always)]
+    pub(crate) fn more<K>(
+        &mut self,
+        kernel: &K,
+        state: &K::State,
+        step: &K::Step,
+        prediction: &U,
+        first: U,
+    ) -> Option<(U, Evaluation<U, K::Iterate>)>
+    where
+        K: Kernel<T, Unknown = U>,
+    {
+        let missed = T::of(MISSED).below(change::<T, _>(K::BLOCKS, prediction, &first));
+        if self.due == 0 || self.predictor.count() < WINDOW || missed.any() {
+            return None;
+        }
+        let known = Known { prediction, ..self.known::<K>(Some(first)) };
+        let Iterated { unknown, evaluation, iterations, open, course, .. } =
+            fixed_point::iterate(kernel, state, step, known);
+        if (open | self.rate.below(course.rate)).any() {
+            return None;
+        }
+        let counts = self.more.as_mut().iter_mut().zip(self.most.as_mut());
+        for ((more, most), iterations) in counts.zip(iterations.as_ref()) {
+            *more += u64::from(*iterations).saturating_sub(1);
+            *most = (*most).max(*iterations);
+        }
+        Some((unknown, evaluation?))
+    }
+
     /// The lanes in which fixed-point iterations are to be made: where they contract strongly, and where it is to be seen whether they do.
+    #[inline(always)]
     fn tries(&self) -> T::Mask {
         T::of(0.0).below(self.tolerance) | T::Mask::splat(self.due == 0)
     }
@@ -338,6 +386,13 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
         let Self { solver, solution, blocks, course } = self;
         solver.learned(solution, blocks, course);
     }
+}
+
+/// No closure, which would not be compiled for the processor that the caller is compiled for.
+#[inline(always)]
+fn clamped<T: Batch>(x: T, [least, most]: [f64; 2]) -> T {
+    let x = T::select(x.at_most(T::of(most)), x, T::of(most));
+    T::select(x.at_most(T::of(least)), T::of(least), x)
 }
 
 /// What is counted in each lane, together.

@@ -9,7 +9,7 @@ use crate::scalar::{Batch, LongWork, Mask, Real, Work};
 use crate::simd::lanes::{Portable, Processor};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct OneStep<T: Batch, K: Kernel<T>> {
     kernel: K,
     solver: Solver<T, K::Unknown>,
@@ -38,10 +38,10 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         // Nearly all steps go this way. Side by side, they have gone it before, together.
         if const { T::LANES == 1 && Self::HAS_FAST_PATH } && known && self.solver.is_fast() {
             let (prediction, limit) = (self.solver.prediction(), self.solver.limit());
-            match self.fast::<Portable>(state, time, control, &prediction, limit) {
+            match self.fast::<Portable, false>(state, time, control, &prediction, limit) {
                 Ok((next, prediction)) => {
                     self.solver.took(1, &prediction);
-                    let (iterations, residual) = self.solver.effort();
+                    let (_, iterations, residual) = self.solver.effort(1);
                     return Ok(Advanced { state: next, iterations, residual });
                 }
                 Err(unknown) => first = unknown,
@@ -71,9 +71,10 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Whether there is a fast path: where there is nothing to solve for, or fixed-point iterations solve it.
     const HAS_FAST_PATH: bool = K::SWEEPS || <K::Unknown as Components<T>>::LENGTH == 0;
 
-    /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, and everything finite.
+    /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, or a few where there may be `MORE`, and
+    /// everything finite.
     #[inline(always)]
-    fn fast<P: Processor>(
+    fn fast<P: Processor, const MORE: bool>(
         &mut self,
         state: &K::State,
         time: T,
@@ -83,12 +84,18 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     ) -> Fast<T, K> {
         let Self { kernel, solver } = self;
         let begun = kernel.begin(state, time, control);
-        let evaluation = kernel.evaluate(state, &begun, prediction);
+        let mut evaluation = kernel.evaluate(state, &begun, prediction);
         let (mut unknown, mut then) = (*prediction, *prediction);
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
             unknown = kernel.sweep(state, &begun, &evaluation.right).ok_or(None)?;
             if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, limit).all() {
-                return Err(Some(unknown));
+                if const { !MORE } {
+                    return Err(Some(unknown));
+                }
+                // copies, so that the fast path needs no addresses
+                let (kernel, state, begun, prediction) = (*kernel, *state, begun, *prediction);
+                let more = solver.more(&kernel, &state, &begun, &prediction, unknown);
+                (unknown, evaluation) = more.ok_or(Some(unknown))?;
             }
             then = solver.next::<P>(&unknown);
         }
@@ -142,13 +149,13 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
         while marched.steps < most {
             let mut first = None;
             if const { OneStep::<T, K>::HAS_FAST_PATH } && method.solver.is_fast() {
-                let most = most.min(marched.steps + method.solver.expected());
+                let until_due = most.min(marched.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
                 let limit = method.solver.limit();
                 let before = marched.steps;
-                while marched.steps < most {
+                while marched.steps < until_due {
                     let time = T::of(clock.after(marched.steps));
-                    match method.fast::<P>(&now, time, control, &prediction, limit) {
+                    match method.fast::<P, true>(&now, time, control, &prediction, limit) {
                         Ok((next, then)) => (now, prediction) = (next, then),
                         Err(unknown) => {
                             first = unknown;
@@ -157,10 +164,15 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
                     }
                     marched.steps += 1;
                 }
-                method.solver.took(marched.steps - before, &prediction);
-                if marched.steps > before {
-                    marched.count(marched.steps - before, method.solver.effort());
+                if const { !Solver::<T, K::Unknown>::IS_IDLE } {
+                    let steps = marched.steps - before;
+                    method.solver.took(steps, &prediction);
+                    marched.count(method.solver.effort(steps));
                 }
+            }
+            if const { Solver::<T, K::Unknown>::IS_IDLE } {
+                // what fails is seen by whoever takes the step alone
+                break;
             }
             if marched.steps < most {
                 let time = T::of(clock.after(marched.steps));
@@ -169,7 +181,11 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
                 let Ok(advanced) = T::outline(slow) else { break };
                 now = advanced.state;
                 marched.steps += 1;
-                marched.count(1, (advanced.iterations, advanced.residual));
+                let mut iterations = T::all(0);
+                for (all, step) in iterations.as_mut().iter_mut().zip(advanced.iterations.as_ref()) {
+                    *all = u64::from(*step);
+                }
+                marched.count((iterations, advanced.iterations, advanced.residual));
             }
         }
         *state = now;

@@ -118,16 +118,16 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Where the solutions point.
     pub(crate) fn next(&self) -> U {
-        let (window, weights) = (self.window(), &self.weights);
+        let (predictor, weights) = (self, &self.weights);
         let [all, any] = self.near;
         if !any {
-            return T::outline(Next { window, weights, near: false });
+            return T::outline(Next { predictor, weights, near: false });
         }
-        let near = T::outline(Next { window, weights, near: true });
+        let near = T::outline(Next { predictor, weights, near: true });
         if all {
             near
         } else {
-            select(self.is_near, &near, &T::outline(Next { window, weights, near: false }))
+            select(self.is_near, &near, &T::outline(Next { predictor, weights, near: false }))
         }
     }
 
@@ -179,7 +179,6 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// below `tolerance` is none.
     #[inline(always)]
     pub(crate) fn choose(&mut self, blocks: &[usize], solution: &U, tolerance: T) {
-        let window = self.window();
         let [mut of_through, mut of_near] = [Best::none(); 2];
         let mut errors = self.errors;
         let (errors_through, errors_near) = errors.split_at_mut(THROUGH.len());
@@ -188,7 +187,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
                 break;
             }
             let weights = numbers(weights);
-            let guess = T::outline(Next { window, weights: &terms(&weights), near: false });
+            let guess = T::outline(Next { predictor: self, weights: &terms(&weights), near: false });
             of_through.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         for (weights, lasting) in NEAR_ALL.iter().zip(errors_near) {
@@ -196,7 +195,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
                 break;
             }
             let weights = numbers(weights);
-            let guess = T::outline(Next { window, weights: &terms(&weights), near: true });
+            let guess = T::outline(Next { predictor: self, weights: &terms(&weights), near: true });
             of_near.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         // Those through the latest only where the others do not do: lanes with polynomials of both kinds take the time of both.
@@ -211,6 +210,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.set_near(is_near);
     }
 
+    #[inline(always)]
     fn set_near(&mut self, is_near: T::Mask) {
         self.is_near = is_near;
         self.near = [is_near.all(), is_near.any()];
@@ -267,7 +267,7 @@ impl<T: Batch> Best<T> {
 
 /// Where solutions point, by a polynomial through or near to them, out of line.
 struct Next<'a, T: Batch, U> {
-    window: &'a [Term<T, U>],
+    predictor: &'a Predictor<T, U>,
     weights: &'a [Weight<T>; RECENT],
     near: bool,
 }
@@ -278,7 +278,8 @@ impl<T: Batch, U: Components<T>> Work for Next<'_, T, U> {
 
     #[inline(always)]
     fn done(self) -> U {
-        let Self { window, weights, near } = self;
+        let Self { predictor, weights, near } = self;
+        let window = predictor.window();
         let latest = &window[WINDOW - 1].components;
         let earlier = if near {
             computed::<Portable, _, _>(&Near(weights, window), latest)
@@ -348,6 +349,7 @@ fn continued<T: Batch, U: Components<T>>(weights: &[Weight<T>; RECENT], earlier:
 }
 
 /// Coefficients as they are kept. A loop: mapped arrays are a dozen functions more to compile.
+#[inline(always)]
 fn terms<T: Copy>(weights: &[T; RECENT]) -> [Weight<T>; RECENT] {
     let mut terms = [Weight::new(weights[0]); RECENT];
     let mut j = 0;
@@ -359,6 +361,7 @@ fn terms<T: Copy>(weights: &[T; RECENT]) -> [Weight<T>; RECENT] {
 }
 
 /// The numbers of the kind.
+#[inline(always)]
 fn numbers<T: Scalar>(weights: &[f64; RECENT]) -> [T; RECENT] {
     let mut numbers = [T::of(0.0); RECENT];
     let mut j = 0;

@@ -15,10 +15,10 @@ pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to:
     // what is smaller than this has not its full precision: such blocks, and those at rest, count next to it
     let floor = T::of(T::LEAST / T::EPSILON);
     let (of, to) = (of.as_ref(), to.as_ref());
-    let (mut ratios, mut from) = (T::of(0.0), 0);
+    let (mut ratios, mut from) = (T::of(0.0), 0_usize);
     // loops over places: chains of iterators take longer to compile than all else here
     for length in blocks {
-        let end = (from + length).min(U::LENGTH);
+        let end = from.saturating_add(*length).min(U::LENGTH);
         let (mut change, mut size) = (T::of(0.0), floor);
         while from < end {
             change = change + of[from].abs();

@@ -1,5 +1,8 @@
 //! Every step is a map: its result depends on state, time, control and parameters alone, to rounding in each component's own units.
 
+// a test that cannot go on is to say so
+#![allow(clippy::unwrap_used)]
+
 use coadjoint::compensated::Compensated;
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, State};

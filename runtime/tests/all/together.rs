@@ -2,10 +2,7 @@
 // a test that cannot go on is to say so
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::__private::Method;
-use coadjoint::__private::Once;
-use coadjoint::__private::{Batch, Scalar};
-use coadjoint::__private::{Components, Kernel};
+use coadjoint::__private::{Batch, Components, Kernel, Method, Once, Scalar};
 use coadjoint::ensemble::Instructions;
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
