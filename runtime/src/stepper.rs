@@ -428,6 +428,7 @@ impl<S: Differentiable, M, D: MethodOf<S> + Linearizable<S>> Stepper<S, M, D> {
 
     /// The derivative of a step of this size.
     #[inline(always)]
+    #[cfg(feature = "std")]
     pub(crate) fn derivative(
         &self,
         state: &S::StateComponents<S::Scalar>,
