@@ -327,6 +327,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         // One more solution to continue while that helps, and fewer when it does not; of a calibrated prediction all are forgotten if it suddenly
         // is off.
         let missed = T::of(MISSED).below(off);
+        // a prediction that needs a few iterations more is left to the next calibration: see `more`
+        let open = open & (missed | T::Mask::splat(self.due == 0 || self.predictor.count() < WINDOW));
         let helps = off.below(self.missed) | !missed;
         let ramps = T::of(0.0).below(self.order);
         let suddenly = (T::of(SUDDENLY) * self.missed).below(off) & missed;
