@@ -473,7 +473,7 @@ pub mod erased {
     //!
     //! ```
     //! use coadjoint::erased::{self, Controls, Scheme, Watched};
-    //! use coadjoint::geometry::Map;
+    //! use coadjoint::erased::Map;
     //! use coadjoint::prelude::*;
     //! use std::ops::ControlFlow;
     //!

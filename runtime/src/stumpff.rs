@@ -9,7 +9,7 @@
 //! - `c_k′(z) = (k c_{k+2}(z) − c_{k+1}(z)) / 2`, so that they are closed under differentiation.
 //!
 //! ```
-//! use coadjoint::stumpff::family;
+//! use coadjoint::__private::family;
 //!
 //! let angle: f64 = 0.3;
 //! let z = angle * angle;

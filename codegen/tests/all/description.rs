@@ -431,11 +431,11 @@ fn energies_forces_and_controls() {
     attribute("control(u: String)", &[("String", "`u` cannot be of this type; a control is a number")]);
     attribute(
         "methods(Midpiont)",
-        &[("Midpiont", "there is no method `Midpiont` to ask for; did you mean `Midpoint`?")],
+        &[("Midpiont", "there is no method `Midpiont`; did you mean `Midpoint`?")],
     );
     attribute(
         "methods(Cayley)",
-        &[("Cayley", "there is no method `Cayley` to ask for; this one needs not be asked for")],
+        &[("Cayley", "`Cayley` is a retraction, not a method: the standard steps with it are generated")],
     );
     attribute(
         "methods(Family(3, 2))",

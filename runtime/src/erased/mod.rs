@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use coadjoint::erased::{self, Scheme};
-//! use coadjoint::geometry::Map;
+//! use coadjoint::erased::Map;
 //! use coadjoint::prelude::*;
 //!
 //! #[lie_poisson_system(group = SO3)]
@@ -35,6 +35,7 @@ mod scheme;
 mod stepper;
 mod system;
 
+pub use crate::geometry::Map;
 pub use crate::scheme::Rule;
 pub use ensemble::{Ensemble, MemberLaw};
 pub use method::{Equation, Flat, Method};
