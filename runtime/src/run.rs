@@ -345,7 +345,7 @@ where
     pub fn past(mut self, time: f64) -> Result<RunReport, RunError> {
         let (whole, rest) = self.way(time)?;
         let mut report = RunReport::default();
-        self.walk(whole + u64::from(rest != 0.0), None, &mut report)?;
+        self.walk(whole.saturating_add(u64::from(rest != 0.0)), None, &mut report)?;
         Ok(report)
     }
 
@@ -364,7 +364,8 @@ where
             return Err(RunError { step: self.stepper.steps_taken() + 1, time: now, report, cause });
         }
         let steps = (time - now) / step;
-        let roundoff = 4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs();
+        // less than half a step, be it ever so far
+        let roundoff = (4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs()).min(0.25);
         if steps <= roundoff {
             return Ok((0, 0.0));
         }

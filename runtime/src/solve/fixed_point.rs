@@ -1,7 +1,7 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`.
 
 use super::stopping::{change, is_within, select};
-use super::{Course, LAST_CHANGE, NO_DIFFERENCE, ROUNDOFF, count};
+use super::{Convergence, LAST_CHANGE, NO_DIFFERENCE, ROUNDOFF, count};
 use crate::kernel::{Evaluation, Kernel};
 use crate::scalar::{Batch, Mask, Work};
 
@@ -40,7 +40,7 @@ pub(super) struct Iterated<T: Batch, U, I> {
     pub residual: T,
     /// The lanes that are not solved.
     pub open: T::Mask,
-    pub course: Course<T>,
+    pub convergence: Convergence<T>,
 }
 
 /// The same out of line.
@@ -85,11 +85,11 @@ pub(super) fn iterated<T: Batch, K: Kernel<T>>(
         [ROUNDOFF[0], ROUNDOFF[1], LAST_CHANGE[1]].map(|x| T::of(x * T::EPSILON));
     let (mut point, mut unknown, mut evaluation, mut open) = (*prediction, *prediction, None, !none);
     let (mut iterations, mut residual, mut last) = (T::all(0), nothing, nothing);
-    let mut course = Course { tried, off: nothing, rate: nothing, is_sharp: none };
+    let mut convergence = Convergence { tried, off: nothing, rate: nothing, is_sharp: none };
     let mut round = 0;
     if let Some(first) = first {
         (unknown, last, iterations) = (first, change::<T, _>(K::BLOCKS, prediction, &first), T::all(1));
-        (course.off, round) = (last, 1);
+        (convergence.off, round) = (last, 1);
         open = !is_within::<T, _>(K::BLOCKS, prediction, &first, limit);
     }
     while round < MOST && open.any() {
@@ -110,13 +110,13 @@ pub(super) fn iterated<T: Batch, K: Kernel<T>>(
         let change = change::<T, _>(K::BLOCKS, &point, &unknown);
         count::<T>(&mut iterations, again);
         if round == 0 {
-            (last, course.off) = (change, change);
+            (last, convergence.off) = (change, change);
             open = !is_within::<T, _>(K::BLOCKS, prediction, &unknown, limit);
         } else {
             let is_sharp = again & T::of(SHARP * T::EPSILON).below(last);
             let seen = (change - T::of(NOISE * T::EPSILON)) / last;
-            course.rate = T::select(again & course.rate.below(seen), seen, course.rate);
-            course.is_sharp = course.is_sharp | is_sharp;
+            convergence.rate = T::select(again & convergence.rate.below(seen), seen, convergence.rate);
+            convergence.is_sharp = convergence.is_sharp | is_sharp;
             rate = T::select(is_sharp | rate.below(seen), change / last, rate);
             last = T::select(again, change, last);
             // the error that is left, relative to the unknown
@@ -127,5 +127,5 @@ pub(super) fn iterated<T: Batch, K: Kernel<T>>(
         }
         round += 1;
     }
-    Iterated { point, unknown, evaluation, iterations, residual, open, course }
+    Iterated { point, unknown, evaluation, iterations, residual, open, convergence }
 }

@@ -36,6 +36,8 @@ const NO_DIFFERENCE: f64 = 0.1;
 const LAST_CHANGE: [f64; 2] = [8.0, 128.0];
 /// A prediction that is off by more than this has missed something: the solutions before are no guide.
 const MISSED: f64 = 1e-9;
+/// How far a prediction was off where there was none: finite, so that what is remembered can be written in any format.
+const NONE: f64 = 1e30;
 /// By how much more it is then off than the last one that missed.
 const SUDDENLY: f64 = 8.0;
 /// A prediction that is off by more than this is not used.
@@ -80,9 +82,10 @@ pub(crate) struct Solver<T: Batch, U> {
     order: T,
     /// How far the last prediction was off that was off too far.
     missed: T,
-    /// Iterations beyond the first of steps on the fast path, and the most of one.
+    /// Iterations beyond the first of steps on the fast path, the most of one, and the largest residual that more than one left.
     more: T::Each<u64>,
     most: T::Each<u32>,
+    left: T,
 }
 
 /// Remembers nothing.
@@ -97,9 +100,10 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
             tolerance: T::of(0.0),
             is_strong: true,
             order: T::of(1.0),
-            missed: T::of(f64::INFINITY),
+            missed: T::of(NONE),
             more: T::all(0),
             most: T::all(1),
+            left: T::of(0.0),
         };
         solver.set_rate(T::of(STRONG));
         solver
@@ -108,7 +112,7 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
 
 /// How a step's equation was solved that one iteration did not solve as expected.
 #[derive(Clone, Copy)]
-pub(crate) struct Course<T: Batch> {
+pub(crate) struct Convergence<T: Batch> {
     /// The lanes in which there were fixed-point iterations.
     tried: T::Mask,
     /// How far the prediction was off: the relative change of the first iteration, or of the first of Newton's corrections.
@@ -172,15 +176,29 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Iterations of so many steps on the fast path, the most of one, and a bound for the residual that they left.
     #[inline(always)]
     pub(crate) fn effort(&mut self, steps: u64) -> (T::Each<u64>, T::Each<u32>, T) {
-        if const { Self::IS_IDLE } || steps == 0 {
+        if const { Self::IS_IDLE } {
             return (T::all(0), T::all(0), T::of(0.0));
         }
-        let (mut iterations, most) = (self.more, self.most);
+        let (mut iterations, most, left) = (self.more, self.most, self.left);
+        (self.more, self.most, self.left) = (T::all(0), T::all(1), T::of(0.0));
+        if steps == 0 {
+            return (T::all(0), T::all(0), T::of(0.0));
+        }
         for iterations in iterations.as_mut() {
             *iterations += steps;
         }
-        (self.more, self.most) = (T::all(0), T::all(1));
-        (iterations, most, self.rate * self.tolerance)
+        let (_, bound) = self.of_one();
+        (iterations, most, T::select(bound.below(left), left, bound))
+    }
+
+    /// The iterations of a step on the fast path without any more, and a bound for the residual that it left.
+    #[inline(always)]
+    pub(crate) fn of_one(&self) -> (T::Each<u32>, T) {
+        if const { Self::IS_IDLE } {
+            (T::all(0), T::of(0.0))
+        } else {
+            (T::all(1), self.rate * self.tolerance)
+        }
     }
 
     /// Forgets all.
@@ -189,7 +207,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.predictor.forget();
         (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
         self.set_rate(T::of(STRONG));
-        (self.order, self.missed) = (T::of(1.0), T::of(f64::INFINITY));
+        (self.order, self.missed) = (T::of(1.0), T::of(NONE));
     }
 
     /// The latest solution.
@@ -216,7 +234,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         state: &K::State,
         step: &K::Step,
         first: Option<U>,
-    ) -> (SolutionOf<T, K>, Course<T>)
+    ) -> (SolutionOf<T, K>, Convergence<T>)
     where
         K: Kernel<T, Unknown = U>,
     {
@@ -224,30 +242,30 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         if const { Self::IS_IDLE } {
             let evaluation = kernel.evaluate(state, step, prediction);
             let (unknown, iterations, residual) = (*prediction, T::all(0), T::of(0.0));
-            let course = Course { tried: none, off: residual, rate: residual, is_sharp: none };
-            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
+            let convergence = Convergence { tried: none, off: residual, rate: residual, is_sharp: none };
+            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, convergence);
         }
         let known = self.known::<K>(first);
         let tried = known.tried;
-        let Iterated { point, unknown, evaluation, iterations, residual, open, mut course } =
+        let Iterated { point, unknown, evaluation, iterations, residual, open, mut convergence } =
             fixed_point::iterated(kernel, state, step, known);
         if let (false, Some(evaluation)) = (open.any(), evaluation) {
-            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, course);
+            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, convergence);
         }
         // from where iterations led to, or from the prediction, unless that was far off
         let mut from = kernel.start(state, step);
         if self.predictor.count() > 0 {
             let predicted = !tried & change::<T, _>(K::BLOCKS, prediction, &from).at_most(T::of(1.0));
-            let iterated = tried & course.off.at_most(T::of(LOST));
+            let iterated = tried & convergence.off.at_most(T::of(LOST));
             from = select(iterated, &unknown, &select(predicted, prediction, &from));
         }
         let from = select(open, &from, &point);
         let (solution, correction) = newton::solve(kernel, state, step, &from, open);
-        course.off = T::select(tried, course.off, correction);
+        convergence.off = T::select(tried, convergence.off, correction);
         let iterations = sum::<T>(iterations, solution.iterations);
         let residual = T::select(open, solution.residual, residual);
         let unknown = select(open, &solution.unknown, &unknown);
-        (Solution { unknown, iterations, residual, ..solution }, course)
+        (Solution { unknown, iterations, residual, ..solution }, convergence)
     }
 
     /// What is known before fixed-point iterations.
@@ -280,11 +298,12 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             return None;
         }
         let known = Known { prediction, ..self.known::<K>(Some(first)) };
-        let Iterated { unknown, evaluation, iterations, open, course, .. } =
+        let Iterated { unknown, evaluation, iterations, residual, open, convergence, .. } =
             fixed_point::iterate(kernel, state, step, known);
-        if (open | self.rate.below(course.rate)).any() {
+        if (open | self.rate.below(convergence.rate)).any() {
             return None;
         }
+        self.left = T::select(self.left.below(residual), residual, self.left);
         let counts = self.more.as_mut().iter_mut().zip(self.most.as_mut());
         for ((more, most), iterations) in counts.zip(iterations.as_ref()) {
             *more += u64::from(*iterations).saturating_sub(1);
@@ -300,17 +319,17 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     }
 
     /// Learns from a step whose equation was not solved by one iteration as expected, and remembers its solution.
-    pub(crate) fn learn(&mut self, solution: &U, blocks: &'static [usize], course: &Course<T>) {
+    pub(crate) fn learn(&mut self, solution: &U, blocks: &'static [usize], convergence: &Convergence<T>) {
         if const { Self::IS_IDLE } {
             return;
         }
-        T::outline(Learn { solver: self, solution, blocks, course });
+        T::outline(Learn { solver: self, solution, blocks, convergence });
     }
 
     #[inline(always)]
-    fn learned(&mut self, solution: &U, blocks: &[usize], course: &Course<T>) {
+    fn learned(&mut self, solution: &U, blocks: &[usize], convergence: &Convergence<T>) {
         let one = T::of(1.0);
-        let Course { tried, off, rate, is_sharp } = *course;
+        let Convergence { tried, off, rate, is_sharp } = *convergence;
         let open = T::of(0.0).below(off) & (!tried | !off.at_most(self.tolerance));
         // if it is smaller than it was, that may be by chance
         let is_known = self.predictor.count() > 2;
@@ -350,9 +369,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
                 self.predictor.continue_through(self.order, ramps);
             }
         }
+        // before the solution is stored, for what was just stored is waited for
+        self.prediction = self.next::<Portable>(solution);
         self.predictor.push::<Portable>(solution);
         self.predictor.count_more(1);
-        self.prediction = self.predictor.next();
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
@@ -376,7 +396,7 @@ struct Learn<'a, T: Batch, U> {
     solver: &'a mut Solver<T, U>,
     solution: &'a U,
     blocks: &'static [usize],
-    course: &'a Course<T>,
+    convergence: &'a Convergence<T>,
 }
 
 impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
@@ -385,8 +405,8 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
 
     #[inline(always)]
     fn done(self) {
-        let Self { solver, solution, blocks, course } = self;
-        solver.learned(solution, blocks, course);
+        let Self { solver, solution, blocks, convergence } = self;
+        solver.learned(solution, blocks, convergence);
     }
 }
 

@@ -41,7 +41,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             match self.fast::<Portable, false>(state, time, control, &prediction, limit) {
                 Ok((next, prediction)) => {
                     self.solver.took(1, &prediction);
-                    let (_, iterations, residual) = self.solver.effort(1);
+                    let (iterations, residual) = self.solver.of_one();
                     return Ok(Advanced { state: next, iterations, residual });
                 }
                 Err(unknown) => first = unknown,
@@ -219,7 +219,7 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         }
         let given = finite(state) & finite(control) & time.is_finite();
         let begun = kernel.begin(state, time, control);
-        let (solution, course) = solver.solve(kernel, state, &begun, first);
+        let (solution, convergence) = solver.solve(kernel, state, &begun, first);
         let Solution { unknown, evaluation, iterations, residual, unsolved } = solution;
         let next = kernel.finish(state, &begun, &unknown, &evaluation);
         let inside = is_inside(kernel, state, &begun, &unknown, &evaluation);
@@ -227,11 +227,11 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         let good = given & !unsolved & inside & reached;
         let advanced = Advanced { state: next, iterations, residual };
         if good.all() {
-            solver.learn(&unknown, K::BLOCKS, &course);
+            solver.learn(&unknown, K::BLOCKS, &convergence);
             return Ok(advanced);
         }
         if lossy && good.any() {
-            solver.learn(&unknown, K::BLOCKS, &course);
+            solver.learn(&unknown, K::BLOCKS, &convergence);
         } else if lossy {
             solver.forget();
         }

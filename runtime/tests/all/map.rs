@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used)]
 
 use coadjoint::compensated::Compensated;
+use coadjoint::nalgebra::Isometry3;
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, State};
 
@@ -277,4 +278,41 @@ fn steps_are_maps_where_motion_is_chaotic_sudden_or_fast() {
         pushed_error::<Midpoint>(&quiet, 0.02, 2_000, none),
     );
     assert!(cayley.max(midpoint) < 10.0, "{cayley}, {midpoint}");
+}
+
+/// A body in a fluid: what turns it are differences of large terms.
+#[lie_poisson_system(group = SE3, methods(Midpoint))]
+#[derive(Clone)]
+struct Fluid {
+    #[inertia]
+    inertia: Matrix6<f64>,
+}
+
+/// Straight on, all torques on it are roundoff.
+fn goes_straight<M>(system: &Fluid, spin: f64)
+where
+    Fluid: Discretized<M>,
+{
+    let start = Vector6::new(spin, 2.0 * spin, -spin, 1.0, 0.7, -0.3);
+    for step in [0.01, 0.3] {
+        let mut state = FluidState { pose: Isometry3::identity(), momentum: start };
+        let mut stepper = system.stepper::<M>(step).unwrap();
+        for _ in 0..2_000 {
+            let report = stepper.step(&mut state).unwrap();
+            assert!(report.residual < 1e-13, "{step}, {spin}: {report:?}");
+        }
+        let momentum = state.momentum;
+        assert!((momentum - start).amax() < 1e-11, "{step}, {spin}: {momentum}");
+    }
+}
+
+#[test]
+fn what_cancels_is_solved_to_the_rounding_of_its_terms() {
+    let masses = Vector6::new(1.0, 2.0, 3.0, 4.0, 4.0, 4.0);
+    let round = Fluid { inertia: Matrix6::from_diagonal(&masses) };
+    for spin in [0.0, 1e-17, 1e-14] {
+        goes_straight::<Cayley>(&round, spin);
+        goes_straight::<Exponential>(&round, spin);
+        goes_straight::<Midpoint>(&round, spin);
+    }
 }
