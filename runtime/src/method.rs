@@ -7,7 +7,7 @@ use crate::geometry::Isolated;
 use crate::kernel::Components;
 use crate::memory::visit_flag;
 use crate::scalar::{Batch, Real, Scalar, Work};
-use crate::solve;
+use crate::solve::{self, Convergence};
 
 /// A discretization of one system with one step size, on flat arrays.
 pub trait Method: Clone + Send + Sync {
@@ -99,23 +99,19 @@ pub struct Marched<T: Batch> {
 }
 
 impl<T: Batch> Marched<T> {
-    /// Counts steps: the iterations of all, the most of one, and the largest residual.
+    /// Counts so many steps that were taken alike.
     #[inline(always)]
-    pub(crate) fn count(&mut self, (iterations, most, residual): (T::Each<u64>, T::Each<u32>, T)) {
-        for (mine, all) in self.iterations.as_mut().iter_mut().zip(iterations.as_ref()) {
-            *mine += *all;
+    pub(crate) fn count(&mut self, steps: u64, each: &Convergence<T>) {
+        if steps == 0 {
+            return;
         }
-        for (mine, most) in self.max_iterations.as_mut().iter_mut().zip(most.as_ref()) {
-            *mine = (*mine).max(*most);
+        let counts = self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut());
+        for ((all, most), iterations) in counts.zip(each.iterations.as_ref()) {
+            *all += steps * u64::from(*iterations);
+            *most = (*most).max(*iterations);
         }
-        self.max_residual = T::select(self.max_residual.below(residual), residual, self.max_residual);
-    }
-
-    /// Iterations and residual, if it was one step.
-    #[inline(always)]
-    pub(crate) fn single(&self) -> Option<(T::Each<u32>, T)> {
-        // of one step, the most iterations are all of them
-        (self.steps == 1).then_some((self.max_iterations, self.max_residual))
+        let larger = self.max_residual.below(each.residual);
+        self.max_residual = T::select(larger, each.residual, self.max_residual);
     }
 }
 
@@ -174,13 +170,6 @@ impl<B: Method> Work for Part<'_, B> {
     #[inline(always)]
     fn done(self) -> Self::Result {
         let Self { method, state, time, control, known } = self;
-        if const { B::Scalar::LANES > 1 } && known {
-            let mut next = *state;
-            let marched = method.march(&mut next, Clock::at(time), control, 1);
-            if let Some((iterations, residual)) = marched.single() {
-                return Ok(Advanced { state: next, iterations, residual });
-            }
-        }
         method.advance(state, time, control, known)
     }
 }

@@ -65,17 +65,7 @@ impl<T: Batch> Method<T> for Composition<T> {
         for (place, part) in self.parts.iter_mut().enumerate() {
             let from = if place == 0 { state } else { &*other };
             let start = time + T::of(done) * self.step;
-            let marched = match known && T::LANES > 1 {
-                true => {
-                    to.copy_from_slice(from);
-                    part.method.march(to, Clock::at(start), control, 1).single()
-                }
-                false => None,
-            };
-            let outcome = match marched {
-                Some(marched) => Ok(marched),
-                None => part.method.advance(from, to, start, control, known),
-            };
+            let outcome = part.method.advance(from, to, start, control, known);
             course.count(outcome)?;
             done += part.gamma;
             core::mem::swap(&mut to, &mut other);

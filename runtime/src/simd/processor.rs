@@ -409,7 +409,16 @@ mod tests {
         let advanced = method.advance(&state, T::of(0.0), &[], false);
         state = advanced.map_err(|failure| failure.first()).expect("a small step").state;
         let clock = Clock { start: 0.0, step: 0.01, taken: 1 };
-        let march = March { method: &mut method, state: &mut state, clock, control: &[], most: STEPS };
+        let (method_of, control) = (&mut method, &[]);
+        let march = March {
+            method: method_of,
+            state: &mut state,
+            clock,
+            control,
+            most: STEPS,
+            known: true,
+            failed: None,
+        };
         assert_eq!(P::outline(On::<P, _>::new(march)).steps, STEPS);
         let mut all: Vec<f64> = state.iter().map(|x| x.lane(0)).collect();
         method.memory(&mut |numbers| all.extend(numbers.iter().map(|x| x.lane(0))));

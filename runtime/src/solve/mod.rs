@@ -16,7 +16,7 @@ pub(crate) mod terms;
 use crate::kernel::{Components, Evaluation, Kernel};
 use crate::scalar::{Batch, Mask, Real, Work};
 use crate::simd::lanes::{Portable, Processor};
-use fixed_point::{Iterated, Known, SHARP};
+use fixed_point::{Iterated, Open, SHARP};
 use predictor::{Predictor, RECENT, WINDOW};
 use stopping::{change, select};
 
@@ -44,16 +44,14 @@ const SUDDENLY: f64 = 8.0;
 const LOST: f64 = 0.1;
 
 /// A solution of the step's equation.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct Solution<T: Batch, U, I> {
     /// The unknown.
     pub unknown: U,
     /// The equation evaluated there, or so near that it makes no difference.
     pub evaluation: Evaluation<U, I>,
-    /// Iterations made.
-    pub iterations: T::Each<u32>,
-    /// The residual left, relative to the equation's terms.
-    pub residual: T,
+    /// How it was found.
+    pub convergence: Convergence<T>,
     /// The lanes in which the residual did not come down to roundoff.
     pub unsolved: T::Mask,
 }
@@ -82,10 +80,6 @@ pub(crate) struct Solver<T: Batch, U> {
     order: T,
     /// How far the last prediction was off that was off too far.
     missed: T,
-    /// Iterations beyond the first of steps on the fast path, the most of one, and the largest residual that more than one left.
-    more: T::Each<u64>,
-    most: T::Each<u32>,
-    left: T,
 }
 
 /// Remembers nothing.
@@ -101,18 +95,19 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
             is_strong: true,
             order: T::of(1.0),
             missed: T::of(NONE),
-            more: T::all(0),
-            most: T::all(1),
-            left: T::of(0.0),
         };
         solver.set_rate(T::of(STRONG));
         solver
     }
 }
 
-/// How a step's equation was solved that one iteration did not solve as expected.
+/// How a step's equation was solved.
 #[derive(Clone, Copy)]
 pub(crate) struct Convergence<T: Batch> {
+    /// Iterations made.
+    pub iterations: T::Each<u32>,
+    /// The residual left, relative to the equation's terms.
+    pub residual: T,
     /// The lanes in which there were fixed-point iterations.
     tried: T::Mask,
     /// How far the prediction was off: the relative change of the first iteration, or of the first of Newton's corrections.
@@ -121,6 +116,15 @@ pub(crate) struct Convergence<T: Batch> {
     rate: T,
     /// Where nothing of that is roundoff.
     is_sharp: T::Mask,
+}
+
+impl<T: Batch> Convergence<T> {
+    /// That of one iteration, of which the residual is no more than that.
+    #[inline(always)]
+    fn of_one(residual: T) -> Self {
+        let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
+        Self { iterations: T::all(1), residual, tried: none, off: nothing, rate: nothing, is_sharp: none }
+    }
 }
 
 impl<T: Batch, U: Components<T>> Solver<T, U> {
@@ -133,10 +137,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         Self::IS_IDLE || ((self.is_strong || self.due == 0) && self.predictor.count() > 0)
     }
 
-    /// The next calibration is after so many steps, or at once.
+    /// The next calibration is after so many steps, or in the next one.
     #[inline(always)]
     pub(crate) fn expected(&self) -> u64 {
-        if const { Self::IS_IDLE } { u64::MAX } else { self.due.into() }
+        if const { Self::IS_IDLE } { u64::MAX } else { self.due.max(1).into() }
     }
 
     /// The relative change of a last iteration on the fast path; negative where iterations do not contract strongly, and for calibration.
@@ -173,31 +177,13 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.prediction = *prediction;
     }
 
-    /// Iterations of so many steps on the fast path, the most of one, and a bound for the residual that they left.
+    /// How the equation of a step is solved on the fast path, with a bound for the residual.
     #[inline(always)]
-    pub(crate) fn effort(&mut self, steps: u64) -> (T::Each<u64>, T::Each<u32>, T) {
+    pub(crate) fn usual(&self) -> Convergence<T> {
         if const { Self::IS_IDLE } {
-            return (T::all(0), T::all(0), T::of(0.0));
-        }
-        let (mut iterations, most, left) = (self.more, self.most, self.left);
-        (self.more, self.most, self.left) = (T::all(0), T::all(1), T::of(0.0));
-        if steps == 0 {
-            return (T::all(0), T::all(0), T::of(0.0));
-        }
-        for iterations in iterations.as_mut() {
-            *iterations += steps;
-        }
-        let (_, bound) = self.of_one();
-        (iterations, most, T::select(bound.below(left), left, bound))
-    }
-
-    /// The iterations of a step on the fast path without any more, and a bound for the residual that it left.
-    #[inline(always)]
-    pub(crate) fn of_one(&self) -> (T::Each<u32>, T) {
-        if const { Self::IS_IDLE } {
-            (T::all(0), T::of(0.0))
+            Convergence { iterations: T::all(0), ..Convergence::of_one(T::of(0.0)) }
         } else {
-            (T::all(1), self.rate * self.tolerance)
+            Convergence::of_one(self.rate * self.tolerance)
         }
     }
 
@@ -226,7 +212,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.is_strong = strong.any();
     }
 
-    /// Solves a step's equation by whatever it takes; `first` is where an iteration from the prediction led to. Says how it went, too.
+    /// Solves a step's equation by whatever it takes; `first` is where an iteration from the prediction led to.
     #[inline(always)]
     pub(crate) fn solve<K>(
         &self,
@@ -234,82 +220,52 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         state: &K::State,
         step: &K::Step,
         first: Option<U>,
-    ) -> (SolutionOf<T, K>, Convergence<T>)
+    ) -> SolutionOf<T, K>
     where
         K: Kernel<T, Unknown = U>,
     {
         let (none, prediction) = (T::Mask::splat(false), &self.prediction);
         if const { Self::IS_IDLE } {
             let evaluation = kernel.evaluate(state, step, prediction);
-            let (unknown, iterations, residual) = (*prediction, T::all(0), T::of(0.0));
-            let convergence = Convergence { tried: none, off: residual, rate: residual, is_sharp: none };
-            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, convergence);
+            let convergence = self.usual();
+            return Solution { unknown: *prediction, evaluation, convergence, unsolved: none };
         }
-        let known = self.known::<K>(first);
-        let tried = known.tried;
-        let Iterated { point, unknown, evaluation, iterations, residual, open, mut convergence } =
-            fixed_point::iterated(kernel, state, step, known);
-        if let (false, Some(evaluation)) = (open.any(), evaluation) {
-            return (Solution { unknown, evaluation, iterations, residual, unsolved: none }, convergence);
+        let mut left = None;
+        if let (true, Some(first)) = (const { K::SWEEPS }, first) {
+            match fixed_point::iterate(kernel, state, step, self, &first) {
+                Iterated::Solved(unknown, evaluation, convergence) => {
+                    return Solution { unknown, evaluation, convergence, unsolved: none };
+                }
+                Iterated::Open(open) => left = Some(open),
+            }
         }
-        // from where iterations led to, or from the prediction, unless that was far off
         let mut from = kernel.start(state, step);
-        if self.predictor.count() > 0 {
-            let predicted = !tried & change::<T, _>(K::BLOCKS, prediction, &from).at_most(T::of(1.0));
-            let iterated = tried & convergence.off.at_most(T::of(LOST));
-            from = select(iterated, &unknown, &select(predicted, prediction, &from));
-        }
-        let from = select(open, &from, &point);
-        let (solution, correction) = newton::solve(kernel, state, step, &from, open);
-        convergence.off = T::select(tried, convergence.off, correction);
-        let iterations = sum::<T>(iterations, solution.iterations);
-        let residual = T::select(open, solution.residual, residual);
-        let unknown = select(open, &solution.unknown, &unknown);
-        (Solution { unknown, iterations, residual, ..solution }, convergence)
+        let is_near = change::<T, _>(K::BLOCKS, prediction, &from).at_most(T::of(1.0));
+        let is_near = is_near & T::Mask::splat(self.predictor.count() > 0);
+        let Some(Open { point, unknown, open, convergence }) = left else {
+            // from the prediction, unless that is far off
+            from = select(is_near, prediction, &from);
+            return newton::solve(kernel, state, step, &from, !none);
+        };
+        // from where iterations led to, unless the prediction was far off
+        let iterated = convergence.tried & convergence.off.at_most(T::of(LOST));
+        from = select(iterated, &unknown, &select(!convergence.tried & is_near, prediction, &from));
+        from = select(open, &from, &point);
+        let solution = newton::solve(kernel, state, step, &from, open);
+        let Convergence { iterations, residual, off, .. } = solution.convergence;
+        let convergence = Convergence {
+            iterations: sum::<T>(convergence.iterations, iterations),
+            residual: T::select(open, residual, convergence.residual),
+            off: T::select(convergence.tried, convergence.off, off),
+            ..convergence
+        };
+        Solution { unknown: select(open, &solution.unknown, &unknown), convergence, ..solution }
     }
 
-    /// What is known before fixed-point iterations.
+    /// Whether the rate of contraction is to be measured, by one more iteration.
     #[inline(always)]
-    fn known<K: Kernel<T, Unknown = U>>(&self, first: Option<U>) -> Known<'_, T, U> {
-        let is_fast = const { K::SWEEPS } && self.is_fast();
-        let tried = if is_fast { self.tries() } else { T::Mask::splat(false) };
-        let measures = self.due == 0 || self.predictor.count() <= 2;
-        let (prediction, rate, tolerance, limit) =
-            (&self.prediction, self.rate, self.tolerance, self.limit());
-        Known { prediction, first, rate, tolerance, limit, tried, measures }
-    }
-
-    /// A few iterations more on the fast path, from where the first led to. None if these do not do in all lanes, or there is something to
-    /// learn from them.
-    #[inline(always)]
-    pub(crate) fn more<K>(
-        &mut self,
-        kernel: &K,
-        state: &K::State,
-        step: &K::Step,
-        prediction: &U,
-        first: U,
-    ) -> Option<(U, Evaluation<U, K::Iterate>)>
-    where
-        K: Kernel<T, Unknown = U>,
-    {
-        let missed = T::of(MISSED).below(change::<T, _>(K::BLOCKS, prediction, &first));
-        if self.due == 0 || self.predictor.count() < WINDOW || missed.any() {
-            return None;
-        }
-        let known = Known { prediction, ..self.known::<K>(Some(first)) };
-        let Iterated { unknown, evaluation, iterations, residual, open, convergence, .. } =
-            fixed_point::iterate(kernel, state, step, known);
-        if (open | self.rate.below(convergence.rate)).any() {
-            return None;
-        }
-        self.left = T::select(self.left.below(residual), residual, self.left);
-        let counts = self.more.as_mut().iter_mut().zip(self.most.as_mut());
-        for ((more, most), iterations) in counts.zip(iterations.as_ref()) {
-            *more += u64::from(*iterations).saturating_sub(1);
-            *most = (*most).max(*iterations);
-        }
-        Some((unknown, evaluation?))
+    fn measures(&self) -> bool {
+        self.due == 0 || self.predictor.count() <= 2
     }
 
     /// The lanes in which fixed-point iterations are to be made: where they contract strongly, and where it is to be seen whether they do.
@@ -318,7 +274,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         T::of(0.0).below(self.tolerance) | T::Mask::splat(self.due == 0)
     }
 
-    /// Learns from a step whose equation was not solved by one iteration as expected, and remembers its solution.
+    /// Remembers the solution of a step that one iteration did not solve as expected, and learns from it.
     pub(crate) fn learn(&mut self, solution: &U, blocks: &'static [usize], convergence: &Convergence<T>) {
         if const { Self::IS_IDLE } {
             return;
@@ -329,7 +285,16 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     #[inline(always)]
     fn learned(&mut self, solution: &U, blocks: &[usize], convergence: &Convergence<T>) {
         let one = T::of(1.0);
-        let Convergence { tried, off, rate, is_sharp } = *convergence;
+        let Convergence { tried, off, rate, is_sharp, .. } = *convergence;
+        if self.predictor.count() == 0 {
+            // the next solution is as near to it as any
+            self.missed = T::select(T::of(0.0).below(off), off, self.missed);
+            self.prediction = *solution;
+            self.due -= 1;
+            self.predictor.push::<Portable>(solution);
+            self.predictor.count_more(1);
+            return;
+        }
         let open = T::of(0.0).below(off) & (!tried | !off.at_most(self.tolerance));
         // if it is smaller than it was, that may be by chance
         let is_known = self.predictor.count() > 2;
@@ -346,7 +311,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         // One more solution to continue while that helps, and fewer when it does not; of a calibrated prediction all are forgotten if it suddenly
         // is off.
         let missed = T::of(MISSED).below(off);
-        // a prediction that needs a few iterations more is left to the next calibration: see `more`
+        // a prediction that needs a few iterations more is left to the next calibration
         let open = open & (missed | T::Mask::splat(self.due == 0 || self.predictor.count() < WINDOW));
         let helps = off.below(self.missed) | !missed;
         let ramps = T::of(0.0).below(self.order);
@@ -355,7 +320,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let order = T::select(helps & ramps, self.order + one, fewer);
         let most = T::of(RECENT.min(self.predictor.count() + 1) as f64);
         let order = T::select(order.at_most(most), order, most);
-        let ramps = open & (ramps | suddenly);
+        let ramps = open & (ramps | suddenly) & (order.below(self.order) | self.order.below(order));
         self.order = T::select(ramps, order, self.order);
         self.missed = T::select(open, off, self.missed);
         if self.due == 0 {

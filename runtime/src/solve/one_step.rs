@@ -1,7 +1,7 @@
 //! A step that is one equation, from its kernel.
 
 use super::stopping::is_within;
-use super::{Solution, Solver};
+use super::{Convergence, Solution, Solver};
 use crate::error::StepError;
 use crate::kernel::{Components, Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
@@ -34,14 +34,25 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         control: &K::Control,
         known: bool,
     ) -> Outcome<T, K::State> {
+        if const { T::LANES > 1 } {
+            // one piece of code for one step and for many
+            let (mut next, mut failure) = (*state, None);
+            let (clock, failed) = (Clock::at(time), Some(&mut failure));
+            let march = March { method: self, state: &mut next, clock, control, most: 1, known, failed };
+            let Marched { max_iterations, max_residual, .. } = T::outline_long(march);
+            return match failure {
+                Some(failure) => Err(failure),
+                None => Ok(Advanced { state: next, iterations: max_iterations, residual: max_residual }),
+            };
+        }
         let mut first = None;
-        // Nearly all steps go this way. Side by side, they have gone it before, together.
-        if const { T::LANES == 1 && Self::HAS_FAST_PATH } && known && self.solver.is_fast() {
+        // nearly all steps go this way
+        if const { Self::HAS_FAST_PATH } && known && self.solver.is_fast() {
             let (prediction, limit) = (self.solver.prediction(), self.solver.limit());
-            match self.fast::<Portable, false>(state, time, control, &prediction, limit) {
+            match self.fast::<Portable>(state, time, control, &prediction, limit) {
                 Ok((next, prediction)) => {
                     self.solver.took(1, &prediction);
-                    let (iterations, residual) = self.solver.of_one();
+                    let Convergence { iterations, residual, .. } = self.solver.usual();
                     return Ok(Advanced { state: next, iterations, residual });
                 }
                 Err(unknown) => first = unknown,
@@ -55,7 +66,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
-        T::outline_long(March { method: self, state, clock, control, most })
+        T::outline_long(March { method: self, state, clock, control, most, known: true, failed: None })
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -71,10 +82,9 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Whether there is a fast path: where there is nothing to solve for, or fixed-point iterations solve it.
     const HAS_FAST_PATH: bool = K::SWEEPS || <K::Unknown as Components<T>>::LENGTH == 0;
 
-    /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, or a few where there may be `MORE`, and
-    /// everything finite.
+    /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, and everything finite.
     #[inline(always)]
-    fn fast<P: Processor, const MORE: bool>(
+    fn fast<P: Processor>(
         &mut self,
         state: &K::State,
         time: T,
@@ -84,18 +94,12 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     ) -> Fast<T, K> {
         let Self { kernel, solver } = self;
         let begun = kernel.begin(state, time, control);
-        let mut evaluation = kernel.evaluate(state, &begun, prediction);
+        let evaluation = kernel.evaluate(state, &begun, prediction);
         let (mut unknown, mut then) = (*prediction, *prediction);
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
             unknown = kernel.sweep(state, &begun, &evaluation.right).ok_or(None)?;
             if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, limit).all() {
-                if const { !MORE } {
-                    return Err(Some(unknown));
-                }
-                // copies, so that the fast path needs no addresses
-                let (kernel, state, begun, prediction) = (*kernel, *state, begun, *prediction);
-                let more = solver.more(&kernel, &state, &begun, &prediction, unknown);
-                (unknown, evaluation) = more.ok_or(Some(unknown))?;
+                return Err(Some(unknown));
             }
             then = solver.next::<P>(&unknown);
         }
@@ -127,13 +131,17 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     }
 }
 
-/// Steps of [`OneStep`], until one fails, of which nothing remains.
+/// Steps of [`OneStep`], until one fails.
 pub(crate) struct March<'a, T: Batch, K: Kernel<T>> {
     pub(crate) method: &'a mut OneStep<T, K>,
     pub(crate) state: &'a mut K::State,
     pub(crate) clock: Clock,
     pub(crate) control: &'a K::Control,
     pub(crate) most: u64,
+    /// Whether the state is the one that the last step led to.
+    pub(crate) known: bool,
+    /// What went wrong, if the step that fails is to count in lanes where it does not. Else nothing remains of it.
+    pub(crate) failed: Option<&'a mut Option<Failure<T, K::State>>>,
 }
 
 impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
@@ -142,50 +150,58 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
 
     #[inline(always)]
     fn done<P: Processor>(self) -> Marched<T> {
-        let Self { method, state, clock, control, most } = self;
+        let Self { method, state, clock, control, most, mut known, failed } = self;
         let mut marched = Marched::default();
         // not in memory
         let mut now = *state;
         while marched.steps < most {
             let mut first = None;
-            if const { OneStep::<T, K>::HAS_FAST_PATH } && method.solver.is_fast() {
+            if const { OneStep::<T, K>::HAS_FAST_PATH } && known && method.solver.is_fast() {
                 let until_due = most.min(marched.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
                 let limit = method.solver.limit();
-                let before = marched.steps;
+                let (before, mut done) = (marched.steps, true);
                 while marched.steps < until_due {
                     let time = T::of(clock.after(marched.steps));
-                    match method.fast::<P, true>(&now, time, control, &prediction, limit) {
+                    match method.fast::<P>(&now, time, control, &prediction, limit) {
                         Ok((next, then)) => (now, prediction) = (next, then),
                         Err(unknown) => {
-                            first = unknown;
+                            (first, done) = (unknown, false);
                             break;
                         }
                     }
                     marched.steps += 1;
                 }
+                let steps = marched.steps - before;
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {
-                    let steps = marched.steps - before;
                     method.solver.took(steps, &prediction);
-                    marched.count(method.solver.effort(steps));
+                }
+                marched.count(steps, &method.solver.usual());
+                if done {
+                    continue;
                 }
             }
-            if const { Solver::<T, K::Unknown>::IS_IDLE } {
+            if const { Solver::<T, K::Unknown>::IS_IDLE } && failed.is_none() {
                 // what fails is seen by whoever takes the step alone
                 break;
             }
             if marched.steps < most {
                 let time = T::of(clock.after(marched.steps));
-                let given = now;
-                let slow = Slow { method, state: &given, time, control, known: true, first, lossy: false };
-                let Ok(advanced) = T::outline(slow) else { break };
-                now = advanced.state;
-                marched.steps += 1;
-                let mut iterations = T::all(0);
-                for (all, step) in iterations.as_mut().iter_mut().zip(advanced.iterations.as_ref()) {
-                    *all = u64::from(*step);
+                let (given, lossy) = (now, failed.is_some());
+                match T::outline(Slow { method, state: &given, time, control, known, first, lossy }) {
+                    Ok(advanced) => {
+                        let Advanced { iterations, residual, .. } = advanced;
+                        (now, known) = (advanced.state, true);
+                        marched.steps += 1;
+                        marched.count(1, &Convergence { iterations, residual, ..method.solver.usual() });
+                    }
+                    Err(failure) => {
+                        if let Some(failed) = failed {
+                            *failed = Some(failure);
+                        }
+                        break;
+                    }
                 }
-                marched.count((iterations, advanced.iterations, advanced.residual));
             }
         }
         *state = now;
@@ -217,14 +233,15 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         if !known {
             solver.forget();
         }
-        let given = finite(state) & finite(control) & time.is_finite();
         let begun = kernel.begin(state, time, control);
-        let (solution, convergence) = solver.solve(kernel, state, &begun, first);
-        let Solution { unknown, evaluation, iterations, residual, unsolved } = solution;
+        let Solution { unknown, evaluation, convergence, unsolved } =
+            solver.solve(kernel, state, &begun, first);
+        let Convergence { iterations, residual, .. } = convergence;
         let next = kernel.finish(state, &begun, &unknown, &evaluation);
         let inside = is_inside(kernel, state, &begun, &unknown, &evaluation);
-        let reached = finite(&next);
-        let good = given & !unsolved & inside & reached;
+        // a component that is not finite before the step is not finite after it
+        let reached = finite(&next) & finite(control) & time.is_finite();
+        let good = !unsolved & inside & reached;
         let advanced = Advanced { state: next, iterations, residual };
         if good.all() {
             solver.learn(&unknown, K::BLOCKS, &convergence);
@@ -235,6 +252,7 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         } else if lossy {
             solver.forget();
         }
+        let given = finite(state) & finite(control) & time.is_finite();
         let errors = T::each(|lane| {
             if !given.lane(lane) {
                 return Some(StepError::NotFinite);
