@@ -186,11 +186,12 @@ impl<T: Batch> Scalar for Double<T> {
     fn min(self, other: Self) -> Self {
         Self::select(self.at_most(other), self, other)
     }
-    /// The constants of the series, and these beyond [`stumpff::SHORT`], have the digits of one number.
+    /// The constants of the series, and these beyond [`stumpff::LONG`], have the digits of one number. Where one formula takes over from
+    /// another there is a gap of as many digits, in which an equation may have no solution to more: there is none at smaller angles.
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
-        if Batch::abs(self.high).below(T::of(stumpff::SHORT)).all() {
-            return stumpff::short(self);
+        if Batch::abs(self.high).below(T::of(stumpff::LONG)).all() {
+            return stumpff::long(self);
         }
         self.high.stumpff::<N>().map(Self::exactly)
     }

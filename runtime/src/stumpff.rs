@@ -51,7 +51,7 @@ const MAX: usize = 12;
 pub(crate) const SHORT: f64 = 0.125;
 
 /// Below, three of them do.
-const LONG: f64 = 3.0;
+pub(crate) const LONG: f64 = 3.0;
 
 /// The terms of a series that matter wherever [`distant`] uses it, its first derivative included.
 const TERMS: usize = 26;
@@ -82,14 +82,7 @@ pub fn family<T: RealField + Copy, const N: usize>(z: T) -> [T; N] {
     } else if within(z, SHORT) {
         short(z)
     } else if within(z, LONG) {
-        let z2 = z * z;
-        let z4 = z2 * z2;
-        let sum = |k| {
-            let rest = quartet(k + 8, z, z2).plus(z4, quartet(k + 16, z, z2));
-            quartet(k, z, z2).plus(z4, rest)
-        };
-        let [k, l] = highest::<N>();
-        downward(z, [sum(k), sum(l)])
+        long(z)
     } else {
         distant(z)
     }
@@ -131,6 +124,17 @@ pub(crate) fn short<T: Scalar, const N: usize>(z: T) -> [T; N] {
     let even = quartet(k, z, z2).plus(z4, quartet(k + 8, z, z2));
     let odd = quartet(l, z, z2).plus(z4, quartet(l + 8, z, z2));
     downward(z, [even, odd])
+}
+
+/// A family where `|z|` is below [`LONG`] in every lane.
+#[inline(always)]
+pub(crate) fn long<T: Scalar, const N: usize>(z: T) -> [T; N] {
+    let z2 = z * z;
+    let z4 = z2 * z2;
+    let [k, l] = highest::<N>();
+    let even = quartet(k + 8, z, z2).plus(z4, quartet(k + 16, z, z2));
+    let odd = quartet(l + 8, z, z2).plus(z4, quartet(l + 16, z, z2));
+    downward(z, [quartet(k, z, z2).plus(z4, even), quartet(l, z, z2).plus(z4, odd)])
 }
 
 /// `|z| < limit`.

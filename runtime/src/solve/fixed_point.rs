@@ -1,7 +1,7 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, where its first iteration was not enough.
 
 use super::stopping::{change, is_within, select};
-use super::{Convergence, LAST_CHANGE, NO_DIFFERENCE, ROUNDOFF, Solver, count};
+use super::{Convergence, NO_DIFFERENCE, ROUNDOFF, STRONG, Solver, count};
 use crate::kernel::{Evaluation, Kernel};
 use crate::scalar::{Batch, Mask};
 
@@ -9,6 +9,9 @@ use crate::scalar::{Batch, Mask};
 const MOST: u32 = 8;
 /// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
 const NOISE: f64 = 4.0;
+/// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it: a step in
+/// which there are several iterations turns by more than one in which there is one.
+const NEAR: f64 = 64.0;
 /// Changes larger than this, in units of epsilon, show the rate of contraction.
 pub(super) const SHARP: f64 = 256.0;
 
@@ -30,7 +33,10 @@ pub(super) struct Open<T: Batch, U> {
     pub convergence: Convergence<T>,
 }
 
-/// The iterations after the one that led from the prediction to `first`, for as long as a few more promise to do.
+/// The iterations after the one that led from the prediction to `first`, if a few more promise to do.
+///
+/// The error that is left is the last change times the rate of contraction: that of the changes before, as long as these were more than
+/// roundoff, or the one that was known before.
 #[inline(always)]
 pub(super) fn iterate<T: Batch, K: Kernel<T>>(
     kernel: &K,
@@ -40,57 +46,56 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
     first: &K::Unknown,
 ) -> Iterated<T, K::Unknown, K::Iterate> {
     let prediction = &solver.prediction;
-    let Solver { mut rate, tolerance, .. } = *solver;
-    let tried = solver.tries();
-    let none = T::Mask::splat(false);
-    let [least, most, last_change] =
-        [ROUNDOFF[0], ROUNDOFF[1], LAST_CHANGE[1]].map(|x| T::of(x * T::EPSILON));
+    let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
+    let [least, most, near, sharp, noise] =
+        [ROUNDOFF[0], ROUNDOFF[1], NEAR, SHARP, NOISE].map(|x| T::of(x * T::EPSILON));
     let mut last = change::<T, _>(K::BLOCKS, prediction, first);
-    let mut convergence = Convergence { tried, off: last, ..Convergence::of_one(T::of(0.0)) };
+    let tried = solver.tries();
+    let mut convergence = Convergence { tried, off: last, ..Convergence::of_one(nothing) };
     let (mut point, mut unknown) = (*prediction, *first);
     let mut open = !is_within::<T, _>(K::BLOCKS, prediction, first, solver.limit());
     let mut again = tried & open;
     // the second shows the rate
     if !solver.measures() {
-        again = again & promises(rate, last, tolerance);
+        let square = solver.rate * solver.rate;
+        again = again & (square * square * solver.rate * last).at_most(solver.tolerance);
     }
+    // the rate of contraction as a fraction, and where it was seen
+    let (mut to, mut from, mut seen) = (solver.rate, T::of(1.0), none);
     let mut round = 1;
     while again.any() {
         // the other lanes wait: the same again gives the same
         point = select(again, &unknown, &point);
         let evaluation = kernel.evaluate(state, step, &point);
         let Some(next) = kernel.sweep(state, step, &evaluation.right) else { break };
-        unknown = next;
-        round += 1;
+        (unknown, round) = (next, round + 1);
         count::<T>(&mut convergence.iterations, again);
         let change = change::<T, _>(K::BLOCKS, &point, &unknown);
-        // a change that is small is roundoff in part
-        let is_sharp = again & T::of(SHARP * T::EPSILON).below(last);
-        let more = change - T::select(is_sharp, T::of(0.0), T::of(NOISE * T::EPSILON));
-        if (is_sharp | (again & (rate * last).below(more))).any() {
-            let seen = more / last;
-            let faster = again & convergence.rate.below(seen);
-            convergence.rate = T::select(faster, seen, convergence.rate);
-            convergence.is_sharp = convergence.is_sharp | is_sharp;
-            rate = T::select(is_sharp | (again & rate.below(seen)), seen, rate);
+        let is_sharp = again & sharp.below(last);
+        (to, from) = (T::select(is_sharp, change, to), T::select(is_sharp, last, from));
+        (seen, convergence.is_sharp) = (seen | is_sharp, convergence.is_sharp | is_sharp);
+        let is_last = again & change.at_most(near);
+        if is_last.any() {
+            // what is certainly more than roundoff
+            let more = change - noise;
+            let exceeds = is_last & !is_sharp & (to * last).below(more * from);
+            (to, from) = (T::select(exceeds, more, to), T::select(exceeds, last, from));
+            seen = seen | exceeds;
+            let rate = to / from;
+            // relative to the unknown
+            let left = rate * change;
+            let is_nothing = (rate * left).at_most(T::of(NO_DIFFERENCE * T::EPSILON)) & left.at_most(most);
+            convergence.residual = T::select(is_last, left, convergence.residual);
+            open = open & !(is_last & (left.at_most(least) | is_nothing));
         }
-        last = T::select(again, change, last);
-        // the error that is left, relative to the unknown
-        let left = rate * last;
-        convergence.residual = T::select(again, left, convergence.residual);
-        let is_nothing = (rate * left).at_most(T::of(NO_DIFFERENCE * T::EPSILON)) & left.at_most(most);
-        open = open & !(again & last.at_most(last_change) & (left.at_most(least) | is_nothing));
         if !open.any() {
+            convergence.rate = T::select(seen, to / from, nothing);
             return Iterated::Solved(unknown, evaluation, convergence);
         }
-        again = if round < MOST { again & open & promises(rate, last, tolerance) } else { none };
+        let contracts = is_last | change.at_most(T::of(STRONG) * last);
+        again = if round < MOST { again & open & contracts } else { none };
+        last = change;
     }
+    convergence.rate = T::select(seen, to / from, nothing);
     Iterated::Open(Open { point, unknown, open, convergence })
-}
-
-/// Whether a few more iterations promise to do.
-#[inline(always)]
-fn promises<T: Batch>(rate: T, last: T, tolerance: T) -> T::Mask {
-    let square = rate * rate;
-    (square * square * rate * last).at_most(tolerance)
 }
