@@ -9,7 +9,7 @@ use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 pub use coadjoint::erased::Sample;
-use coadjoint::erased::{self, Controls, Scheme, StepperError, Watched};
+use coadjoint::erased::{self, Controls, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 use coadjoint::{RunError, RunReport};
@@ -290,7 +290,7 @@ impl Entry {
         let law = self.control.map(|control| control(&setup.parameters));
         let controls = law.as_ref().map_or(Controls::Held(&[]), |law| Controls::Chosen(law));
         let steps = job.steps.saturating_sub(stepper.steps_taken());
-        Ok(erased::run(&mut stepper, &mut state, &Watched { steps, controls, next }, watch)?)
+        Ok(erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, watch)?)
     }
 
     /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.

@@ -340,7 +340,7 @@ pub(crate) fn outline_long<W: LongWork>(work: W) -> W::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fused::Once;
+    use crate::fused::FusedScalar;
     use crate::method::{Clock, Method};
     use crate::scalar::Mask;
     use crate::simd::lanes::Portable;
@@ -393,11 +393,11 @@ mod tests {
         computes_all::<Portable, f64>();
         if Avx2::is_here() {
             computes_all::<Avx2, f64>();
-            computes_all::<Avx2, Once<f64>>();
+            computes_all::<Avx2, FusedScalar<f64>>();
         }
         if Avx512::is_here() {
             computes_all::<Avx512, f64>();
-            computes_all::<Avx512, Once<f64>>();
+            computes_all::<Avx512, FusedScalar<f64>>();
         }
     }
 
@@ -418,15 +418,15 @@ mod tests {
 
     #[test]
     fn steps_are_the_same_on_every_processor() {
-        let (plain, fused) = (walked::<Portable, f64>(), walked::<Portable, Once<f64>>());
+        let (plain, fused) = (walked::<Portable, f64>(), walked::<Portable, FusedScalar<f64>>());
         assert_ne!(plain, fused);
         if Avx2::is_here() {
             assert_eq!(plain, walked::<Avx2, f64>());
-            assert_eq!(fused, walked::<Avx2, Once<f64>>());
+            assert_eq!(fused, walked::<Avx2, FusedScalar<f64>>());
         }
         if Avx512::is_here() {
             assert_eq!(plain, walked::<Avx512, f64>());
-            assert_eq!(fused, walked::<Avx512, Once<f64>>());
+            assert_eq!(fused, walked::<Avx512, FusedScalar<f64>>());
         }
     }
 }
