@@ -17,12 +17,13 @@ pub(crate) fn identify() -> Result<Figure, Error> {
     let estimates = identification::identify(&samples, Matrix3::from_diagonal_element(2.0))?;
     let [first, .., last] = estimates.as_slice() else { return Err(Failure::Singular.into()) };
     let times: Vec<f64> = samples.iter().map(|(time, _)| *time).collect();
-    let courses = |inertia, momentum| -> Result<Vec<Vec<(f64, f64)>>, Error> {
+    let velocity_series = |inertia, momentum| -> Result<Vec<Vec<(f64, f64)>>, Error> {
         let velocities = identification::predicted(inertia, momentum)?;
         let trajectory = |axis: usize| times.iter().zip(&velocities).map(|(t, v)| (*t, v[axis])).collect();
         Ok((0..3).map(trajectory).collect())
     };
-    let (guessed, found) = (courses(first.inertia, first.momentum)?, courses(last.inertia, last.momentum)?);
+    let (guessed, found) =
+        (velocity_series(first.inertia, first.momentum)?, velocity_series(last.inertia, last.momentum)?);
     let mut panels: Vec<Panel> = (0..3)
         .map(|axis| {
             // all of them would hide the lines
