@@ -195,12 +195,12 @@ impl<T: Batch> Scalar for FusedScalar<T> {
     }
     #[inline(always)]
     fn plus(self, a: Self, b: Self) -> Self {
-        Self(self.0.plus_once(a.0, b.0))
+        Self(a.0.mul_add(b.0, self.0))
     }
     #[inline(always)]
     fn minus(self, a: Self, b: Self) -> Self {
         // of the two, `b` is what comes later: nothing is kept negated
-        Self(self.0.plus_once(a.0, -b.0))
+        Self(a.0.mul_add(-b.0, self.0))
     }
     functions! {
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
@@ -270,8 +270,8 @@ impl<T: Batch> Batch for FusedScalar<T> {
         Self(T::select(mask, yes.0, no.0))
     }
     #[inline(always)]
-    fn plus_once(self, a: Self, b: Self) -> Self {
-        Self(self.0.plus_once(a.0, b.0))
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        Self(self.0.mul_add(a.0, b.0))
     }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {
