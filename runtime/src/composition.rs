@@ -36,7 +36,7 @@
 use core::marker::PhantomData;
 
 use crate::memory::visit_flag;
-use crate::method::{Course, Method, Outcome};
+use crate::method::{Method, Outcome, StageAccumulator};
 use crate::scalar::{Batch, Scalar};
 use crate::system::Discretized;
 
@@ -258,14 +258,14 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         let mut state = *state;
         // how much of the composed step is done
         let mut done = 0.0;
-        let mut course = Course::new();
+        let mut accumulator = StageAccumulator::new();
         for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
             let start = time + B::Scalar::of(done) * self.step;
-            state = course.part(step, &state, start, control, known)?;
+            state = accumulator.stage(step, &state, start, control, known)?;
             done += gamma;
         }
         self.whole = true;
-        course.end(state)
+        accumulator.end(state)
     }
 
     #[inline]
@@ -287,7 +287,7 @@ where
 #[cfg(all(test, feature = "std"))]
 mod tests {
     use super::*;
-    use crate::method::{Advanced, Halves};
+    use crate::method::{AdjointPair, Advanced};
     use crate::retraction::Exponential;
     use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
     use crate::stepper::Stepper;
@@ -332,9 +332,9 @@ mod tests {
     #[test]
     fn stages_start_when_the_ones_before_them_end() {
         integrates_the_time::<Clock>();
-        integrates_the_time::<Halves<Clock, Clock>>();
+        integrates_the_time::<AdjointPair<Clock, Clock>>();
         integrates_the_time::<Composition<Suzuki4, Clock>>();
-        integrates_the_time::<Composition<KahanLi6, Halves<Clock, Clock>>>();
+        integrates_the_time::<Composition<KahanLi6, AdjointPair<Clock, Clock>>>();
         integrates_the_time::<Composition<KahanLi8, Clock>>();
         integrates_the_time::<Composition<SofroniouSpaletta10, Composition<Suzuki4, Clock>>>();
     }

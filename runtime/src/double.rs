@@ -253,8 +253,8 @@ impl<T: Batch> Batch for Double<T> {
     }
     /// The sum and the product have all digits that there are.
     #[inline(always)]
-    fn plus_once(self, a: Self, b: Self) -> Self {
-        self + a * b
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        b + self * a
     }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {

@@ -39,14 +39,14 @@ use crate::system::{Discretized, System};
 pub struct Fused<M>(PhantomData<M>);
 
 impl<S: Discretized<M>, M> Discretized<Fused<M>> for S {
-    type Method<T: Batch> = Fusion<S, M, T>;
+    type Method<T: Batch> = FusedMethod<S, M, T>;
 }
 
 /// A number, or several, of which [`plus`](Scalar::plus) and [`minus`](Scalar::minus) round once.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Once<T>(T);
+pub struct FusedScalar<T>(T);
 
-impl<T> From<T> for Once<T> {
+impl<T> From<T> for FusedScalar<T> {
     #[inline(always)]
     fn from(number: T) -> Self {
         Self(number)
@@ -54,28 +54,28 @@ impl<T> From<T> for Once<T> {
 }
 
 /// A method with such numbers.
-pub struct Fusion<S: Discretized<M>, M, T: Batch>(S::Method<Once<T>>);
+pub struct FusedMethod<S: Discretized<M>, M, T: Batch>(S::Method<FusedScalar<T>>);
 
-impl<S: Discretized<M>, M, T: Batch> Clone for Fusion<S, M, T> {
+impl<S: Discretized<M>, M, T: Batch> Clone for FusedMethod<S, M, T> {
     fn clone(&self) -> Self {
         Self(self.0.clone())
     }
 }
 
 #[inline(always)]
-fn wrapped<T: Batch, C: Components<T>, W: Components<Once<T>>>(components: &C) -> W {
-    let mut wrapped = W::splat(Once(T::of(0.0)));
-    for (once, number) in wrapped.as_mut().iter_mut().zip(components.as_ref()) {
-        *once = Once(*number);
+fn wrapped<T: Batch, C: Components<T>, W: Components<FusedScalar<T>>>(components: &C) -> W {
+    let mut wrapped = W::splat(FusedScalar(T::of(0.0)));
+    for (fused, number) in wrapped.as_mut().iter_mut().zip(components.as_ref()) {
+        *fused = FusedScalar(*number);
     }
     wrapped
 }
 
 #[inline(always)]
-fn unwrapped<T: Batch, W: Components<Once<T>>, C: Components<T>>(components: &W) -> C {
+fn unwrapped<T: Batch, W: Components<FusedScalar<T>>, C: Components<T>>(components: &W) -> C {
     let mut unwrapped = C::splat(T::of(0.0));
-    for (number, once) in unwrapped.as_mut().iter_mut().zip(components.as_ref()) {
-        *number = once.0;
+    for (number, fused) in unwrapped.as_mut().iter_mut().zip(components.as_ref()) {
+        *number = fused.0;
     }
     unwrapped
 }
@@ -94,14 +94,14 @@ struct Step<'a, B: Method, C> {
     known: bool,
 }
 
-impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, B, C> {
+impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for Step<'_, B, C> {
     type Home = B::Home;
     type Result = Outcome<T, C>;
 
     #[inline(always)]
     fn done(self) -> Outcome<T, C> {
         let Self { method, state, time, control, known } = self;
-        let without = |advanced: Advanced<Once<T>, B::State>| Advanced {
+        let without = |advanced: Advanced<FusedScalar<T>, B::State>| Advanced {
             state: unwrapped(&advanced.state),
             iterations: advanced.iterations,
             residual: advanced.residual.0,
@@ -113,15 +113,15 @@ impl<T: Batch, B: Method<Scalar = Once<T>>, C: Components<T>> Work for Step<'_, 
     }
 }
 
-impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
-    type Home = <S::Method<Once<T>> as Method>::Home;
+impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
+    type Home = <S::Method<FusedScalar<T>> as Method>::Home;
     type Scalar = T;
     type Parameters = <S as System>::Parameters<T>;
     type State = S::StateComponents<T>;
     type Control = S::ControlComponents<T>;
 
     fn new(parameters: &Self::Parameters, step: T) -> Self {
-        Self(Method::new(&wrapped(parameters), Once(step)))
+        Self(Method::new(&wrapped(parameters), FusedScalar(step)))
     }
 
     #[inline(always)]
@@ -132,7 +132,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
         control: &Self::Control,
         known: bool,
     ) -> Outcome<T, Self::State> {
-        let (time, control) = (Once(time), &wrapped(control));
+        let (time, control) = (FusedScalar(time), &wrapped(control));
         inside::<T, _>(Step { method: &mut self.0, state, time, control, known })
     }
 
@@ -160,7 +160,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for Fusion<S, M, T> {
 
 macro_rules! operators {
     ($($trait:ident $name:ident,)*) => {
-        $(impl<T: Batch> $trait for Once<T> {
+        $(impl<T: Batch> $trait for FusedScalar<T> {
             type Output = Self;
             #[inline(always)]
             fn $name(self, other: Self) -> Self {
@@ -171,7 +171,7 @@ macro_rules! operators {
 }
 operators! { Add add, Sub sub, Mul mul, Div div, }
 
-impl<T: Batch> Neg for Once<T> {
+impl<T: Batch> Neg for FusedScalar<T> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
@@ -188,19 +188,19 @@ macro_rules! functions {
     };
 }
 
-impl<T: Batch> Scalar for Once<T> {
+impl<T: Batch> Scalar for FusedScalar<T> {
     #[inline(always)]
     fn of(value: f64) -> Self {
         Self(T::of(value))
     }
     #[inline(always)]
     fn plus(self, a: Self, b: Self) -> Self {
-        Self(self.0.plus_once(a.0, b.0))
+        Self(a.0.mul_add(b.0, self.0))
     }
     #[inline(always)]
     fn minus(self, a: Self, b: Self) -> Self {
         // of the two, `b` is what comes later: nothing is kept negated
-        Self(self.0.plus_once(a.0, -b.0))
+        Self(a.0.mul_add(-b.0, self.0))
     }
     functions! {
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
@@ -215,9 +215,9 @@ impl<T: Batch> Scalar for Once<T> {
     }
 }
 
-impl<T: Batch> crate::scalar::sealed::Sealed for Once<T> {}
+impl<T: Batch> crate::scalar::sealed::Sealed for FusedScalar<T> {}
 
-impl<T: Batch> Batch for Once<T> {
+impl<T: Batch> Batch for FusedScalar<T> {
     type Number = T::Number;
     type Mask = T::Mask;
     type Each<X: Copy + Send + Sync> = T::Each<X>;
@@ -270,8 +270,8 @@ impl<T: Batch> Batch for Once<T> {
         Self(T::select(mask, yes.0, no.0))
     }
     #[inline(always)]
-    fn plus_once(self, a: Self, b: Self) -> Self {
-        Self(self.0.plus_once(a.0, b.0))
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        Self(self.0.mul_add(a.0, b.0))
     }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {

@@ -3,7 +3,7 @@
 //! [`GenericStepper`] takes the same discrete steps as generated steppers, for any matrix Lie group with any
 //! left-invariant Hamiltonian, but knows nothing in closed form. Everything follows from the group's
 //! [`hat`](MatrixGroup::hat) map by definition: the bracket is the commutator, `Ad` a conjugation, the exponential its
-//! power series. That makes it slow, and an independent witness of what the generator derives. Use it to check a
+//! power series. That makes it slow, and an independent check of what the generator derives. Use it to check a
 //! description, to try a group or a Hamiltonian out before describing it, or as the yardstick of a measurement.
 //!
 //! # Conventions

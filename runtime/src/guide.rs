@@ -259,7 +259,7 @@ pub mod choosing {
     //! # Fast
     //!
     //! * Steps taken together take less time than one by one, with the same result: [`steps_with`](crate::Stepper::steps_with), and with it a
-    //!   [`Run`](crate::Run) between two ticks that somebody has to see. `Record::every(100)` and `run.every(100, …)` see every hundredth;
+    //!   [`Run`](crate::Run) between two ticks that an observer needs. `Record::every(100)` and `run.every(100, …)` see every hundredth;
     //!   an observer of your own says by [`next`](crate::Observer::next) which one it waits for, and a controller is asked before each.
     //! * [`Fused<M>`](crate::fused::Fused) takes the steps of `M` with products and sums rounded once, by an instruction that is looked for when
     //!   the program runs: the same on every machine, and other last digits than those of `M`.
@@ -363,7 +363,7 @@ pub mod ensembles {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
-    //! * [`run_watched`](crate::Ensemble::run_watched) shows the members to a [`Watcher`](crate::ensemble::Watcher) now and then;
+    //! * [`run_observed`](crate::Ensemble::run_observed) shows the members to an [`EnsembleObserver`](crate::ensemble::EnsembleObserver) now and then;
     //!   [`Distribution`](crate::ensemble::Distribution) records how a quantity spreads. Nothing else is kept.
     //! * A member that cannot take a step stays where it was and is listed with its step and the reason; the others go on.
     //! * Members move exactly as they would alone: neither the processor, nor the number of threads, nor their order makes a difference.
@@ -386,21 +386,21 @@ pub mod derivatives {
     //!
     //! | call | needs `derivatives(…)` with |
     //! |---|---|
-    //! | [`step_with_jacobian`](crate::Stepper::step_with_jacobian), [`jacobian`](crate::derivative::StepDerivative::jacobian) by [`ByState`](crate::derivative::ByState) | `state` |
-    //! | the same by [`ByControl`](crate::derivative::ByControl) | `controls` |
-    //! | the same by [`ByParameters`](crate::derivative::ByParameters) | `parameters` |
-    //! | [`tangent`](crate::derivative::StepDerivative::tangent) of a step, or of a [`Recording`](crate::derivative::Recording::tangent) | `tangent` |
-    //! | [`adjoint`](crate::derivative::StepDerivative::adjoint) of a step, [`gradient`](crate::derivative::Recording::gradient) and [`gradient_with`](crate::derivative::Recording::gradient_with) of a recording | `adjoint` |
-    //! | [`step_with_derivative`](crate::Stepper::step_with_derivative), [`Recording::new`](crate::derivative::Recording::new) | any of them |
+    //! | [`step_with_jacobian`](crate::Stepper::step_with_jacobian), [`jacobian`](crate::derivative::StepDerivative::jacobian) with [`WrtState`](crate::derivative::WrtState) | `state` |
+    //! | the same with [`WrtControl`](crate::derivative::WrtControl) | `controls` |
+    //! | the same with [`WrtParameters`](crate::derivative::WrtParameters) | `parameters` |
+    //! | [`tangent`](crate::derivative::StepDerivative::tangent) of a step, or of a [`CheckpointedTape`](crate::derivative::CheckpointedTape::tangent) | `tangent` |
+    //! | [`adjoint`](crate::derivative::StepDerivative::adjoint) of a step, [`gradient`](crate::derivative::CheckpointedTape::gradient) and [`gradient_with`](crate::derivative::CheckpointedTape::gradient_with) of a tape | `adjoint` |
+    //! | [`step_with_derivative`](crate::Stepper::step_with_derivative), [`CheckpointedTape::new`](crate::derivative::CheckpointedTape::new) | any of them |
     //!
     //! **What changes.** A configuration `g` becomes `g exp(δ)`, with `δ` in the algebra: three numbers for a rotation, in body axes, whatever it
     //! is stored as. Momenta, advected parameters, controls and parameters change by what is added to them. All parts of a state lie one after
-    //! the other, as its fields do; `TopPart::MOMENTUM` says where.
+    //! the other, as its fields do; `TopIndices::MOMENTUM` says where.
     //!
     //! **As matrices**, where they are small and all of them is wanted:
     //!
     //! ```
-    //! use coadjoint::derivative::{Block, ByControl, ByParameters, ByState};
+    //! use coadjoint::derivative::{Block, WrtControl, WrtParameters, WrtState};
     //! use coadjoint::prelude::*;
     //!
     //! #[lie_poisson_system(group = SO3, control(torque: R3), force = torque - drag * momentum, derivatives)]
@@ -416,19 +416,19 @@ pub mod derivatives {
     //! let control = CraftControl { torque: vector![0.1, 0.0, 0.0] };
     //!
     //! // only what is asked for is computed
-    //! let blocks = (ByState, ByControl, ByParameters);
+    //! let blocks = (WrtState, WrtControl, WrtParameters);
     //! let (a, b, p) = stepper.step_with_jacobian(&mut state, &control, blocks)?.jacobian;
     //! assert_eq!((a.shape(), b.shape(), p.shape()), ((6, 6), (6, 3), (6, 4)));
-    //! // output first, then input: the momentum by the drag
-    //! let by_drag = p.block(CraftPart::MOMENTUM, CraftPart::DRAG);
-    //! assert!((by_drag + 0.1 * state.momentum).norm() < 2e-2);
+    //! // output first, then input: the momentum with respect to the drag
+    //! let wrt_drag = p.block(CraftIndices::MOMENTUM, CraftIndices::DRAG);
+    //! assert!((wrt_drag + 0.1 * state.momentum).norm() < 2e-2);
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
     //! **As products**, where one direction is wanted, or one function of the result. Forwards, along a run:
     //!
     //! ```
-    //! use coadjoint::derivative::Changes;
+    //! use coadjoint::derivative::Perturbation;
     //! use coadjoint::prelude::*;
     //!
     //! #[lie_poisson_system(group = SO3, derivatives)]
@@ -440,19 +440,19 @@ pub mod derivatives {
     //! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
     //! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.01, 2.0, 0.01] };
     //! let mut stepper = body.stepper::<Exponential>(0.05)?;
-    //! let mut changes = Changes::<Body>::default();
-    //! changes.state[3] = 1.0;
+    //! let mut perturbation = Perturbation::<Body>::default();
+    //! perturbation.state[3] = 1.0;
     //! for _ in 0..200 {
     //!     let (derivative, _) = stepper.step_with_derivative(&mut state, &NoControl::default())?;
-    //!     changes.state = derivative.tangent(&changes);
+    //!     perturbation.state = derivative.tangent(&perturbation);
     //! }
     //! // about its middle axis a body is unstable
-    //! assert!(changes.state.norm() > 10.0);
+    //! assert!(perturbation.state.norm() > 10.0);
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
-    //! Backwards, a [`Recording`](crate::derivative::Recording) gives the derivatives of one function of the end of a run, and of states on
-    //! the way, by the start, by every control and by all parameters. Run and derivative take about four times as long as the run alone with its
+    //! Backwards, a [`CheckpointedTape`](crate::derivative::CheckpointedTape) gives the derivatives of one function of the end of a run, and of states on
+    //! the way, with respect to the start, every control and all parameters. Run and derivative take about four times as long as the run alone with its
     //! steps one by one; six times as long as one whose steps are taken [together](crate::Stepper::steps_with), where that is faster.
     //!
     //! What is worked out with these: `coadjoint_systems::applications`.
@@ -472,7 +472,7 @@ pub mod erased {
     //! the same to the last bit, and take about the same time. What is compiled for each system is its arithmetic alone.
     //!
     //! ```
-    //! use coadjoint::erased::{self, Controls, Scheme, Watched};
+    //! use coadjoint::erased::{self, Controls, Scheme, RunOptions};
     //! use coadjoint::erased::Map;
     //! use coadjoint::prelude::*;
     //! use std::ops::ControlFlow;
@@ -505,7 +505,7 @@ pub mod erased {
     //! let mut state = [1.0, 0.0, 3.0];
     //! // a brake, asked anew before each step; `Controls::Held` where nothing changes
     //! let brake = |state: &[f64], _time: f64, motor: &mut [f64]| motor[0] = -2.0 * state[2];
-    //! let run = Watched { steps: 1_000, controls: Controls::Chosen(&brake), next: &|index| index + 100 };
+    //! let run = RunOptions { steps: 1_000, controls: Controls::Chosen(&brake), next: &|index| index + 100 };
     //! let mut energies = Vec::new();
     //! erased::run(&mut stepper, &mut state, &run, &mut |sample| {
     //!     energies.push(sample.energy);

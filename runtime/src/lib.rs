@@ -110,7 +110,7 @@ pub mod __private {
     pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
-    pub use crate::fused::Once;
+    pub use crate::fused::FusedScalar;
     pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
     pub use crate::kernel::{Components, Evaluation, Kernel};

@@ -127,9 +127,9 @@ impl<T: Batch> Default for Marched<T> {
 pub struct Advanced<T: Batch, S> {
     /// The state after the step.
     pub state: S,
-    /// Iterations made, those of all parts together.
+    /// Iterations made, those of all stages together.
     pub iterations: T::Each<u32>,
-    /// The residual left in the step's equation, relative to its terms; of several parts the largest.
+    /// The residual left in the step's equation, relative to its terms; of several stages the largest.
     pub residual: T,
 }
 
@@ -154,8 +154,8 @@ impl<T: Batch, S> Failure<T, S> {
     }
 }
 
-/// A step that is part of another.
-struct Part<'a, B: Method> {
+/// One stage: a step that is part of a composed step.
+struct Stage<'a, B: Method> {
     method: &'a mut B,
     state: &'a B::State,
     time: B::Scalar,
@@ -163,7 +163,7 @@ struct Part<'a, B: Method> {
     known: bool,
 }
 
-impl<B: Method> Work for Part<'_, B> {
+impl<B: Method> Work for Stage<'_, B> {
     type Home = B::Home;
     type Result = Outcome<B::Scalar, B::State>;
 
@@ -178,26 +178,26 @@ impl<B: Method> Work for Part<'_, B> {
 #[cfg(feature = "std")]
 pub(crate) type Counted<T> = Result<(<T as Batch>::Each<u32>, T), <T as Batch>::Each<Option<StepError>>>;
 
-/// A step that consists of others.
-pub(crate) struct Course<T: Batch> {
+/// Sums up the stages of a composed step: iterations, the largest residual, and the errors of each lane.
+pub(crate) struct StageAccumulator<T: Batch> {
     errors: T::Each<Option<StepError>>,
     is_flawless: bool,
     iterations: T::Each<u32>,
     residual: T,
 }
 
-impl<T: Batch> Course<T> {
+impl<T: Batch> StageAccumulator<T> {
     pub(crate) fn new() -> Self {
         Self { errors: T::all(None), is_flawless: true, iterations: T::all(0), residual: T::of(0.0) }
     }
 
-    /// Takes a part of the step: out of line, so that it is compiled once for all that it is part of, and next to a step a call is nothing.
+    /// Takes a stage: out of line, so that it is compiled once for all that use it; next to a step a call costs nothing.
     /// What is counted is counted with the caller's instructions.
     ///
     /// # Errors
     /// If something went wrong in every lane.
     #[inline(always)]
-    pub(crate) fn part<B: Method<Scalar = T>>(
+    pub(crate) fn stage<B: Method<Scalar = T>>(
         &mut self,
         method: &mut B,
         state: &B::State,
@@ -205,7 +205,7 @@ impl<T: Batch> Course<T> {
         control: &B::Control,
         known: bool,
     ) -> Result<B::State, Failure<T, B::State>> {
-        let advanced = match T::outline(Part { method, state, time, control, known }) {
+        let advanced = match T::outline(Stage { method, state, time, control, known }) {
             Ok(advanced) => advanced,
             Err(failure) => {
                 if self.fails(&failure.errors) {
@@ -218,7 +218,7 @@ impl<T: Batch> Course<T> {
         Ok(advanced.state)
     }
 
-    /// Takes in what went wrong in a part; whether something has in every lane.
+    /// Adds the errors of a stage; whether every lane now has one.
     #[inline(always)]
     fn fails(&mut self, errors: &T::Each<Option<StepError>>) -> bool {
         self.is_flawless = false;
@@ -235,7 +235,7 @@ impl<T: Batch> Course<T> {
         self.residual = T::select(larger, residual, self.residual);
     }
 
-    /// Counts a part that was taken. The iterations of a part that failed in a lane interest nobody.
+    /// Counts a stage that was taken. The iterations of a stage that failed in a lane are not counted.
     ///
     /// # Errors
     /// If something went wrong in every lane.
@@ -250,22 +250,22 @@ impl<T: Batch> Course<T> {
         Ok(())
     }
 
-    /// How the parts went.
+    /// How the stages went.
     #[cfg(feature = "std")]
     pub(crate) fn outcome(self) -> Counted<T> {
         if self.is_flawless { Ok((self.iterations, self.residual)) } else { Err(self.errors) }
     }
 
-    /// Where the parts have led to.
+    /// Where the stages have led to.
     pub(crate) fn end<S>(self, state: S) -> Outcome<T, S> {
         let advanced = Advanced { state, iterations: self.iterations, residual: self.residual };
         if self.is_flawless { Ok(advanced) } else { Err(Failure { errors: self.errors, advanced }) }
     }
 }
 
-/// Half a step with the method `A`, then half a step with `B`, which starts at the time at which the first ends.
+/// A method and its adjoint, composed: half a step with `A`, then half a step with `B`, which starts at the time at which the first ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Halves<A: Method, B> {
+pub struct AdjointPair<A: Method, B> {
     pub(crate) first: A,
     pub(crate) second: B,
     /// Half of the step.
@@ -274,7 +274,7 @@ pub struct Halves<A: Method, B> {
     whole: bool,
 }
 
-impl<A, B> Method for Halves<A, B>
+impl<A, B> Method for AdjointPair<A, B>
 where
     A: Method,
     B: Method<Scalar = A::Scalar, Parameters = A::Parameters, State = A::State, Control = A::Control>,
@@ -301,11 +301,11 @@ where
         let known = known && self.whole;
         // until both are through
         self.whole = false;
-        let mut course = Course::new();
-        let middle = course.part(&mut self.first, state, time, control, known)?;
-        let next = course.part(&mut self.second, &middle, time + self.half, control, known)?;
+        let mut accumulator = StageAccumulator::new();
+        let middle = accumulator.stage(&mut self.first, state, time, control, known)?;
+        let next = accumulator.stage(&mut self.second, &middle, time + self.half, control, known)?;
         self.whole = true;
-        course.end(next)
+        accumulator.end(next)
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [A::Scalar])) {
@@ -315,8 +315,8 @@ where
     }
 }
 
-/// A method between whose steps the momentum is carried in space coordinates.
-pub struct Carried<S: Isolated, B: Method> {
+/// A method that carries the momentum from step to step in space coordinates.
+pub struct SpatialMomentum<S: Isolated, B: Method> {
     pub(crate) base: B,
     /// Whether there was a step.
     has_stepped: bool,
@@ -324,13 +324,13 @@ pub struct Carried<S: Isolated, B: Method> {
     spatial: S::Spatial<B::Scalar>,
 }
 
-impl<S: Isolated, B: Method> Clone for Carried<S, B> {
+impl<S: Isolated, B: Method> Clone for SpatialMomentum<S, B> {
     fn clone(&self) -> Self {
         Self { base: self.base.clone(), has_stepped: self.has_stepped, spatial: self.spatial }
     }
 }
 
-impl<S, B> Method for Carried<S, B>
+impl<S, B> Method for SpatialMomentum<S, B>
 where
     S: Isolated,
     B: Method,
@@ -356,10 +356,10 @@ where
         known: bool,
     ) -> Outcome<B::Scalar, B::State> {
         let spatial = if known && self.has_stepped { self.spatial } else { S::in_space(state) };
-        let mut course = Course::new();
-        let next = course.part(&mut self.base, state, time, control, known)?;
+        let mut accumulator = StageAccumulator::new();
+        let next = accumulator.stage(&mut self.base, state, time, control, known)?;
         (self.has_stepped, self.spatial) = (true, spatial);
-        course.end(S::in_body(&next, &spatial))
+        accumulator.end(S::in_body(&next, &spatial))
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
@@ -410,12 +410,12 @@ mod tests {
     }
 
     #[test]
-    fn halves_remember_whole_steps_only() {
-        let mut halves = Halves::<Half, Half>::new(&[], 2.0);
+    fn an_adjoint_pair_remembers_whole_steps_only() {
+        let mut pair = AdjointPair::<Half, Half>::new(&[], 2.0);
         let mut advance = |limit: f64| {
-            let outcome = halves.advance(&[], 3.0, &[limit], true);
+            let outcome = pair.advance(&[], 3.0, &[limit], true);
             let report = outcome.map(|to| (to.iterations, to.residual)).map_err(|failure| failure.first());
-            (report, [halves.first.known, halves.second.known])
+            (report, [pair.first.known, pair.second.known])
         };
         let solved = Ok(([2], 4.0));
         // nothing to remember yet

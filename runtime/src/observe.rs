@@ -1,6 +1,6 @@
-//! Observers: what watches a [`Run`](crate::run::Run), and may end it.
+//! Observers: what observes a [`Run`](crate::run::Run), and may end it.
 //!
-//! Any type with an [`Observer`] implementation can watch. Observers combine: a tuple shows every tick to both of its
+//! Any type with an [`Observer`] implementation can observe a run. Observers combine: a tuple shows every tick to both of its
 //! members, an `Option` only to what it holds, [`Every`] to its inner observer once in a while.
 
 use core::fmt;
@@ -10,12 +10,11 @@ use crate::run::Tick;
 use crate::scalar::{Batch, Real, Scalar};
 use crate::system::System;
 
-/// Watches a run.
+/// Observes a run.
 pub trait Observer<S: System> {
     /// Looks at one tick. [`ControlFlow::Break`] ends the run there.
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()>;
-    /// The index of the next tick after `index` that it has to see; it may be shown others, too. Steps to which nobody wants to be a
-    /// witness are taken [together](crate::stepper::Stepper::steps_with).
+    /// The index of the next tick after `index` that it needs; it may be shown others, too. Steps that no observer needs are taken [together](crate::stepper::Stepper::steps_with).
     #[inline]
     fn next(&self, index: u64) -> u64 {
         index + 1
@@ -33,7 +32,7 @@ impl<S: System, O: Observer<S> + ?Sized> Observer<S> for &mut O {
     }
 }
 
-/// Nobody watches.
+/// No observer.
 impl<S: System> Observer<S> for () {
     #[inline]
     fn observe(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {

@@ -160,14 +160,14 @@ pub trait Batch: Scalar + sealed::Sealed {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Whether it is one double, of which any processor adds and multiplies two at a time.
     const PAIRS: bool = false;
-    /// Whether [`plus`](Scalar::plus) is [`plus_once`](Self::plus_once).
+    /// Whether [`plus`](Scalar::plus) is [`mul_add`](Self::mul_add).
     const ONCE: bool = FUSED;
-    /// `self + a b`, rounded once.
-    fn plus_once(self, a: Self, b: Self) -> Self;
+    /// `self · a + b`, rounded once.
+    fn mul_add(self, a: Self, b: Self) -> Self;
     /// Does the work in a function of its own, compiled for what these numbers need of the processor: for what comes rarely, and for what
     /// is compiled once for several callers.
     fn outline<W: Work>(work: W) -> W::Result;
-    /// The same, compiled for what [`plus_once`](Self::plus_once) needs too, as far as the processor has it.
+    /// The same, compiled for what [`mul_add`](Self::mul_add) needs too, as far as the processor has it.
     #[inline(always)]
     fn outline_fused<W: Work>(work: W) -> W::Result {
         Self::outline(work)
@@ -337,8 +337,8 @@ macro_rules! real {
                 if mask { yes } else { no }
             }
             #[inline(always)]
-            fn plus_once(self, a: Self, b: Self) -> Self {
-                nalgebra::ComplexField::mul_add(a, b, self)
+            fn mul_add(self, a: Self, b: Self) -> Self {
+                nalgebra::ComplexField::mul_add(self, a, b)
             }
             #[inline(always)]
             fn outline<W: Work>(work: W) -> W::Result {

@@ -4,7 +4,7 @@ use core::fmt;
 use core::marker::PhantomData;
 
 use crate::derivative::{
-    BlocksOf, DerivativeOf, Differentiable, HasDerivative, Linearizable, StepDerivative, StepJacobian,
+    DerivativeOf, Differentiable, HasDerivative, JacobianBlocksOf, Linearizable, StepDerivative, StepJacobian,
 };
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
@@ -355,7 +355,7 @@ struct JacobianWork<'a, S: System, M, D, B> {
     blocks: PhantomData<B>,
 }
 
-impl<S: System, M, D: MethodOf<S>, B: BlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
+impl<S: System, M, D: MethodOf<S>, B: JacobianBlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
     type Home = D::Home;
     type Result = B::Jacobian;
 
@@ -389,8 +389,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     }
 
     /// Takes one step with `control` held from its start to its end, and gives the derivatives of the next state that are asked for:
-    /// [`ByState`](crate::derivative::ByState), [`ByControl`](crate::derivative::ByControl),
-    /// [`ByParameters`](crate::derivative::ByParameters), or several of them, `(ByState, ByControl)`. In [left-trivialized
+    /// [`WrtState`](crate::derivative::WrtState), [`WrtControl`](crate::derivative::WrtControl),
+    /// [`WrtParameters`](crate::derivative::WrtParameters), or several of them, `(WrtState, WrtControl)`. In [left-trivialized
     /// coordinates](crate::derivative#coordinates).
     ///
     /// # Errors
@@ -403,7 +403,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
         _: B,
     ) -> Result<StepJacobian<B::Jacobian>, StepError>
     where
-        B: BlocksOf<S, S::Method<S::Scalar>>,
+        B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
     {
         let (components, time) = (state.to_components(), self.time());
         let report = self.step_with(state, control)?;

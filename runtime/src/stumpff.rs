@@ -250,7 +250,7 @@ fn series<T: RealField + Copy>(k: usize, z: T) -> T {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fused::Once;
+    use crate::fused::FusedScalar;
 
     /// How many of many arguments up to so many times [`brief_below`] get other digits from one quartet than from two.
     fn differences<T: Scalar + PartialEq, const N: usize>(times: f64) -> usize {
@@ -264,7 +264,7 @@ mod tests {
         macro_rules! sizes {
             ($($n:literal),*) => { $(
                 assert_eq!(differences::<f64, $n>(1.0), 0, "{}", $n);
-                assert_eq!(differences::<Once<f64>, $n>(1.0), 0, "{}", $n);
+                assert_eq!(differences::<FusedScalar<f64>, $n>(1.0), 0, "{}", $n);
                 assert_eq!(differences::<f32, $n>(1.0), 0, "{}", $n);
                 // and not much larger ones
                 assert!(differences::<f64, $n>(2.0) > 100, "{}", $n);

@@ -11,7 +11,7 @@ use nalgebra::{
 use crate::error::ParameterError;
 use crate::geometry::{Isolated, Map};
 use crate::kernel::{Components, Kernel};
-use crate::method::{Carried, Halves, Method};
+use crate::method::{AdjointPair, Method, SpatialMomentum};
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Batch, Real, Scalar};
 use crate::scheme::{
@@ -300,7 +300,7 @@ impl<S, R> Discretized<StormerVerlet<R>> for S
 where
     S: Discretized<SymplecticEulerA<R>> + Discretized<SymplecticEulerB<R>>,
 {
-    type Method<T: Batch> = Halves<
+    type Method<T: Batch> = AdjointPair<
         <S as Discretized<SymplecticEulerA<R>>>::Method<T>,
         <S as Discretized<SymplecticEulerB<R>>>::Method<T>,
     >;
@@ -316,7 +316,7 @@ impl<S, M> Discretized<RightLift<M>> for S
 where
     S: Isolated + Discretized<M>,
 {
-    type Method<T: Batch> = Carried<S, <S as Discretized<M>>::Method<T>>;
+    type Method<T: Batch> = SpatialMomentum<S, <S as Discretized<M>>::Method<T>>;
 }
 
 #[diagnostic::do_not_recommend]

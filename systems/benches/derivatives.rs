@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use coadjoint::__private::Kernel;
-use coadjoint::derivative::{ByParameters, ByState, Changes, Recording};
+use coadjoint::derivative::{CheckpointedTape, Perturbation, WrtParameters, WrtState};
 use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
@@ -63,14 +63,14 @@ fn main() {
             let (mut stepper, mut state) = (top.stepper::<Cayley>(STEP).unwrap(), start);
             Box::new(move |steps| {
                 for _ in 0..steps {
-                    let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), ByState);
+                    let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState);
                     black_box(step.unwrap().jacobian);
                 }
             })
         }),
         ("Cayley, by state and parameters", STEPS, {
             let (mut stepper, mut state) = (top.stepper::<Cayley>(STEP).unwrap(), start);
-            let blocks = (ByState, ByParameters);
+            let blocks = (WrtState, WrtParameters);
             Box::new(move |steps| {
                 for _ in 0..steps {
                     let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), blocks);
@@ -81,11 +81,11 @@ fn main() {
         ("Cayley, by dual numbers", STEPS / 8, dual(&top, start)),
         ("Cayley, one direction", STEPS, {
             let (mut stepper, mut state) = (top.stepper::<Cayley>(STEP).unwrap(), start);
-            let changes = Changes { state: SVector::repeat(1.0), ..Changes::default() };
+            let perturbation = Perturbation { state: SVector::repeat(1.0), ..Perturbation::default() };
             Box::new(move |steps| {
                 for _ in 0..steps {
                     let step = stepper.step_with_derivative(&mut state, &NoControl::default());
-                    black_box(step.unwrap().0.tangent(black_box(&changes)));
+                    black_box(step.unwrap().0.tangent(black_box(&perturbation)));
                 }
             })
         }),
@@ -104,7 +104,7 @@ fn main() {
             let (mut stepper, mut state) = (top.stepper::<Exponential>(STEP).unwrap(), start);
             Box::new(move |steps| {
                 for _ in 0..steps {
-                    let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), ByState);
+                    let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState);
                     black_box(step.unwrap().jacobian);
                 }
             })
@@ -122,7 +122,7 @@ fn main() {
             let costate = SVector::repeat(1.0);
             Box::new(move |steps| {
                 let (mut stepper, mut state) = (top.stepper::<Cayley>(STEP).unwrap(), start);
-                let run = Recording::new(&mut stepper, &mut state, steps, |_| NoControl::default());
+                let run = CheckpointedTape::new(&mut stepper, &mut state, steps, |_| NoControl::default());
                 black_box(run.unwrap().gradient(black_box(&costate)).unwrap());
             })
         }),
@@ -147,8 +147,11 @@ fn main() {
     );
     let ratio = of("a run, and its derivative backwards") / of("a run, Cayley");
     let (mut stepper, mut state) = (top.stepper::<Cayley>(STEP).unwrap(), start);
-    let run = Recording::new(&mut stepper, &mut state, RUN, |_| NoControl::default()).unwrap();
-    println!("backwards through {RUN} steps: {ratio:.1} times the run, {} states kept", run.states_kept());
+    let run = CheckpointedTape::new(&mut stepper, &mut state, RUN, |_| NoControl::default()).unwrap();
+    println!(
+        "backwards through {RUN} steps: {ratio:.1} times the run, {} states kept",
+        run.checkpoint_count()
+    );
 }
 
 fn plain<'a, M: 'a>(top: &HeavyTop, start: HeavyTopState) -> Walk<'a>

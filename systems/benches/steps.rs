@@ -23,6 +23,6 @@ fn step(bencher: Bencher<'_, '_>, name: &String) {
     let all = cases::all().unwrap();
     let mut case =
         all.into_iter().find(|case| *name == format!("{}: {}", case.problem, case.method)).unwrap();
-    assert!(case.walk(case.steps.min(2_000)), "a step failed");
-    bencher.counter(ItemsCount::new(STEPS)).bench_local(|| case.walk(STEPS));
+    assert!(case.run(case.steps.min(2_000)), "a step failed");
+    bencher.counter(ItemsCount::new(STEPS)).bench_local(|| case.run(STEPS));
 }

@@ -16,21 +16,21 @@ use crate::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use crate::heavy_top::HeavyTop;
 use crate::quadrotor::Quadrotor;
 
-/// Something to be timed.
+/// One benchmark case.
 pub struct Case {
-    /// What moves.
+    /// The system.
     pub problem: &'static str,
-    /// What takes the steps.
+    /// The integrator.
     pub method: String,
     /// Steps that are enough to be timed.
     pub steps: u64,
-    walk: Box<dyn FnMut(u64) -> bool>,
+    run: Box<dyn FnMut(u64) -> bool>,
 }
 
 impl Case {
     /// Takes so many steps, on from where the last ones led; whether all could be taken.
-    pub fn walk(&mut self, steps: u64) -> bool {
-        (self.walk)(steps)
+    pub fn run(&mut self, steps: u64) -> bool {
+        (self.run)(steps)
     }
 }
 
@@ -43,8 +43,8 @@ impl fmt::Debug for Case {
     }
 }
 
-/// What the other methods of a problem are compared with: the one that most people would write.
-pub const YARDSTICK: &str = <Rk4Quaternion as Method>::NAME;
+/// The baseline of each problem: the integrator most people would write.
+pub const BASELINE: &str = <Rk4Quaternion as Method>::NAME;
 
 /// The members of the ensembles.
 const MEMBERS: usize = 256;
@@ -52,7 +52,7 @@ const MEMBERS: usize = 256;
 /// All cases, those of one problem together.
 ///
 /// # Errors
-/// If a stepper cannot be built, which would be our own mistake.
+/// If a stepper cannot be built, which would be a bug.
 pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     const FREE: &str = "free_rigid_body";
     const TOP: &str = "heavy_top";
@@ -116,9 +116,9 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
             Matrix4::identity(),
         )?,
     ]);
-    for crew in crews() {
-        cases.extend(ensembles(FREE, &body, &start, &crew)?);
-        cases.extend(ensembles(TOP, &top, &top_start, &crew)?);
+    for config in configs() {
+        cases.extend(ensembles(FREE, &body, &start, &config)?);
+        cases.extend(ensembles(TOP, &top, &top_start, &config)?);
     }
     cases.sort_by_key(|case| case.problem);
     let (quadrotor, loose) = Quadrotor::loose();
@@ -149,11 +149,11 @@ where
     ])
 }
 
-/// Generated steps, walked so, with the control that the system's law chooses at the start.
+/// Generated steps, run by this function, with the control that the system's law chooses at the start.
 fn ours<S, M>(
     problem: &'static str,
     method: &str,
-    walk: Walk<S, M>,
+    run: RunFn<S, M>,
     system: &S,
     mut state: S::State,
 ) -> Result<Case, ParameterError>
@@ -163,12 +163,12 @@ where
 {
     let mut stepper = system.stepper::<M>(0.01)?;
     let control = system.control(&state, 0.0);
-    let walk = move |steps| walk(&mut stepper, &mut state, &control, steps);
-    Ok(Case { problem, method: method.into(), steps: 20_000, walk: Box::new(walk) })
+    let run = move |steps| run(&mut stepper, &mut state, &control, steps);
+    Ok(Case { problem, method: method.into(), steps: 20_000, run: Box::new(run) })
 }
 
 /// Takes so many steps; whether all could be taken.
-type Walk<S, M> = fn(&mut Stepper<S, M>, &mut <S as System>::State, &<S as System>::Control, u64) -> bool;
+type RunFn<S, M> = fn(&mut Stepper<S, M>, &mut <S as System>::State, &<S as System>::Control, u64) -> bool;
 
 /// All of them in one call.
 fn at_once<S, M>(stepper: &mut Stepper<S, M>, state: &mut S::State, control: &S::Control, steps: u64) -> bool
@@ -192,21 +192,26 @@ where
 }
 
 /// How an ensemble is run.
-struct Crew {
+struct BenchConfig {
     name: String,
     instructions: Instructions,
     threads: usize,
 }
 
 /// By all instructions that the processor has, on one of its cores, and by the widest on two.
-fn crews() -> Vec<Crew> {
-    let crew =
-        |instructions| Crew { name: format!("{instructions:?}").to_lowercase(), instructions, threads: 1 };
-    let mut crews: Vec<Crew> = Instructions::available().map(crew).collect();
-    if let (Some(&Crew { ref name, instructions, .. }), 2..) = (crews.last(), rayon::current_num_threads()) {
-        crews.push(Crew { name: format!("{name}, two cores"), instructions, threads: 2 });
+fn configs() -> Vec<BenchConfig> {
+    let config = |instructions| BenchConfig {
+        name: format!("{instructions:?}").to_lowercase(),
+        instructions,
+        threads: 1,
+    };
+    let mut configs: Vec<BenchConfig> = Instructions::available().map(config).collect();
+    if let (Some(&BenchConfig { ref name, instructions, .. }), 2..) =
+        (configs.last(), rayon::current_num_threads())
+    {
+        configs.push(BenchConfig { name: format!("{name}, two cores"), instructions, threads: 2 });
     }
-    crews
+    configs
 }
 
 /// Steps of an ensemble's members; fused where there are instructions for it.
@@ -214,35 +219,41 @@ fn ensembles<S>(
     problem: &'static str,
     system: &S,
     state: &S::State,
-    crew: &Crew,
+    config: &BenchConfig,
 ) -> Result<Vec<Case>, Box<dyn std::error::Error>>
 where
     S: Catalogued + 'static,
 {
     let mut cases = vec![
-        together::<_, Cayley>(problem, "Cayley", system, state, crew)?,
-        together::<_, Exponential>(problem, "exponential", system, state, crew)?,
+        ensemble_case::<_, Cayley>(problem, "Cayley", system, state, config)?,
+        ensemble_case::<_, Exponential>(problem, "exponential", system, state, config)?,
     ];
-    if crew.instructions != Instructions::Portable {
-        cases.push(together::<_, Fused<Cayley>>(problem, "Cayley, fused", system, state, crew)?);
-        cases.push(together::<_, Fused<Exponential>>(problem, "exponential, fused", system, state, crew)?);
+    if config.instructions != Instructions::Portable {
+        cases.push(ensemble_case::<_, Fused<Cayley>>(problem, "Cayley, fused", system, state, config)?);
+        cases.push(ensemble_case::<_, Fused<Exponential>>(
+            problem,
+            "exponential, fused",
+            system,
+            state,
+            config,
+        )?);
     }
     Ok(cases)
 }
 
 /// A step of a member of an ensemble.
-fn together<S, M>(
+fn ensemble_case<S, M>(
     problem: &'static str,
     method: &str,
     system: &S,
     state: &S::State,
-    crew: &Crew,
+    config: &BenchConfig,
 ) -> Result<Case, Box<dyn std::error::Error>>
 where
     S: Catalogued + Discretized<M> + 'static,
     M: 'static,
 {
-    // no two alike
+    // all members differ
     let states = (0..MEMBERS).map(|member| {
         let mut components = state.to_components();
         for (k, (quantity, slot)) in places(S::State::QUANTITIES).enumerate() {
@@ -253,14 +264,14 @@ where
         S::State::from_components(&components)
     });
     let systems = std::iter::repeat(system);
-    let mut ensemble = Ensemble::<S, M>::with_instructions(systems, states, 0.01, crew.instructions)?;
-    let threads = rayon::ThreadPoolBuilder::new().num_threads(crew.threads).build()?;
-    let method = format!("{method}, ensemble, {}", crew.name);
-    let walk = move |steps: u64| {
+    let mut ensemble = Ensemble::<S, M>::with_instructions(systems, states, 0.01, config.instructions)?;
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(config.threads).build()?;
+    let method = format!("{method}, ensemble, {}", config.name);
+    let run = move |steps: u64| {
         let steps = steps.div_ceil(MEMBERS as u64);
         threads.install(|| ensemble.run(steps)).failures == 0
     };
-    Ok(Case { problem, method, steps: 12_000 * MEMBERS as u64, walk: Box::new(walk) })
+    Ok(Case { problem, method, steps: 12_000 * MEMBERS as u64, run: Box::new(run) })
 }
 
 /// The role of each component of a state, and its place.
@@ -280,14 +291,14 @@ where
     I: Timed<S, AttitudeState<N>> + 'static,
     S: 'static,
 {
-    let walk = move |steps| match integrator.run(&system, state, 0.01, steps) {
+    let run = move |steps| match integrator.run(&system, state, 0.01, steps) {
         Ok(end) => {
             state = end;
             true
         }
         Err(_) => false,
     };
-    Case { problem, method: I::NAME.into(), steps: 20_000, walk: Box::new(walk) }
+    Case { problem, method: I::NAME.into(), steps: 20_000, run: Box::new(run) }
 }
 
 /// A body with or without a weight.
@@ -325,6 +336,6 @@ where
     R: MatrixRetraction<G, N, D> + 'static,
 {
     let mut stepper = GenericStepper::new(group, retraction, hamiltonian, 0.01)?;
-    let walk = move |steps| (0..steps).all(|_| stepper.step(&mut g, &mut mu).is_ok());
-    Ok(Case { problem, method: method.into(), steps: 500, walk: Box::new(walk) })
+    let run = move |steps| (0..steps).all(|_| stepper.step(&mut g, &mut mu).is_ok());
+    Ok(Case { problem, method: method.into(), steps: 500, run: Box::new(run) })
 }

@@ -31,8 +31,8 @@
 //!
 //! **Identify, steer, estimate.** What the exact derivatives of steps are for, on one spacecraft: its inertia from noisy gyroscopes by Gauss and
 //! Newton's method, a manoeuvre with few pulses and the least effort by direct shooting, attitude and momentum from stars by an error-state Kalman
-//! filter. Steps are long, and yet Newton's iterations end at rounding and the filter knows how good it is: what they are told about the
-//! motion is exact.
+//! filter. Steps are long, and yet Newton's iterations converge to rounding and the filter is consistent: the derivatives of the motion
+//! are exact.
 //!
 //! # When it pays, and when not
 //!

@@ -38,8 +38,8 @@ pub mod cases;
 #[cfg(feature = "program")]
 pub mod catalogue;
 #[cfg(feature = "program")]
-pub mod crowd;
+pub mod conservation;
 #[cfg(feature = "program")]
-pub mod ledger;
+pub mod ensemble;
 #[cfg(feature = "program")]
 pub mod simulation;

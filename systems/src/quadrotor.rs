@@ -54,7 +54,7 @@ impl Quadrotor {
         Self { inertia: vector![0.082, 0.0845, 0.1377], mass: 4.34, gravity: 9.81 }
     }
 
-    /// With the thrust of hover, but turning over: nobody holds it, and it flies off.
+    /// With the thrust of hover, but rotating and without attitude control: it turns over and flies off.
     pub fn loose() -> (Self, QuadrotorState) {
         let start = QuadrotorState { attitude_momentum: vector![0.004, 0.002, 0.05], ..Self::at_rest(1.0) };
         (Self::lee(), start)

@@ -9,7 +9,7 @@ use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 pub use coadjoint::erased::Sample;
-use coadjoint::erased::{self, Controls, Scheme, StepperError, Watched};
+use coadjoint::erased::{self, Controls, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 use coadjoint::{RunError, RunReport};
@@ -50,7 +50,7 @@ impl Retraction {
     }
 }
 
-/// What a step makes of its retraction.
+/// The integration method, which is built on a retraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
@@ -136,7 +136,7 @@ pub struct Setup {
     pub state: Vec<f64>,
 }
 
-/// How far to go, and how.
+/// What to run: the scheme, the step and the number of steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The scheme's method.
@@ -151,26 +151,26 @@ pub struct Job {
     pub steps: u64,
 }
 
-/// Where a run is: what it goes on from, to the last bit the same.
+/// The state of a run from which it can be resumed, bit for bit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Whereabouts {
+pub struct Checkpoint {
     /// The state's components.
     pub state: Vec<f64>,
     /// What the stepper carries.
     pub memory: Vec<f64>,
 }
 
-impl Whereabouts {
-    /// Where a run is at a sample.
+impl Checkpoint {
+    /// The checkpoint at a sample.
     pub fn at(sample: &Sample<'_>) -> Self {
         Self { state: sample.state.to_vec(), memory: sample.memory() }
     }
 }
 
-/// Sees samples; may end the run.
-pub type Watch<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
+/// Observes samples; may end the run.
+pub type SampleObserver<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
 
-/// A run that cannot be made, or not to its end.
+/// An error of a simulation.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SimulationError {
@@ -183,7 +183,7 @@ pub enum SimulationError {
     /// A certificate could not be measured.
     #[error(transparent)]
     Certificate(#[from] CertifyError),
-    /// An ensemble cannot be made.
+    /// An ensemble cannot be built.
     #[error("{}: {}", .0, .0.source().map(ToString::to_string).unwrap_or_default())]
     Ensemble(#[from] EnsembleError),
     /// Steps of higher order are composed of symmetric ones.
@@ -240,13 +240,13 @@ pub fn each_step<S: Catalogued>(
     start: &S::State,
     (method, retraction, order): (Method, Retraction, Order),
     (step, steps): (f64, u64),
-    mut see: impl FnMut(u64, f64, &S::State),
+    mut observe: impl FnMut(u64, f64, &S::State),
 ) -> Result<(), SimulationError> {
     let mut stepper = erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?;
     let mut components = start.to_components();
     for index in 0..=steps {
         let (state, time) = (S::State::from_components(&components), stepper.time());
-        see(index, time, &state);
+        observe(index, time, &state);
         if index < steps {
             let control = system.control(&state, time).to_components();
             let step = |cause| RunError { step: index + 1, time, report: RunReport::default(), cause };
@@ -257,7 +257,7 @@ pub fn each_step<S: Catalogued>(
 }
 
 impl Entry {
-    /// Checks parameters; a note says what is odd about valid ones.
+    /// Checks parameters; returns a note where valid ones are unphysical.
     ///
     /// # Errors
     /// If no stepper can be built with them.
@@ -266,8 +266,8 @@ impl Entry {
         Ok((self.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
     }
 
-    /// Makes a run, with the system's own control law: from the setup's state at time 0, or on from where an earlier run was. The watch
-    /// sees the state that it begins with, the samples that `next` says have to be seen after an index, and the last.
+    /// Makes a run, with the system's own control law: from the setup's state at time 0, or on from a checkpoint. The observer
+    /// sees the initial state, the samples whose indices `next` gives, and the last one.
     ///
     /// # Errors
     /// If parameters or step are not valid, or a step cannot be taken.
@@ -275,9 +275,9 @@ impl Entry {
         &self,
         setup: &Setup,
         job: &Job,
-        from: Option<&Whereabouts>,
+        from: Option<&Checkpoint>,
         next: &dyn Fn(u64) -> u64,
-        watch: &mut Watch<'_>,
+        observer: &mut SampleObserver<'_>,
     ) -> Result<RunReport, SimulationError> {
         let system = (self.system)(&setup.parameters);
         let scheme = scheme(job.method, job.retraction, job.order)?;
@@ -290,10 +290,10 @@ impl Entry {
         let law = self.control.map(|control| control(&setup.parameters));
         let controls = law.as_ref().map_or(Controls::Held(&[]), |law| Controls::Chosen(law));
         let steps = job.steps.saturating_sub(stepper.steps_taken());
-        Ok(erased::run(&mut stepper, &mut state, &Watched { steps, controls, next }, watch)?)
+        Ok(erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer)?)
     }
 
-    /// Measures the time that a step takes with nobody watching, ns: the best of three short runs; none without steps.
+    /// Measures the time that a step takes without an observer, ns: the best of three short runs; none without steps.
     ///
     /// # Errors
     /// If parameters or step are not valid, or a step cannot be taken.
@@ -313,7 +313,7 @@ impl Entry {
         Ok(Some(best / job.steps as f64 * 1e9))
     }
 
-    /// Measures what a scheme claims of its steps, at states that the example comes to after 40 and after 80 steps; with the system's own
+    /// Measures the claims of a scheme, at the states of the example after 40 and after 80 steps; with the system's own
     /// control law.
     ///
     /// # Errors

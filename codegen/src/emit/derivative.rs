@@ -60,10 +60,10 @@ pub(super) fn derivative(
     }
 }
 
-/// How long changes are, and arrays.
+/// How long perturbations and arrays are.
 struct Sizes {
-    /// Of the changes of state, controls and parameters.
-    changes: [Literal; 3],
+    /// Of the perturbations of state, controls and parameters.
+    perturbations: [Literal; 3],
     /// Of the arrays of state, controls and parameters.
     arrays: [Literal; 3],
     unknown: Literal,
@@ -71,10 +71,14 @@ struct Sizes {
 
 impl Sizes {
     fn new(system: &System<'_>, layout: &Layout, derivative: &Derivative) -> Self {
-        let changes =
-            [derivative.changes[0].len(), system.control_symbols().len(), system.field_symbols().len()];
+        let perturbations =
+            [derivative.perturbations[0].len(), system.control_symbols().len(), system.field_symbols().len()];
         let arrays = [layout.state.len(), layout.control.len(), layout.parameters.len()];
-        Self { changes: changes.map(size), arrays: arrays.map(size), unknown: size(derivative.unknown.len()) }
+        Self {
+            perturbations: perturbations.map(size),
+            arrays: arrays.map(size),
+            unknown: size(derivative.unknown.len()),
+        }
     }
 }
 
@@ -116,15 +120,18 @@ impl Maps<'_> {
         }
     }
 
-    /// The products with a change and with a costate, as far as they are wanted.
+    /// The products with a perturbation and with a costate, as far as they are selected.
     fn products(&self) -> TokenStream {
-        let Derivative { tangent, adjoint, changes, costate, .. } = self.derivative;
-        let Sizes { changes: [n, controls, parameters], .. } = &self.sizes;
-        let [state_changes, control_changes, parameter_changes] = changes;
+        let Derivative { tangent, adjoint, perturbations, costate, .. } = self.derivative;
+        let Sizes { perturbations: [n, controls, parameters], .. } = &self.sizes;
+        let [state_perturbations, control_perturbations, parameter_perturbations] = perturbations;
         let tangent = tangent.as_ref().map(|tangent| {
-            let doc = docs::line(&format!("The change of the next state: {}.", tangent.operations()));
-            let arrays =
-                [("state", state_changes), ("control", control_changes), ("parameters", parameter_changes)];
+            let doc = docs::line(&format!("The perturbation of the next state: {}.", tangent.operations()));
+            let arrays = [
+                ("state", state_perturbations),
+                ("control", control_perturbations),
+                ("parameters", parameter_perturbations),
+            ];
             let (body, next) = (self.body(tangent, &arrays), array(&tangent.results));
             quote! {
                 #doc
@@ -142,9 +149,10 @@ impl Maps<'_> {
         let adjoint = adjoint.as_ref().map(|adjoint| {
             let doc = docs::line(&format!("The transpose: {}.", adjoint.operations()));
             let body = self.body(adjoint, &[("costate", costate)]);
-            let (by_state, others) = adjoint.results.split_at(state_changes.len());
-            let (by_control, by_parameters) = others.split_at(control_changes.len());
-            let [by_state, by_control, by_parameters] = [by_state, by_control, by_parameters].map(array);
+            let (wrt_state, others) = adjoint.results.split_at(state_perturbations.len());
+            let (wrt_control, wrt_parameters) = others.split_at(control_perturbations.len());
+            let [wrt_state, wrt_control, wrt_parameters] =
+                [wrt_state, wrt_control, wrt_parameters].map(array);
             quote! {
                 #doc
                 #[inline(always)]
@@ -152,7 +160,7 @@ impl Maps<'_> {
                     point: &Point<T>,
                     costate: &[T; #n],
                 ) -> ([T; #n], [T; #controls], [T; #parameters]) {
-                    #body (#by_state, #by_control, #by_parameters)
+                    #body (#wrt_state, #wrt_control, #wrt_parameters)
                 }
             }
         });
@@ -162,13 +170,16 @@ impl Maps<'_> {
     /// The matrices that are wanted, and what all of them make use of.
     fn matrices(&self, names: &Names) -> TokenStream {
         let Names { private, .. } = names;
-        let Sizes { changes, .. } = &self.sizes;
-        let n = &changes[0];
-        let rows = self.derivative.changes[0].len();
+        let Sizes { perturbations, .. } = &self.sizes;
+        let n = &perturbations[0];
+        let rows = self.derivative.perturbations[0].len();
         let through_type = self.through_type();
         let through = match &self.derivative.through {
             Some(section) => {
-                let doc = docs::line(&format!("The derivative by the unknown: {}.", section.operations()));
+                let doc = docs::line(&format!(
+                    "The derivative with respect to the unknown: {}.",
+                    section.operations()
+                ));
                 let (body, columns) =
                     (self.body(section, &[]), section.results.chunks(rows.max(1)).map(array));
                 quote! {
@@ -186,12 +197,15 @@ impl Maps<'_> {
                 }
             },
         };
-        let wanted = ["by_state", "by_control", "by_parameters"].into_iter().zip(changes);
+        let wanted = ["wrt_state", "wrt_control", "wrt_parameters"].into_iter().zip(perturbations);
         let matrices = wanted.zip(&self.derivative.matrices).filter_map(|((name, columns), section)| {
             let section = section.as_ref()?;
             let function = format_ident!("{name}");
-            let doc =
-                docs::line(&format!("The derivative {}: {}.", name.replace('_', " "), section.operations()));
+            let doc = docs::line(&format!(
+                "The derivative {}: {}.",
+                name.replace("wrt_", "with respect to "),
+                section.operations()
+            ));
             let body = self.body(section, &[]);
             let length = (rows + self.derivative.unknown.len()).max(1);
             let (explicit, products): (Vec<TokenStream>, Vec<TokenStream>) = section
@@ -221,9 +235,9 @@ impl Maps<'_> {
         quote! { #through #(#matrices)* }
     }
 
-    /// The columns of the derivative by the unknown; none where no matrix needs them.
+    /// The columns of the derivative with respect to the unknown; none where no matrix needs them.
     fn through_type(&self) -> TokenStream {
-        let Sizes { changes: [n, ..], unknown, .. } = &self.sizes;
+        let Sizes { perturbations: [n, ..], unknown, .. } = &self.sizes;
         match self.derivative.through {
             Some(_) => quote! { [[T; #n]; #unknown] },
             None => quote! { [[T; #n]; 0] },
@@ -245,7 +259,7 @@ fn array(results: &[Term]) -> TokenStream {
     quote! { [#(#results),*] }
 }
 
-/// `impl Differentiable for HeavyTop { … }`, and the places of all parts within changes.
+/// `impl Differentiable for HeavyTop { … }`, and the index ranges of all parts within perturbations.
 pub(super) fn tangents(system: &System<'_>, names: &Names, wanted: Derivatives) -> TokenStream {
     let Names { private, coadjoint, system: name, scalar, visibility, .. } = names;
     let mut places = Vec::new();
@@ -260,7 +274,7 @@ pub(super) fn tangents(system: &System<'_>, names: &Names, wanted: Derivatives) 
         let constant = Ident::new(&constant, field.span());
         let doc = docs::line(&format!("`{text}` in {of}."));
         let (from, length) = (size(from), size(length));
-        places.push(quote! { #doc pub const #constant: #coadjoint::derivative::Part<#from, #length> = #coadjoint::derivative::Part; });
+        places.push(quote! { #doc pub const #constant: #coadjoint::derivative::IndexRange<#from, #length> = #coadjoint::derivative::IndexRange; });
     };
     let mut state = 0;
     for part in system.parts() {
@@ -272,53 +286,55 @@ pub(super) fn tangents(system: &System<'_>, names: &Names, wanted: Derivatives) 
                 .map_or(0, |factor| factor.algebra.group.dimension()),
             _ => part.symbols.len(),
         };
-        place("changes of the state", &part.name, state, length);
+        place("perturbations of the state", &part.name, state, length);
         state += length;
     }
     let mut control = 0;
     for part in &system.controls {
-        place("changes of the controls", &part.name, control, part.symbols.len());
+        place("perturbations of the controls", &part.name, control, part.symbols.len());
         control += part.symbols.len();
     }
     let mut parameters = 0;
     for field in &system.parameters {
-        place("changes of the parameters", &field.name, parameters, field.symbols.len());
+        place("perturbations of the parameters", &field.name, parameters, field.symbols.len());
         parameters += field.symbols.len();
     }
     let [state, control, parameters] = [state, control, parameters].map(size);
     let wanted = [
-        ("ByState", wanted.state),
-        ("ByControl", wanted.controls),
-        ("ByParameters", wanted.parameters),
+        ("WrtState", wanted.state),
+        ("WrtControl", wanted.controls),
+        ("WrtParameters", wanted.parameters),
         ("Tangent", wanted.tangent),
         ("Adjoint", wanted.adjoint),
     ];
     let wanted = wanted.into_iter().filter(|&(_, wanted)| wanted).map(|(map, _)| format_ident!("{map}"));
-    let part = format_ident!("{name}Part");
+    let indices = format_ident!("{name}Indices");
     let docs = docs::lines([
-        format!("Where the parts of a [`{name}`] are within changes of its state, controls and parameters."),
+        format!(
+            "The index ranges of the parts of a [`{name}`] within perturbations of its state, controls and parameters."
+        ),
         String::new(),
         "A configuration changes by an element of the algebra, `g exp(δ)`.".to_owned(),
     ]);
     quote! {
         #docs
         #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
-        #visibility struct #part;
+        #visibility struct #indices;
 
         #[allow(dead_code)]
-        impl #part { #(#places)* }
+        impl #indices { #(#places)* }
 
         #[automatically_derived]
         impl #private::Differentiable for #name {
-            type StateChange<V: #private::Entry> = [V; #state];
-            type ControlChange<V: #private::Entry> = [V; #control];
-            type ParameterChange<V: #private::Entry> = [V; #parameters];
+            type StatePerturbation<V: #private::Entry> = [V; #state];
+            type ControlPerturbation<V: #private::Entry> = [V; #control];
+            type ParameterPerturbation<V: #private::Entry> = [V; #parameters];
             type StateVector = #private::nalgebra::SVector<#scalar, #state>;
             type ControlVector = #private::nalgebra::SVector<#scalar, #control>;
             type ParameterVector = #private::nalgebra::SVector<#scalar, #parameters>;
-            type ByState = #private::nalgebra::SMatrix<#scalar, #state, #state>;
-            type ByControl = #private::nalgebra::SMatrix<#scalar, #state, #control>;
-            type ByParameters = #private::nalgebra::SMatrix<#scalar, #state, #parameters>;
+            type WrtState = #private::nalgebra::SMatrix<#scalar, #state, #state>;
+            type WrtControl = #private::nalgebra::SMatrix<#scalar, #state, #control>;
+            type WrtParameters = #private::nalgebra::SMatrix<#scalar, #state, #parameters>;
         }
 
         #(#[automatically_derived]

@@ -29,8 +29,8 @@ pub enum Stage {
     Step,
     /// When Newton's unknown is known.
     Iteration,
-    /// When the changes are known that a derivative is applied to.
-    Change,
+    /// When the perturbations are known that a derivative is applied to.
+    Perturbation,
 }
 
 /// An elementary function of one argument.

@@ -28,8 +28,8 @@ pub struct Derivative {
     pub matrices: [Option<Section>; 3],
     /// The components of the unknown.
     pub unknown: Vec<String>,
-    /// The components of the changes of state, controls and parameters.
-    pub changes: [Vec<String>; 3],
+    /// The components of the perturbations of state, controls and parameters.
+    pub perturbations: [Vec<String>; 3],
     /// The components of the function's derivative by the next state.
     pub costate: Vec<String>,
     /// What the step size is called.
@@ -89,7 +89,7 @@ impl Derivative {
             through,
             matrices: [state, control, parameters],
             unknown: symbols.of(&step.unknown),
-            changes: [&linearization.state, &linearization.control, &linearization.parameters]
+            perturbations: [&linearization.state, &linearization.control, &linearization.parameters]
                 .map(|change| symbols.of(change)),
             costate: adjoint.map_or_else(Vec::new, |adjoint| symbols.of(&adjoint.next)),
             h: symbols.of(&Vector(vec![step.h])),

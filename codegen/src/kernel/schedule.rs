@@ -95,7 +95,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
         for op in self.plan.ops() {
             let home = match self.plan.stage(op) {
                 Stage::Parameters => Home::New,
-                Stage::Change => Home::Local,
+                Stage::Perturbation => Home::Local,
                 // What only the next state is made of is computed there, once a step too: the solution is not to wait behind it.
                 Stage::Step if solving.contains(&op) || self.is_given(op) => Home::Begin,
                 Stage::Iteration if evaluating.contains(&op) => Home::Evaluate,
@@ -137,11 +137,11 @@ impl<'p, 'a> Schedule<'p, 'a> {
         }
     }
 
-    /// One section for all that linear maps of changes are made of, and one for each of them, which finds all that there.
+    /// One section for all that linear maps of perturbations are made of, and one for each of them, which finds all that there.
     pub(super) fn maps(mut self, outputs: &[Vec<Signed>]) -> Maps {
         let results: Vec<Op> = outputs.iter().flatten().map(|signed| signed.op).collect();
         let all = self.cone(&results);
-        let linear = |op: &Op| self.plan.stage(*op) == Stage::Change;
+        let linear = |op: &Op| self.plan.stage(*op) == Stage::Perturbation;
         let operands: Vec<Op> =
             all.iter().filter(|op| linear(op)).flat_map(|&op| self.plan.operation(op).operands()).collect();
         let point = self.cone(&operands.into_iter().filter(|op| !linear(op)).collect::<Vec<_>>());
@@ -269,7 +269,7 @@ impl<'p, 'a> Schedule<'p, 'a> {
             Stage::Parameters => "p",
             Stage::Step => "s",
             Stage::Iteration => "i",
-            Stage::Change => "d",
+            Stage::Perturbation => "d",
         };
         self.namer.numbered(prefix)
     }

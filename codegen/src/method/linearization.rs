@@ -1,6 +1,6 @@
 //! The derivative of a step, in closed form: the implicit function theorem on the step's own equation.
 //!
-//! Where `left(x) = right(x)` defines the unknown, a change of state, controls and parameters changes it by
+//! Where `left(x) = right(x)` defines the unknown, a perturbation of state, controls and parameters changes it by
 //!
 //! ```text
 //! δx = −(∂F/∂x)⁻¹ δF,   F = left − right,
@@ -25,13 +25,13 @@ use crate::model::{Advected, Factor, Side, System, plain};
 /// Which derivatives of a step are wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Derivatives {
-    /// The matrix by the state.
+    /// The matrix with respect to the state.
     pub state: bool,
-    /// The matrix by the controls.
+    /// The matrix with respect to the controls.
     pub controls: bool,
-    /// The matrix by the parameters.
+    /// The matrix with respect to the parameters.
     pub parameters: bool,
-    /// The product with a change of all three.
+    /// The product with a perturbation of all three.
     pub tangent: bool,
     /// The transposed product.
     pub adjoint: bool,
@@ -58,21 +58,21 @@ impl Derivatives {
     }
 }
 
-/// The change of the next state with all that it depends on: linear in the changes, which are symbols.
+/// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
 pub struct Linearization<'a> {
-    /// The change of the unknown.
+    /// The perturbation of the unknown.
     pub unknown: Vector<'a>,
     /// What this is, by the step's equation.
     pub solution: Vector<'a>,
-    /// The change of the next state, from that of the unknown and all others.
+    /// The perturbation of the next state, from that of the unknown and all others.
     pub partial: Vector<'a>,
-    /// The change of the state in the order of storage, with an element of the algebra in the place of each configuration.
+    /// The perturbation of the state in the order of storage, with an element of the algebra in the place of each configuration.
     pub state: Vector<'a>,
-    /// The change of the controls, if it is wanted.
+    /// The perturbation of the controls, if it is wanted.
     pub control: Vector<'a>,
-    /// The change of the parameters, the system's fields, if it is wanted.
+    /// The perturbation of the parameters, the system's fields, if it is wanted.
     pub parameters: Vector<'a>,
-    /// The change of the next state, in the order of [`state`](Self::state).
+    /// The perturbation of the next state, in the order of [`state`](Self::state).
     pub next: Vector<'a>,
 }
 
@@ -85,37 +85,38 @@ impl<'a> Linearization<'a> {
         step: &Step<'a>,
         wanted: Derivatives,
     ) -> Self {
-        let change = |of: String| arena.symbol(format!("d_{of}"), Stage::Change);
-        let changes = |symbols: &[Symbol]| {
-            Vector(symbols.iter().map(|&symbol| change(arena.symbol_info(symbol).name)).collect())
+        let perturbation = |of: String| arena.symbol(format!("d_{of}"), Stage::Perturbation);
+        let perturbations = |symbols: &[Symbol]| {
+            Vector(symbols.iter().map(|&symbol| perturbation(arena.symbol_info(symbol).name)).collect())
         };
         let rows: Vec<Row<'_, 'a>> = rows(system);
         let state = rows.iter().flat_map(|row| match row {
             Row::Configuration(_, factor) => {
                 let axes = factor.algebra.group.axes().iter();
-                axes.map(|axis| change(format!("{}_{axis}", plain(&factor.name)))).collect()
+                axes.map(|axis| perturbation(format!("{}_{axis}", plain(&factor.name)))).collect()
             }
-            Row::Momentum(symbols) => changes(symbols).0,
-            Row::Advected(_, factor, place) => changes(&factor.advected[*place].value.symbols()).0,
+            Row::Momentum(symbols) => perturbations(symbols).0,
+            Row::Advected(_, factor, place) => perturbations(&factor.advected[*place].value.symbols()).0,
         });
         let state = Vector(state.collect());
         let controls = if wanted.of_controls() { system.control_symbols() } else { Vec::new() };
-        let control = changes(&controls);
+        let control = perturbations(&controls);
         let fields = if wanted.of_parameters() { system.field_symbols() } else { Vec::new() };
-        let parameters = changes(&fields);
+        let parameters = perturbations(&fields);
 
         let mut direction: Vec<(Symbol, Expr<'a>)> = Vec::new();
         let mut starts = state.0.clone().into_iter();
         for row in &rows {
-            let change = Vector(starts.by_ref().take(row.len()).collect());
+            let perturbation = Vector(starts.by_ref().take(row.len()).collect());
             match row {
                 Row::Configuration(_, factor) => {
-                    let stored = tangent(factor.algebra.group, &factor.configuration, &change);
+                    let stored = tangent(factor.algebra.group, &factor.configuration, &perturbation);
                     direction.extend(factor.configuration.symbols().into_iter().zip(stored.iter()));
                 }
-                Row::Momentum(symbols) => direction.extend(symbols.iter().copied().zip(change.iter())),
+                Row::Momentum(symbols) => direction.extend(symbols.iter().copied().zip(perturbation.iter())),
                 Row::Advected(_, factor, place) => {
-                    direction.extend(factor.advected[*place].value.symbols().into_iter().zip(change.iter()));
+                    direction
+                        .extend(factor.advected[*place].value.symbols().into_iter().zip(perturbation.iter()));
                 }
             }
         }
@@ -124,7 +125,7 @@ impl<'a> Linearization<'a> {
 
         // what the unknown does
         let symbols = step.unknown.symbols();
-        let unknown = changes(&symbols);
+        let unknown = perturbations(&symbols);
         let residual = &step.left - &step.right;
         let mut explicit = Derivative::along(arena, &direction);
         let shift = residual.map(|component| -explicit.of(component)).hold();
@@ -134,29 +135,29 @@ impl<'a> Linearization<'a> {
         let mut total = Derivative::along(arena, &direction);
         // both sides change alike, and the left one is simple
         for (left, right) in step.left.iter().zip(step.right.iter()) {
-            let change = total.of(left);
-            total.know(right, change);
+            let perturbation = total.of(left);
+            total.know(right, perturbation);
         }
         let mut along = |vector: &Vector<'a>| vector.map(|component| total.of(component));
         let stored = system.state_symbols();
         let mut partial = Vec::new();
         let mut starts = state.0.clone().into_iter();
         for row in &rows {
-            let change = Vector(starts.by_ref().take(row.len()).collect());
+            let perturbation = Vector(starts.by_ref().take(row.len()).collect());
             let turned = match row {
                 Row::Configuration(index, factor) => {
                     let group = factor.algebra.group;
-                    step.turns[*index].iter().fold(change, |change, turn| {
+                    step.turns[*index].iter().fold(perturbation, |perturbation, turn| {
                         let by = along(&turn.by);
                         match system.side {
                             Side::Left => {
-                                let carried = group.bracket(&turn.by, &change);
+                                let carried = group.bracket(&turn.by, &perturbation);
                                 let carried = d_left(group, retraction, &turn.by, &carried);
-                                &(&change - &carried) + &d_left(group, retraction, &turn.by, &by)
+                                &(&perturbation - &carried) + &d_left(group, retraction, &turn.by, &by)
                             }
                             Side::Right => {
                                 let inner = d_left(group, retraction, &turn.by, &by);
-                                &change + &to_body(group, &turn.from, &inner)
+                                &perturbation + &to_body(group, &turn.from, &inner)
                             }
                         }
                         .hold()
@@ -180,17 +181,17 @@ impl<'a> Linearization<'a> {
                         let mean = algebra.d_right_dual_spaces(retraction, x, &one(a));
                         a + &algebra.coadjoint_spaces(x, &mean)[*place]
                     };
-                    let start = (factor.advected[*place].value.clone(), change);
+                    let start = (factor.advected[*place].value.clone(), perturbation);
                     let turns = step.turns[*index].iter();
-                    let (_, change) = turns.fold(start, |(a, change), turn| {
+                    let (_, perturbation) = turns.fold(start, |(a, perturbation), turn| {
                         let x = turn.by.scale(sign);
                         let turned = d_left(algebra.group, retraction, &x, &along(&turn.by).scale(sign));
                         let a = carry(&x, &a).hold();
                         let turned = &algebra.coadjoint_spaces(&turned.hold(), &one(&a))[*place];
-                        let change = &carry(&x, &change) + turned;
-                        (a, change.hold())
+                        let perturbation = &carry(&x, &perturbation) + turned;
+                        (a, perturbation.hold())
                     });
-                    change
+                    perturbation
                 }
             };
             partial.extend(turned.0);
@@ -206,11 +207,11 @@ impl<'a> Linearization<'a> {
 pub struct Adjoint<'a> {
     /// The coefficients of the function: symbols, in the order of [`Linearization::next`].
     pub next: Vector<'a>,
-    /// Its derivative by the state.
+    /// Its derivative with respect to the state.
     pub state: Vector<'a>,
-    /// Its derivative by the controls.
+    /// Its derivative with respect to the controls.
     pub control: Vector<'a>,
-    /// Its derivative by the parameters.
+    /// Its derivative with respect to the parameters.
     pub parameters: Vector<'a>,
 }
 
@@ -220,23 +221,27 @@ impl<'a> Linearization<'a> {
         let names = self.state.symbols().into_iter().map(|symbol| arena.symbol_info(symbol).name);
         let next = Vector(
             names
-                .map(|name| arena.symbol(format!("by_{}", name.trim_start_matches("d_")), Stage::Change))
+                .map(|name| {
+                    arena.symbol(format!("wrt_{}", name.trim_start_matches("d_")), Stage::Perturbation)
+                })
                 .collect(),
         );
-        let changes = [&self.state, &self.control, &self.parameters];
-        let symbols: Vec<Symbol> = changes.iter().flat_map(|change| change.symbols()).collect();
+        let perturbations = [&self.state, &self.control, &self.parameters];
+        let symbols: Vec<Symbol> =
+            perturbations.iter().flat_map(|perturbation| perturbation.symbols()).collect();
         let mut derivatives = gradient(self.next.dot(&next), &symbols).0.into_iter();
-        let mut take = |change: &Vector<'a>| Vector(derivatives.by_ref().take(change.len()).collect());
-        let [state, control, parameters] = changes.map(&mut take);
+        let mut take =
+            |perturbation: &Vector<'a>| Vector(derivatives.by_ref().take(perturbation.len()).collect());
+        let [state, control, parameters] = perturbations.map(&mut take);
         Adjoint { next, state, control, parameters }
     }
 }
 
-/// A [`Linearization`] as matrices: `explicit + through · unknown` for each of the changes.
+/// A [`Linearization`] as matrices: `explicit + through · unknown` for each of the perturbations.
 pub struct Matrices<'a> {
-    /// The derivative of the next state by the unknown, column by column; none if no matrix is wanted, or there is no unknown.
+    /// The derivative of the next state with respect to the unknown, column by column; none if no matrix is wanted, or there is no unknown.
     pub through: Option<Vec<Vector<'a>>>,
-    /// For state, controls and parameters and each of their components: the derivatives by it of the next state with the unknown as it
+    /// For state, controls and parameters and each of their components: the derivatives with respect to it of the next state with the unknown as it
     /// is, and of the unknown. None for those that are not wanted or have no components.
     pub columns: [Option<Vec<(Vector<'a>, Vector<'a>)>>; 3],
 }
@@ -244,8 +249,8 @@ pub struct Matrices<'a> {
 impl<'a> Linearization<'a> {
     /// As matrices, those that are wanted.
     pub fn matrices(&self, arena: &'a Arena, wanted: Derivatives) -> Matrices<'a> {
-        let changes = [&self.unknown, &self.state, &self.control, &self.parameters];
-        let all: Vec<Symbol> = changes.iter().flat_map(|change| change.symbols()).collect();
+        let perturbations = [&self.unknown, &self.state, &self.control, &self.parameters];
+        let all: Vec<Symbol> = perturbations.iter().flat_map(|perturbation| perturbation.symbols()).collect();
         let along = |one: Symbol| -> Vec<(Symbol, Expr<'a>)> {
             let component = |symbol| if symbol == one { arena.one() } else { arena.zero() };
             all.iter().map(|&symbol| (symbol, component(symbol))).collect()
@@ -254,9 +259,9 @@ impl<'a> Linearization<'a> {
             let unit = along(one);
             (self.partial.substitute(&unit), self.solution.substitute(&unit))
         };
-        let columns = |change: &Vector<'a>, wanted: bool| {
-            (wanted && !change.is_empty())
-                .then(|| change.symbols().into_iter().map(column).collect::<Vec<_>>())
+        let columns = |perturbation: &Vector<'a>, wanted: bool| {
+            (wanted && !perturbation.is_empty())
+                .then(|| perturbation.symbols().into_iter().map(column).collect::<Vec<_>>())
         };
         let any = wanted.state || wanted.controls || wanted.parameters;
         let through = columns(&self.unknown, any);
@@ -282,7 +287,7 @@ enum Row<'s, 'a> {
 }
 
 impl Row<'_, '_> {
-    /// How many numbers its change is.
+    /// How many numbers its perturbation has.
     fn len(&self) -> usize {
         match self {
             Self::Configuration(_, factor) => factor.algebra.group.dimension(),
@@ -310,13 +315,13 @@ fn d_left<'a>(group: &dyn Group, retraction: Retraction, x: &Vector<'a>, y: &Vec
     d_right(group, retraction, &-x, y)
 }
 
-/// The change of the stored coordinates where `g` becomes `g exp(δ)`.
-fn tangent<'a>(group: &dyn Group, g: &Vector<'a>, change: &Vector<'a>) -> Vector<'a> {
+/// The perturbation of the stored coordinates where `g` becomes `g exp(δ)`.
+fn tangent<'a>(group: &dyn Group, g: &Vector<'a>, perturbation: &Vector<'a>) -> Vector<'a> {
     let arena = g.0[0].arena();
-    let delta = placeholders(arena, "d", change.len());
+    let delta = placeholders(arena, "d", perturbation.len());
     let moved = group.compose(g, &group.retract(Retraction::Exponential, &delta));
     let zero: Vec<_> = delta.symbols().into_iter().map(|symbol| (symbol, arena.zero())).collect();
-    moved.derivative_along(&delta.symbols(), change).substitute(&zero)
+    moved.derivative_along(&delta.symbols(), perturbation).substitute(&zero)
 }
 
 /// `Ad_{g⁻¹} x`, from its dual.

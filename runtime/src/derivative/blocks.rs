@@ -4,7 +4,9 @@ use core::fmt::Debug;
 
 use nalgebra::SMatrix;
 
-use super::{AllChanges, Derives, Differentiable, Linearizable, StateChange, Wanted};
+use super::{
+    DerivativeSelection, Derives, Differentiable, Linearizable, PerturbationArrays, StatePerturbation,
+};
 use crate::scalar::{Real, Scalar};
 use crate::stepper::StepReport;
 use crate::system::{MethodOf, System};
@@ -56,39 +58,39 @@ impl<T: Scalar, const R: usize, const C: usize> Dense<T> for SMatrix<T, R, C> {
     }
 }
 
-/// The derivatives by the state.
+/// The derivatives with respect to the state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ByState;
-/// The derivatives by the controls.
+pub struct WrtState;
+/// The derivatives with respect to the controls.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ByControl;
-/// The derivatives by the parameters.
+pub struct WrtControl;
+/// The derivatives with respect to the parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ByParameters;
+pub struct WrtParameters;
 
-/// The derivatives of the next state that are asked for: [`ByState`], [`ByControl`], [`ByParameters`], or several of them, as `(ByState,
-/// ByControl)`. Others are not computed.
+/// The derivatives of the next state that are asked for: [`WrtState`], [`WrtControl`], [`WrtParameters`], or several of them, as `(WrtState,
+/// WrtControl)`. Others are not computed.
 #[diagnostic::on_unimplemented(
     message = "the derivatives `{Self}` of the steps of `{S}` were not generated",
     note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
 )]
-pub trait Blocks<S: System>: Wanted {
+pub trait JacobianBlocks<S: System>: DerivativeSelection {
     /// The matrix, or the matrices in the order asked for.
     type Jacobian;
 
     /// The matrices of these columns.
     #[doc(hidden)]
-    fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian
+    fn of(columns: &PerturbationArrays<S, StatePerturbation<S, S::Scalar>>) -> Self::Jacobian
     where
         S: Differentiable;
 }
 
-/// [`Blocks`] that were generated for the steps of the method `D`.
+/// [`JacobianBlocks`] that were generated for the steps of the method `D`.
 #[diagnostic::on_unimplemented(
     message = "the derivatives `{Self}` of the steps of `{S}` were not generated",
     note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
 )]
-pub trait BlocksOf<S: System, D: MethodOf<S>>: Blocks<S> {
+pub trait JacobianBlocksOf<S: System, D: MethodOf<S>>: JacobianBlocks<S> {
     /// Those of the method's last step, which started so.
     #[doc(hidden)]
     fn matrices(
@@ -102,11 +104,11 @@ pub trait BlocksOf<S: System, D: MethodOf<S>>: Blocks<S> {
 }
 
 #[diagnostic::do_not_recommend]
-impl<S, D, B> BlocksOf<S, D> for B
+impl<S, D, B> JacobianBlocksOf<S, D> for B
 where
     S: Differentiable,
     D: MethodOf<S> + Linearizable<S>,
-    B: Blocks<S>,
+    B: JacobianBlocks<S>,
 {
     #[inline(always)]
     fn matrices(
@@ -137,39 +139,39 @@ fn dense<T: Scalar, M: Dense<T>, C: AsRef<[T]>>(columns: &[C]) -> M {
 
 macro_rules! single {
     ($($blocks:ident $part:tt $state:literal $control:literal $parameters:literal,)*) => {
-        $(impl Wanted for $blocks {
+        $(impl DerivativeSelection for $blocks {
             const STATE: bool = $state;
             const CONTROL: bool = $control;
             const PARAMETERS: bool = $parameters;
         }
 
         #[diagnostic::do_not_recommend]
-        impl<S: Derives<$blocks>> Blocks<S> for $blocks {
+        impl<S: Derives<$blocks>> JacobianBlocks<S> for $blocks {
             type Jacobian = S::$blocks;
 
             #[inline(always)]
-            fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian {
+            fn of(columns: &PerturbationArrays<S, StatePerturbation<S, S::Scalar>>) -> Self::Jacobian {
                 dense(columns.$part.as_ref())
             }
         })*
     };
 }
-single! { ByState 0 true false false, ByControl 1 false true false, ByParameters 2 false false true, }
+single! { WrtState 0 true false false, WrtControl 1 false true false, WrtParameters 2 false false true, }
 
 macro_rules! several {
     ($($blocks:ident),*) => {
-        impl<$($blocks: Wanted),*> Wanted for ($($blocks,)*) {
+        impl<$($blocks: DerivativeSelection),*> DerivativeSelection for ($($blocks,)*) {
             const STATE: bool = $($blocks::STATE)||*;
             const CONTROL: bool = $($blocks::CONTROL)||*;
             const PARAMETERS: bool = $($blocks::PARAMETERS)||*;
         }
 
         #[diagnostic::do_not_recommend]
-        impl<S: Differentiable, $($blocks: Blocks<S>),*> Blocks<S> for ($($blocks,)*) {
+        impl<S: Differentiable, $($blocks: JacobianBlocks<S>),*> JacobianBlocks<S> for ($($blocks,)*) {
             type Jacobian = ($($blocks::Jacobian,)*);
 
             #[inline(always)]
-            fn of(columns: &AllChanges<S, StateChange<S, S::Scalar>>) -> Self::Jacobian {
+            fn of(columns: &PerturbationArrays<S, StatePerturbation<S, S::Scalar>>) -> Self::Jacobian {
                 ($($blocks::of(columns),)*)
             }
         }
@@ -184,32 +186,32 @@ pub(crate) fn jacobian<S, D, B>(derivative: &D::Derivative) -> B::Jacobian
 where
     S: Differentiable,
     D: Linearizable<S, Scalar = S::Scalar>,
-    B: Blocks<S>,
+    B: JacobianBlocks<S>,
 {
     B::of(&D::columns::<B>(derivative))
 }
 
-/// Where a part of a state, of controls or of parameters is within a change of these: from which entry on, and how many. Generated, as
-/// `TopPart::MOMENTUM`.
+/// Where a part of a state, of controls or of parameters is within a perturbation of these: from which entry on, and how many. Generated, as
+/// `TopIndices::MOMENTUM`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part<const FROM: usize, const LENGTH: usize>;
+pub struct IndexRange<const START: usize, const LEN: usize>;
 
-/// Blocks of matrices and vectors, by the parts of what they are derivatives of.
+/// Blocks of Jacobians, by the parts of the output and the input.
 pub trait Block<T, const R: usize, const C: usize> {
-    /// The derivative of a part of the next state by a part of what the matrix is a derivative by: output, then input. The sizes are checked
+    /// The derivative of a part of the next state with respect to a part of its input: output, then input. The sizes are checked
     /// when it is compiled.
     fn block<const I: usize, const M: usize, const J: usize, const N: usize>(
         &self,
-        output: Part<I, M>,
-        input: Part<J, N>,
+        output: IndexRange<I, M>,
+        input: IndexRange<J, N>,
     ) -> SMatrix<T, M, N>;
 }
 
 impl<T: Real + nalgebra::Scalar, const R: usize, const C: usize> Block<T, R, C> for SMatrix<T, R, C> {
     fn block<const I: usize, const M: usize, const J: usize, const N: usize>(
         &self,
-        _: Part<I, M>,
-        _: Part<J, N>,
+        _: IndexRange<I, M>,
+        _: IndexRange<J, N>,
     ) -> SMatrix<T, M, N> {
         const { assert!(I + M <= R && J + N <= C, "these parts are not in this matrix") };
         SMatrix::from_fn(|i, j| self[(I + i, J + j)])

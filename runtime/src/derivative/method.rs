@@ -1,23 +1,23 @@
 //! Derivatives of methods: of one solved equation, and by the chain rule of what is composed of such.
 
 use super::{
-    AllChanges, ControlChange, Differentiable, Linearized, ParameterChange, StateChange, add, no_columns,
-    zeros,
+    ControlPerturbation, Differentiable, Linearized, ParameterPerturbation, PerturbationArrays,
+    StatePerturbation, add, no_columns, zeros,
 };
 use crate::composition::{Coefficients, Composition};
 use crate::geometry::Isolated;
-use crate::method::{Carried, Halves, Method};
+use crate::method::{AdjointPair, Method, SpatialMomentum};
 use crate::scalar::{Batch, Scalar};
 use crate::solve::one_step::OneStep;
 use crate::system::{MethodOf, System};
 
-/// Which of the derivatives are wanted.
-pub trait Wanted {
-    /// Those by the state.
+/// Which of the derivatives are selected.
+pub trait DerivativeSelection {
+    /// Those with respect to the state.
     const STATE: bool;
-    /// Those by the controls.
+    /// Those with respect to the controls.
     const CONTROL: bool;
-    /// Those by the parameters.
+    /// Those with respect to the parameters.
     const PARAMETERS: bool;
 }
 
@@ -55,22 +55,22 @@ pub trait Linearizable<S: Differentiable>: Method {
         trace: &Self::Trace,
     ) -> Self::Derivative;
 
-    /// The change of the next state.
+    /// The perturbation of the next state.
     fn tangent(
         derivative: &Self::Derivative,
-        state: &StateChange<S, Self::Scalar>,
-        control: &ControlChange<S, Self::Scalar>,
-        parameters: &ParameterChange<S, Self::Scalar>,
-    ) -> StateChange<S, Self::Scalar>;
+        state: &StatePerturbation<S, Self::Scalar>,
+        control: &ControlPerturbation<S, Self::Scalar>,
+        parameters: &ParameterPerturbation<S, Self::Scalar>,
+    ) -> StatePerturbation<S, Self::Scalar>;
 
     /// The transpose.
     fn adjoint(
         derivative: &Self::Derivative,
-        costate: &StateChange<S, Self::Scalar>,
-    ) -> AllChanges<S, Self::Scalar>;
+        costate: &StatePerturbation<S, Self::Scalar>,
+    ) -> PerturbationArrays<S, Self::Scalar>;
 
-    /// As matrices, column by column. Zeros in the place of those that are not wanted.
-    fn columns<W: Wanted>(derivative: &Self::Derivative) -> AllColumns<S, Self::Scalar>;
+    /// As matrices, column by column. Zeros in the place of those that are not selected.
+    fn columns<W: DerivativeSelection>(derivative: &Self::Derivative) -> AllColumns<S, Self::Scalar>;
 }
 
 /// A method whose steps of the system `S` have derivatives: all that there is to ask for, so that the compiler says once that they were not
@@ -111,8 +111,8 @@ impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> HasDerivative<S> for D
     }
 }
 
-/// The columns of derivatives by state, controls and parameters.
-pub type AllColumns<S, T> = AllChanges<S, StateChange<S, T>>;
+/// The columns of derivatives with respect to state, controls and parameters.
+pub type AllColumns<S, T> = PerturbationArrays<S, StatePerturbation<S, T>>;
 
 #[diagnostic::do_not_recommend]
 impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneStep<T, K> {
@@ -145,36 +145,36 @@ impl<T: Batch, S: Differentiable, K: Linearized<T, S>> Linearizable<S> for OneSt
     #[inline]
     fn tangent(
         point: &K::Point,
-        state: &StateChange<S, T>,
-        control: &ControlChange<S, T>,
-        parameters: &ParameterChange<S, T>,
-    ) -> StateChange<S, T> {
+        state: &StatePerturbation<S, T>,
+        control: &ControlPerturbation<S, T>,
+        parameters: &ParameterPerturbation<S, T>,
+    ) -> StatePerturbation<S, T> {
         K::tangent(point, state, control, parameters)
     }
 
     #[inline]
-    fn adjoint(point: &K::Point, costate: &StateChange<S, T>) -> AllChanges<S, T> {
+    fn adjoint(point: &K::Point, costate: &StatePerturbation<S, T>) -> PerturbationArrays<S, T> {
         K::adjoint(point, costate)
     }
 
     #[inline(always)]
-    fn columns<W: Wanted>(point: &K::Point) -> AllColumns<S, T> {
+    fn columns<W: DerivativeSelection>(point: &K::Point) -> AllColumns<S, T> {
         // no closures: these would not be compiled for the processor that this is compiled for
         let through = &K::through(point);
-        let by_state = if W::STATE { K::by_state(point, through) } else { no_columns::<T, _, _>() };
-        let by_control = if W::CONTROL { K::by_control(point, through) } else { no_columns::<T, _, _>() };
-        let by_parameters =
-            if W::PARAMETERS { K::by_parameters(point, through) } else { no_columns::<T, _, _>() };
-        (by_state, by_control, by_parameters)
+        let wrt_state = if W::STATE { K::wrt_state(point, through) } else { no_columns::<T, _, _>() };
+        let wrt_control = if W::CONTROL { K::wrt_control(point, through) } else { no_columns::<T, _, _>() };
+        let wrt_parameters =
+            if W::PARAMETERS { K::wrt_parameters(point, through) } else { no_columns::<T, _, _>() };
+        (wrt_state, wrt_control, wrt_parameters)
     }
 }
 
-/// Takes derivatives back through one part of a step: by the state there, and those by controls and parameters on top of what the later parts
-/// contribute.
+/// Takes derivatives back through one stage of a step: those with respect to the state are replaced; those with respect to controls and
+/// parameters are added to what the later stages contribute.
 fn back<S: Differentiable, D: Linearizable<S>>(
     derivative: &D::Derivative,
-    (costate, mut control, mut parameters): AllChanges<S, D::Scalar>,
-) -> AllChanges<S, D::Scalar> {
+    (costate, mut control, mut parameters): PerturbationArrays<S, D::Scalar>,
+) -> PerturbationArrays<S, D::Scalar> {
     let (state, here, own) = D::adjoint(derivative, &costate);
     add(control.as_mut(), here.as_ref());
     add(parameters.as_mut(), own.as_ref());
@@ -183,30 +183,30 @@ fn back<S: Differentiable, D: Linearizable<S>>(
 
 /// Where taking derivatives back begins.
 fn end<S: Differentiable, D: Linearizable<S>>(
-    costate: &StateChange<S, D::Scalar>,
-) -> AllChanges<S, D::Scalar> {
+    costate: &StatePerturbation<S, D::Scalar>,
+) -> PerturbationArrays<S, D::Scalar> {
     (*costate, zeros(), zeros())
 }
 
-/// What is wanted of the parts of a step for what is wanted of the whole.
-struct OfParts<W>(core::marker::PhantomData<W>);
+/// The selection for the stages of a composed step, from that for the whole step.
+struct OfStages<W>(core::marker::PhantomData<W>);
 
-impl<W: Wanted> Wanted for OfParts<W> {
+impl<W: DerivativeSelection> DerivativeSelection for OfStages<W> {
     const STATE: bool = true;
     const CONTROL: bool = W::CONTROL;
     const PARAMETERS: bool = W::PARAMETERS;
 }
 
-/// The derivatives of the parts so far, followed by one more.
-fn forth<S: Differentiable, D: Linearizable<S>, W: Wanted>(
+/// The derivatives of the stages so far, followed by one more: the chain rule.
+fn chain<S: Differentiable, D: Linearizable<S>, W: DerivativeSelection>(
     derivative: &D::Derivative,
     (mut state, mut control, mut parameters): AllColumns<S, D::Scalar>,
 ) -> AllColumns<S, D::Scalar> {
-    let (by_state, by_control, by_parameters) = D::columns::<OfParts<W>>(derivative);
-    let through = |column: &StateChange<S, D::Scalar>, mut sum: StateChange<S, D::Scalar>| {
-        for (by, column) in column.as_ref().iter().zip(by_state.as_ref()) {
+    let (wrt_state, wrt_control, wrt_parameters) = D::columns::<OfStages<W>>(derivative);
+    let through = |column: &StatePerturbation<S, D::Scalar>, mut sum: StatePerturbation<S, D::Scalar>| {
+        for (coefficient, column) in column.as_ref().iter().zip(wrt_state.as_ref()) {
             for (sum, entry) in sum.as_mut().iter_mut().zip(column.as_ref()) {
-                *sum = sum.plus(*entry, *by);
+                *sum = sum.plus(*entry, *coefficient);
             }
         }
         sum
@@ -214,12 +214,12 @@ fn forth<S: Differentiable, D: Linearizable<S>, W: Wanted>(
     if W::STATE {
         state.as_mut().iter_mut().for_each(|column| *column = through(column, zeros()));
     }
-    for (column, own) in control.as_mut().iter_mut().zip(by_control.as_ref()) {
+    for (column, own) in control.as_mut().iter_mut().zip(wrt_control.as_ref()) {
         if W::CONTROL {
             *column = through(column, *own);
         }
     }
-    for (column, own) in parameters.as_mut().iter_mut().zip(by_parameters.as_ref()) {
+    for (column, own) in parameters.as_mut().iter_mut().zip(wrt_parameters.as_ref()) {
         if W::PARAMETERS {
             *column = through(column, *own);
         }
@@ -227,9 +227,9 @@ fn forth<S: Differentiable, D: Linearizable<S>, W: Wanted>(
     (state, control, parameters)
 }
 
-/// The derivatives before the first part.
+/// The derivatives before the first stage.
 fn start<S: Differentiable, D: Linearizable<S>>() -> AllColumns<S, D::Scalar> {
-    let mut state: StateChange<S, StateChange<S, D::Scalar>> = no_columns::<D::Scalar, _, _>();
+    let mut state: StatePerturbation<S, StatePerturbation<S, D::Scalar>> = no_columns::<D::Scalar, _, _>();
     for (i, column) in state.as_mut().iter_mut().enumerate() {
         column.as_mut()[i] = D::Scalar::of(1.0);
     }
@@ -237,7 +237,7 @@ fn start<S: Differentiable, D: Linearizable<S>>() -> AllColumns<S, D::Scalar> {
 }
 
 #[diagnostic::do_not_recommend]
-impl<S, A, B> Linearizable<S> for Halves<A, B>
+impl<S, A, B> Linearizable<S> for AdjointPair<A, B>
 where
     S: Differentiable,
     A: Linearizable<S>,
@@ -284,22 +284,22 @@ where
 
     fn tangent(
         (first, second): &Self::Derivative,
-        state: &StateChange<S, A::Scalar>,
-        control: &ControlChange<S, A::Scalar>,
-        parameters: &ParameterChange<S, A::Scalar>,
-    ) -> StateChange<S, A::Scalar> {
+        state: &StatePerturbation<S, A::Scalar>,
+        control: &ControlPerturbation<S, A::Scalar>,
+        parameters: &ParameterPerturbation<S, A::Scalar>,
+    ) -> StatePerturbation<S, A::Scalar> {
         B::tangent(second, &A::tangent(first, state, control, parameters), control, parameters)
     }
 
     fn adjoint(
         (first, second): &Self::Derivative,
-        costate: &StateChange<S, A::Scalar>,
-    ) -> AllChanges<S, A::Scalar> {
+        costate: &StatePerturbation<S, A::Scalar>,
+    ) -> PerturbationArrays<S, A::Scalar> {
         back::<S, A>(first, back::<S, B>(second, end::<S, B>(costate)))
     }
 
-    fn columns<W: Wanted>((first, second): &Self::Derivative) -> AllColumns<S, A::Scalar> {
-        forth::<S, B, W>(second, A::columns::<W>(first))
+    fn columns<W: DerivativeSelection>((first, second): &Self::Derivative) -> AllColumns<S, A::Scalar> {
+        chain::<S, B, W>(second, A::columns::<W>(first))
     }
 }
 
@@ -350,29 +350,29 @@ impl<S: Differentiable, C: Coefficients, B: Linearizable<S>> Linearizable<S> for
 
     fn tangent(
         derivative: &Self::Derivative,
-        state: &StateChange<S, B::Scalar>,
-        control: &ControlChange<S, B::Scalar>,
-        parameters: &ParameterChange<S, B::Scalar>,
-    ) -> StateChange<S, B::Scalar> {
+        state: &StatePerturbation<S, B::Scalar>,
+        control: &ControlPerturbation<S, B::Scalar>,
+        parameters: &ParameterPerturbation<S, B::Scalar>,
+    ) -> StatePerturbation<S, B::Scalar> {
         let parts = derivative.as_ref().iter();
         parts.fold(*state, |state, part| B::tangent(part, &state, control, parameters))
     }
 
     fn adjoint(
         derivative: &Self::Derivative,
-        costate: &StateChange<S, B::Scalar>,
-    ) -> AllChanges<S, B::Scalar> {
+        costate: &StatePerturbation<S, B::Scalar>,
+    ) -> PerturbationArrays<S, B::Scalar> {
         derivative.as_ref().iter().rfold(end::<S, B>(costate), |later, part| back::<S, B>(part, later))
     }
 
-    fn columns<W: Wanted>(derivative: &Self::Derivative) -> AllColumns<S, B::Scalar> {
-        derivative.as_ref().iter().fold(start::<S, B>(), |earlier, part| forth::<S, B, W>(part, earlier))
+    fn columns<W: DerivativeSelection>(derivative: &Self::Derivative) -> AllColumns<S, B::Scalar> {
+        derivative.as_ref().iter().fold(start::<S, B>(), |earlier, stage| chain::<S, B, W>(stage, earlier))
     }
 }
 
 /// Carrying the momentum changes what rounding makes of it, not the map.
 #[diagnostic::do_not_recommend]
-impl<S, B> Linearizable<S> for Carried<S, B>
+impl<S, B> Linearizable<S> for SpatialMomentum<S, B>
 where
     S: Isolated + Differentiable,
     B: Linearizable<S>,
@@ -403,18 +403,21 @@ where
 
     fn tangent(
         derivative: &B::Derivative,
-        state: &StateChange<S, B::Scalar>,
-        control: &ControlChange<S, B::Scalar>,
-        parameters: &ParameterChange<S, B::Scalar>,
-    ) -> StateChange<S, B::Scalar> {
+        state: &StatePerturbation<S, B::Scalar>,
+        control: &ControlPerturbation<S, B::Scalar>,
+        parameters: &ParameterPerturbation<S, B::Scalar>,
+    ) -> StatePerturbation<S, B::Scalar> {
         B::tangent(derivative, state, control, parameters)
     }
 
-    fn adjoint(derivative: &B::Derivative, costate: &StateChange<S, B::Scalar>) -> AllChanges<S, B::Scalar> {
+    fn adjoint(
+        derivative: &B::Derivative,
+        costate: &StatePerturbation<S, B::Scalar>,
+    ) -> PerturbationArrays<S, B::Scalar> {
         B::adjoint(derivative, costate)
     }
 
-    fn columns<W: Wanted>(derivative: &B::Derivative) -> AllColumns<S, B::Scalar> {
+    fn columns<W: DerivativeSelection>(derivative: &B::Derivative) -> AllColumns<S, B::Scalar> {
         B::columns::<W>(derivative)
     }
 }

@@ -1,23 +1,23 @@
 //! Derivatives of the step that is really taken, exact to rounding: what control, estimation and identification linearize.
 //!
-//! Asked for in the description: `derivatives` for all of them, `derivatives(state)` for the matrix by the state alone, likewise `controls`,
-//! `parameters`, and the products `tangent` and `adjoint`. The code of each step is then accompanied by that of its derivative, in closed
+//! Asked for in the description: `derivatives` for all of them, `derivatives(state)` for the matrix with respect to the state alone, likewise
+//! `controls`, `parameters`, and the products `tangent` and `adjoint`. The code of each step is then accompanied by that of its derivative, in closed
 //! form: the implicit function theorem on the step's own equation, with all second derivatives of potentials and forces. Nothing is done by
 //! differences.
 //!
 //! # Coordinates
 //!
-//! Changes are in left-trivialized tangent coordinates, in the order of the state's fields: a configuration `g` changes by an element `δ` of
+//! Perturbations are in left-trivialized tangent coordinates, in the order of the state's fields: a configuration `g` changes by an element `δ` of
 //! the Lie algebra, from `g` to `g exp(δ)`, whichever the side of the group is; momenta and advected parameters change by what is added to
 //! them. Controls and parameters change by what is added to their components, constants of the description excepted. The entries of an
-//! inertia matrix count one by one, as the step reads them: what is meant are changes that leave it symmetric.
+//! inertia matrix count one by one, as the step reads them: perturbations are meant to leave it symmetric.
 //!
 //! Jacobians are named, and their blocks taken, output first, then input: the block (`MOMENTUM`, `ATTITUDE`) is the derivative of the next
-//! momentum by the attitude.
+//! momentum with respect to the attitude.
 //!
 //! ```
 //! use coadjoint::prelude::*;
-//! use coadjoint::derivative::{Block, ByParameters, ByState};
+//! use coadjoint::derivative::{Block, WrtParameters, WrtState};
 //!
 //! #[lie_poisson_system(
 //!     group = SO3,
@@ -36,22 +36,22 @@
 //! let mut state = TopState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5], gamma: Vector3::z() };
 //! let mut stepper = top.stepper::<Cayley>(0.01)?;
 //!
-//! let step = stepper.step_with_jacobian(&mut state, &Default::default(), (ByState, ByParameters))?;
-//! let (by_state, by_parameters) = step.jacobian;
-//! assert_eq!(by_state.shape(), (9, 9));
+//! let step = stepper.step_with_jacobian(&mut state, &Default::default(), (WrtState, WrtParameters))?;
+//! let (wrt_state, wrt_parameters) = step.jacobian;
+//! assert_eq!(wrt_state.shape(), (9, 9));
 //! // more momentum, more turn: about h / inertia
-//! let turn = by_state.block(TopPart::ATTITUDE, TopPart::MOMENTUM);
+//! let turn = wrt_state.block(TopIndices::ATTITUDE, TopIndices::MOMENTUM);
 //! assert!((turn[(0, 0)] - 0.01).abs() < 1e-4);
 //! // more weight, more moment: about h chi × gamma, which is nothing for a top that stands upright
-//! assert!(by_parameters.block(TopPart::MOMENTUM, TopPart::WEIGHT).norm() < 1e-3);
+//! assert!(wrt_parameters.block(TopIndices::MOMENTUM, TopIndices::WEIGHT).norm() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Products without a matrix
 //!
 //! [`step_with_derivative`](crate::Stepper::step_with_derivative) gives the derivative as a linear map, to be applied to
-//! [changes](StepDerivative::tangent), or [backwards](StepDerivative::adjoint) to the derivatives of a function of the next state. Over a
-//! whole run these are those of a `Recording`, which keeps few states and takes the steps between them a second time.
+//! [perturbations](StepDerivative::tangent), or [backwards](StepDerivative::adjoint) to the derivatives of a function of the next state. Over a
+//! whole run these are those of a `CheckpointedTape`, which keeps few states and takes the steps between them a second time.
 
 mod blocks;
 mod method;
@@ -60,10 +60,13 @@ mod run;
 
 use core::fmt;
 
-pub use blocks::{Block, Blocks, BlocksOf, ByControl, ByParameters, ByState, Dense, Part, StepJacobian};
-pub use method::{AllColumns, HasDerivative, Linearizable, Wanted};
+pub use blocks::{
+    Block, Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, StepJacobian, WrtControl, WrtParameters,
+    WrtState,
+};
+pub use method::{AllColumns, DerivativeSelection, HasDerivative, Linearizable};
 #[cfg(feature = "std")]
-pub use run::{Moment, Recording};
+pub use run::{AdjointStep, CheckpointedTape};
 
 use crate::kernel::{Components, Kernel};
 use crate::scalar::Scalar;
@@ -75,27 +78,27 @@ use crate::system::{Discretized, MethodOf, System};
     note = "derivatives are asked for in the description, with `derivatives`"
 )]
 pub trait Differentiable: System {
-    /// A change of the state, in the order of its fields.
-    type StateChange<V: Entry>: Components<V>;
-    /// A change of the controls.
-    type ControlChange<V: Entry>: Components<V>;
-    /// A change of the parameters.
-    type ParameterChange<V: Entry>: Components<V>;
-    /// A change of the state as nalgebra's vector.
+    /// A perturbation of the state, in the order of its fields.
+    type StatePerturbation<V: Entry>: Components<V>;
+    /// A perturbation of the controls.
+    type ControlPerturbation<V: Entry>: Components<V>;
+    /// A perturbation of the parameters.
+    type ParameterPerturbation<V: Entry>: Components<V>;
+    /// A perturbation of the state as nalgebra's vector.
     type StateVector: Dense<Self::Scalar>;
-    /// A change of the controls.
+    /// A perturbation of the controls.
     type ControlVector: Dense<Self::Scalar>;
-    /// A change of the parameters.
+    /// A perturbation of the parameters.
     type ParameterVector: Dense<Self::Scalar>;
-    /// The derivative of the next state by the state.
-    type ByState: Dense<Self::Scalar>;
-    /// The derivative of the next state by the controls.
-    type ByControl: Dense<Self::Scalar>;
-    /// The derivative of the next state by the parameters.
-    type ByParameters: Dense<Self::Scalar>;
+    /// The derivative of the next state with respect to the state.
+    type WrtState: Dense<Self::Scalar>;
+    /// The derivative of the next state with respect to the controls.
+    type WrtControl: Dense<Self::Scalar>;
+    /// The derivative of the next state with respect to the parameters.
+    type WrtParameters: Dense<Self::Scalar>;
 }
 
-/// A system of whose steps the derivative `D` was generated: [`ByState`], [`ByControl`], [`ByParameters`], [`Tangent`] or [`Adjoint`].
+/// A system of whose steps the derivative `D` was generated: [`WrtState`], [`WrtControl`], [`WrtParameters`], [`Tangent`] or [`Adjoint`].
 /// Implemented by the macro.
 #[diagnostic::on_unimplemented(
     message = "the derivative `{D}` of the steps of `{Self}` was not generated",
@@ -103,18 +106,18 @@ pub trait Differentiable: System {
 )]
 pub trait Derives<D>: Differentiable {}
 
-/// The product of a step's derivative with a change: [`StepDerivative::tangent`].
+/// The product of a step's derivative with a perturbation: [`StepDerivative::tangent`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tangent;
 /// The transposed product: [`StepDerivative::adjoint`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Adjoint;
 
-/// The derivative of a generated step of the system `S`, as generated: straight-line code in two stages, the point and then linear maps of
-/// changes.
+/// The derivative of a generated step of the system `S`, as generated: straight-line code in two stages, the point and then linear maps
+/// of perturbations.
 ///
-/// A map that was not asked for has the body that stands here and gives zeros. Nobody comes to see them: everything public that
-/// applies a map asks for a system that [`Derives`] it.
+/// A map that was not asked for has the body that stands here and gives zeros. These are never visible: everything public that applies a
+/// map requires a system that [`Derives`] it.
 #[diagnostic::on_unimplemented(
     message = "there are no derivatives of the steps of `{S}`",
     note = "derivatives are asked for in the description, with `derivatives`"
@@ -122,7 +125,7 @@ pub struct Adjoint;
 pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
     /// What the derivative is made of at one point.
     type Point: Copy + Send + Sync;
-    /// The columns of the derivative of the next state by the unknown.
+    /// The columns of the derivative of the next state with respect to the unknown.
     type Through;
 
     /// At the solution `unknown` of the step's equation.
@@ -135,37 +138,43 @@ pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
         unknown: &Self::Unknown,
     ) -> Self::Point;
 
-    /// The change of the next state.
+    /// The perturbation of the next state.
     fn tangent(
         _point: &Self::Point,
-        _state: &StateChange<S, T>,
-        _control: &ControlChange<S, T>,
-        _parameters: &ParameterChange<S, T>,
-    ) -> StateChange<S, T> {
+        _state: &StatePerturbation<S, T>,
+        _control: &ControlPerturbation<S, T>,
+        _parameters: &ParameterPerturbation<S, T>,
+    ) -> StatePerturbation<S, T> {
         zeros()
     }
 
-    /// The derivatives by state, controls and parameters of a function of the next state, from its own there: the transpose.
-    fn adjoint(_point: &Self::Point, _costate: &StateChange<S, T>) -> AllChanges<S, T> {
+    /// The derivatives with respect to state, controls and parameters of a function of the next state, from its own there: the transpose.
+    fn adjoint(_point: &Self::Point, _costate: &StatePerturbation<S, T>) -> PerturbationArrays<S, T> {
         (zeros(), zeros(), zeros())
     }
 
-    /// The derivative by the unknown, column by column, which the matrices have in common.
+    /// The derivative with respect to the unknown, column by column, which the matrices have in common.
     fn through(point: &Self::Point) -> Self::Through;
 
-    /// The derivative by the state as a matrix, column by column.
-    fn by_state(_point: &Self::Point, _through: &Self::Through) -> StateChange<S, StateChange<S, T>> {
-        no_columns::<T, _, _>()
-    }
-    /// The derivative by the controls.
-    fn by_control(_point: &Self::Point, _through: &Self::Through) -> ControlChange<S, StateChange<S, T>> {
-        no_columns::<T, _, _>()
-    }
-    /// The derivative by the parameters.
-    fn by_parameters(
+    /// The derivative with respect to the state as a matrix, column by column.
+    fn wrt_state(
         _point: &Self::Point,
         _through: &Self::Through,
-    ) -> ParameterChange<S, StateChange<S, T>> {
+    ) -> StatePerturbation<S, StatePerturbation<S, T>> {
+        no_columns::<T, _, _>()
+    }
+    /// The derivative with respect to the controls.
+    fn wrt_control(
+        _point: &Self::Point,
+        _through: &Self::Through,
+    ) -> ControlPerturbation<S, StatePerturbation<S, T>> {
+        no_columns::<T, _, _>()
+    }
+    /// The derivative with respect to the parameters.
+    fn wrt_parameters(
+        _point: &Self::Point,
+        _through: &Self::Through,
+    ) -> ParameterPerturbation<S, StatePerturbation<S, T>> {
         no_columns::<T, _, _>()
     }
 }
@@ -179,37 +188,37 @@ fn zeros<T: Scalar, C: Components<T>>() -> C {
     C::splat(T::of(0.0))
 }
 
-/// What the entries of a change can be: numbers, or columns of them.
+/// What the entries of a perturbation can be: numbers, or columns of them.
 pub trait Entry: Copy + PartialEq + fmt::Debug + Send + Sync + 'static {}
 
 impl<V: Copy + PartialEq + fmt::Debug + Send + Sync + 'static> Entry for V {}
 
-type StateChange<S, V> = <S as Differentiable>::StateChange<V>;
-type ControlChange<S, V> = <S as Differentiable>::ControlChange<V>;
-type ParameterChange<S, V> = <S as Differentiable>::ParameterChange<V>;
+type StatePerturbation<S, V> = <S as Differentiable>::StatePerturbation<V>;
+type ControlPerturbation<S, V> = <S as Differentiable>::ControlPerturbation<V>;
+type ParameterPerturbation<S, V> = <S as Differentiable>::ParameterPerturbation<V>;
 
-/// Changes of state, controls and parameters; or the columns of derivatives by them.
-pub type AllChanges<S, V> = (
-    <S as Differentiable>::StateChange<V>,
-    <S as Differentiable>::ControlChange<V>,
-    <S as Differentiable>::ParameterChange<V>,
+/// Perturbations of state, controls and parameters; or the columns of derivatives with respect to them.
+pub type PerturbationArrays<S, V> = (
+    <S as Differentiable>::StatePerturbation<V>,
+    <S as Differentiable>::ControlPerturbation<V>,
+    <S as Differentiable>::ParameterPerturbation<V>,
 );
 
-/// A matrix, column by column, from changes of the state to such.
-pub type Columns<S, T> = StateChange<S, StateChange<S, T>>;
+/// A matrix, column by column, from perturbations of the state to such.
+pub type Columns<S, T> = StatePerturbation<S, StatePerturbation<S, T>>;
 
-/// Adds one change to another.
+/// Adds one perturbation to another.
 fn add<T: Scalar>(sum: &mut [T], part: &[T]) {
     sum.iter_mut().zip(part).for_each(|(sum, part)| *sum = *sum + *part);
 }
 
-/// Adds `Σ columns[k] · by[k]`.
+/// Adds `Σ columns[k] · coefficients[k]`.
 #[doc(hidden)]
 #[inline(always)]
 pub fn add_product<T: Scalar, const N: usize, const K: usize>(
     sum: &mut [T; N],
     columns: &[[T; N]; K],
-    by: &[T; K],
+    coefficients: &[T; K],
 ) {
     #[cfg(feature = "std")]
     {
@@ -218,23 +227,23 @@ pub fn add_product<T: Scalar, const N: usize, const K: usize>(
         let doubles = (
             (sum as &mut dyn Any).downcast_mut::<[f64; N]>(),
             (columns as &dyn Any).downcast_ref::<[[f64; N]; K]>(),
-            (by as &dyn Any).downcast_ref::<[f64; K]>(),
+            (coefficients as &dyn Any).downcast_ref::<[f64; K]>(),
         );
-        if let (Some(sum), Some(columns), Some(by)) = doubles {
-            return crate::simd::lanes::add_product(sum, columns, by);
+        if let (Some(sum), Some(columns), Some(coefficients)) = doubles {
+            return crate::simd::lanes::add_product(sum, columns, coefficients);
         }
     }
-    for (column, by) in columns.iter().zip(by) {
+    for (column, coefficient) in columns.iter().zip(coefficients) {
         for (sum, entry) in sum.iter_mut().zip(column) {
-            *sum = sum.plus(*entry, *by);
+            *sum = sum.plus(*entry, *coefficient);
         }
     }
 }
 
-/// A change of the state, the controls and the parameters of a system. None by default.
+/// A perturbation of the state, the controls and the parameters of a system. None by default.
 ///
-/// Also the [derivatives](Gradient) of a function by them.
-pub struct Changes<S: Differentiable> {
+/// Also the [derivatives](Gradient) of a function with respect to them.
+pub struct Perturbation<S: Differentiable> {
     /// Of the state.
     pub state: S::StateVector,
     /// Of the controls.
@@ -243,11 +252,11 @@ pub struct Changes<S: Differentiable> {
     pub parameters: S::ParameterVector,
 }
 
-/// The derivatives of a function by the state, the controls and the parameters of a system.
-pub type Gradient<S> = Changes<S>;
+/// The derivatives of a function with respect to the state, the controls and the parameters of a system.
+pub type Gradient<S> = Perturbation<S>;
 
-impl<S: Differentiable> Changes<S> {
-    fn from_arrays((state, control, parameters): &AllChanges<S, S::Scalar>) -> Self {
+impl<S: Differentiable> Perturbation<S> {
+    fn from_arrays((state, control, parameters): &PerturbationArrays<S, S::Scalar>) -> Self {
         Self {
             state: Dense::from_column(state.as_ref()),
             control: Dense::from_column(control.as_ref()),
@@ -255,7 +264,7 @@ impl<S: Differentiable> Changes<S> {
         }
     }
 
-    fn arrays(&self) -> AllChanges<S, S::Scalar> {
+    fn arrays(&self) -> PerturbationArrays<S, S::Scalar> {
         (to_array(&self.state), to_array(&self.control), to_array(&self.parameters))
     }
 }
@@ -267,30 +276,30 @@ fn to_array<T: Scalar, C: Components<T>>(vector: &impl Dense<T>) -> C {
 }
 
 // written out, because derived they would ask the same of `S`
-impl<S: Differentiable> Clone for Changes<S> {
+impl<S: Differentiable> Clone for Perturbation<S> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S: Differentiable> Copy for Changes<S> {}
+impl<S: Differentiable> Copy for Perturbation<S> {}
 
-impl<S: Differentiable> Default for Changes<S> {
+impl<S: Differentiable> Default for Perturbation<S> {
     fn default() -> Self {
         Self { state: Dense::zeros(), control: Dense::zeros(), parameters: Dense::zeros() }
     }
 }
 
-impl<S: Differentiable> PartialEq for Changes<S> {
+impl<S: Differentiable> PartialEq for Perturbation<S> {
     fn eq(&self, other: &Self) -> bool {
         self.state == other.state && self.control == other.control && self.parameters == other.parameters
     }
 }
 
-impl<S: Differentiable> fmt::Debug for Changes<S> {
+impl<S: Differentiable> fmt::Debug for Perturbation<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { state, control, parameters } = self;
-        f.debug_struct("Changes")
+        f.debug_struct("Perturbation")
             .field("state", state)
             .field("control", control)
             .field("parameters", parameters)
@@ -318,27 +327,27 @@ where
     S: Differentiable,
     D: MethodOf<S> + Linearizable<S>,
 {
-    /// The change of the next state that a change makes.
-    pub fn tangent(&self, changes: &Changes<S>) -> S::StateVector
+    /// The perturbation of the next state that follows from this perturbation.
+    pub fn tangent(&self, perturbation: &Perturbation<S>) -> S::StateVector
     where
         S: Derives<Tangent>,
     {
-        let (state, control, parameters) = changes.arrays();
+        let (state, control, parameters) = perturbation.arrays();
         let next = D::tangent(&self.derivative, &state, &control, &parameters);
         Dense::from_column(next.as_ref())
     }
 
-    /// The derivatives by state, controls and parameters of a function of the next state whose derivative there is `costate`: the transpose
-    /// of [`tangent`](Self::tangent).
+    /// The derivatives with respect to state, controls and parameters of a function of the next state whose derivative there is `costate`: the
+    /// transpose of [`tangent`](Self::tangent).
     pub fn adjoint(&self, costate: &S::StateVector) -> Gradient<S>
     where
         S: Derives<Adjoint>,
     {
-        Changes::from_arrays(&D::adjoint(&self.derivative, &to_array(costate)))
+        Perturbation::from_arrays(&D::adjoint(&self.derivative, &to_array(costate)))
     }
 
     /// As matrices: the blocks that are asked for.
-    pub fn jacobian<B: Blocks<S>>(&self, _: B) -> B::Jacobian {
+    pub fn jacobian<B: JacobianBlocks<S>>(&self, _: B) -> B::Jacobian {
         blocks::jacobian::<S, D, B>(&self.derivative)
     }
 }

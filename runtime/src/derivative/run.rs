@@ -4,7 +4,7 @@ use core::fmt;
 use std::vec::Vec;
 
 use super::{
-    Adjoint, Changes, Dense, Derives, Differentiable, Gradient, Linearizable, Tangent, add, to_array,
+    Adjoint, Dense, Derives, Differentiable, Gradient, Linearizable, Perturbation, Tangent, add, to_array,
 };
 use crate::error::StepError;
 use crate::run::{RunError, RunReport};
@@ -17,7 +17,7 @@ use crate::system::{Control, Discretized, State};
 /// more when the derivative is. The steps come out the same, to the last bit.
 ///
 /// ```
-/// use coadjoint::derivative::Recording;
+/// use coadjoint::derivative::CheckpointedTape;
 /// use coadjoint::prelude::*;
 ///
 /// #[lie_poisson_system(group = SO3, derivatives)]
@@ -29,7 +29,7 @@ use crate::system::{Control, Discretized, State};
 /// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
 /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
 /// let mut stepper = body.stepper::<Cayley>(0.01)?;
-/// let run = Recording::new(&mut stepper, &mut state, 1_000, |_| Default::default())?;
+/// let run = CheckpointedTape::new(&mut stepper, &mut state, 1_000, |_| Default::default())?;
 ///
 /// // how the momentum's x component at the end depends on the initial state and the moments of inertia
 /// let mut costate = nalgebra::SVector::zeros();
@@ -41,7 +41,7 @@ use crate::system::{Control, Discretized, State};
 /// # use coadjoint::nalgebra;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Recording<S, M, C>
+pub struct CheckpointedTape<S, M, C>
 where
     S: Discretized<M> + Differentiable,
 {
@@ -54,21 +54,21 @@ where
 }
 
 /// One step of a run gone through backwards.
-pub struct Moment<'a, S: Differentiable> {
+pub struct AdjointStep<'a, S: Differentiable> {
     /// The step, counted from 0.
     pub step: u64,
     /// The state from which it starts.
     pub state: &'a S::State,
-    /// The derivative by this state of what is differentiated. What depends on the state on its own account is to be added.
+    /// The derivative with respect to this state of what is differentiated. What depends on the state on its own account is to be added.
     pub costate: &'a mut S::StateVector,
-    /// The derivative by the controls held over the step.
+    /// The derivative with respect to the controls held over the step.
     pub control: &'a S::ControlVector,
 }
 
-impl<S: Differentiable> fmt::Debug for Moment<'_, S> {
+impl<S: Differentiable> fmt::Debug for AdjointStep<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { step, state, costate, control } = self;
-        f.debug_struct("Moment")
+        f.debug_struct("AdjointStep")
             .field("step", step)
             .field("state", state)
             .field("costate", costate)
@@ -85,7 +85,7 @@ type Taken<S, M> = (
     <<S as Discretized<M>>::Method<<S as crate::system::System>::Scalar> as Linearizable<S>>::Trace,
 );
 
-impl<S, M, C> Recording<S, M, C>
+impl<S, M, C> CheckpointedTape<S, M, C>
 where
     S: Discretized<M> + Differentiable,
     S::Method<S::Scalar>: Linearizable<S>,
@@ -124,34 +124,35 @@ where
         self.steps
     }
 
-    /// How many states are kept: about the square root of the number of steps.
-    pub fn states_kept(&self) -> usize {
+    /// How many checkpoints are kept: about the square root of the number of steps.
+    pub fn checkpoint_count(&self) -> usize {
         self.checkpoints.len()
     }
 
-    /// The change of the last state that a change of the first makes, with changes of the parameters and of the controls over all steps.
+    /// The perturbation of the last state that follows from one of the first state, with perturbations of the parameters and of the
+    /// controls over all steps.
     ///
     /// # Errors
-    /// If a step cannot be taken; which it was when it was recorded.
-    pub fn tangent(&self, changes: &Changes<S>) -> Result<S::StateVector, StepError>
+    /// If a step cannot be taken; which it was when the tape was recorded.
+    pub fn tangent(&self, perturbation: &Perturbation<S>) -> Result<S::StateVector, StepError>
     where
         S: Derives<Tangent>,
     {
-        let mut changes = *changes;
-        let Some((stepper, state)) = self.checkpoints.first() else { return Ok(changes.state) };
+        let mut perturbation = *perturbation;
+        let Some((stepper, state)) = self.checkpoints.first() else { return Ok(perturbation.state) };
         let (mut stepper, mut state) = (stepper.clone(), state.clone());
         for step in 0..self.steps {
             let (derivative, _) = stepper.step_with_derivative(&mut state, &(self.control)(step))?;
-            changes.state = derivative.tangent(&changes);
+            perturbation.state = derivative.tangent(&perturbation);
         }
-        Ok(changes.state)
+        Ok(perturbation.state)
     }
 
-    /// The derivatives of a function of the last state, whose derivative there is `costate`: by the first state, by the parameters and by
+    /// The derivatives of a function of the last state, whose derivative there is `costate`: with respect to the first state, the parameters and
     /// the controls, of all steps together.
     ///
     /// # Errors
-    /// If a step cannot be taken; which it was when it was recorded.
+    /// If a step cannot be taken; which it was when the tape was recorded.
     pub fn gradient(&self, costate: &S::StateVector) -> Result<Gradient<S>, StepError>
     where
         S: Derives<Adjoint>,
@@ -160,14 +161,14 @@ where
     }
 
     /// As [`gradient`](Self::gradient), of a function that depends on states on the way, too: `each` is shown every step, the last one first,
-    /// and adds to the costate what depends on the state there. It finds the derivative by the controls of this step alone.
+    /// and adds to the costate what depends on the state there. It finds the derivative with respect to the controls of this step alone.
     ///
     /// # Errors
-    /// If a step cannot be taken; which it was when it was recorded.
+    /// If a step cannot be taken; which it was when the tape was recorded.
     pub fn gradient_with(
         &self,
         costate: &S::StateVector,
-        mut each: impl FnMut(Moment<'_, S>),
+        mut each: impl FnMut(AdjointStep<'_, S>),
     ) -> Result<Gradient<S>, StepError>
     where
         S: Derives<Adjoint>,
@@ -194,16 +195,19 @@ where
                 add(total.parameters.as_mut_slice(), parameters.as_ref());
                 let control = Dense::from_column(control.as_ref());
                 let state = S::State::from_components(start);
-                each(Moment { step, state: &state, costate: &mut total.state, control: &control });
+                each(AdjointStep { step, state: &state, costate: &mut total.state, control: &control });
             }
         }
         Ok(total)
     }
 }
 
-impl<S: Discretized<M> + Differentiable, M, C> fmt::Debug for Recording<S, M, C> {
+impl<S: Discretized<M> + Differentiable, M, C> fmt::Debug for CheckpointedTape<S, M, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { spacing, steps, .. } = self;
-        f.debug_struct("Recording").field("steps", steps).field("spacing", spacing).finish_non_exhaustive()
+        f.debug_struct("CheckpointedTape")
+            .field("steps", steps)
+            .field("spacing", spacing)
+            .finish_non_exhaustive()
     }
 }

@@ -3,14 +3,14 @@
 use core::ops::ControlFlow;
 use std::vec::Vec;
 
-use super::{Moment, Watcher};
+use super::{EnsembleObserver, Snapshot};
 use crate::system::System;
 
 /// Records how a quantity is distributed over an ensemble as time goes by.
 #[derive(Clone, Debug)]
 pub struct Distribution<F> {
     quantity: F,
-    moments: Vec<Spread>,
+    series: Vec<Spread>,
     values: Vec<f64>,
 }
 
@@ -60,22 +60,22 @@ impl<F> Distribution<F> {
     where
         F: FnMut(&S, &S::State) -> f64,
     {
-        Self { quantity, moments: Vec::new(), values: Vec::new() }
+        Self { quantity, series: Vec::new(), values: Vec::new() }
     }
 
     /// What has been recorded, in the order of time.
-    pub fn moments(&self) -> &[Spread] {
-        &self.moments
+    pub fn series(&self) -> &[Spread] {
+        &self.series
     }
 }
 
-impl<S: System, F: FnMut(&S, &S::State) -> f64> Watcher<S> for Distribution<F> {
-    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()> {
+impl<S: System, F: FnMut(&S, &S::State) -> f64> EnsembleObserver<S> for Distribution<F> {
+    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()> {
         self.values.clear();
         let quantity = &mut self.quantity;
-        let values = moment.members().map(|(_, system, state)| quantity(&system, &state));
+        let values = snapshot.members().map(|(_, system, state)| quantity(&system, &state));
         self.values.extend(values.filter(|value| !value.is_nan()));
-        self.moments.push(Spread::of(moment.time, &mut self.values));
+        self.series.push(Spread::of(snapshot.time, &mut self.values));
         ControlFlow::Continue(())
     }
 }

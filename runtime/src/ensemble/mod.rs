@@ -23,11 +23,11 @@
 //!
 //! // how far its middle axis has turned over
 //! let mut spread = Distribution::of(|_: &Body, state: &BodyState| state.momentum.y);
-//! let report = ensemble.run_watched(2_000, 500, &mut spread);
+//! let report = ensemble.run_observed(2_000, 500, &mut spread);
 //! assert_eq!((report.steps, report.failures), (2_000, 0));
-//! assert_eq!(spread.moments().len(), 5);
-//! assert_eq!(spread.moments()[0].deviation, 0.0);
-//! assert!(spread.moments()[4].deviation > 0.0);
+//! assert_eq!(spread.series().len(), 5);
+//! assert_eq!(spread.series()[0].deviation, 0.0);
+//! assert!(spread.series()[4].deviation > 0.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -75,7 +75,7 @@ pub struct Failed {
     pub source: StepError,
 }
 
-/// An ensemble that cannot be built.
+/// An error building an ensemble.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum EnsembleError {
@@ -133,8 +133,8 @@ pub struct EnsembleReport {
     pub stopped: bool,
 }
 
-/// An ensemble at one time, for those who [watch](Watcher) it.
-pub struct Moment<'a, S: System> {
+/// An ensemble at one time, for its [observers](EnsembleObserver).
+pub struct Snapshot<'a, S: System> {
     /// Steps taken in this run.
     pub index: u64,
     /// The time, in f64 whatever the scalar.
@@ -143,7 +143,7 @@ pub struct Moment<'a, S: System> {
     members: &'a Members,
 }
 
-impl<S: System> Moment<'_, S> {
+impl<S: System> Snapshot<'_, S> {
     /// How many members there are, those that failed included.
     pub fn len(&self) -> usize {
         self.parameters.len()
@@ -190,28 +190,31 @@ impl<S: Discretized<M> + 'static, M: 'static> Builder for Typed<S, M> {
     }
 }
 
-impl<S: System> fmt::Debug for Moment<'_, S> {
+impl<S: System> fmt::Debug for Snapshot<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Moment").field("index", &self.index).field("time", &self.time).finish_non_exhaustive()
+        f.debug_struct("Snapshot")
+            .field("index", &self.index)
+            .field("time", &self.time)
+            .finish_non_exhaustive()
     }
 }
 
-/// Watches an ensemble. Closures do, and pairs show every moment to both.
-pub trait Watcher<S: System> {
-    /// Looks at one moment. [`ControlFlow::Break`] ends the run there.
-    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()>;
+/// Observes an ensemble. Closures are observers, and pairs show every snapshot to both.
+pub trait EnsembleObserver<S: System> {
+    /// Observes one snapshot. [`ControlFlow::Break`] ends the run there.
+    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()>;
 }
 
-impl<S: System, F: FnMut(&Moment<'_, S>) -> ControlFlow<()>> Watcher<S> for F {
-    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()> {
-        self(moment)
+impl<S: System, F: FnMut(&Snapshot<'_, S>) -> ControlFlow<()>> EnsembleObserver<S> for F {
+    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()> {
+        self(snapshot)
     }
 }
 
-impl<S: System, A: Watcher<S>, B: Watcher<S>> Watcher<S> for (A, B) {
-    fn watch(&mut self, moment: &Moment<'_, S>) -> ControlFlow<()> {
-        let first = self.0.watch(moment);
-        let second = self.1.watch(moment);
+impl<S: System, A: EnsembleObserver<S>, B: EnsembleObserver<S>> EnsembleObserver<S> for (A, B) {
+    fn observe(&mut self, snapshot: &Snapshot<'_, S>) -> ControlFlow<()> {
+        let first = self.0.observe(snapshot);
+        let second = self.1.observe(snapshot);
         if first.is_break() { first } else { second }
     }
 }
@@ -260,32 +263,32 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
 
     /// Takes `steps` steps. See [`failed`](Self::failed) for members that could not.
     pub fn run(&mut self, steps: u64) -> EnsembleReport {
-        self.run_watched(steps, u64::MAX, &mut |_: &Moment<'_, S>| ControlFlow::Continue(()))
+        self.run_observed(steps, u64::MAX, &mut |_: &Snapshot<'_, S>| ControlFlow::Continue(()))
     }
 
-    /// Takes `steps` steps and shows the ensemble to the watcher at the start, after each `interval` steps, and at the end. An interval of 0
+    /// Takes `steps` steps and shows the ensemble to the observer at the start, after each `interval` steps, and at the end. An interval of 0
     /// counts as 1.
-    pub fn run_watched(
+    pub fn run_observed(
         &mut self,
         steps: u64,
         interval: u64,
-        watcher: &mut impl Watcher<S>,
+        observer: &mut impl EnsembleObserver<S>,
     ) -> EnsembleReport {
         let mut report = EnsembleReport::default();
         let before = self.members.failed.len();
-        report.stopped = watcher.watch(&self.moment(0)).is_break();
+        report.stopped = observer.observe(&self.snapshot(0)).is_break();
         while report.steps < steps && !report.stopped {
             let stretch = interval.max(1).min(steps - report.steps);
             report.member_steps += self.members.march(stretch, None);
             report.steps += stretch;
-            report.stopped = watcher.watch(&self.moment(report.steps)).is_break();
+            report.stopped = observer.observe(&self.snapshot(report.steps)).is_break();
         }
         report.failures = self.members.failed.len() - before;
         report
     }
 
-    fn moment(&self, index: u64) -> Moment<'_, S> {
-        Moment { index, time: self.time(), parameters: &self.parameters, members: &self.members }
+    fn snapshot(&self, index: u64) -> Snapshot<'_, S> {
+        Snapshot { index, time: self.time(), parameters: &self.parameters, members: &self.members }
     }
 
     /// How many members there are.

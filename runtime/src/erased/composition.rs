@@ -5,47 +5,47 @@ use std::vec::Vec;
 
 use super::method::Method;
 use crate::memory::visit_flag;
-use crate::method::{Clock, Counted, Course, Marched};
+use crate::method::{Clock, Counted, Marched, StageAccumulator};
 use crate::scalar::Batch;
 
-/// Parts of a step, each a part of its length.
+/// Stages of a step, each with its share of the length.
 pub(super) struct Composition<T: Batch> {
-    parts: Vec<Part<T>>,
+    stages: Vec<Stage<T>>,
     /// The whole step.
     step: T,
-    /// The state between two parts.
+    /// The state between two stages.
     between: Vec<T>,
-    /// Whether all parts remember solutions of one and the same step.
+    /// Whether all stages remember solutions of one and the same step.
     whole: bool,
 }
 
-/// A part of a step.
-struct Part<T> {
+/// A stage of a composed step.
+struct Stage<T> {
     method: Box<dyn Method<T>>,
     /// How much of the whole it is.
     gamma: f64,
 }
 
 impl<T: Batch> Composition<T> {
-    /// Parts of a step, which `part` makes of each one's place and length.
+    /// Stages of a step, which `stage` makes of each one's place and length.
     pub(super) fn new<E>(
         gamma: &[f64],
         step: T,
-        mut part: impl FnMut(usize, T) -> Result<Box<dyn Method<T>>, E>,
+        mut stage: impl FnMut(usize, T) -> Result<Box<dyn Method<T>>, E>,
     ) -> Result<Self, E> {
-        let parts = gamma
+        let stages = gamma
             .iter()
             .enumerate()
-            .map(|(place, &gamma)| part(place, step * T::of(gamma)).map(|method| Part { method, gamma }));
-        Ok(Self { parts: parts.collect::<Result<_, E>>()?, step, between: Vec::new(), whole: false })
+            .map(|(place, &gamma)| stage(place, step * T::of(gamma)).map(|method| Stage { method, gamma }));
+        Ok(Self { stages: stages.collect::<Result<_, E>>()?, step, between: Vec::new(), whole: false })
     }
 }
 
 impl<T: Batch> Method<T> for Composition<T> {
     fn rebuild(&mut self, parameters: &[T], step: T) {
         self.step = step;
-        for part in &mut self.parts {
-            part.method.rebuild(parameters, step * T::of(part.gamma));
+        for stage in &mut self.stages {
+            stage.method.rebuild(parameters, step * T::of(stage.gamma));
         }
     }
 
@@ -54,24 +54,24 @@ impl<T: Batch> Method<T> for Composition<T> {
         // until all are through
         self.whole = false;
         self.between.resize(state.len(), T::of(0.0));
-        // from one to the other, so that nothing is copied; the last part writes to `next`
-        let (mut to, mut other) = match self.parts.len() % 2 {
+        // from one to the other, so that nothing is copied; the last stage writes to `next`
+        let (mut to, mut other) = match self.stages.len() % 2 {
             0 => (&mut self.between[..], next),
             _ => (next, &mut self.between[..]),
         };
         // how much of the whole step is done
         let mut done = 0.0;
-        let mut course = Course::<T>::new();
-        for (place, part) in self.parts.iter_mut().enumerate() {
+        let mut accumulator = StageAccumulator::<T>::new();
+        for (place, stage) in self.stages.iter_mut().enumerate() {
             let from = if place == 0 { state } else { &*other };
             let start = time + T::of(done) * self.step;
-            let outcome = part.method.advance(from, to, start, control, known);
-            course.count(outcome)?;
-            done += part.gamma;
+            let outcome = stage.method.advance(from, to, start, control, known);
+            accumulator.count(outcome)?;
+            done += stage.gamma;
             core::mem::swap(&mut to, &mut other);
         }
         self.whole = true;
-        course.outcome()
+        accumulator.outcome()
     }
 
     fn march(&mut self, _: &mut [T], _: Clock, _: &[T], _: u64) -> Marched<T> {
@@ -80,6 +80,6 @@ impl<T: Batch> Method<T> for Composition<T> {
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
         visit_flag(&mut self.whole, visit);
-        self.parts.iter_mut().for_each(|part| part.method.memory(visit));
+        self.stages.iter_mut().for_each(|stage| stage.method.memory(visit));
     }
 }

@@ -46,7 +46,7 @@ pub(crate) fn array<T: Scalar, C: Components<T>>(numbers: &[T]) -> C {
     array
 }
 
-/// Copies as many numbers as there is room for. Not inlined: where the lengths are the same, nobody calls it.
+/// Copies as many numbers as there is room for. Not inlined: it is not called where the lengths are the same.
 #[inline(never)]
 pub(crate) fn copy<T: Copy>(to: &mut [T], from: &[T]) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);

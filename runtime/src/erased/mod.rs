@@ -40,7 +40,7 @@ pub use crate::scheme::Rule;
 pub use ensemble::{Ensemble, MemberLaw};
 pub use method::{Equation, Flat, Method};
 pub use scheme::{Composed, NotGenerated, Scheme};
-pub use stepper::{Controls, Law, Sample, Stepper, StepperError, Watched, run};
+pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run};
 pub use system::{At, Description, System};
 
 pub(crate) use method::{equation, of_only_lane};

@@ -240,7 +240,7 @@ impl fmt::Debug for Stepper<'_> {
     }
 }
 
-/// One moment of a run: the initial state, or the state after a step.
+/// One sample of a run: the initial state, or the state after a step.
 pub struct Sample<'a> {
     /// Steps taken so far.
     pub index: u64,
@@ -256,7 +256,7 @@ pub struct Sample<'a> {
 }
 
 impl Sample<'_> {
-    /// What the stepper carries at this moment: see [`Stepper::memory`].
+    /// What the stepper carries here: see [`Stepper::memory`].
     pub fn memory(&self) -> Vec<f64> {
         (self.memory.borrow_mut())()
     }
@@ -279,7 +279,7 @@ pub type Law<'a> = dyn Fn(&[f64], f64, &mut [f64]) + 'a;
 /// What acts on the system from outside.
 #[derive(Clone, Copy)]
 pub enum Controls<'a> {
-    /// Always the same; what is missing is zero. Steps that nobody has to see are taken together.
+    /// Always the same; what is missing is zero. Steps that no observer needs are taken together.
     Held(&'a [f64]),
     /// Chosen anew before each step.
     Chosen(&'a Law<'a>),
@@ -315,17 +315,17 @@ impl Acting<'_> {
     }
 }
 
-/// What a run is besides its stepper and its state.
-pub struct Watched<'a> {
+/// The options of a [`run`].
+pub struct RunOptions<'a> {
     /// How many steps to take.
     pub steps: u64,
     /// What acts from outside; `Controls::Held(&[])` where there are no controls.
     pub controls: Controls<'a>,
-    /// The index of the next sample after an index that somebody has to see.
+    /// The index of the next sample after an index that the observer needs.
     pub next: &'a dyn Fn(u64) -> u64,
 }
 
-/// Goes on from where the stepper is, and shows the state it starts from, every sample that has to be seen, and the last. The report tells of
+/// Goes on from where the stepper is, and shows the state it starts from, every sample that is needed, and the last. The report tells of
 /// the new steps only.
 ///
 /// # Errors
@@ -333,8 +333,8 @@ pub struct Watched<'a> {
 pub fn run(
     stepper: &mut Stepper<'_>,
     state: &mut [f64],
-    run: &Watched<'_>,
-    watch: &mut dyn FnMut(&Sample<'_>) -> ControlFlow<()>,
+    run: &RunOptions<'_>,
+    observer: &mut dyn FnMut(&Sample<'_>) -> ControlFlow<()>,
 ) -> Result<RunReport, RunError> {
     let mut report = RunReport::default();
     let mut acting = match run.controls {
@@ -347,7 +347,7 @@ pub fn run(
         let (index, time) = (stepper.taken, stepper.time());
         let system = stepper.system;
         let mut memory = || stepper.memory();
-        report.stopped = watch(&Sample {
+        report.stopped = observer(&Sample {
             index,
             time,
             energy: system.energy(state, time),
@@ -359,8 +359,8 @@ pub fn run(
         if report.stopped || report.steps >= run.steps {
             return Ok(report);
         }
-        let until_seen = (run.next)(index).saturating_sub(index).clamp(1, run.steps - report.steps);
-        match stepper.go(state, &mut acting, until_seen) {
+        let until_needed = (run.next)(index).saturating_sub(index).clamp(1, run.steps - report.steps);
+        match stepper.go(state, &mut acting, until_needed) {
             Ok(steps) => report.add(&steps),
             Err(error) => {
                 report.add(&error.report);

@@ -22,7 +22,7 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     type Vector: Copy;
     /// How many doubles there are in one; 0 if there are no instructions to be named.
     const DOUBLES: usize;
-    /// Whether there are instructions for four doubles, too, and for [`plus_once`](Self::plus_once).
+    /// Whether there are instructions for four doubles, too, and for [`mul_add`](Self::mul_add).
     const FOURS: bool = false;
 
     /// Does the work in a function of its own, compiled for this kind.
@@ -45,10 +45,10 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     fn plus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// `a − b c`, as [`Scalar::minus`].
     fn minus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// Whether there is an instruction for [`plus_once`](Self::plus_once).
+    /// Whether there is an instruction for [`mul_add`](Self::mul_add).
     const FUSES: bool;
-    /// `a + b c`, rounded once, if there [is](Self::FUSES) an instruction for it.
-    fn plus_once(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// `a b + c`, rounded once, if there [is](Self::FUSES) an instruction for it.
+    fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// `a / b`
     fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `−a`
@@ -94,7 +94,7 @@ impl Processor for Portable {
     fn plus((): (), (): (), (): ()) {}
     fn minus((): (), (): (), (): ()) {}
     const FUSES: bool = false;
-    fn plus_once((): (), (): (), (): ()) {}
+    fn mul_add((): (), (): (), (): ()) {}
     fn div((): (), (): ()) {}
     fn neg((): ()) {}
     fn abs((): ()) {}
@@ -330,7 +330,7 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
         }
         Self(numbers, P::Alignment::default())
     }
-    thrice! { plus_once if Self::NATIVE && P::FUSES }
+    thrice! { mul_add if Self::NATIVE && P::FUSES }
     #[inline(always)]
     fn outline<W: Work>(work: W) -> W::Result {
         P::outline(work)
@@ -449,7 +449,7 @@ mod tests {
                 Batch::abs(x),
                 x.plus(y, z),
                 x.minus(y, z),
-                x.plus_once(y, z),
+                y.mul_add(z, x),
             ];
             let (at_most, below, larger) = (x.at_most(y), x.below(y), Lanes::select(x.below(y), y, x));
             for lane in 0..N {

@@ -117,7 +117,7 @@ processors! {
     /// x86-64 with four doubles in a register, and with products and sums rounded once.
     Avx2 in avx2 for "avx2", "fma": Bytes32 of 32 bytes {
         __m256d of 4 doubles, fuses: true, fours: true;
-        plus_once(a, b, c) = _mm256_fmadd_pd(b, c, a);
+        mul_add(a, b, c) = _mm256_fmadd_pd(a, b, c);
         add(a, b) = _mm256_add_pd(a, b);
         sub(a, b) = _mm256_sub_pd(a, b);
         mul(a, b) = _mm256_mul_pd(a, b);
@@ -135,7 +135,7 @@ processors! {
     /// x86-64 with eight doubles in a register.
     Avx512 in avx512 for "avx512f", "avx512dq", "avx512vl": Bytes64 of 64 bytes {
         __m512d of 8 doubles, fuses: true, fours: true;
-        plus_once(a, b, c) = _mm512_fmadd_pd(b, c, a);
+        mul_add(a, b, c) = _mm512_fmadd_pd(a, b, c);
         add(a, b) = _mm512_add_pd(a, b);
         sub(a, b) = _mm512_sub_pd(a, b);
         mul(a, b) = _mm512_mul_pd(a, b);
@@ -164,8 +164,8 @@ impl Processor for Portable {
 
     operations! {
         Two of 4 doubles, fuses: FUSED, fours: false;
-        plus_once(a, b, c) = if FUSED {
-            [_mm_fmadd_pd(b[0], c[0], a[0]), _mm_fmadd_pd(b[1], c[1], a[1])]
+        mul_add(a, b, c) = if FUSED {
+            [_mm_fmadd_pd(a[0], b[0], c[0]), _mm_fmadd_pd(a[1], b[1], c[1])]
         } else {
             // not asked for
             a
@@ -320,7 +320,7 @@ fn four<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize) -> __m256d {
     unsafe { _mm256_loadu_pd((&raw const *term).cast::<f64>().add(i)) }
 }
 
-/// Does the work in a function of its own, compiled for [`plus_once`](Batch::plus_once) where the processor has an instruction
+/// Does the work in a function of its own, compiled for [`mul_add`](Batch::mul_add) where the processor has an instruction
 /// for it.
 #[inline]
 pub(crate) fn outline_fused<W: Work>(work: W) -> W::Result {
@@ -340,7 +340,7 @@ pub(crate) fn outline_long<W: LongWork>(work: W) -> W::Result {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fused::Once;
+    use crate::fused::FusedScalar;
     use crate::method::{Clock, Method};
     use crate::scalar::Mask;
     use crate::simd::lanes::Portable;
@@ -393,11 +393,11 @@ mod tests {
         computes_all::<Portable, f64>();
         if Avx2::is_here() {
             computes_all::<Avx2, f64>();
-            computes_all::<Avx2, Once<f64>>();
+            computes_all::<Avx2, FusedScalar<f64>>();
         }
         if Avx512::is_here() {
             computes_all::<Avx512, f64>();
-            computes_all::<Avx512, Once<f64>>();
+            computes_all::<Avx512, FusedScalar<f64>>();
         }
     }
 
@@ -427,15 +427,15 @@ mod tests {
 
     #[test]
     fn steps_are_the_same_on_every_processor() {
-        let (plain, fused) = (walked::<Portable, f64>(), walked::<Portable, Once<f64>>());
+        let (plain, fused) = (walked::<Portable, f64>(), walked::<Portable, FusedScalar<f64>>());
         assert_ne!(plain, fused);
         if Avx2::is_here() {
             assert_eq!(plain, walked::<Avx2, f64>());
-            assert_eq!(fused, walked::<Avx2, Once<f64>>());
+            assert_eq!(fused, walked::<Avx2, FusedScalar<f64>>());
         }
         if Avx512::is_here() {
             assert_eq!(plain, walked::<Avx512, f64>());
-            assert_eq!(fused, walked::<Avx512, Once<f64>>());
+            assert_eq!(fused, walked::<Avx512, FusedScalar<f64>>());
         }
     }
 }

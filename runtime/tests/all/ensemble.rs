@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::ensemble::{EnsembleError, Failed, Instructions, Moment, Spread};
+use coadjoint::ensemble::{EnsembleError, Failed, Instructions, Snapshot, Spread};
 use coadjoint::prelude::*;
 
 /// Nothing acts on it.
@@ -189,12 +189,12 @@ fn those_that_fail_do_not_stop_the_others() {
             Ensemble::<_, Exponential>::with_instructions(&runaways, states.clone(), 0.01, instructions)
                 .unwrap();
         let mut alive = Vec::new();
-        let mut watcher = |moment: &Moment<'_, Runaway>| {
-            alive.push(moment.members().count());
-            assert_eq!(moment.members().count() + moment.failed().len(), moment.len());
+        let mut observer = |snapshot: &Snapshot<'_, Runaway>| {
+            alive.push(snapshot.members().count());
+            assert_eq!(snapshot.members().count() + snapshot.failed().len(), snapshot.len());
             ControlFlow::Continue(())
         };
-        let report = ensemble.run_watched(300, 50, &mut watcher);
+        let report = ensemble.run_observed(300, 50, &mut observer);
         assert_eq!(alive.len(), 7);
         assert!(alive.is_sorted_by(|a, b| a >= b));
         assert_eq!((alive[0], alive[6]), (MEMBERS, MEMBERS - expected.len()));
@@ -214,11 +214,11 @@ fn all_may_fail() {
     let mut ensemble =
         Ensemble::<_, Exponential>::new(&vec![Runaway { inertia: 1.0 }; 3], states, 0.1).unwrap();
     let mut spread = Distribution::of(|_: &Runaway, state: &RunawayState| state.position.x);
-    let report = ensemble.run_watched(1_000, 1_000, &mut spread);
+    let report = ensemble.run_observed(1_000, 1_000, &mut spread);
     assert_eq!((report.steps, report.failures), (1_000, 3));
     assert!(report.member_steps < 300);
-    assert_eq!(spread.moments().iter().map(|moment| moment.members).collect::<Vec<_>>(), [3, 0]);
-    assert!(spread.moments()[1].mean.is_nan());
+    assert_eq!(spread.series().iter().map(|at| at.members).collect::<Vec<_>>(), [3, 0]);
+    assert!(spread.series()[1].mean.is_nan());
     assert_eq!(ensemble.run(5).member_steps, 0);
 }
 
@@ -284,20 +284,20 @@ fn nobody_is_an_ensemble_too() {
 }
 
 #[test]
-fn a_watcher_can_end_the_run() {
+fn an_observer_can_end_the_run() {
     let (systems, states) = bodies();
     let mut ensemble = Ensemble::<_, Cayley>::new(&systems, states, 0.25).unwrap();
     ensemble.set_time(-1.0);
     let mut times = Vec::new();
-    let until = |moment: &Moment<'_, Body>| match moment.index {
+    let until = |snapshot: &Snapshot<'_, Body>| match snapshot.index {
         12 => ControlFlow::Break(()),
         _ => ControlFlow::Continue(()),
     };
-    let times_of = |moment: &Moment<'_, Body>| {
-        times.push(moment.time);
+    let times_of = |snapshot: &Snapshot<'_, Body>| {
+        times.push(snapshot.time);
         ControlFlow::Continue(())
     };
-    let report = ensemble.run_watched(100, 4, &mut (until, times_of));
+    let report = ensemble.run_observed(100, 4, &mut (until, times_of));
     assert_eq!((report.steps, report.stopped), (12, true));
     assert_eq!(times, [-1.0, 0.0, 1.0, 2.0]);
     assert_eq!(ensemble.system(3).unwrap().inertia.x, 1.03);
@@ -312,11 +312,11 @@ fn distributions_are_of_the_members() {
     let body = Body { inertia: vector![1.0, 1.0, 1.0] };
     let mut ensemble = Ensemble::<_, Cayley>::new(std::iter::repeat(&body), states, 0.5).unwrap();
     let mut spread = Distribution::of(|_: &Body, state: &BodyState| state.momentum.x);
-    ensemble.run_watched(2, 1, &mut spread);
+    ensemble.run_observed(2, 1, &mut spread);
     let mean = 3.0;
     let deviation = f64::sqrt((0.0 + 4.0 + 1.0 + 36.0 + 9.0) / 5.0);
     let quantiles = [0.0, 0.2, 1.0, 2.0, 3.0, 7.8, 9.0];
-    let [first, .., last] = spread.moments() else { panic!("three moments") };
+    let [first, .., last] = spread.series() else { panic!("three series") };
     for (k, (is, should_be)) in first.quantiles.iter().zip(quantiles).enumerate() {
         assert!((is - should_be).abs() < 1e-15, "{k}: {is}");
     }

@@ -8,7 +8,7 @@ use coadjoint::__private::{Geometry, Map};
 use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
 use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
-use coadjoint::erased::{self, Controls, NotGenerated, Rule, Scheme, StepperError, Watched};
+use coadjoint::erased::{self, Controls, NotGenerated, Rule, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
 
@@ -223,9 +223,9 @@ fn controls_of_members_are_their_own() {
         assert_eq!(state, expected, "member {member}");
 
         let own = |state: &[f64], time: f64, control: &mut [f64]| law(member, state, time, control);
-        let watched = Watched { steps: 150, controls: Controls::Chosen(&own), next: &|index| index + 40 };
+        let options = RunOptions { steps: 150, controls: Controls::Chosen(&own), next: &|index| index + 40 };
         let mut expected = numbers.clone();
-        erased::run(&mut stepper(), &mut expected, &watched, &mut |_| ControlFlow::Continue(())).unwrap();
+        erased::run(&mut stepper(), &mut expected, &options, &mut |_| ControlFlow::Continue(())).unwrap();
         assert_eq!(other, expected, "member {member}");
     }
     assert_eq!((ensemble.members().count(), steered.members().count()), (11, 11));
@@ -246,13 +246,13 @@ fn laws_see_what_single_steps_start_from() {
     let law = |state: &[f64], time: f64, control: &mut [f64]| control[0] += choose(state, time);
     let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
     let mut state = start.to_components().to_vec();
-    let watched = Watched { steps: 100, controls: Controls::Chosen(&law), next: &|index| index + 30 };
-    let report = erased::run(&mut stepper, &mut state, &watched, &mut |_| ControlFlow::Continue(()));
+    let options = RunOptions { steps: 100, controls: Controls::Chosen(&law), next: &|index| index + 30 };
+    let report = erased::run(&mut stepper, &mut state, &options, &mut |_| ControlFlow::Continue(()));
     assert_eq!(report.unwrap().steps, 100);
     assert_eq!((state, stepper.time()), (expected, alone.time()));
     assert_eq!(stepper.memory(), alone.memory());
     // nor is it shown a state of another system
-    let error = erased::run(&mut stepper, &mut [1.0], &watched, &mut |_| ControlFlow::Continue(()));
+    let error = erased::run(&mut stepper, &mut [1.0], &options, &mut |_| ControlFlow::Continue(()));
     assert_eq!(error.unwrap_err().cause, StepError::Length { expected: 13 });
 }
 
@@ -321,14 +321,14 @@ fn certificates_are_the_same() {
     same(certification.run::<Order4<Exponential>>(), &order4, "Order4<Exponential>");
     let order6 = Scheme::composed::<KahanLi6>(Scheme::StormerVerlet(Map::Cayley));
     same(certification.run::<Order6<StormerVerlet<Cayley>>>(), &order6, "Order6<StormerVerlet<Cayley>>");
-    let own = Scheme::composed::<Halves>(cayley);
-    same(certification.run::<Composed<Halves, Cayley>>(), &own, "Composed<Halves, Cayley>");
+    let own = Scheme::composed::<TwoHalfSteps>(cayley);
+    same(certification.run::<Composed<TwoHalfSteps, Cayley>>(), &own, "Composed<TwoHalfSteps, Cayley>");
 }
 
 /// Coefficients of one's own.
-struct Halves;
+struct TwoHalfSteps;
 
-impl Coefficients for Halves {
+impl Coefficients for TwoHalfSteps {
     type Steps<X: Clone + Send + Sync> = [X; 2];
     const ORDER: u32 = 2;
     const GAMMA: &'static [f64] = &[0.5, 0.5];
@@ -434,8 +434,8 @@ fn a_run_is_looked_at_when_it_is_asked() {
         let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.02).unwrap();
         let mut state = start.to_components().to_vec();
         let mut seen = Vec::new();
-        let watched = Watched { steps: 1_000, controls: Controls::Held(&[]), next };
-        let report = erased::run(&mut stepper, &mut state, &watched, &mut |sample| {
+        let options = RunOptions { steps: 1_000, controls: Controls::Held(&[]), next };
+        let report = erased::run(&mut stepper, &mut state, &options, &mut |sample| {
             seen.push((sample.index, sample.state.to_vec()));
             ControlFlow::Continue(())
         });

@@ -2,7 +2,7 @@
 // a test that cannot go on is to say so
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::__private::{Batch, Components, Kernel, Method, Once, Scalar};
+use coadjoint::__private::{Batch, Components, FusedScalar, Kernel, Method, Scalar};
 use coadjoint::ensemble::Instructions;
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
@@ -203,12 +203,13 @@ fn by_detour<M>(system: &Top, start: &TopState, step: f64, steps: u64) -> TopSta
 where
     Top: Discretized<M>,
 {
-    type Numbers = <Top as System>::StateComponents<Once<f64>>;
-    let parameters = system.to_parameters().map(Once::from);
-    let mut method = <Top as Discretized<M>>::Method::<Once<f64>>::new(&parameters, Once::of(step));
-    let mut state: Numbers = start.to_components().map(Once::from);
+    type Numbers = <Top as System>::StateComponents<FusedScalar<f64>>;
+    let parameters = system.to_parameters().map(FusedScalar::from);
+    let mut method =
+        <Top as Discretized<M>>::Method::<FusedScalar<f64>>::new(&parameters, FusedScalar::of(step));
+    let mut state: Numbers = start.to_components().map(FusedScalar::from);
     for k in 0..steps {
-        let time = Once::of(step * k as f64);
+        let time = FusedScalar::of(step * k as f64);
         state = method.advance(&state, time, &[], k > 0).map_err(|failure| failure.first()).unwrap().state;
     }
     TopState::from_components(&state.map(|number| number.lane(0)))

@@ -1,15 +1,15 @@
 //! Identification: the inertia tensor of a spacecraft from noisy samples of its gyroscopes, by Gauss and Newton's method.
 //!
 //! Known torques turn the spacecraft; gyroscopes measure its velocity `ω = 𝓘⁻¹Π`. Sought are the six entries of `𝓘` and the initial momentum:
-//! those `z` for which the sum of the squared residuals `r_k = ω_k − 𝓘⁻¹Π_k(z)` is least. With the derivatives `A`, `P` of a step by state
+//! those `z` for which the sum of the squared residuals `r_k = ω_k − 𝓘⁻¹Π_k(z)` is least. With the derivatives `A`, `P` of a step with respect to state
 //! and parameters, the sensitivity `S = ∂Π/∂z` goes along with the motion, `S' = A S + P`; and `z` improves by the solution `δ` of
 //! `(Σ JᵀJ) δ = Σ Jᵀr` with `J = ∂(𝓘⁻¹Π)/∂z`.
 
-use coadjoint::derivative::{Block, ByParameters, ByState};
+use coadjoint::derivative::{Block, WrtParameters, WrtState};
 use coadjoint::prelude::*;
 use nalgebra::{SMatrix, SVector};
 
-use super::{Failure, Noise, Spacecraft, SpacecraftControl, SpacecraftPart, SpacecraftState};
+use super::{Failure, Noise, Spacecraft, SpacecraftControl, SpacecraftIndices, SpacecraftState};
 
 /// The step, s.
 const STEP: f64 = 0.05;
@@ -36,13 +36,13 @@ pub struct Estimate {
     pub covariance: SMatrix<f64, 9, 9>,
 }
 
-/// Known torques: a sequence that shakes all axes, N m.
+/// Known torques: a signal that excites all axes, N m.
 pub fn torque(step: u64) -> Vector3<f64> {
     let time = STEP * step as f64;
     0.2 * vector![(0.9 * time).sin(), (1.3 * time).cos(), (0.7 * time + 1.0).sin()]
 }
 
-/// The experiment with a spacecraft whose inertia is known: the samples with their times.
+/// A simulated experiment with a spacecraft whose inertia is known: the samples with their times.
 ///
 /// # Errors
 /// If a step cannot be taken.
@@ -101,7 +101,7 @@ pub fn identify(samples: &[(f64, Vector3<f64>)], guess: Matrix3<f64>) -> Result<
             covariance: normal.inverse() * NOISE.powi(2),
         });
         let change = normal.solve(&gradient);
-        // not farther than where there is an inertia, nor than where the samples are met better
+        // a backtracking line search: the inertia must stay valid and the residuals must not grow
         let moved = |share: f64| {
             let change = share * change;
             (inertia + symmetric(&change), momentum + change.fixed_rows::<3>(6))
@@ -120,7 +120,7 @@ pub fn identify(samples: &[(f64, Vector3<f64>)], guess: Matrix3<f64>) -> Result<
     Ok(estimates)
 }
 
-/// `Σ r²`; none if there is no such spacecraft.
+/// `Σ r²`; none if the parameters are invalid.
 fn sum_of_squares(
     samples: &[(f64, Vector3<f64>)],
     (inertia, momentum): (Matrix3<f64>, Vector3<f64>),
@@ -137,7 +137,7 @@ fn normal_equations(
     inertia: Matrix3<f64>,
     momentum: Vector3<f64>,
 ) -> Result<(SMatrix<f64, 9, 9>, SVector<f64, 9>, f64), Failure> {
-    type Part = SpacecraftPart;
+    type Indices = SpacecraftIndices;
     let craft = Spacecraft { inertia };
     let inverse = inertia.try_inverse().ok_or(Failure::Singular)?;
     let mut stepper = craft.stepper::<Cayley>(STEP)?;
@@ -163,14 +163,14 @@ fn normal_equations(
             squares += residual.norm_squared();
         }
         let control = SpacecraftControl { torque: torque(step) };
-        let (by_state, by_inertia) =
-            stepper.step_with_jacobian(&mut state, &control, (ByState, ByParameters))?.jacobian;
-        sensitivity = by_state.block(Part::MOMENTUM, Part::MOMENTUM) * sensitivity;
-        let by_entries = by_inertia.block(Part::MOMENTUM, Part::INERTIA);
+        let (wrt_state, wrt_inertia) =
+            stepper.step_with_jacobian(&mut state, &control, (WrtState, WrtParameters))?.jacobian;
+        sensitivity = wrt_state.block(Indices::MOMENTUM, Indices::MOMENTUM) * sensitivity;
+        let wrt_entries = wrt_inertia.block(Indices::MOMENTUM, Indices::INERTIA);
         for (column, (i, j)) in ENTRIES.into_iter().enumerate() {
-            let mut total = sensitivity.column(column) + by_entries.column(3 * i + j);
+            let mut total = sensitivity.column(column) + wrt_entries.column(3 * i + j);
             if i != j {
-                total += by_entries.column(3 * j + i);
+                total += wrt_entries.column(3 * j + i);
             }
             sensitivity.set_column(column, &total);
         }

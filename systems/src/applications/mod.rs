@@ -1,8 +1,8 @@
 //! What exact derivatives of steps are for, worked out on one spacecraft: [identification] of its inertia, [steering] to another attitude,
 //! [estimation] of where it points and how it turns.
 //!
-//! Each is the textbook's algorithm with the linearization of the step that is really taken: what Gauss–Newton, shooting and the Kalman filter
-//! are told about the motion is exact, so that they converge as they should, at any step size.
+//! Each is the textbook's algorithm with the linearization of the step that is really taken: Gauss–Newton, shooting and the Kalman filter get
+//! exact derivatives of the motion, so that they converge as they should, at any step size.
 
 pub mod estimation;
 pub mod identification;
@@ -43,13 +43,13 @@ impl Spacecraft {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Failure {
     /// A stepper could not be built.
-    #[error("the spacecraft is none")]
+    #[error("invalid spacecraft parameters")]
     Parameters(#[from] ParameterError),
     /// A step could not be taken.
     #[error("a step could not be taken")]
     Step(#[from] StepError),
-    /// The equations do not determine what is sought.
-    #[error("what is measured or done does not determine what is sought")]
+    /// The equations do not determine the unknowns: they are singular.
+    #[error("the measurements or controls do not determine the unknowns")]
     Singular,
 }
 

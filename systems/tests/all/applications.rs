@@ -47,16 +47,16 @@ fn the_manoeuvre_ends_where_it_should_with_least_effort() {
     let target = UnitQuaternion::from_scaled_axis(vector![1.2, -0.8, 1.5]);
     let manoeuvres = steering::steer(&craft, &target).expect("reachable");
     let best = manoeuvres.last().expect("a manoeuvre");
-    assert!(manoeuvres[0].miss.norm() > 2.0);
-    assert!(best.miss.norm() < 1e-12, "{}", best.miss);
+    assert!(manoeuvres[0].terminal_error.norm() > 2.0);
+    assert!(best.terminal_error.norm() < 1e-12, "{}", best.terminal_error);
 
     // effort falls in no direction that keeps the end: the pulses are in the range of Eᵀ
-    let (u, e) = (best.stacked(), &best.by_pulses);
+    let (u, e) = (best.stacked(), &best.wrt_pulses);
     let across = &u - e.transpose() * (e * e.transpose()).cholesky().expect("full rank").solve(&(e * &u));
     assert!(across.norm() < 1e-10 * u.norm(), "{}", across.norm());
     // and not because there is no other way: one after the other about fixed axes, it takes more
-    let end = |pulses: &[Vector3<f64>]| steering::course(&craft, &target, pulses).expect("solvable");
-    let (_, left) = end(&best.pulses).last().copied().expect("a course");
+    let end = |pulses: &[Vector3<f64>]| steering::trajectory(&craft, &target, pulses).expect("solvable");
+    let (_, left) = end(&best.pulses).last().copied().expect("a trajectory");
     assert!(left.norm() < 1e-12, "{left}");
     let mut other = best.pulses.clone();
     other.reverse();
@@ -64,23 +64,23 @@ fn the_manoeuvre_ends_where_it_should_with_least_effort() {
 }
 
 #[test]
-fn the_filter_knows_how_good_it_is() {
+fn the_filter_is_consistent() {
     let craft = Spacecraft::small();
     let (mut normalized, mut turned, mut flights) = (0.0, 0.0, 0.0);
     for seed in 0..60 {
-        let moments = estimation::fly(&craft, seed).expect("solvable");
-        let last = moments.last().expect("a moment");
-        normalized += last.normalized_square().expect("positive definite");
+        let updates = estimation::simulate(&craft, seed).expect("solvable");
+        let last = updates.last().expect("an update");
+        normalized += last.nees().expect("positive definite");
         turned += last.error.fixed_rows::<3>(0).norm_squared();
         flights += 1.0;
-        // the momentum was not looked at, and is known all the same
+        // the momentum is not measured, and is estimated all the same
         let momentum = last.error.fixed_rows::<3>(3).norm();
-        assert!(momentum < 0.05 * estimation::MOMENTUM_DOUBT, "{momentum}");
+        assert!(momentum < 0.05 * estimation::MOMENTUM_DEVIATION, "{momentum}");
     }
     // χ² with six degrees of freedom, its mean over 60 flights: 6 ± 0.45
     let mean = normalized / flights;
     assert!((4.7..7.3).contains(&mean), "{mean}");
-    // better than the stars of one moment
+    // better than one measurement of the stars
     let attitude = (turned / flights / 3.0).sqrt();
-    assert!(attitude < 0.6 * estimation::BLUR, "{attitude}");
+    assert!(attitude < 0.6 * estimation::STAR_NOISE, "{attitude}");
 }

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use coadjoint::system::{Quantity, Role};
 use coadjoint_systems::catalogue::{CATALOGUE, Entry, find};
-use coadjoint_systems::ledger::Ledger;
-use coadjoint_systems::simulation::{Job, Method, Order, Retraction, Sample, Whereabouts};
+use coadjoint_systems::conservation::ConservationReport;
+use coadjoint_systems::simulation::{Checkpoint, Job, Method, Order, Retraction, Sample};
 
 /// The largest energy error relative to the energy that steps of order 2 may make.
 const SECOND: f64 = 5e-3;
@@ -19,24 +19,24 @@ entries!(examine);
 fn examine(name: &str) {
     let entry = find(name).expect("it is there");
     let setup = (entry.example)();
-    let run = |method, retraction, order| -> Ledger {
+    let run = |method, retraction, order| -> ConservationReport {
         let job = Job { method, retraction, order, step: entry.step, steps: 500 };
-        let mut ledger = None;
+        let mut conservation = None;
         let mut samples = 0;
         let report = entry
             .simulate(&setup, &job, None, &EVERY, &mut |sample| {
                 samples += 1;
                 assert!(sample.state.iter().all(|x| x.is_finite()), "{name}, {job:?}");
-                ledger.get_or_insert_with(|| Ledger::new(sample)).push(sample);
+                conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
                 ControlFlow::Continue(())
             })
             .unwrap_or_else(|error| panic!("{name}, {job:?}: {error}"));
         assert_eq!((report.steps, samples), (500, 501), "{name}, {job:?}");
-        let ledger = ledger.expect("samples");
-        for kept in &ledger.casimirs {
-            assert!(kept.error <= 1e-12 * kept.initial.abs().max(1.0), "{name}, {job:?}: {}", kept.error);
+        let conservation = conservation.expect("samples");
+        for stats in &conservation.casimirs {
+            assert!(stats.error <= 1e-12 * stats.initial.abs().max(1.0), "{name}, {job:?}: {}", stats.error);
         }
-        ledger
+        conservation
     };
     for retraction in Retraction::ALL {
         for method in Method::ALL {
@@ -69,24 +69,24 @@ fn examine(name: &str) {
 fn comes_to_the_same(entry: &Entry, job: &Job) {
     let setup = (entry.example)();
     // the samples from `from` to the step `until`, as their bits, and where the run is then
-    let run = |from: Option<&Whereabouts>, until: u64| {
+    let run = |from: Option<&Checkpoint>, until: u64| {
         let mut seen = Vec::new();
-        let mut whereabouts = Whereabouts::default();
+        let mut checkpoint = Checkpoint::default();
         let watch = &mut |sample: &Sample<'_>| {
             let numbers = sample.state.iter().chain(sample.casimirs).chain([&sample.time, &sample.energy]);
             seen.push((sample.index, numbers.map(|x| x.to_bits()).collect::<Vec<u64>>()));
-            whereabouts = Whereabouts::at(sample);
+            checkpoint = Checkpoint::at(sample);
             if sample.index < until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
         entry.simulate(&setup, job, from, &EVERY, watch).expect("solvable");
-        (seen, whereabouts)
+        (seen, checkpoint)
     };
     let (whole, _) = run(None, job.steps);
     let (mut pieces, first) = run(None, 1);
     let (second, middle) = run(Some(&first), 37);
     let (third, _) = run(Some(&middle), job.steps);
     for piece in [second, third] {
-        // where it goes on was seen before
+        // the sample it resumes from was recorded before
         assert_eq!(pieces.last(), piece.first(), "{}, {job:?}", entry.name);
         pieces.extend(piece.into_iter().skip(1));
     }

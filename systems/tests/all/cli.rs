@@ -440,13 +440,13 @@ fn bad_input_is_refused_with_a_message() {
         (
             &["init", "heavy_top", "--out", "order.toml"],
             2,
-            "order.toml is there already; `--force` replaces it",
+            "order.toml exists already; `--force` replaces it",
         ),
         (&["figures", "6.4"], 2, "there is no figure `6.4`"),
         (&["resume", "missing.ck"], 2, "cannot read missing.ck"),
         (&["resume", "order.toml"], 2, "order.toml is not a checkpoint"),
         (&["resume", "damaged.ck"], 2, "damaged.ck is a damaged checkpoint"),
-        (&["run", "heavy_top", "--checkpoint", "order.toml"], 2, "`coadjoint resume order.toml` goes on"),
+        (&["run", "heavy_top", "--checkpoint", "order.toml"], 2, "`coadjoint resume order.toml` resumes it"),
         (
             &["run", "heavy_top", "--duration", "1", "--set", "momentum=1e200,1e200,1e200"],
             3,
@@ -516,7 +516,7 @@ fn a_full_disk_is_reported() {
     use std::os::unix::fs::symlink;
     let scratch = Scratch::new("full");
     fs::create_dir_all(scratch.0.join("out")).expect("writable");
-    // what is written to the passing name of the process that will run goes to a device that is always full
+    // what is written to the temporary name of the process that will run goes to a device that is always full
     let journal = scratch.0.join("run.ck.rows");
     symlink("/dev/full", &journal).expect("writable");
     let output = scratch.coadjoint(&["run", "heavy_top", "--checkpoint", "run.ck"]);
@@ -629,7 +629,7 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
         assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
         let printed = text(&output.stdout);
         assert!(
-            printed.contains("interrupted at") && printed.contains("`coadjoint resume run.ck` goes on"),
+            printed.contains("interrupted at") && printed.contains("`coadjoint resume run.ck` resumes it"),
             "{printed}"
         );
         // what was computed is written
@@ -642,7 +642,7 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
             let read = |directory: &str| fs::read(scratch.0.join(directory).join(&name)).expect("readable");
             assert!(read("out") == read("whole"), "{name} differs");
         }
-        // nothing is left to go on with
+        // nothing is left to resume
         assert_eq!(scratch.files(".").iter().filter(|name| name.starts_with("run.ck")).count(), 0);
     }
 }
@@ -697,7 +697,7 @@ fn a_figure_is_a_picture_and_its_data() {
         ]
     );
     let csv = scratch.read("out/figures/figure-1.1.csv");
-    assert_eq!(csv.lines().next(), Some("panel,horizontal,vertical,course,x,y"));
+    assert_eq!(csv.lines().next(), Some("panel,horizontal,vertical,series,x,y"));
     assert!(csv.contains("\n1,\"q\",\"p\",\"explicit Euler\",1.0,0.0\n"), "{csv}");
 }
 

@@ -45,5 +45,5 @@ mod applications;
 mod catalogue;
 mod certificates;
 mod cli;
-mod ledger;
+mod conservation;
 mod physics;

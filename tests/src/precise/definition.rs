@@ -218,9 +218,9 @@ pub struct SemidirectMatrices<'s> {
 
 /// Block diagonal: the group's own matrix and one for each space.
 #[derive(Clone)]
-pub struct Blocks(Vec<Matrix>);
+pub struct BlockDiagonal(Vec<Matrix>);
 
-impl Blocks {
+impl BlockDiagonal {
     fn map(&self, f: impl Fn(&Matrix) -> Matrix) -> Self {
         Self(self.0.iter().map(f).collect())
     }
@@ -271,7 +271,7 @@ impl<'s> SemidirectMatrices<'s> {
     }
 
     /// The matrices of an element of the algebra.
-    pub fn hat(&self, xi: &Column) -> Blocks {
+    pub fn hat(&self, xi: &Column) -> BlockDiagonal {
         let parts = self.split(xi);
         let space = |(space, w): (&&'static dyn Representation, &Column)| {
             let rho = self.realization.representation(space.name(), &parts[0]);
@@ -283,11 +283,11 @@ impl<'s> SemidirectMatrices<'s> {
             })
         };
         let spaces = self.algebra.spaces.iter().zip(&parts[1..]).map(space);
-        Blocks(std::iter::once(self.realization.hat(&parts[0])).chain(spaces).collect())
+        BlockDiagonal(std::iter::once(self.realization.hat(&parts[0])).chain(spaces).collect())
     }
 
     /// The element of the algebra that matrices belong to.
-    pub fn vee(&self, blocks: &Blocks) -> Column {
+    pub fn vee(&self, blocks: &BlockDiagonal) -> Column {
         let base = self.realization.vee(&blocks.0[0]);
         let spaces = blocks.0[1..].iter().map(|block| {
             let n = block.rows() - 1;
@@ -303,7 +303,7 @@ impl<'s> SemidirectMatrices<'s> {
     }
 
     /// `τ(x)`: the series of the exponential, or the quotient of Cayley.
-    pub fn retract(&self, retraction: Retraction, x: &Column) -> Blocks {
+    pub fn retract(&self, retraction: Retraction, x: &Column) -> BlockDiagonal {
         self.hat(x).map(|block| match retraction {
             Retraction::Exponential => block.exp(),
             Retraction::Cayley => block.cayley(),
@@ -323,13 +323,13 @@ impl<'s> SemidirectMatrices<'s> {
     }
 
     /// The matrix of `Ad_g`, `Ad_g y = g y g⁻¹`.
-    pub fn adjoint(&self, g: &Blocks) -> Matrix {
+    pub fn adjoint(&self, g: &BlockDiagonal) -> Matrix {
         let inverse = g.inverse();
         Matrix::of_linear(self.dimension(), |y| self.vee(&g.times(&self.hat(y)).times(&inverse)))
     }
 
     /// `Ad*_g m`, the transpose of `Ad_g`.
-    pub fn coadjoint(&self, g: &Blocks, m: &Column) -> Column {
+    pub fn coadjoint(&self, g: &BlockDiagonal, m: &Column) -> Column {
         &self.adjoint(g).transpose() * m
     }
 

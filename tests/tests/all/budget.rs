@@ -72,7 +72,7 @@ fn an_expansion_has_what_was_asked_for() {
         assert!(all < some && some < every, "{map}: {all} < {some} < {every}");
     }
     // where there are no controls, nothing is generated for them but the word that it was
-    let (_, by_state) = size("group = SO3, derivatives(state)");
+    let (_, wrt_state) = size("group = SO3, derivatives(state)");
     let (_, with_controls) = size("group = SO3, derivatives(state, controls)");
-    assert!(with_controls <= by_state + 32, "{by_state} and {with_controls}");
+    assert!(with_controls <= wrt_state + 32, "{wrt_state} and {with_controls}");
 }

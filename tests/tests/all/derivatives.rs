@@ -6,7 +6,8 @@ mod described;
 
 use coadjoint::__private::{Geometry, Map};
 use coadjoint::derivative::{
-    Adjoint, ByControl, ByParameters, ByState, Changes, Dense, Derives, Linearizable, Recording, Tangent,
+    Adjoint, CheckpointedTape, Dense, Derives, Linearizable, Perturbation, Tangent, WrtControl,
+    WrtParameters, WrtState,
 };
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
@@ -24,9 +25,9 @@ const ROUNDING: f64 = 1e-13;
 trait Example:
     System<Scalar = f64>
     + Geometry
-    + Derives<ByState>
-    + Derives<ByControl>
-    + Derives<ByParameters>
+    + Derives<WrtState>
+    + Derives<WrtControl>
+    + Derives<WrtParameters>
     + Derives<Tangent>
     + Derives<Adjoint>
 {
@@ -66,7 +67,7 @@ trait Quantities: State {
 
 impl<S: State> Quantities for S {}
 
-/// Not as thin as the program's: about its axis that one has so little inertia that the derivative by this is all rounding.
+/// Not as thin as the program's: about its axis that one has so little inertia that the derivative with respect to this is all rounding.
 fn thick_rod() -> (spherical_pendulum::SphericalPendulum, spherical_pendulum::SphericalPendulumState) {
     let pendulum = spherical_pendulum::SphericalPendulum::rod(1.0, 1.0, 0.1);
     let start = pendulum.sideways(60_f64.to_radians(), 0.4);
@@ -241,13 +242,13 @@ where
         }
         let time = stepper.time();
         let mut state = start.clone();
-        let all = (ByState, ByControl, ByParameters);
+        let all = (WrtState, WrtControl, WrtParameters);
         let (derivative, _) = stepper
             .step_with_derivative(&mut state, &control)
             .unwrap_or_else(|error| panic!("{} {scheme}: {error:?}", S::NAME));
-        let (by_state, by_control, by_parameters) = derivative.jacobian(all);
-        let n = by_state.as_slice().len().isqrt();
-        let blocks = [matrix(&by_state, n), matrix(&by_control, n), matrix(&by_parameters, n)];
+        let (wrt_state, wrt_control, wrt_parameters) = derivative.jacobian(all);
+        let n = wrt_state.as_slice().len().isqrt();
+        let blocks = [matrix(&wrt_state, n), matrix(&wrt_control, n), matrix(&wrt_parameters, n)];
         let inputs: [fn(usize) -> Input; 3] = [Input::State, Input::Control, Input::Parameters];
         for (block, input) in blocks.iter().zip(inputs) {
             let columns: Vec<DVector<f64>> = (0..block.ncols())
@@ -265,33 +266,37 @@ where
         }
 
         if !S::FORCED && S::IS_LEFT {
-            let [by_state, ..] = &blocks;
+            let [wrt_state, ..] = &blocks;
             let [before, after] = [&start, &state].map(|state| poisson(&system, state));
-            let carried = by_state * &before * by_state.transpose();
-            let size = by_state.map(f64::abs) * before.map(f64::abs) * by_state.transpose().map(f64::abs);
+            let carried = wrt_state * &before * wrt_state.transpose();
+            let size = wrt_state.map(f64::abs) * before.map(f64::abs) * wrt_state.transpose().map(f64::abs);
             let error = (carried - after).amax() / size.amax();
             assert!(error < ROUNDING, "{} {scheme}: D P Dᵀ is not P, {error:e}", S::NAME);
-            let error = (by_state.determinant() - 1.0).abs();
+            let error = (wrt_state.determinant() - 1.0).abs();
             assert!(error < ROUNDING, "{} {scheme}: volume changes, {error:e}", S::NAME);
         }
 
         // blocks one by one are those of all together
-        let alone = (derivative.jacobian(ByState), derivative.jacobian((ByParameters, ByControl)));
-        assert_eq!(alone, (by_state, (by_parameters, by_control)));
+        let alone = (derivative.jacobian(WrtState), derivative.jacobian((WrtParameters, WrtControl)));
+        assert_eq!(alone, (wrt_state, (wrt_parameters, wrt_control)));
 
         // products are with the same matrices, and the transpose is one
-        let mut changes = Changes::<S>::default();
+        let mut perturbation = Perturbation::<S>::default();
         let mut fill = |slice: &mut [f64]| slice.iter_mut().for_each(|x| *x = random.between(-1.0, 1.0));
-        fill(changes.state.as_mut_slice());
-        fill(changes.control.as_mut_slice());
-        fill(changes.parameters.as_mut_slice());
+        fill(perturbation.state.as_mut_slice());
+        fill(perturbation.control.as_mut_slice());
+        fill(perturbation.parameters.as_mut_slice());
         let mut costate = <S::StateVector as Dense<f64>>::zeros();
         fill(costate.as_mut_slice());
         let column = |x: &[f64]| DVector::from_column_slice(x);
-        let parts = [&changes.state.as_slice(), &changes.control.as_slice(), &changes.parameters.as_slice()];
+        let parts = [
+            &perturbation.state.as_slice(),
+            &perturbation.control.as_slice(),
+            &perturbation.parameters.as_slice(),
+        ];
         let product =
             blocks.iter().zip(parts).map(|(block, part)| block * column(part)).sum::<DVector<f64>>();
-        let tangent = column(derivative.tangent(&changes).as_slice());
+        let tangent = column(derivative.tangent(&perturbation).as_slice());
         let size = product.amax();
         assert!((&tangent - &product).amax() < ROUNDING * size, "{} {scheme}", S::NAME);
 
@@ -380,81 +385,85 @@ fn a_run_backwards_is_the_transpose_of_the_run_forwards() {
 
     // all of it by matrices, step by step
     type Columns = coadjoint::nalgebra::SMatrix<f64, 12, 12>;
-    let (mut by_start, mut by_parameters) = (Columns::identity(), None);
-    let mut by_controls = Vec::new();
+    let (mut wrt_start, mut wrt_parameters) = (Columns::identity(), None);
+    let mut wrt_controls = Vec::new();
     let mut state = start;
     for step in 0..STEPS {
-        let blocks = (ByState, ByControl, ByParameters);
+        let blocks = (WrtState, WrtControl, WrtParameters);
         let taken = stepper.step_with_jacobian(&mut state, &control(step), blocks).expect("solvable");
         let (a, b, p) = taken.jacobian;
-        by_start = a * by_start;
-        by_parameters = Some(by_parameters.map_or(p, |earlier| a * earlier + p));
-        by_controls.iter_mut().for_each(|earlier| *earlier = a * *earlier);
-        by_controls.push(b);
+        wrt_start = a * wrt_start;
+        wrt_parameters = Some(wrt_parameters.map_or(p, |earlier| a * earlier + p));
+        wrt_controls.iter_mut().for_each(|earlier| *earlier = a * *earlier);
+        wrt_controls.push(b);
     }
-    let by_parameters = by_parameters.expect("steps");
+    let wrt_parameters = wrt_parameters.expect("steps");
 
     let mut again = system.stepper::<Cayley>(0.01).expect("valid");
     again.set_time(0.3);
     let mut end = start;
-    let run = Recording::new(&mut again, &mut end, STEPS, control).expect("solvable");
+    let run = CheckpointedTape::new(&mut again, &mut end, STEPS, control).expect("solvable");
     assert_eq!((end, again.time(), run.steps()), (state, stepper.time(), STEPS));
     // the square root of the steps, and no more
-    assert!(run.states_kept() <= 12, "{}", run.states_kept());
+    assert!(run.checkpoint_count() <= 12, "{}", run.checkpoint_count());
 
-    let mut changes = Changes::<Quadrotor>::default();
+    let mut perturbation = Perturbation::<Quadrotor>::default();
     let mut fill = |slice: &mut [f64]| slice.iter_mut().for_each(|x| *x = random.between(-1.0, 1.0));
-    fill(changes.state.as_mut_slice());
-    fill(changes.control.as_mut_slice());
-    fill(changes.parameters.as_mut_slice());
-    let mut costate = changes.state;
+    fill(perturbation.state.as_mut_slice());
+    fill(perturbation.control.as_mut_slice());
+    fill(perturbation.parameters.as_mut_slice());
+    let mut costate = perturbation.state;
     fill(costate.as_mut_slice());
 
-    let by_control = by_controls.iter().sum::<coadjoint::nalgebra::SMatrix<f64, 12, 4>>();
-    let product =
-        by_start * changes.state + by_control * changes.control + by_parameters * changes.parameters;
-    let tangent = run.tangent(&changes).expect("as before");
+    let wrt_control = wrt_controls.iter().sum::<coadjoint::nalgebra::SMatrix<f64, 12, 4>>();
+    let product = wrt_start * perturbation.state
+        + wrt_control * perturbation.control
+        + wrt_parameters * perturbation.parameters;
+    let tangent = run.tangent(&perturbation).expect("as before");
     assert!((tangent - product).amax() < ROUNDING * product.amax(), "{tangent} {product}");
 
     let mut visited = Vec::new();
-    let gradient = run.gradient_with(&costate, |moment| visited.push((moment.step, *moment.control)));
+    let gradient = run.gradient_with(&costate, |adjoint| visited.push((adjoint.step, *adjoint.control)));
     let gradient = gradient.expect("as before");
     let (forward, backward) = (
         costate.dot(&tangent),
-        gradient.state.dot(&changes.state)
-            + gradient.control.dot(&changes.control)
-            + gradient.parameters.dot(&changes.parameters),
+        gradient.state.dot(&perturbation.state)
+            + gradient.control.dot(&perturbation.control)
+            + gradient.parameters.dot(&perturbation.parameters),
     );
-    let terms = gradient.state.component_mul(&changes.state).map(f64::abs).sum()
-        + gradient.control.component_mul(&changes.control).map(f64::abs).sum()
-        + gradient.parameters.component_mul(&changes.parameters).map(f64::abs).sum();
+    let terms = gradient.state.component_mul(&perturbation.state).map(f64::abs).sum()
+        + gradient.control.component_mul(&perturbation.control).map(f64::abs).sum()
+        + gradient.parameters.component_mul(&perturbation.parameters).map(f64::abs).sum();
     assert!((forward - backward).abs() < 1e-13 * terms, "{forward} {backward}");
     // every control by itself, the last one first
     assert_eq!(visited.len() as u64, STEPS);
     for ((step, of_control), expected) in visited.iter().zip((0..STEPS).rev()) {
         assert_eq!(*step, expected);
-        let product = by_controls[*step as usize].tr_mul(&costate);
+        let product = wrt_controls[*step as usize].tr_mul(&costate);
         assert!((of_control - product).amax() < ROUNDING * product.amax().max(1.0), "{step}");
     }
-    assert_eq!(gradient, Changes { state: gradient.state, ..run.gradient(&costate).expect("as before") });
+    assert_eq!(
+        gradient,
+        Perturbation { state: gradient.state, ..run.gradient(&costate).expect("as before") }
+    );
 
     // a function of all states on the way: the sum of what each contributes
-    let total = run.gradient_with(&costate, |moment| *moment.costate += costate).expect("as before").state;
-    let mut expected = by_start.tr_mul(&costate);
+    let total = run.gradient_with(&costate, |adjoint| *adjoint.costate += costate).expect("as before").state;
+    let mut expected = wrt_start.tr_mul(&costate);
     let (mut state, mut stepper) = (start, system.stepper::<Cayley>(0.01).expect("valid"));
     stepper.set_time(0.3);
     let mut so_far = Columns::identity();
     for step in 0..STEPS {
         expected += so_far.tr_mul(&costate);
-        let taken = stepper.step_with_jacobian(&mut state, &control(step), ByState).expect("solvable");
+        let taken = stepper.step_with_jacobian(&mut state, &control(step), WrtState).expect("solvable");
         so_far = taken.jacobian * so_far;
     }
     assert!((total - expected).amax() < ROUNDING * expected.amax(), "{total} {expected}");
 
     // no step, no change
-    let none = Recording::new(&mut stepper, &mut state, 0, control).expect("nothing to do");
+    let none = CheckpointedTape::new(&mut stepper, &mut state, 0, control).expect("nothing to do");
     assert_eq!(none.gradient(&costate).expect("nothing to do").state, costate);
-    assert_eq!(none.tangent(&changes).expect("nothing to do"), changes.state);
+    assert_eq!(none.tangent(&perturbation).expect("nothing to do"), perturbation.state);
 }
 
 /// What cannot be stepped has no derivative, and is as before.
@@ -464,10 +473,10 @@ fn an_error_leaves_the_state() {
     let mut state = start;
     state.momentum.x = f64::NAN;
     let mut stepper = system.stepper::<Cayley>(0.1).expect("valid");
-    let error = stepper.step_with_jacobian(&mut state, &NoControl::default(), ByState);
+    let error = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtState);
     assert_eq!(error.map(|step| step.report), Err(StepError::NotFinite));
     assert_eq!((state.attitude, state.momentum.yz()), (start.attitude, start.momentum.yz()));
-    let failed = Recording::new(&mut stepper, &mut state, 5, |_| NoControl::default());
+    let failed = CheckpointedTape::new(&mut stepper, &mut state, 5, |_| NoControl::default());
     assert_eq!(failed.expect_err("no number").step, 1);
     assert_eq!(stepper.time(), 0.0);
 }
@@ -487,7 +496,7 @@ fn a_carried_momentum_has_the_same_derivative() {
     {
         let mut stepper = system.stepper::<M>(0.05).expect("valid");
         stepper.step_with(&mut state, control).expect("solvable");
-        stepper.step_with_jacobian(&mut state, control, ByState).expect("solvable").jacobian
+        stepper.step_with_jacobian(&mut state, control, WrtState).expect("solvable").jacobian
     }
     let plain = jacobian::<Midpoint<Cayley>>(&system, start, &control);
     let carried = jacobian::<RightLift<Midpoint<Cayley>>>(&system, start, &control);
@@ -509,7 +518,7 @@ fn single_precision_has_derivatives_too() {
     let small = SmallBody { inertia: body.inertia.cast() };
     let mut small_state = SmallBodyState { attitude: start.attitude.cast(), momentum: start.momentum.cast() };
     let mut state = start;
-    let blocks = (ByState, ByParameters);
+    let blocks = (WrtState, WrtParameters);
     let mut stepper = body.stepper::<Exponential>(0.05).expect("valid");
     let (a, p) = stepper.step_with_jacobian(&mut state, &control, blocks).expect("solvable").jacobian;
     let mut stepper = small.stepper::<Exponential>(0.05).expect("valid");

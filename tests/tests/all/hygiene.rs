@@ -850,9 +850,9 @@ mod determinism {
     }
 }
 
-/// Parts of changes have constants of their own, whatever the fields are called.
+/// Parts of perturbations have constants of their own, whatever the fields are called.
 mod parts {
-    use coadjoint::derivative::{Block, ByParameters, Part};
+    use coadjoint::derivative::{Block, IndexRange, WrtParameters};
     use coadjoint::prelude::*;
 
     #[lie_poisson_system(
@@ -872,18 +872,18 @@ mod parts {
 
     #[test]
     fn names_that_differ_by_their_cases_do() {
-        const LOWER: Part<3, 1> = AlikePart::THROUGH;
-        const UPPER: Part<4, 1> = AlikePart::THROUGH_;
+        const LOWER: IndexRange<3, 1> = AlikeIndices::THROUGH;
+        const UPPER: IndexRange<4, 1> = AlikeIndices::THROUGH_;
         let alike = Alike { inertia: vector![1.0, 2.0, 3.0], through: 0.3, Through: 0.5, columns: 0.7 };
         let mut state =
             AlikeState { attitude: super::rotation(), momentum: vector![1.0, 2.0, 3.0], point: Vector3::z() };
         let mut stepper = alike.stepper::<Cayley>(0.1).expect("valid");
-        let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), ByParameters);
+        let step = stepper.step_with_jacobian(&mut state, &NoControl::default(), WrtParameters);
         let by = step.expect("solvable").jacobian;
         let [lower, upper, columns] = [
-            by.block(AlikePart::MOMENTUM, LOWER),
-            by.block(AlikePart::MOMENTUM, UPPER),
-            by.block(AlikePart::MOMENTUM, AlikePart::COLUMNS),
+            by.block(AlikeIndices::MOMENTUM, LOWER),
+            by.block(AlikeIndices::MOMENTUM, UPPER),
+            by.block(AlikeIndices::MOMENTUM, AlikeIndices::COLUMNS),
         ];
         assert!(lower.norm() > 1e-2);
         assert!((upper - 2.0 * lower).norm() < 1e-14 && (columns - lower).norm() < 1e-14, "{by}");

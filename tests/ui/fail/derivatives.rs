@@ -8,7 +8,7 @@ struct Valued {
     inertia: f64,
 }
 
-#[lie_poisson_system(group = SO3, derivatives(ByState, state, state, momentum))]
+#[lie_poisson_system(group = SO3, derivatives(WrtState, state, state, momentum))]
 struct Named {
     #[inertia]
     inertia: f64,

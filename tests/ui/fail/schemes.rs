@@ -1,7 +1,7 @@
 //! Steps and derivatives that were not generated: one message for each, in words of the description. A force makes two halves of the standard
 //! step.
 
-use coadjoint::derivative::ByState;
+use coadjoint::derivative::WrtState;
 use coadjoint::prelude::*;
 
 #[lie_poisson_system(group = SO3, control(moment: R3), force = moment, retractions(Cayley))]
@@ -27,7 +27,7 @@ fn composed(satellite: &Satellite, state: &mut SatelliteState) {
 
 fn jacobian(satellite: &Satellite, state: &mut SatelliteState) {
     let mut stepper = satellite.stepper::<Cayley>(0.1).unwrap();
-    let step = stepper.step_with_jacobian(state, &SatelliteControl::default(), ByState).unwrap();
+    let step = stepper.step_with_jacobian(state, &SatelliteControl::default(), WrtState).unwrap();
     println!("{}", step.jacobian);
 }
 

@@ -1,7 +1,7 @@
-//! Checkpoints: all that a run needs to go on later, to the last bit the same.
+//! Checkpoint files: all that is needed to resume a run, bit for bit.
 //!
-//! A checkpoint is a file with what the run is to do, where it is, and what it found so far. Beside it lies the journal, the rows that are
-//! to be written: they are put into the trajectory when the run ends, so that the trajectory's file is the same however often the run was
+//! A checkpoint file holds the plan of the run, its current state, and what it has recorded so far. Beside it lies the journal, the rows that
+//! are to be written: they are put into the trajectory when the run ends, so that the trajectory's file is the same however often the run was
 //! interrupted.
 
 use std::fs::{self, File, OpenOptions};
@@ -11,19 +11,19 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::output::WholeFile;
+use crate::output::AtomicFile;
 
-/// What checkpoints begin with; the number changes with what they contain.
+/// The magic bytes of checkpoint files; the number is the version of the format.
 const MAGIC: &[u8] = b"coadjoint checkpoint 1\n";
 
-/// Writes a checkpoint, whole or not at all.
+/// Writes a checkpoint file atomically.
 ///
 /// # Errors
 /// If it cannot be written.
 pub(crate) fn save(path: &Path, content: &impl Serialize) -> Result<(), Error> {
     let write = || -> io::Result<()> {
         let payload = postcard::to_stdvec(content).map_err(io::Error::other)?;
-        let mut file = WholeFile::create(path)?;
+        let mut file = AtomicFile::create(path)?;
         file.write_all(MAGIC)?;
         file.write_all(&crc32fast::hash(&payload).to_le_bytes())?;
         file.write_all(&payload)?;
@@ -35,7 +35,7 @@ pub(crate) fn save(path: &Path, content: &impl Serialize) -> Result<(), Error> {
 /// Reads a checkpoint.
 ///
 /// # Errors
-/// If it cannot be read, or is none of this version of the program, or is damaged.
+/// If it cannot be read, is not a checkpoint file of this version of the program, or is damaged.
 pub(crate) fn load<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Error> {
     let content = fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let refuse = |reason: &str| Error::Input(format!("{} {reason}", path.display()));
@@ -67,7 +67,7 @@ impl Journal {
         PathBuf::from(name)
     }
 
-    /// Begins a journal with rows of this width.
+    /// Creates a journal with rows of this width.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -78,7 +78,7 @@ impl Journal {
         }
     }
 
-    /// Goes on with one that has so many rows; what came after them is forgotten.
+    /// Opens a journal with so many rows; later rows are discarded.
     ///
     /// # Errors
     /// If the file is not there, cannot be written, or has fewer rows.
@@ -96,7 +96,7 @@ impl Journal {
         match open() {
             Ok(Some(file)) => Ok(Self { path, file: BufWriter::new(file), width, rows }),
             Ok(None) => Err(Error::Input(format!(
-                "{} has fewer rows than its checkpoint says: it is not of this run",
+                "{} has fewer rows than its checkpoint says: it belongs to another run",
                 path.display()
             ))),
             Err(source) => Err(Error::Read { path, source }),
@@ -115,7 +115,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Brings all rows to the disk, and tells how many they are.
+    /// Flushes all rows to the disk, and returns how many there are.
     ///
     /// # Errors
     /// If they cannot be written.
@@ -125,7 +125,7 @@ impl Journal {
         Ok(self.rows)
     }
 
-    /// Shows all rows, from the first on.
+    /// Passes all rows to `show`, from the first on.
     ///
     /// # Errors
     /// If they cannot be read, or `show` fails.
@@ -152,7 +152,7 @@ impl Journal {
 
 /// Removes a checkpoint and its journal: the run is complete.
 pub(crate) fn remove(checkpoint: &Path) {
-    // what is left behind only takes room
+    // a file that remains is harmless
     let _ = fs::remove_file(checkpoint);
     let _ = fs::remove_file(Journal::beside(checkpoint));
 }

@@ -51,7 +51,7 @@ enum Command {
 pub(crate) struct RunArguments {
     /// The system; `coadjoint list` shows all
     pub(crate) system: Option<String>,
-    /// A TOML file that describes the run; what is given here counts more
+    /// A TOML file that describes the run; options given here take precedence
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
     /// The map that the step is built on; `exp` for short [default: exponential]
@@ -194,7 +194,7 @@ pub(crate) fn main() -> ExitCode {
     match run(&command_line, &mut io::stdout().lock()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
-        // what there is to say was said
+        // the message has been printed
         Err(Error::Interrupted) => ExitCode::from(Error::Interrupted.exit_code()),
         Err(error) => {
             // if standard error is closed too, the exit code still speaks

@@ -1,4 +1,4 @@
-//! What the program can be asked to do: one file per command.
+//! The commands of the program, one file each.
 
 #[cfg(feature = "bench")]
 pub(crate) mod bench;

@@ -12,7 +12,7 @@ use crate::setting::{Names, assign, laid_out};
 use coadjoint_systems::catalogue::Entry;
 use coadjoint_systems::simulation::{Method, Order, Retraction, Setup};
 
-/// What a file says of a run; what it does not say is as usual.
+/// The content of a configuration file; what is missing has its default.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Config {
@@ -118,9 +118,9 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     writeln!(text, "# {}: {}.", entry.name, entry.about)?;
     writeln!(
         text,
-        "# Run it with `coadjoint run --config <this file>`; options given there count more than what is said here."
+        "# Run it with `coadjoint run --config <this file>`; options given there take precedence."
     )?;
-    writeln!(text, "# What is left out is as in the system's example.")?;
+    writeln!(text, "# What is left out has the value of the system's example.")?;
     writeln!(text, "\nsystem = \"{}\"", entry.name)?;
     writeln!(text, "\n[run]")?;
     for (setting, doc) in [

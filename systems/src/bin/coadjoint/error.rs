@@ -1,4 +1,4 @@
-//! What can go wrong in the program, and the exit code that says so.
+//! The errors of the program and their exit codes.
 
 use std::io;
 use std::path::PathBuf;
@@ -11,16 +11,16 @@ use coadjoint_systems::applications::Failure;
 use coadjoint_systems::classical::Diverged;
 use coadjoint_systems::simulation::SimulationError;
 
-/// A failure of the program; its message is for the person who ran it.
+/// An error of the program; its message is for the user.
 #[derive(Debug, Error)]
 pub(crate) enum Error {
-    /// What was asked for makes no sense; the message says what would.
+    /// Invalid input; the message says what is valid.
     #[error("{0}")]
     Input(String),
     /// No stepper can be built with these parameters.
     #[error("{0}")]
     Parameter(#[from] ParameterError),
-    /// A run cannot be made, or not to its end.
+    /// A run could not be started or finished.
     #[error("{0}")]
     Simulation(#[from] SimulationError),
     /// The motion of a figure could not be computed to its end.
@@ -59,7 +59,7 @@ pub(crate) enum Error {
         /// Why.
         reason: String,
     },
-    /// The terminal, or the program this one is piped into, takes no more text.
+    /// The terminal, or the program this one is piped into, is closed.
     #[error("cannot write to standard output: {0}")]
     Console(#[from] io::Error),
     /// A scheme's claims do not hold.
@@ -74,8 +74,8 @@ pub(crate) enum Error {
     #[cfg_attr(not(feature = "bench"), allow(dead_code, reason = "nothing is timed"))]
     #[error("cannot be timed: {0}")]
     Bench(String),
-    /// A system of our own does not pass its own generator.
-    #[error("the generator refuses `{system}`: {reason}")]
+    /// The generator rejects a system of the catalogue.
+    #[error("the generator rejects `{system}`: {reason}")]
     Generator {
         /// Which system.
         system: &'static str,
@@ -86,7 +86,7 @@ pub(crate) enum Error {
 
 impl Error {
     /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
-    /// be written, 130 for Ctrl-C, 1 for our own mistakes.
+    /// be written, 130 for Ctrl-C, 1 for bugs.
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
@@ -102,7 +102,7 @@ impl Error {
         }
     }
 
-    /// Whether nobody reads our output any more, as in `coadjoint list | head -1`: an end, not a mistake.
+    /// Whether standard output was closed, as in `coadjoint list | head -1`: not an error.
     pub(crate) fn is_broken_pipe(&self) -> bool {
         matches!(self, Error::Console(source) if source.kind() == io::ErrorKind::BrokenPipe)
     }

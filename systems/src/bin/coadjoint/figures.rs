@@ -23,18 +23,18 @@ pub(crate) mod applications;
 pub(crate) mod bodies;
 #[cfg(test)]
 mod claims;
+mod invariant_errors;
 pub(crate) mod kepler;
 pub(crate) mod oscillator;
 pub(crate) mod pendulum;
 pub(crate) mod quadrotor;
 pub(crate) mod steps;
-mod track;
 pub(crate) mod work;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-pub(crate) use track::{Course, Track};
+pub(crate) use invariant_errors::{ErrorSeries, InvariantErrors};
 
 use crate::error::Error;
 use crate::output::{make_directory, write_text};
@@ -87,7 +87,7 @@ pub(crate) static DRAWINGS: &[Drawing] = &[
     Drawing {
         name: "work",
         about: "error against time, orders 2 to 10 and the classical methods",
-        draw: || work::Work::measure(&work::Effort::FULL).map(|measured| measured.figure()),
+        draw: || work::Work::measure(&work::Sampling::FULL).map(|measured| measured.figure()),
     },
     Drawing {
         name: "steps",
@@ -145,9 +145,9 @@ impl Drawing {
     }
 }
 
-/// The figure's data: a line for each point of each course.
+/// The figure's data: a line for each point of each series.
 fn table(figure: &Figure) -> String {
-    let mut text = String::from("panel,horizontal,vertical,course,x,y\n");
+    let mut text = String::from("panel,horizontal,vertical,series,x,y\n");
     for (i, panel) in figure.panels.iter().enumerate() {
         for series in &panel.series {
             for (x, y) in &series.points {

@@ -9,7 +9,7 @@ pub(crate) const EXIT_CODE: u8 = 130;
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static LISTENING: Once = Once::new();
 
-/// From here on Ctrl-C is a request.
+/// Installs the handler of Ctrl-C.
 pub(crate) fn listen() {
     LISTENING.call_once(|| {
         let handler = || {

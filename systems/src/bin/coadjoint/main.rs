@@ -1,7 +1,7 @@
 //! The program `coadjoint`: runs the systems of the catalogue, draws and shows them.
 //!
 //! It contains no mechanics, and treats all systems alike.
-// they panic where nobody listens
+// they panic where the stream is closed
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod checkpoint;
@@ -10,13 +10,13 @@ mod command;
 mod config;
 mod error;
 mod figures;
-mod film;
+mod html_player;
 mod interrupt;
 mod output;
 mod plot;
-mod portrait;
 mod progress;
 mod report;
+mod run_plot;
 mod session;
 mod setting;
 mod suggest;

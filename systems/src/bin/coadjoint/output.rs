@@ -1,19 +1,19 @@
 //! Files: trajectories as CSV, JSON or Parquet, each written whole or not at all.
 
+mod atomic_file;
 mod csv;
 mod json;
 mod parquet;
-mod whole_file;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use self::whole_file::WholeFile;
+pub(crate) use self::atomic_file::AtomicFile;
 use crate::error::Error;
 use coadjoint_systems::catalogue::Entry;
-use coadjoint_systems::ledger::Ledger;
+use coadjoint_systems::conservation::ConservationReport;
 use coadjoint_systems::simulation::{Job, Method, Order, Setup};
 
 /// How a trajectory is written.
@@ -44,7 +44,7 @@ trait Write {
     /// Adds a row: time, the state's components, energy.
     fn row(&mut self, row: &[f64]) -> io::Result<()>;
     /// Ends the file and puts it in its place.
-    fn finish(self: Box<Self>, ledger: &Ledger) -> io::Result<()>;
+    fn finish(self: Box<Self>, conservation: &ConservationReport) -> io::Result<()>;
 }
 
 /// A trajectory being written; dropped before it is finished, it leaves no file.
@@ -69,7 +69,7 @@ impl Trajectory {
         make_directory(directory)?;
         let path = directory.join(format!("{}.{}", name(entry, job), format.extension()));
         let writer = || -> io::Result<Box<dyn Write>> {
-            let file = WholeFile::create(&path)?;
+            let file = AtomicFile::create(&path)?;
             Ok(match format {
                 Format::Csv => Box::new(csv::Csv::new(file, entry)?),
                 Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
@@ -94,8 +94,8 @@ impl Trajectory {
     ///
     /// # Errors
     /// If the rest cannot be written.
-    pub(crate) fn finish(self, ledger: &Ledger) -> Result<PathBuf, Error> {
-        match self.writer.finish(ledger) {
+    pub(crate) fn finish(self, conservation: &ConservationReport) -> Result<PathBuf, Error> {
+        match self.writer.finish(conservation) {
             Ok(()) => Ok(self.path),
             Err(source) => Err(Error::Write { path: self.path, source }),
         }
@@ -135,7 +135,7 @@ pub(crate) fn make_directory(directory: &Path) -> Result<(), Error> {
 /// If that cannot be done.
 pub(crate) fn write_text(path: &Path, text: &str) -> Result<(), Error> {
     let write = || {
-        let mut file = WholeFile::create(path)?;
+        let mut file = AtomicFile::create(path)?;
         io::Write::write_all(&mut file, text.as_bytes())?;
         file.finish()
     };

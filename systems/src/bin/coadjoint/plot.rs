@@ -1,4 +1,4 @@
-//! Pictures: panels with courses of values, as PNG and SVG.
+//! Pictures: panels with series of values, as PNG and SVG.
 //!
 //! All drawing goes through this module, so that nothing else depends on the library behind it.
 
@@ -13,7 +13,7 @@ use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 pub(crate) use self::envelope::Envelope;
 use crate::error::Error;
-use crate::output::WholeFile;
+use crate::output::AtomicFile;
 
 /// Colours that people with any colour vision can tell apart, also by their lightness (Okabe and Ito, and two more).
 const COLORS: [&str; 8] =
@@ -51,13 +51,13 @@ pub(crate) struct Figure {
 pub(crate) enum Key {
     /// In the first panel, as it is the same in all.
     First,
-    /// Beside each panel with more than one course.
+    /// Beside each panel with more than one series.
     Each,
     /// Below the panels, once for all of them.
     Below,
 }
 
-/// One panel: courses in the plane of two quantities.
+/// One panel: series in the plane of two quantities.
 #[derive(Clone, Debug)]
 pub(crate) struct Panel {
     /// Stands above it; may be empty.
@@ -68,7 +68,7 @@ pub(crate) struct Panel {
     pub(crate) y: Axis,
     /// Whether both axes have the same scale, as in a plane of positions.
     pub(crate) equal: bool,
-    /// The courses, in the same order in every panel: the order gives the colours.
+    /// The series, in the same order in every panel: the order gives the colours.
     pub(crate) series: Vec<Series>,
 }
 
@@ -110,7 +110,7 @@ pub(crate) enum Scale {
     Logarithmic,
 }
 
-/// One course of values.
+/// One series of values.
 #[derive(Clone, Debug)]
 pub(crate) struct Series {
     /// What the legend calls it.
@@ -149,7 +149,7 @@ impl Style {
     }
 }
 
-/// How a course is drawn.
+/// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Style {
     /// A line.
@@ -158,11 +158,11 @@ pub(crate) enum Style {
     Marked,
     /// Marks alone.
     Marks,
-    /// A dashed line with a mark at every point, for what may lie on top of another course.
+    /// A dashed line with a mark at every point, for what may lie on top of another series.
     DashedMarked,
     /// What the others are compared with: a dashed black line.
     Reference,
-    /// The area between two lines, the lower in the first half of the points; in the colour of the first course, and darker where several
+    /// The area between two lines, the lower in the first half of the points; in the colour of the first series, and darker where several
     /// overlap.
     Band,
 }
@@ -236,7 +236,7 @@ impl Figure {
         scene
     }
 
-    /// Every label once with how its courses look, in lines below `y`; the answer is where the last line is.
+    /// Every label once with how its series look, in lines below `y`; the answer is where the last line is.
     fn draw_key(&self, scene: &mut Scene, width: f64, mut y: f64) -> f64 {
         /// Of the sample line, and between it and the label.
         const SAMPLE: (f64, f64) = (34.0, 8.0);
@@ -347,7 +347,7 @@ impl Panel {
         Self { title: title.into(), ..self }
     }
 
-    /// The courses with their colours; references are black.
+    /// The series with their colours; references are black.
     fn colored(&self) -> impl Iterator<Item = (&Series, &'static str)> {
         let mut colors = COLORS.iter().cycle();
         self.series.iter().map(move |series| {
@@ -530,7 +530,7 @@ fn superscript(digit: char) -> char {
 
 fn save(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let write = || {
-        let mut file = WholeFile::create(path)?;
+        let mut file = AtomicFile::create(path)?;
         file.write_all(bytes)?;
         file.finish()
     };

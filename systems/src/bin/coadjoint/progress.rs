@@ -1,11 +1,11 @@
-//! How far a run has come: a bar on a terminal, a line now and then otherwise.
+//! The progress of a run: a bar on a terminal, otherwise a line from time to time.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Looking at the clock or the terminal costs more than a step: do so once in this many.
+/// Reading the clock costs more than a step: it is read once in this many.
 const INTERVAL: u64 = 1024;
 /// Between two plain lines.
 const PAUSE: Duration = Duration::from_secs(2);
@@ -41,14 +41,14 @@ impl Progress {
         }
     }
 
-    /// As [`at`](Self::at), and looks whenever it is called.
+    /// As [`at`](Self::at), without the interval.
     pub(crate) fn show(&mut self, index: u64) {
         match &mut self.display {
             Display::Bar(bar) => bar.set_position(index),
             Display::Lines { last } if last.elapsed() > PAUSE => {
                 *last = Instant::now();
                 let percent = 100 * u128::from(index) / u128::from(self.total.max(1));
-                // where nobody listens, the run goes on
+                // the run goes on even if standard error is closed
                 let _ =
                     writeln!(io::stderr(), "{}: step {index} of {} ({percent} %)", self.label, self.total);
             }

@@ -1,97 +1,97 @@
-//! What a person is told after a run.
+//! The report of a run, for the user.
 
 use std::fmt;
 
 use coadjoint::RunReport;
 
 use coadjoint_systems::catalogue::Entry;
-use coadjoint_systems::ledger::{Kept, Ledger};
+use coadjoint_systems::conservation::{ConservationReport, DriftStats};
 use coadjoint_systems::simulation::{Job, Method, Order};
 
 /// A table with a column for each run.
 #[derive(Debug)]
 pub(crate) struct Table<'a> {
     entry: &'a Entry,
-    runs: Vec<Finding>,
+    runs: Vec<RunSummary>,
 }
 
 /// One run's column.
 #[derive(Clone, Debug)]
-pub(crate) struct Finding {
-    /// What was asked for.
+pub(crate) struct RunSummary {
+    /// The job.
     pub(crate) job: Job,
     /// Steps and iterations.
     pub(crate) report: RunReport,
-    /// What it found of energy and Casimirs.
-    pub(crate) ledger: Ledger,
-    /// The time a step takes with nobody watching, ns; none if there were no steps.
+    /// The conservation of energy and Casimirs.
+    pub(crate) conservation: ConservationReport,
+    /// The time of a step without an observer, ns; none if there were no steps.
     pub(crate) time_per_step: Option<f64>,
 }
 
-impl Finding {
-    /// What the run says of the energy and of the Casimirs, in words.
-    pub(crate) fn verdict(&self, entry: &Entry) -> Vec<String> {
+impl RunSummary {
+    /// The conservation of energy and Casimirs, in words.
+    pub(crate) fn conclusions(&self, entry: &Entry) -> Vec<String> {
         let mut lines = Vec::new();
-        let energy = &self.ledger.energy;
+        let energy = &self.conservation.energy;
         lines.push(if entry.description.autonomous {
-            format!("energy: {}", judged(energy, self.ledger.steps, "J"))
+            format!("energy: {}", describe(energy, self.conservation.steps, "J"))
         } else {
             "energy: not conserved by this system".to_owned()
         });
-        for ((name, unit), kept) in
-            entry.description.casimirs.iter().zip(entry.casimir_units).zip(&self.ledger.casimirs)
+        for ((name, unit), stats) in
+            entry.description.casimirs.iter().zip(entry.casimir_units).zip(&self.conservation.casimirs)
         {
-            lines.push(format!("{name}: {}", judged(kept, self.ledger.steps, unit)));
+            lines.push(format!("{name}: {}", describe(stats, self.conservation.steps, unit)));
         }
         lines
     }
 }
 
-/// How well a quantity was kept, in words.
-fn judged(kept: &Kept, steps: u64, unit: &str) -> String {
+/// How well a quantity was conserved, in words.
+fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
     // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
-    let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * kept.initial.abs().max(kept.error);
-    let (least, greatest) = kept.range;
-    if kept.error.is_nan() {
+    let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * stats.initial.abs().max(stats.error);
+    let (least, greatest) = stats.range;
+    if stats.error.is_nan() {
         "became not a number".to_owned()
-    } else if kept.error <= roundoff {
+    } else if stats.error <= roundoff {
         "kept to roundoff".to_owned()
     } else if steps < 100 {
-        format!("kept to {}; too few steps to tell more", with_unit_behind(kept.error, unit))
-    } else if kept.drift() < 0.5 {
+        format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
+    } else if stats.drift() < 0.5 {
         format!(
-            "bounded: its error swings between {} and {} and does not grow",
+            "bounded: its error oscillates between {} and {} and does not grow",
             magnitude(least),
             with_unit_behind(greatest, unit)
         )
     } else {
         format!(
-            "drifts: by {} per second, or swings more slowly than this run can tell",
-            with_unit_behind(kept.slope(), unit)
+            "drifts: by {} per second, or oscillates more slowly than this run can show",
+            with_unit_behind(stats.slope(), unit)
         )
     }
 }
 
 impl<'a> Table<'a> {
     /// A table of runs of one system.
-    pub(crate) fn new(entry: &'a Entry, runs: Vec<Finding>) -> Self {
+    pub(crate) fn new(entry: &'a Entry, runs: Vec<RunSummary>) -> Self {
         Self { entry, runs }
     }
 
     fn rows(&self) -> Vec<(String, Vec<String>)> {
-        let row = |name: &str, cell: &dyn Fn(&Finding) -> String| {
+        let row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
             (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
         };
         let mut rows = vec![
             row("retraction", &|run| run.job.retraction.name().to_owned()),
             row("method", &|run| self.method(&run.job)),
             row("order", &|run| self.order(&run.job).to_string()),
-            row("steps", &|run| grouped(run.ledger.steps)),
+            row("steps", &|run| grouped(run.conservation.steps)),
             row("time per step, ns", &|run| {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
             }),
             row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
-            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.ledger.energy.initial))),
+            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.conservation.energy.initial))),
             row(
                 if self.entry.description.autonomous {
                     "largest energy error, J"
@@ -99,7 +99,7 @@ impl<'a> Table<'a> {
                     // forces act, or the time has a part in it
                     "largest change of energy, J (it is not conserved)"
                 },
-                &|run| magnitude(run.ledger.energy.error),
+                &|run| magnitude(run.conservation.energy.error),
             ),
         ];
         for (i, name) in self.entry.description.casimirs.iter().enumerate() {
@@ -108,7 +108,7 @@ impl<'a> Table<'a> {
                 self.entry.casimir_units.get(i).copied().unwrap_or(""),
             );
             rows.push(row(&name, &|run| {
-                magnitude(run.ledger.casimirs.get(i).map_or(f64::NAN, |kept| kept.error))
+                magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
             }));
         }
         rows

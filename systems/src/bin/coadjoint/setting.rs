@@ -124,11 +124,11 @@ fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, Error> {
     Ok(names.swap_remove(index))
 }
 
-/// Brings rotations to length 1 and checks the whole; the answer is notes for the user.
+/// Normalizes rotations and validates the setup; returns notes for the user.
 ///
 /// # Errors
 /// If a rotation is zero, or no stepper can be built with the parameters.
-pub(crate) fn settle(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
+pub(crate) fn validate(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, Error> {
     let mut notes = normalize(entry, setup)?;
     notes.extend(entry.check(setup)?);
     Ok(notes)
@@ -254,7 +254,7 @@ mod tests {
         let entry = find(system).expect("it is there");
         let mut setup = (entry.example)();
         let assignments: Vec<String> = assignments.iter().map(|&a| a.to_owned()).collect();
-        let notes = apply(entry, &mut setup, &assignments).and_then(|()| settle(entry, &mut setup));
+        let notes = apply(entry, &mut setup, &assignments).and_then(|()| validate(entry, &mut setup));
         notes.map(|notes| (setup, notes)).map_err(|error| error.to_string())
     }
 

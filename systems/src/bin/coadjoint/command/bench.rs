@@ -8,17 +8,17 @@ use serde::Serialize;
 use crate::cli::BenchArguments;
 use crate::error::Error;
 use crate::output::write_text;
-use coadjoint_systems::cases::{self, Case, YARDSTICK};
+use coadjoint_systems::cases::{self, BASELINE, Case};
 
-/// How often the cases take turns.
+/// Rounds of measurement; the cases alternate.
 const ROUNDS: usize = 40;
 
-/// What came out.
+/// The results.
 #[derive(Serialize)]
 struct Results {
     processor: String,
     version: &'static str,
-    /// Of each case the best of its turns.
+    /// The best time of each case.
     cases: Vec<Timed>,
 }
 
@@ -27,18 +27,18 @@ struct Timed {
     problem: &'static str,
     method: String,
     ns_per_step: f64,
-    /// To the time of the yardstick; none where that is not timed.
+    /// Relative to the time of the baseline; none where that is not timed.
     ratio: Option<f64>,
 }
 
-/// Times the standard cases in turns, so that what slows the machine down slows all of them.
+/// Times the standard cases in turns, so that a slow machine slows all of them alike.
 pub(crate) fn bench(arguments: &BenchArguments, console: &mut dyn Write) -> Result<(), Error> {
     let mut cases = cases::all().map_err(|error| Error::Bench(error.to_string()))?;
     let mut best = vec![f64::INFINITY; cases.len()];
     for round in 0..=ROUNDS {
         for (case, best) in cases.iter_mut().zip(&mut best) {
             let start = Instant::now();
-            if !case.walk(case.steps) {
+            if !case.run(case.steps) {
                 return Err(Error::Bench(format!("{}, {}: a step failed", case.problem, case.method)));
             }
             // the first time is for warming up
@@ -47,15 +47,15 @@ pub(crate) fn bench(arguments: &BenchArguments, console: &mut dyn Write) -> Resu
             }
         }
     }
-    let yardstick = |problem: &str| {
-        let is = |case: &Case| case.problem == problem && case.method == YARDSTICK;
+    let baseline = |problem: &str| {
+        let is = |case: &Case| case.problem == problem && case.method == BASELINE;
         cases.iter().position(is).map(|index| best[index])
     };
     let timed = cases.iter().zip(&best).map(|(case, &ns_per_step)| Timed {
         problem: case.problem,
         method: case.method.clone(),
         ns_per_step,
-        ratio: yardstick(case.problem).map(|other| ns_per_step / other),
+        ratio: baseline(case.problem).map(|other| ns_per_step / other),
     });
     let results =
         Results { processor: processor(), version: env!("CARGO_PKG_VERSION"), cases: timed.collect() };
@@ -70,7 +70,7 @@ pub(crate) fn bench(arguments: &BenchArguments, console: &mut dyn Write) -> Resu
 
 fn print(results: &Results, console: &mut dyn Write) -> Result<(), Error> {
     writeln!(console, "{}", results.processor)?;
-    writeln!(console, "best of {ROUNDS} turns, steps of 0.01 s, ratios to {YARDSTICK}")?;
+    writeln!(console, "best of {ROUNDS} rounds, steps of 0.01 s, ratios to {BASELINE}")?;
     let mut problem = "";
     for timed in &results.cases {
         if timed.problem != problem {
@@ -83,7 +83,7 @@ fn print(results: &Results, console: &mut dyn Write) -> Result<(), Error> {
     Ok(())
 }
 
-/// What the machine calls its processor, where it says.
+/// The name of the processor, where it is known.
 fn processor() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));

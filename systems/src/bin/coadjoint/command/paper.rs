@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::error::Error;
 use crate::figures::chosen;
 use crate::output::Format;
-use crate::report::{Finding, Table, grouped};
+use crate::report::{RunSummary, Table, grouped};
 use crate::session::{Plan, Session};
 use coadjoint_systems::simulation::{Job, Method, Order, Retraction};
 
@@ -31,7 +31,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
     }
     console.flush()?;
 
-    let mut findings = Vec::new();
+    let mut summaries = Vec::new();
     let mut written = Vec::new();
     for retraction in Retraction::ALL {
         let job = Job { method: Method::Standard, retraction, order: Order::Two, step: STEP, steps: STEPS };
@@ -51,9 +51,14 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
             return Err(Error::Interrupted);
         }
         let time_per_step = entry.time_per_step(&setup, &job)?;
-        findings.push(Finding { job, report: done.report, ledger: done.ledger, time_per_step });
+        summaries.push(RunSummary {
+            job,
+            report: done.report,
+            conservation: done.conservation,
+            time_per_step,
+        });
     }
-    write!(console, "\n{}\n", Table::new(entry, findings))?;
+    write!(console, "\n{}\n", Table::new(entry, summaries))?;
     for drawing in chosen(&[FIGURE.to_owned()])? {
         let (paths, caption) = drawing.write(&out)?;
         written.extend(paths);

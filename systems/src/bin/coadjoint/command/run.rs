@@ -7,8 +7,8 @@ use crate::cli::{ResumeArguments, RunArguments};
 use crate::config::Config;
 use crate::error::Error;
 use crate::output::{Format, name};
-use crate::report::{Finding, Table};
-use crate::session::{Done, Plan, Session};
+use crate::report::{RunSummary, Table};
+use crate::session::{FinishedRun, Plan, Session};
 use crate::setting;
 use coadjoint_systems::catalogue::Entry;
 use coadjoint_systems::simulation::{Job, Method, Order, Retraction};
@@ -36,7 +36,7 @@ pub(crate) fn view(arguments: &RunArguments, console: &mut dyn Write) -> Result<
     finish(Session::begin(plan, None)?.run()?, None, console)
 }
 
-/// What the arguments and the file they name ask for; the arguments count more.
+/// The plan from the arguments and the configuration file; the arguments take precedence.
 fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error> {
     let file = arguments.config.as_deref();
     let config = file.map(Config::read).transpose()?.unwrap_or_default();
@@ -66,7 +66,7 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
         order = order.or(config.order(path)?);
     }
     setting::apply(entry, &mut setup, &arguments.motion.set)?;
-    let mut notes = setting::settle(entry, &mut setup)?;
+    let mut notes = setting::validate(entry, &mut setup)?;
     let step = arguments.motion.step.or(config.run.step).unwrap_or(entry.step);
     let duration = arguments.motion.duration.or(config.run.duration).unwrap_or(entry.duration);
     let (steps, note) = steps(step, duration)?;
@@ -99,7 +99,7 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
 
 /// How many steps to take, with a note if they do not add up to the duration asked for.
 pub(crate) fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), Error> {
-    /// Beyond this, step numbers are no longer exact in f64, nor is any run ever finished.
+    /// Beyond this, step numbers are no longer exact in f64, and no run would finish.
     const MOST: f64 = 9e15;
 
     if !(step.is_finite() && step != 0.0) {
@@ -126,15 +126,15 @@ pub(crate) fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), E
     Ok((steps as u64, note))
 }
 
-/// Tells how it went.
-fn finish(done: Done, checkpoint: Option<&Path>, console: &mut dyn Write) -> Result<(), Error> {
-    let Done { entry, plan, ledger, report, written, interrupted } = done;
+/// Prints the report.
+fn finish(done: FinishedRun, checkpoint: Option<&Path>, console: &mut dyn Write) -> Result<(), Error> {
+    let FinishedRun { entry, plan, conservation, report, written, interrupted } = done;
     let time_per_step = if interrupted { None } else { entry.time_per_step(&plan.setup, &plan.job)? };
-    let end = ledger.time;
-    let finding = Finding { job: plan.job, report, ledger, time_per_step };
-    let verdict = finding.verdict(entry);
-    write!(console, "{}", Table::new(entry, vec![finding]))?;
-    for line in verdict {
+    let end = conservation.time;
+    let summary = RunSummary { job: plan.job, report, conservation, time_per_step };
+    let conclusions = summary.conclusions(entry);
+    write!(console, "{}", Table::new(entry, vec![summary]))?;
+    for line in conclusions {
         writeln!(console, "{line}")?;
     }
     for path in written {
@@ -145,7 +145,7 @@ fn finish(done: Done, checkpoint: Option<&Path>, console: &mut dyn Write) -> Res
     }
     writeln!(console, "interrupted at {end} s")?;
     if let Some(path) = checkpoint {
-        writeln!(console, "`coadjoint resume {}` goes on", path.display())?;
+        writeln!(console, "`coadjoint resume {}` resumes it", path.display())?;
     }
     Err(Error::Interrupted)
 }
@@ -153,7 +153,7 @@ fn finish(done: Done, checkpoint: Option<&Path>, console: &mut dyn Write) -> Res
 /// `coadjoint init`: a file that describes a run.
 pub(crate) fn init(entry: &Entry, path: &Path, force: bool, console: &mut dyn Write) -> Result<(), Error> {
     if path.exists() && !force {
-        return Err(Error::Input(format!("{} is there already; `--force` replaces it", path.display())));
+        return Err(Error::Input(format!("{} exists already; `--force` replaces it", path.display())));
     }
     crate::output::write_text(path, &crate::config::example(entry))?;
     writeln!(console, "wrote {}; run it with `coadjoint run --config {0}`", path.display())?;

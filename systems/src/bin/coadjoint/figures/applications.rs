@@ -17,12 +17,13 @@ pub(crate) fn identify() -> Result<Figure, Error> {
     let estimates = identification::identify(&samples, Matrix3::from_diagonal_element(2.0))?;
     let [first, .., last] = estimates.as_slice() else { return Err(Failure::Singular.into()) };
     let times: Vec<f64> = samples.iter().map(|(time, _)| *time).collect();
-    let courses = |inertia, momentum| -> Result<Vec<Vec<(f64, f64)>>, Error> {
+    let velocity_series = |inertia, momentum| -> Result<Vec<Vec<(f64, f64)>>, Error> {
         let velocities = identification::predicted(inertia, momentum)?;
-        let course = |axis: usize| times.iter().zip(&velocities).map(|(t, v)| (*t, v[axis])).collect();
-        Ok((0..3).map(course).collect())
+        let trajectory = |axis: usize| times.iter().zip(&velocities).map(|(t, v)| (*t, v[axis])).collect();
+        Ok((0..3).map(trajectory).collect())
     };
-    let (guessed, found) = (courses(first.inertia, first.momentum)?, courses(last.inertia, last.momentum)?);
+    let (guessed, found) =
+        (velocity_series(first.inertia, first.momentum)?, velocity_series(last.inertia, last.momentum)?);
     let mut panels: Vec<Panel> = (0..3)
         .map(|axis| {
             // all of them would hide the lines
@@ -58,7 +59,7 @@ pub(crate) fn identify() -> Result<Figure, Error> {
         caption: vec![format!(
             "{} samples with a noise of {} rad/s. After {} of Gauss and Newton's iterations the inertia tensor is within {} kg m² of \
              the true one, and its entries' own error bars are up to {} kg m²; what is left between samples and motion is {} rad/s. \
-             The derivatives of the motion by the inertia are those of the steps themselves.",
+             The derivatives of the motion with respect to the inertia are those of the steps themselves.",
             samples.len(),
             figures(identification::NOISE),
             estimates.len() - 1,
@@ -87,25 +88,27 @@ pub(crate) fn steer() -> Result<Figure, Error> {
         });
         Series::line(format!("about {}", AXES[axis]), corners.collect())
     };
-    let course = steering::course(&craft, &target, &best.pulses)?;
+    let trajectory = steering::trajectory(&craft, &target, &best.pulses)?;
     let left = |axis: usize| {
         Series::line(
             format!("about {}", AXES[axis]),
-            course.iter().map(|(t, left)| (*t, left[axis])).collect(),
+            trajectory.iter().map(|(t, left)| (*t, left[axis])).collect(),
         )
     };
-    let misses = manoeuvres.iter().enumerate().map(|(k, manoeuvre)| (k as f64, manoeuvre.miss.norm()));
-    let misses = Series { label: "miss".to_owned(), points: misses.collect(), style: Style::Marked };
+    let errors =
+        manoeuvres.iter().enumerate().map(|(k, manoeuvre)| (k as f64, manoeuvre.terminal_error.norm()));
+    let errors =
+        Series { label: "terminal error".to_owned(), points: errors.collect(), style: Style::Marked };
     Ok(Figure {
         title: "Steering: from rest to rest in another attitude with eight pulses of torque".to_owned(),
         caption: vec![format!(
-            "A turn by {} rad in {} s. After {} iterations the end is missed by {}, and to first order no change of the pulses that keeps the end takes \
-             less effort, {} N² m². The derivatives of the end by the pulses are those of the steps themselves, so that the last \
+            "A turn by {} rad in {} s. After {} iterations the terminal error is {}, and to first order no change of the pulses that keeps the end takes \
+             less effort, {} N² m². The derivatives of the end with respect to the pulses are those of the steps themselves, so that the last \
              iterations converge to rounding.",
             format_args!("{:.2}", target.angle()),
             length * best.pulses.len() as f64,
             manoeuvres.len() - 1,
-            figures(best.miss.norm()),
+            figures(best.terminal_error.norm()),
             figures(best.effort()),
         )],
         columns: 3,
@@ -116,22 +119,22 @@ pub(crate) fn steer() -> Result<Figure, Error> {
                 .titled("(a) pulses, body axes"),
             Panel::new(Axis::linear("time, s"), Axis::linear("rad"), (0..3).map(left).collect())
                 .titled("(b) rotation that is left"),
-            Panel::new(Axis::linear("iteration"), Axis::logarithmic("|e|"), vec![misses])
-                .titled("(c) attitude and momentum missed"),
+            Panel::new(Axis::linear("iteration"), Axis::logarithmic("|e|"), vec![errors])
+                .titled("(c) error of attitude and momentum"),
         ],
     })
 }
 
-/// A flight and what a Kalman filter makes of it.
+/// A simulated flight and its estimate by a Kalman filter.
 pub(crate) fn estimate() -> Result<Figure, Error> {
-    let moments = estimation::fly(&Spacecraft::small(), SEED)?;
+    let updates = estimation::simulate(&Spacecraft::small(), SEED)?;
     let panel = |row: usize, label: String| {
         let bar = |sign: f64| -> Vec<(f64, f64)> {
-            moments.iter().map(|m| (m.time, sign * 3.0 * m.covariance[(row, row)].sqrt())).collect()
+            updates.iter().map(|m| (m.time, sign * 3.0 * m.covariance[(row, row)].sqrt())).collect()
         };
-        let error = moments.iter().map(|moment| (moment.time, moment.error[row])).collect();
+        let error = updates.iter().map(|update| (update.time, update.error[row])).collect();
         // by what is so in the end, not by the beginning
-        let height = moments.last().map_or(1.0, |last| 8.0 * last.covariance[(row, row)].sqrt());
+        let height = updates.last().map_or(1.0, |last| 8.0 * last.covariance[(row, row)].sqrt());
         Panel::new(
             Axis::linear("time, s"),
             Axis::linear(label).within(-height, height),
@@ -141,24 +144,24 @@ pub(crate) fn estimate() -> Result<Figure, Error> {
     let mut panels: Vec<Panel> = (0..3).map(|i| panel(i, format!("δ{}, rad", AXES[i]))).collect();
     panels.extend((0..3).map(|i| panel(3 + i, format!("δΠ{}, N m s", AXES[i]))));
     let (mut inside, mut all) = (0, 0);
-    // once the filter has found its way
-    let settled = || moments.iter().filter(|moment| moment.time >= 20.0);
-    for moment in settled() {
+    // once the filter has converged
+    let settled = || updates.iter().filter(|update| update.time >= 20.0);
+    for update in settled() {
         for row in 0..6 {
             all += 1;
-            inside += usize::from(moment.error[row].powi(2) < 9.0 * moment.covariance[(row, row)]);
+            inside += usize::from(update.error[row].powi(2) < 9.0 * update.covariance[(row, row)]);
         }
     }
-    let squares: Vec<f64> = settled().filter_map(estimation::Moment::normalized_square).collect();
+    let squares: Vec<f64> = settled().filter_map(estimation::FilterUpdate::nees).collect();
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
     Ok(Figure {
         title: "Estimation: attitude and momentum from two stars, by an error-state Kalman filter".to_owned(),
         caption: vec![format!(
-            "A look at two stars each second, each with a blur of {}; thrusters push at random with {} N m. Bands: three standard \
+            "Two stars are measured each second, each with a noise of {}; a random torque of {} N m acts. Bands: three standard \
              deviations, as the filter gives them; {} % of the errors are within from 20 s on. The mean of eᵀP⁻¹e over this time is {}, where 6 is \
              what a filter should have that knows how good it is.",
-            figures(estimation::BLUR),
-            figures(estimation::PUSH),
+            figures(estimation::STAR_NOISE),
+            figures(estimation::TORQUE_NOISE),
             format_args!("{:.1}", 100.0 * inside as f64 / all as f64),
             format_args!("{mean:.1}"),
         )],

@@ -3,8 +3,8 @@
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
-use super::track::panel;
-use super::{Course, Track, figures};
+use super::invariant_errors::panel;
+use super::{ErrorSeries, InvariantErrors, figures};
 use crate::error::Error;
 use crate::plot::{Figure, Key};
 use coadjoint_systems::catalogued::Catalogued;
@@ -24,7 +24,7 @@ pub(crate) const STEPS: u64 = 180_000;
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
     /// In this order; of each, the energy first, then the Casimirs.
-    pub(crate) tracks: [Track; 4],
+    pub(crate) runs: [InvariantErrors; 4],
     title: &'static str,
     /// Parameters and start.
     given: &'static str,
@@ -49,7 +49,7 @@ impl Bodies {
         let measured = |y: &Vector3<f64>| [by_hand.energy(y), y.norm_squared()];
         let from = AttitudeState { attitude: start.attitude, y: start.momentum };
         Ok(Self {
-            tracks: [
+            runs: [
                 ours("exponential", Retraction::Exponential, &body, &start, steps, quantities)?,
                 ours("Cayley", Retraction::Cayley, &body, &start, steps, quantities)?,
                 theirs("RK4 on quaternions, projected", Rk4Quaternion, &by_hand, from, steps, measured)?,
@@ -83,7 +83,7 @@ impl Bodies {
         y.fixed_rows_mut::<3>(3).copy_from(&start.gamma);
         let from = AttitudeState { attitude: start.attitude, y };
         Ok(Self {
-            tracks: [
+            runs: [
                 ours("exponential", Retraction::Exponential, &top, &start, steps, quantities)?,
                 ours("Cayley", Retraction::Cayley, &top, &start, steps, quantities)?,
                 theirs("RK4 on quaternions, projected", Rk4Quaternion, &by_hand, from, steps, measured)?,
@@ -104,22 +104,22 @@ impl Bodies {
             (self.steps as f64 * STEP / 450.0 * 100.0).round() / 100.0
         );
         let panels =
-            self.labels.iter().enumerate().map(|(i, label)| panel(&self.tracks, i, &time, label)).collect();
+            self.labels.iter().enumerate().map(|(i, label)| panel(&self.runs, i, &time, label)).collect();
         let span = (0.0, self.steps as f64 * STEP);
         let figure = Figure::over_time(self.title.to_owned(), &time, span, Key::Below, panels);
-        let drift = |course: &Course| {
-            let kept = &course.kept;
-            if kept.drift() > 0.5 {
-                format!("{}, drifting by {}/s", figures(kept.error), figures(kept.slope()))
+        let drift = |series: &ErrorSeries| {
+            let stats = &series.stats;
+            if stats.drift() > 0.5 {
+                format!("{}, drifting by {}/s", figures(stats.error), figures(stats.slope()))
             } else {
-                format!("{}, not drifting", figures(kept.error))
+                format!("{}, not drifting", figures(stats.error))
             }
         };
-        let lines = self.tracks.iter().map(|track| {
-            let energy = track.courses.first().map(drift).unwrap_or_default();
+        let lines = self.runs.iter().map(|run| {
+            let energy = run.invariants.first().map(drift).unwrap_or_default();
             let casimirs: Vec<String> =
-                track.courses.iter().skip(1).map(|course| figures(course.kept.error)).collect();
-            format!("{}: energy error {energy}; Casimir errors {}.", track.method, casimirs.join(" and "))
+                run.invariants.iter().skip(1).map(|series| figures(series.stats.error)).collect();
+            format!("{}: energy error {energy}; Casimir errors {}.", run.method, casimirs.join(" and "))
         });
         let paragraphs = [self.given.to_owned()].into_iter().chain(lines).chain([
             "The steps of order 2 keep the Casimirs to roundoff, and their energy errors do not grow; with the methods of order 4 all \
@@ -139,13 +139,13 @@ fn ours<S: Catalogued, const N: usize>(
     start: &S::State,
     steps: u64,
     quantities: impl Fn(&S, &S::State) -> [f64; N],
-) -> Result<Track, Error> {
-    let mut track = Track::new(name, steps);
+) -> Result<InvariantErrors, Error> {
+    let mut run = InvariantErrors::new(name, steps);
     let scheme = (Method::Standard, retraction, Order::Two);
     each_step(system, start, scheme, (STEP, steps), |index, time, state| {
-        track.push(index, time, quantities(system, state));
+        run.push(index, time, quantities(system, state));
     })?;
-    Ok(track)
+    Ok(run)
 }
 
 /// A run of a classical method.
@@ -156,14 +156,14 @@ fn theirs<I, S, const M: usize, const N: usize>(
     start: AttitudeState<M>,
     steps: u64,
     quantities: impl Fn(&nalgebra::SVector<f64, M>) -> [f64; N],
-) -> Result<Track, Error>
+) -> Result<InvariantErrors, Error>
 where
     I: Integrator<S, AttitudeState<M>>,
     S: OnSo3<M>,
 {
-    let mut track = Track::new(name, steps);
+    let mut run = InvariantErrors::new(name, steps);
     integrate(&method, system, 0.0, start, STEP, steps, |k, time, state| {
-        track.push(k, time, quantities(&state.y));
+        run.push(k, time, quantities(&state.y));
     })?;
-    Ok(track)
+    Ok(run)
 }

@@ -1,4 +1,4 @@
-//! What the paper says of its figures, and what our captions say, as numbers.
+//! The claims of the paper and of our captions about the figures, tested with numbers.
 
 use crate::figures::bodies::{Bodies, STEPS};
 use crate::figures::kepler::Orbits;
@@ -6,12 +6,12 @@ use crate::figures::oscillator::Oscillator;
 use crate::figures::pendulum::Swings;
 use crate::figures::quadrotor::Hover;
 use crate::figures::steps::Steps;
-use crate::figures::work::{Effort, Work};
-use coadjoint_systems::ledger::Kept;
+use crate::figures::work::{Sampling, Work};
+use coadjoint_systems::conservation::DriftStats;
 
-/// Whether a quantity goes on going: by a straight line that makes up most of its range.
-fn drifts(kept: &Kept) -> bool {
-    kept.drift() > 0.7
+/// Whether a quantity drifts: whether a linear trend makes up most of its range.
+fn drifts(stats: &DriftStats) -> bool {
+    stats.drift() > 0.7
 }
 
 /// Figure 1.1: "the explicit Euler method artificially injects energy", by `1 + h²` a step; the implicit one dissipates as much; the
@@ -44,15 +44,15 @@ fn euler_methods_of_the_oscillator() {
 #[test]
 fn kepler_orbits() {
     let Orbits { rk2, verlet } = Orbits::measure().expect("solvable");
-    let energy = &rk2.energy.kept;
+    let energy = &rk2.energy.stats;
     assert!(drifts(energy) && energy.slope() > 1e-3 && energy.error > 0.1, "{energy:?}");
-    assert!(rk2.angular_momentum.kept.error > 5e-3);
-    let energy = &verlet.energy.kept;
+    assert!(rk2.angular_momentum.stats.error > 5e-3);
+    let energy = &verlet.energy.stats;
     assert!(!drifts(energy) && energy.error < 0.03, "{energy:?}");
     // at its farthest it is back to where it was
     assert!(energy.slope().abs() * 30.0 < 1e-3, "{energy:?}");
-    let kept = verlet.angular_momentum.kept.error;
-    assert!(kept < 1e-14, "{kept}");
+    let error = verlet.angular_momentum.stats.error;
+    assert!(error < 1e-14, "{error}");
     // its orbit turns, and stays: neither comes farther out than it began
     let farthest = |path: &[(f64, f64)]| path.iter().fold(0.0_f64, |most, (x, y)| most.max(x.hypot(*y)));
     assert!(farthest(&verlet.path) < 1.001, "{}", farthest(&verlet.path));
@@ -63,15 +63,15 @@ fn kepler_orbits() {
 #[test]
 fn pendulum_with_and_without_projection() {
     let Swings { free, projected, verlet } = Swings::measure().expect("solvable");
-    assert!(drifts(&free.radius.kept) && free.radius.kept.error > 5e-3, "{:?}", free.radius.kept);
-    assert!(projected.radius.kept.error < 1e-15 && verlet.radius.kept.error < 1e-15);
+    assert!(drifts(&free.radius.stats) && free.radius.stats.error > 5e-3, "{:?}", free.radius.stats);
+    assert!(projected.radius.stats.error < 1e-15 && verlet.radius.stats.error < 1e-15);
     for swing in [&free, &projected] {
-        assert!(drifts(&swing.energy.kept), "{}: {:?}", swing.method, swing.energy.kept);
+        assert!(drifts(&swing.energy.stats), "{}: {:?}", swing.method, swing.energy.stats);
     }
-    assert!(projected.energy.kept.slope() > 1e-4);
+    assert!(projected.energy.stats.slope() > 1e-4);
     // projection makes it worse
-    assert!(projected.energy.kept.error > 2.0 * free.energy.kept.error);
-    assert!(!drifts(&verlet.energy.kept) && verlet.energy.kept.error < 2e-3, "{:?}", verlet.energy.kept);
+    assert!(projected.energy.stats.error > 2.0 * free.energy.stats.error);
+    assert!(!drifts(&verlet.energy.stats) && verlet.energy.stats.error < 2e-3, "{:?}", verlet.energy.stats);
 }
 
 /// Figures 6.1 and 6.2: ours preserve the Casimirs and have "excellent long-term energy behavior"; RK4 and RKMK4 "exhibit long-time drift in
@@ -82,33 +82,33 @@ fn bodies_over_thirty_minutes() {
         [("free", Bodies::free(STEPS), 2e-6, 2e-10, 5e-9), ("top", Bodies::top(STEPS), 2e-4, 2e-8, 1e-7)]
     {
         let bodies = bodies.expect("solvable");
-        let [ours @ .., rk4, rkmk4] = &bodies.tracks;
-        for track in ours {
-            let [energy, casimirs @ ..] = &track.courses[..] else { panic!("{name}: no courses") };
-            assert!(energy.kept.drift() < 0.2, "{name}, {}: {:?}", track.method, energy.kept);
+        let [ours @ .., rk4, rkmk4] = &bodies.runs;
+        for run in ours {
+            let [energy, casimirs @ ..] = &run.invariants[..] else { panic!("{name}: no invariants") };
+            assert!(energy.stats.drift() < 0.2, "{name}, {}: {:?}", run.method, energy.stats);
             assert!(
-                (1e-8..order2).contains(&energy.kept.error),
+                (1e-8..order2).contains(&energy.stats.error),
                 "{name}, {}: {:?}",
-                track.method,
-                energy.kept
+                run.method,
+                energy.stats
             );
             for casimir in casimirs {
-                assert!(casimir.kept.error < 5e-13, "{name}, {}: {:?}", track.method, casimir.kept);
+                assert!(casimir.stats.error < 5e-13, "{name}, {}: {:?}", run.method, casimir.stats);
             }
         }
-        for track in [rk4, rkmk4] {
-            let [energy, casimirs @ ..] = &track.courses[..] else { panic!("{name}: no courses") };
-            assert!(drifts(&energy.kept), "{name}, {}: {:?}", track.method, energy.kept);
+        for run in [rk4, rkmk4] {
+            let [energy, casimirs @ ..] = &run.invariants[..] else { panic!("{name}: no invariants") };
+            assert!(drifts(&energy.stats), "{name}, {}: {:?}", run.method, energy.stats);
             // small as it is at this step: smaller than the energy error of order 2
             assert!(
-                (0.1 * energy4..energy4).contains(&energy.kept.error),
+                (0.1 * energy4..energy4).contains(&energy.stats.error),
                 "{name}, {}: {:?}",
-                track.method,
-                energy.kept
+                run.method,
+                energy.stats
             );
             for casimir in casimirs {
-                assert!(drifts(&casimir.kept), "{name}, {}: {:?}", track.method, casimir.kept);
-                assert!((0.1 * casimir4..casimir4).contains(&casimir.kept.error), "{:?}", casimir.kept);
+                assert!(drifts(&casimir.stats), "{name}, {}: {:?}", run.method, casimir.stats);
+                assert!((0.1 * casimir4..casimir4).contains(&casimir.stats.error), "{:?}", casimir.stats);
             }
         }
     }
@@ -118,12 +118,12 @@ fn bodies_over_thirty_minutes() {
 #[test]
 fn quadrotor_over_thirty_minutes() {
     let hover = Hover::measure(STEPS).expect("solvable");
-    for track in &hover.tracks {
-        let [in_space, length, on_group] = [0, 1, 2].map(|i| track.courses[i].kept.error);
+    for run in &hover.runs {
+        let [in_space, length, on_group] = [0, 1, 2].map(|i| run.invariants[i].stats.error);
         assert!(
             in_space < 1e-12 && length < 5e-13 && on_group < 1e-15,
             "{}: {in_space} {length} {on_group}",
-            track.method
+            run.method
         );
     }
 }
@@ -131,8 +131,8 @@ fn quadrotor_over_thirty_minutes() {
 /// The errors of ours fall with their orders down to roundoff, and the Casimir is roundoff whatever the step.
 #[test]
 fn work_and_precision() {
-    let effort = Effort { most: 1 << 12, reference: 1 << 11, repetitions: 1 };
-    let work = Work::measure(&effort).expect("solvable");
+    let sampling = Sampling { most: 1 << 12, reference: 1 << 11, repetitions: 1 };
+    let work = Work::measure(&sampling).expect("solvable");
     let error = |name: &str, steps: u64| {
         let method = work.methods.iter().find(|method| method.name == name).expect(name);
         method.costs.iter().find(|cost| cost.steps == steps).expect(name).trajectory
@@ -168,24 +168,20 @@ fn work_and_precision() {
 fn large_steps_for_long_times() {
     let long = Steps::measure(2_000.0).expect("no run fails this");
     for method in &long.methods[..3] {
-        assert!(method.attempts.len() > 12, "{} breaks early", method.name);
-        for attempt in &method.attempts {
-            assert!(attempt.casimir.error < 1e-12, "{} {attempt:?}", method.name);
-            if attempt.step < 0.5 {
-                assert!(attempt.energy.drift() < 0.3, "{} {attempt:?}", method.name);
+        assert!(method.trials.len() > 12, "{} breaks early", method.name);
+        for trial in &method.trials {
+            assert!(trial.casimir.error < 1e-12, "{} {trial:?}", method.name);
+            if trial.step < 0.5 {
+                assert!(trial.energy.drift() < 0.3, "{} {trial:?}", method.name);
             }
         }
     }
     for method in &long.methods[3..] {
         let growth = method.growth();
         assert!((growth - 5.0).abs() < 0.5, "{}: {growth}", method.name);
-        for attempt in method.attempts.iter().filter(|attempt| attempt.step < 0.1) {
+        for trial in method.trials.iter().filter(|trial| trial.step < 0.1) {
             // the motion is not regular, nor is the drift
-            assert!(
-                attempt.energy.drift() > 0.4 && attempt.casimir.error > 1e-9,
-                "{} {attempt:?}",
-                method.name
-            );
+            assert!(trial.energy.drift() > 0.4 && trial.casimir.error > 1e-9, "{} {trial:?}", method.name);
         }
     }
     let [exponential, _, fourth, rk4, _] = &long.methods[..] else { panic!("five methods") };

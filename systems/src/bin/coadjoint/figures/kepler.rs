@@ -3,7 +3,7 @@
 use coadjoint::prelude::*;
 use nalgebra::Vector4;
 
-use super::{Course, figures};
+use super::{ErrorSeries, figures};
 use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{Rk2, integrate};
@@ -23,14 +23,14 @@ pub(crate) struct Orbit {
     /// Positions in the plane.
     pub(crate) path: Vec<(f64, f64)>,
     /// `½|p|² − 1/|q|`.
-    pub(crate) energy: Course,
+    pub(crate) energy: ErrorSeries,
     /// `q₁p₂ − q₂p₁`.
-    pub(crate) angular_momentum: Course,
+    pub(crate) angular_momentum: ErrorSeries,
 }
 
 impl Orbit {
     fn new(method: &str) -> Self {
-        let [energy, angular_momentum] = invariants(&START).map(|value| Course::new(value, STEPS + 1));
+        let [energy, angular_momentum] = invariants(&START).map(|value| ErrorSeries::new(value, STEPS + 1));
         Self { method: method.to_owned(), path: Vec::new(), energy, angular_momentum }
     }
 
@@ -96,8 +96,8 @@ impl Orbits {
         let exact = Series { label: "exact".to_owned(), points: ellipse.collect(), style: Style::Reference };
         let path = |orbit: &Orbit| Series::line(&orbit.method, orbit.path.clone());
         let plane: Vec<Series> = [exact].into_iter().chain(orbits.iter().map(|orbit| path(orbit))).collect();
-        let errors = |course: fn(&Orbit) -> &Course| -> Vec<Series> {
-            orbits.iter().map(|orbit| Series::line(&orbit.method, course(orbit).upper())).collect()
+        let errors = |series: fn(&Orbit) -> &ErrorSeries| -> Vec<Series> {
+            orbits.iter().map(|orbit| Series::line(&orbit.method, series(orbit).upper())).collect()
         };
         let (rk2, verlet) = (&self.rk2, &self.verlet);
         Figure {
@@ -106,10 +106,10 @@ impl Orbits {
                 "After {STEPS} steps RK2 has an energy error of {} and an error of the angular momentum of {}, both still growing. \
                  Störmer–Verlet's energy error comes to {} at every passage close to the centre, and goes back each time; its angular \
                  momentum is kept to {}, which is roundoff. Its orbit turns slowly, and stays closed.",
-                figures(rk2.energy.kept.error),
-                figures(rk2.angular_momentum.kept.error),
-                figures(verlet.energy.kept.error),
-                figures(verlet.angular_momentum.kept.error),
+                figures(rk2.energy.stats.error),
+                figures(rk2.angular_momentum.stats.error),
+                figures(verlet.energy.stats.error),
+                figures(verlet.angular_momentum.stats.error),
             )],
             columns: 3,
             cell: (460.0, 400.0),

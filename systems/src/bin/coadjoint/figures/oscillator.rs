@@ -14,7 +14,7 @@ pub(crate) const STEP: f64 = 0.1;
 /// How many.
 pub(crate) const STEPS: u64 = 50;
 
-/// The course of one method: position and momentum at every step.
+/// The trajectory of one method: position and momentum at every step.
 #[derive(Clone, Debug)]
 pub(crate) struct Orbit {
     /// The method's name.

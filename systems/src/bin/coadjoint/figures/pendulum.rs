@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Course, figures};
+use super::{ErrorSeries, figures};
 use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{Integrator, Projected, Rk2, integrate, unit_leading};
@@ -16,7 +16,7 @@ pub(crate) const STEPS: u64 = 1000;
 /// Steps of one swing to and fro.
 const SWING: usize = 68;
 
-/// The course of one method.
+/// The trajectory of one method.
 #[derive(Clone, Debug)]
 pub(crate) struct Swing {
     /// The method's name.
@@ -24,9 +24,9 @@ pub(crate) struct Swing {
     /// Angle and momentum.
     pub(crate) path: Vec<(f64, f64)>,
     /// `½p² − x`, (1.19).
-    pub(crate) energy: Course,
+    pub(crate) energy: ErrorSeries,
     /// `√(x² + y²)`, which is 1 on the cylinder.
-    pub(crate) radius: Course,
+    pub(crate) radius: ErrorSeries,
 }
 
 /// The runs: `ml² = mgl = 1`, from `θ = 1`, `p = 0`.
@@ -48,8 +48,8 @@ impl Swing {
         Self {
             method: method.to_owned(),
             path: Vec::new(),
-            energy: Course::new(energy(&start), STEPS + 1),
-            radius: Course::new(1.0, STEPS + 1),
+            energy: ErrorSeries::new(energy(&start), STEPS + 1),
+            radius: ErrorSeries::new(1.0, STEPS + 1),
         }
     }
 
@@ -119,19 +119,19 @@ impl Swings {
             style: Style::Marked,
         };
         let plane = [exact].into_iter().chain(swings.iter().map(|swing| path(swing))).collect();
-        let errors = |course: fn(&Swing) -> &Course| -> Vec<Series> {
-            swings.iter().map(|swing| Series::line(&swing.method, course(swing).upper())).collect()
+        let errors = |series: fn(&Swing) -> &ErrorSeries| -> Vec<Series> {
+            swings.iter().map(|swing| Series::line(&swing.method, series(swing).upper())).collect()
         };
-        let [free, projected, verlet] = swings.map(|swing| swing.energy.kept.error);
+        let [free, projected, verlet] = swings.map(|swing| swing.energy.stats.error);
         Figure {
             title: "1.3  Planar pendulum, ml² = mgl = 1, h = 0.1, from θ = 1, p = 0".to_owned(),
             caption: vec![format!(
                 "After {STEPS} steps RK2 is off the cylinder by {} and has an energy error of {}; with projection it is on the \
                  cylinder to {}, and its energy error is {}: projection keeps the constraint, and not the energy, which grows with \
                  either. Störmer–Verlet on the circle itself needs no projection, and its energy error stays below {}.",
-                figures(self.free.radius.kept.error),
+                figures(self.free.radius.stats.error),
                 figures(free),
-                figures(self.projected.radius.kept.error),
+                figures(self.projected.radius.stats.error),
                 figures(projected),
                 figures(verlet),
             )],

@@ -3,8 +3,8 @@
 use coadjoint::prelude::*;
 
 use super::bodies::STEP;
-use super::track::panel;
-use super::{Track, figures};
+use super::invariant_errors::panel;
+use super::{InvariantErrors, figures};
 use crate::error::Error;
 use crate::plot::{Axis, Envelope, Figure, Key, Panel, Series};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorState};
@@ -15,7 +15,7 @@ use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 #[derive(Clone, Debug)]
 pub(crate) struct Hover {
     /// Exponential and Cayley; of each `|R Π − R₀ Π₀|`, `|Π|` and `|q|`, the length of the attitude's quaternion.
-    pub(crate) tracks: [Track; 2],
+    pub(crate) runs: [InvariantErrors; 2],
     /// How the height goes, of each.
     heights: [Vec<(f64, f64)>; 2],
     steps: u64,
@@ -29,7 +29,7 @@ impl Hover {
     pub(crate) fn measure(steps: u64) -> Result<Self, Error> {
         let (exponential, first) = run("exponential", Retraction::Exponential, steps)?;
         let (cayley, second) = run("Cayley", Retraction::Cayley, steps)?;
-        Ok(Self { tracks: [exponential, cayley], heights: [first, second], steps })
+        Ok(Self { runs: [exponential, cayley], heights: [first, second], steps })
     }
 
     /// The errors over time, and the height.
@@ -38,23 +38,23 @@ impl Hover {
         let mut panels: Vec<Panel> = ["|RΠ − R₀Π₀|, kg m²/s", "| |Π| − |Π₀| |, kg m²/s", "| |q| − 1 |"]
             .into_iter()
             .enumerate()
-            .map(|(i, label)| panel(&self.tracks, i, time, label))
+            .map(|(i, label)| panel(&self.runs, i, time, label))
             .collect();
-        let heights = self.tracks.iter().zip(&self.heights);
+        let heights = self.runs.iter().zip(&self.heights);
         panels.push(Panel::new(
             Axis::linear(time),
             Axis::linear("height, m"),
-            heights.map(|(track, height)| Series::line(&track.method, height.clone())).collect(),
+            heights.map(|(run, height)| Series::line(&run.method, height.clone())).collect(),
         ));
         let title = "6.3  Quadrotor with the thrust of hover for 30 minutes";
         let given = "I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, p₀ = 0, q₀ = (0, 0, 1) m, h = 0.01 s; mass and gravity, \
                      which the paper leaves open, are 1 kg and 9.81 m/s²; thrust mg along the third body axis, no moment.";
-        let caption = self.tracks.iter().map(|track| {
+        let caption = self.runs.iter().map(|run| {
             let errors: Vec<String> =
-                track.courses.iter().map(|course| figures(course.kept.error)).collect();
+                run.invariants.iter().map(|series| figures(series.stats.error)).collect();
             format!(
                 "{}: the angular momentum in space is kept to {} kg m²/s and its length to {} kg m²/s, the attitude is on its group to {}.",
-                track.method,
+                run.method,
                 errors.first().map_or("", String::as_str),
                 errors.get(1).map_or("", String::as_str),
                 errors.get(2).map_or("", String::as_str),
@@ -72,12 +72,12 @@ impl Hover {
     }
 }
 
-fn run(name: &str, retraction: Retraction, steps: u64) -> Result<(Track, Vec<(f64, f64)>), Error> {
+fn run(name: &str, retraction: Retraction, steps: u64) -> Result<(InvariantErrors, Vec<(f64, f64)>), Error> {
     let quadrotor = Quadrotor { inertia: vector![1.0, 10.0, 100.0], mass: 1.0, gravity: 9.81 };
     let start = QuadrotorState { attitude_momentum: vector![1.0, 1.0, 1.0], ..Quadrotor::at_rest(1.0) };
     let in_space = |state: &QuadrotorState| state.attitude * state.attitude_momentum;
     let initially = in_space(&start);
-    let mut track = Track::new(name, steps);
+    let mut run = InvariantErrors::new(name, steps);
     let mut height = Envelope::new(steps + 1, 450);
     // its own control law is that of hover
     let scheme = (Method::Standard, retraction, Order::Two);
@@ -85,8 +85,8 @@ fn run(name: &str, retraction: Retraction, steps: u64) -> Result<(Track, Vec<(f6
         let QuadrotorState { attitude, attitude_momentum, position, .. } = state;
         let turned = (in_space(state) - initially).norm();
         let length = attitude.quaternion().norm();
-        track.push(index, time, [turned, attitude_momentum.norm(), length]);
+        run.push(index, time, [turned, attitude_momentum.norm(), length]);
         height.push(index, time, position.z);
     })?;
-    Ok((track, height.both()))
+    Ok((run, height.both()))
 }

@@ -1,10 +1,10 @@
-//! Large steps for long times: what each method still keeps, up to where it breaks.
+//! Large steps for long times: the errors of each method, up to the step at which it fails.
 
 use super::work::{body, invariants, top};
 use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
-use coadjoint_systems::ledger::Kept;
+use coadjoint_systems::conservation::DriftStats;
 use coadjoint_systems::simulation::{self, Order, Retraction, each_step};
 
 /// How long the motion is followed, s: some six hundred of the top's swings.
@@ -13,18 +13,18 @@ pub(crate) const DURATION: f64 = 5_000.0;
 const SMALLEST: f64 = 0.02;
 /// Neighbouring steps' ratio.
 const RATIO: f64 = 1.25;
-/// Beyond this no method is of any use.
+/// No method is useful with larger steps.
 const LARGEST: f64 = 3.0;
 
 /// One run with one step.
 #[derive(Clone, Debug)]
-pub(crate) struct Attempt {
+pub(crate) struct Trial {
     /// The step, s.
     pub(crate) step: f64,
-    /// How the energy went.
-    pub(crate) energy: Kept,
-    /// How `Π·Γ` went.
-    pub(crate) casimir: Kept,
+    /// The drift of the energy.
+    pub(crate) energy: DriftStats,
+    /// The drift of `Π·Γ`.
+    pub(crate) casimir: DriftStats,
 }
 
 /// One method, with ever larger steps.
@@ -32,8 +32,8 @@ pub(crate) struct Attempt {
 pub(crate) struct Method {
     /// Its name.
     pub(crate) name: String,
-    /// The runs that came to their end.
-    pub(crate) attempts: Vec<Attempt>,
+    /// The runs that succeeded.
+    pub(crate) trials: Vec<Trial>,
     /// The first step with which a run did not: the equation could not be solved, or the state was not finite.
     pub(crate) breaks: Option<f64>,
 }
@@ -49,7 +49,7 @@ pub(crate) struct Steps {
 impl Method {
     /// The power of the step with which the energy error grows, over the smallest steps.
     pub(crate) fn growth(&self) -> f64 {
-        match self.attempts.get(..6) {
+        match self.trials.get(..6) {
             Some([first, .., last]) => {
                 (last.energy.error / first.energy.error).ln() / (last.step / first.step).ln()
             }
@@ -59,7 +59,7 @@ impl Method {
 
     /// The step from which on this method's energy error is smaller than the other's.
     pub(crate) fn better_from(&self, other: &Method) -> Option<f64> {
-        let pairs = self.attempts.iter().zip(&other.attempts);
+        let pairs = self.trials.iter().zip(&other.trials);
         let worse = pairs.clone().rfind(|(ours, theirs)| ours.energy.error >= theirs.energy.error);
         let mut better = pairs.filter(|(ours, _)| worse.is_none_or(|(worse, _)| ours.step > worse.step));
         better.next().map(|(ours, _)| ours.step)
@@ -86,10 +86,10 @@ impl Steps {
 
     /// Largest errors against the step.
     pub(crate) fn figure(&self) -> Figure {
-        let panel = |title: &str, label: &str, error: fn(&Attempt) -> f64| {
+        let panel = |title: &str, label: &str, error: fn(&Trial) -> f64| {
             let series = self.methods.iter().map(|method| Series {
                 label: method.name.clone(),
-                points: method.attempts.iter().map(|attempt| (attempt.step, error(attempt))).collect(),
+                points: method.trials.iter().map(|trial| (trial.step, error(trial))).collect(),
                 style: if method.name == "RKMK4" { Style::DashedMarked } else { Style::Marked },
             });
             let horizontal = Axis::logarithmic("step h, s").within(SMALLEST, LARGEST);
@@ -124,19 +124,19 @@ impl Steps {
             cell: (600.0, 440.0),
             key: Key::Below,
             panels: vec![
-                panel("(a) energy", "largest |H − H₀|, J", |attempt| attempt.energy.error),
-                panel("(b) Casimir", "largest |Π·Γ − Π₀·Γ₀|, kg m²/s", |attempt| attempt.casimir.error),
+                panel("(a) energy", "largest |H − H₀|, J", |trial| trial.energy.error),
+                panel("(b) Casimir", "largest |Π·Γ − Π₀·Γ₀|, kg m²/s", |trial| trial.casimir.error),
             ],
         }
     }
 }
 
-fn method(name: &str, run: impl Fn(f64) -> Option<(Kept, Kept)>) -> Method {
-    let mut method = Method { name: name.to_owned(), attempts: Vec::new(), breaks: None };
+fn method(name: &str, run: impl Fn(f64) -> Option<(DriftStats, DriftStats)>) -> Method {
+    let mut method = Method { name: name.to_owned(), trials: Vec::new(), breaks: None };
     let steps = (0..).map(|k| SMALLEST * RATIO.powi(k)).take_while(|&step| step <= LARGEST);
     for step in steps {
         match run(step) {
-            Some((energy, casimir)) => method.attempts.push(Attempt { step, energy, casimir }),
+            Some((energy, casimir)) => method.trials.push(Trial { step, energy, casimir }),
             None => {
                 method.breaks.get_or_insert(step);
             }
@@ -150,10 +150,10 @@ fn count(step: f64, duration: f64) -> u64 {
     (duration / step).round() as u64
 }
 
-fn ours(retraction: Retraction, order: Order, step: f64, duration: f64) -> Option<(Kept, Kept)> {
+fn ours(retraction: Retraction, order: Order, step: f64, duration: f64) -> Option<(DriftStats, DriftStats)> {
     let (top, start) = top();
     let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
-    let [mut energy, mut casimir] = invariants(&by_hand, &body(&start)).map(Kept::new);
+    let [mut energy, mut casimir] = invariants(&by_hand, &body(&start)).map(DriftStats::new);
     let scheme = (simulation::Method::Standard, retraction, order);
     let run = each_step(&top, &start, scheme, (step, count(step, duration)), |_, time, state| {
         let now = invariants(&by_hand, &body(state));
@@ -163,14 +163,14 @@ fn ours(retraction: Retraction, order: Order, step: f64, duration: f64) -> Optio
     run.ok().map(|_| (energy, casimir))
 }
 
-fn classical<I>(method: &I, step: f64, duration: f64) -> Option<(Kept, Kept)>
+fn classical<I>(method: &I, step: f64, duration: f64) -> Option<(DriftStats, DriftStats)>
 where
     I: Integrator<bodies::HeavyTop, AttitudeState<6>>,
 {
     let (top, start) = top();
     let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
     let from = AttitudeState { attitude: start.attitude, y: body(&start) };
-    let [mut energy, mut casimir] = invariants(&by_hand, &from.y).map(Kept::new);
+    let [mut energy, mut casimir] = invariants(&by_hand, &from.y).map(DriftStats::new);
     let run = integrate(method, &by_hand, 0.0, from, step, count(step, duration), |_, time, state| {
         let now = invariants(&by_hand, &state.y);
         energy.push(time, now[0]);

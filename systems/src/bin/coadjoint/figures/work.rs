@@ -1,4 +1,4 @@
-//! What accuracy costs: errors against the time of computation, for our methods of orders 2 to 10 and for the classical ones.
+//! Work–precision diagrams: errors against the time of computation, for our methods of orders 2 to 10 and for the classical ones.
 
 use std::time::Instant;
 
@@ -15,9 +15,9 @@ use coadjoint_systems::simulation::{self, Order, Retraction, SimulationError, ea
 /// How long the motion is followed, s.
 pub(crate) const DURATION: f64 = 20.0;
 
-/// How much is measured.
+/// The extent of the measurement.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Effort {
+pub(crate) struct Sampling {
     /// The most steps of a run.
     pub(crate) most: u64,
     /// Steps of the run that counts as exact, with order 10.
@@ -26,8 +26,8 @@ pub(crate) struct Effort {
     pub(crate) repetitions: u32,
 }
 
-impl Effort {
-    /// As it is drawn.
+impl Sampling {
+    /// For the figure.
     pub(crate) const FULL: Self = Self { most: 1 << 18, reference: 1 << 13, repetitions: 5 };
 }
 
@@ -91,63 +91,85 @@ fn coordinates(attitude: &UnitQuaternion<f64>, y: &Vector6<f64>) -> ([f64; 9], V
     (entries, *y)
 }
 
-/// Sees `(Π, Γ)` at every step.
-type See<'a> = dyn FnMut(&Vector6<f64>) + 'a;
+/// Observes `(Π, Γ)` at every step.
+type Observe<'a> = dyn FnMut(&Vector6<f64>) + 'a;
 
 /// A method's run: from the start with so many steps to the end.
-type March<'a> = dyn Fn(u64, Option<&mut See<'_>>) -> Option<AttitudeState<6>> + 'a;
+type Integrate<'a> = dyn Fn(u64, Option<&mut Observe<'_>>) -> Option<AttitudeState<6>> + 'a;
 
 impl Work {
     /// Makes the runs.
     ///
     /// # Errors
     /// If a step of the run that counts as exact cannot be taken.
-    pub(crate) fn measure(effort: &Effort) -> Result<Self, Error> {
+    pub(crate) fn measure(sampling: &Sampling) -> Result<Self, Error> {
         let (top, start) = top();
-        let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
+        let classical_top = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
         let from = AttitudeState { attitude: start.attitude, y: body(&start) };
         let exact = {
-            let end = march(&top, start, (Retraction::Exponential, Order::Ten), effort.reference, None)?;
+            let end = integrate_to_end(
+                &top,
+                start,
+                (Retraction::Exponential, Order::Ten),
+                sampling.reference,
+                None,
+            )?;
             coordinates(&end.attitude, &end.y)
         };
-        let ours: [(&str, Box<March<'_>>); 7] = [
+        let ours: [(&str, Box<Integrate<'_>>); 7] = [
             (
                 "exponential, order 2",
-                Box::new(|n, see| march(&top, start, (Retraction::Exponential, Order::Two), n, see).ok()),
+                Box::new(|n, observe| {
+                    integrate_to_end(&top, start, (Retraction::Exponential, Order::Two), n, observe).ok()
+                }),
             ),
             (
                 "Cayley, order 2",
-                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Two), n, see).ok()),
+                Box::new(|n, observe| {
+                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Two), n, observe).ok()
+                }),
             ),
             (
                 "Cayley, order 4",
-                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Four), n, see).ok()),
+                Box::new(|n, observe| {
+                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Four), n, observe).ok()
+                }),
             ),
             (
                 "Cayley, order 6",
-                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Six), n, see).ok()),
+                Box::new(|n, observe| {
+                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Six), n, observe).ok()
+                }),
             ),
             (
                 "Cayley, order 8",
-                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Eight), n, see).ok()),
+                Box::new(|n, observe| {
+                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Eight), n, observe).ok()
+                }),
             ),
             (
                 "Cayley, order 10",
-                Box::new(|n, see| march(&top, start, (Retraction::Cayley, Order::Ten), n, see).ok()),
+                Box::new(|n, observe| {
+                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Ten), n, observe).ok()
+                }),
             ),
             (
                 "RK4 on quaternions, projected",
-                Box::new(|n, see| classical(&Rk4Quaternion, &by_hand, from, n, see)),
+                Box::new(|n, observe| classical(&Rk4Quaternion, &classical_top, from, n, observe)),
             ),
         ];
-        let rkmk: Box<March<'_>> = Box::new(|n, see| classical(&Rkmk4, &by_hand, from, n, see));
-        let methods = ours.iter().map(|(name, march)| (*name, march)).chain([("RKMK4", &rkmk)]);
-        let methods = methods.map(|(name, march)| Method {
+        let rkmk: Box<Integrate<'_>> =
+            Box::new(|n, observe| classical(&Rkmk4, &classical_top, from, n, observe));
+        let methods =
+            ours.iter().map(|(name, integrate_to_end)| (*name, integrate_to_end)).chain([("RKMK4", &rkmk)]);
+        let methods = methods.map(|(name, integrate_to_end)| Method {
             name: name.to_owned(),
             costs: (6..)
                 .map(|k| 1_u64 << k)
-                .take_while(|&steps| steps <= effort.most)
-                .filter_map(|steps| cost(march.as_ref(), steps, effort.repetitions, &by_hand, &exact))
+                .take_while(|&steps| steps <= sampling.most)
+                .filter_map(|steps| {
+                    cost(integrate_to_end.as_ref(), steps, sampling.repetitions, &classical_top, &exact)
+                })
                 .collect(),
         });
         Ok(Self { methods: methods.collect() })
@@ -224,7 +246,7 @@ pub(crate) fn cheapest(methods: &[Method], error: f64) -> Option<(&str, f64)> {
 }
 
 fn cost(
-    march: &March<'_>,
+    integrate_to_end: &Integrate<'_>,
     steps: u64,
     repetitions: u32,
     top: &bodies::HeavyTop,
@@ -232,12 +254,12 @@ fn cost(
 ) -> Option<Cost> {
     let mut initial: Option<[f64; 2]> = None;
     let mut errors = [0.0_f64; 2];
-    let mut see = |y: &Vector6<f64>| {
+    let mut observe = |y: &Vector6<f64>| {
         let now = invariants(top, y);
         let initial = initial.get_or_insert(now);
         errors = std::array::from_fn(|i| errors[i].max((now[i] - initial[i]).abs()));
     };
-    let end = march(steps, Some(&mut see))?;
+    let end = integrate_to_end(steps, Some(&mut observe))?;
     let (attitude, y) = coordinates(&end.attitude, &end.y);
     let turned = attitude.iter().zip(&exact.0).map(|(is, should)| (is - should).powi(2)).sum::<f64>();
     let size = 3.0 + exact.1.norm_squared();
@@ -245,7 +267,7 @@ fn cost(
     let mut time = f64::INFINITY;
     for _ in 0..repetitions {
         let start = Instant::now();
-        std::hint::black_box(march(steps, None));
+        std::hint::black_box(integrate_to_end(steps, None));
         time = time.min(start.elapsed().as_secs_f64());
     }
     Some(Cost {
@@ -258,21 +280,21 @@ fn cost(
     })
 }
 
-fn march(
+fn integrate_to_end(
     top: &HeavyTop,
     start: HeavyTopState,
     (retraction, order): (Retraction, Order),
     steps: u64,
-    see: Option<&mut See<'_>>,
+    observe: Option<&mut Observe<'_>>,
 ) -> Result<AttitudeState<6>, Error> {
     let (scheme, step) = ((simulation::Method::Standard, retraction, order), DURATION / steps as f64);
     let mut end = start;
-    match see {
-        Some(see) => each_step(top, &start, scheme, (step, steps), |_, _, state| {
-            see(&body(state));
+    match observe {
+        Some(observe) => each_step(top, &start, scheme, (step, steps), |_, _, state| {
+            observe(&body(state));
             end = *state;
         })?,
-        // as users take steps that nobody has to see
+        // as users take steps that nobody has to observe
         None => {
             let scheme = simulation::scheme(scheme.0, scheme.1, scheme.2)?;
             let mut stepper = erased::Stepper::new(top, &scheme, step).map_err(SimulationError::from)?;
@@ -289,11 +311,11 @@ fn classical<I: Timed<bodies::HeavyTop, AttitudeState<6>>>(
     top: &bodies::HeavyTop,
     start: AttitudeState<6>,
     steps: u64,
-    see: Option<&mut See<'_>>,
+    observe: Option<&mut Observe<'_>>,
 ) -> Option<AttitudeState<6>> {
     let step = DURATION / steps as f64;
-    match see {
-        Some(see) => integrate(method, top, 0.0, start, step, steps, |_, _, state| see(&state.y)),
+    match observe {
+        Some(observe) => integrate(method, top, 0.0, start, step, steps, |_, _, state| observe(&state.y)),
         None => method.run(top, start, step, steps),
     }
     .ok()

@@ -3,17 +3,17 @@
 use std::fmt::Write as _;
 use std::io;
 
-use super::{WholeFile, Write};
+use super::{AtomicFile, Write};
 use coadjoint_systems::catalogue::Entry;
-use coadjoint_systems::ledger::Ledger;
+use coadjoint_systems::conservation::ConservationReport;
 
 pub(super) struct Csv {
-    writer: csv::Writer<WholeFile>,
+    writer: csv::Writer<AtomicFile>,
     field: String,
 }
 
 impl Csv {
-    pub(super) fn new(file: WholeFile, entry: &Entry) -> io::Result<Self> {
+    pub(super) fn new(file: AtomicFile, entry: &Entry) -> io::Result<Self> {
         let mut writer = csv::Writer::from_writer(file);
         writer.write_record(entry.columns())?;
         Ok(Self { writer, field: String::new() })
@@ -35,7 +35,7 @@ impl Write for Csv {
         Ok(self.writer.write_record(None::<&[u8]>)?)
     }
 
-    fn finish(self: Box<Self>, _: &Ledger) -> io::Result<()> {
+    fn finish(self: Box<Self>, _: &ConservationReport) -> io::Result<()> {
         self.writer.into_inner().map_err(|error| error.into_error())?.finish()
     }
 }

@@ -14,21 +14,21 @@ use std::io::{self, Write as _};
 
 use serde_json::{Value, json};
 
-use super::{WholeFile, Write};
+use super::{AtomicFile, Write};
 use crate::setting::laid_out;
 use coadjoint_systems::catalogue::Entry;
-use coadjoint_systems::ledger::Ledger;
+use coadjoint_systems::conservation::ConservationReport;
 use coadjoint_systems::simulation::{Job, Setup};
 
 pub(super) struct Json {
-    file: WholeFile,
+    file: AtomicFile,
     entry: &'static Entry,
     rows: u64,
 }
 
 impl Json {
     pub(super) fn new(
-        mut file: WholeFile,
+        mut file: AtomicFile,
         entry: &'static Entry,
         setup: &Setup,
         job: &Job,
@@ -43,7 +43,7 @@ impl Json {
     }
 }
 
-/// What a run is, by name.
+/// The properties of a run, by name.
 pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> [(&'static str, Value); 6] {
     [
         ("system", json!(entry.name)),
@@ -55,15 +55,16 @@ pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> [(&'static str, Va
     ]
 }
 
-/// What a run found of the invariants.
-pub(super) fn invariants(entry: &Entry, ledger: &Ledger) -> Value {
-    let energy = entry.description.autonomous.then_some(("energy", &ledger.energy));
-    let casimirs = entry.description.casimirs.iter().copied().zip(&ledger.casimirs);
-    let courses = energy.into_iter().chain(casimirs).map(|(name, kept)| {
-        let course = json!({ "initial": kept.initial, "largest_error": kept.error, "slope": kept.slope() });
-        (name.to_owned(), course)
+/// The conservation of the invariants.
+pub(super) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Value {
+    let energy = entry.description.autonomous.then_some(("energy", &conservation.energy));
+    let casimirs = entry.description.casimirs.iter().copied().zip(&conservation.casimirs);
+    let invariants = energy.into_iter().chain(casimirs).map(|(name, stats)| {
+        let stats_json =
+            json!({ "initial": stats.initial, "largest_error": stats.error, "slope": stats.slope() });
+        (name.to_owned(), stats_json)
     });
-    Value::Object(courses.collect())
+    Value::Object(invariants.collect())
 }
 
 fn parameters(entry: &Entry, setup: &Setup) -> Value {
@@ -84,8 +85,8 @@ impl Write for Json {
         Ok(serde_json::to_writer(&mut self.file, row)?)
     }
 
-    fn finish(mut self: Box<Self>, ledger: &Ledger) -> io::Result<()> {
-        let invariants = invariants(self.entry, ledger);
+    fn finish(mut self: Box<Self>, conservation: &ConservationReport) -> io::Result<()> {
+        let invariants = invariants(self.entry, conservation);
         writeln!(self.file, "\n  ],\n  \"invariants\": {invariants}\n}}")?;
         self.file.finish()
     }

@@ -13,22 +13,22 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::json::{invariants, run};
-use super::{WholeFile, Write};
+use super::{AtomicFile, Write};
 use coadjoint_systems::catalogue::Entry;
-use coadjoint_systems::ledger::Ledger;
+use coadjoint_systems::conservation::ConservationReport;
 use coadjoint_systems::simulation::{Job, Setup};
 
 /// Rows that are kept in memory before they are written.
 const GROUP: usize = 1 << 14;
 
 pub(super) struct Parquet {
-    writer: SerializedFileWriter<WholeFile>,
+    writer: SerializedFileWriter<AtomicFile>,
     entry: &'static Entry,
     columns: Vec<Vec<f64>>,
 }
 
 impl Parquet {
-    pub(super) fn new(file: WholeFile, entry: &'static Entry, setup: &Setup, job: &Job) -> io::Result<Self> {
+    pub(super) fn new(file: AtomicFile, entry: &'static Entry, setup: &Setup, job: &Job) -> io::Result<Self> {
         let names = entry.columns();
         let writer = || -> Result<_, ParquetError> {
             let fields = names.iter().map(|name| {
@@ -73,17 +73,17 @@ impl Write for Parquet {
         }
     }
 
-    fn finish(mut self: Box<Self>, ledger: &Ledger) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, conservation: &ConservationReport) -> io::Result<()> {
         if self.columns.iter().any(|column| !column.is_empty()) {
             self.write_group().map_err(cause)?;
         }
-        let invariants = invariants(self.entry, ledger).to_string();
+        let invariants = invariants(self.entry, conservation).to_string();
         self.writer.append_key_value_metadata(KeyValue::new("invariants".to_owned(), invariants));
         self.writer.into_inner().map_err(cause)?.finish()
     }
 }
 
-/// What the disk said, where it was the disk.
+/// The error of the disk, where it was the disk's.
 fn cause(error: ParquetError) -> io::Error {
     match error {
         ParquetError::External(source) => match source.downcast::<io::Error>() {

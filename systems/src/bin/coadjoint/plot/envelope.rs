@@ -1,53 +1,53 @@
-//! Long courses, thinned so that what is drawn still reaches every peak.
+//! Long series, downsampled so that the plot keeps every peak.
 
 use serde::{Deserialize, Serialize};
 
-/// The smallest and largest value in each of a fixed number of equal parts of a run, gathered as it goes: a picture of
+/// The smallest and largest value in each of a fixed number of equal bins of a run, gathered as it goes: a picture of
 /// a million steps is as small as one of a thousand, and shows the same extremes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Envelope {
     ticks: u64,
-    parts: Vec<Option<Part>>,
+    bins: Vec<Option<Bin>>,
 }
 
 /// Each extreme with its time.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Part {
+struct Bin {
     least: (f64, f64),
     greatest: (f64, f64),
 }
 
 impl Envelope {
-    /// For a run with this many ticks, thinned to at most this many parts.
-    pub(crate) fn new(ticks: u64, parts: usize) -> Self {
-        Self { ticks, parts: vec![None; parts.max(1)] }
+    /// For a run with this many ticks, downsampled to at most this many bins.
+    pub(crate) fn new(ticks: u64, bins: usize) -> Self {
+        Self { ticks, bins: vec![None; bins.max(1)] }
     }
 
-    /// Takes in the value of one tick.
+    /// Adds the value of one tick.
     pub(crate) fn push(&mut self, index: u64, time: f64, value: f64) {
-        let part = u128::from(index) * self.parts.len() as u128 / u128::from(self.ticks.max(1));
-        let Some(part) = self.parts.get_mut(part as usize) else { return };
-        match part {
-            None => *part = Some(Part { least: (time, value), greatest: (time, value) }),
-            Some(part) => {
-                if value < part.least.1 {
-                    part.least = (time, value);
+        let bin = u128::from(index) * self.bins.len() as u128 / u128::from(self.ticks.max(1));
+        let Some(bin) = self.bins.get_mut(bin as usize) else { return };
+        match bin {
+            None => *bin = Some(Bin { least: (time, value), greatest: (time, value) }),
+            Some(bin) => {
+                if value < bin.least.1 {
+                    bin.least = (time, value);
                 }
-                if value > part.greatest.1 {
-                    part.greatest = (time, value);
+                if value > bin.greatest.1 {
+                    bin.greatest = (time, value);
                 }
             }
         }
     }
 
-    /// Both extremes of every part, in the order of time.
+    /// Both extremes of every bin, in the order of time.
     pub(crate) fn both(&self) -> Vec<(f64, f64)> {
         let mut points = Vec::new();
-        for part in self.parts.iter().flatten() {
-            let (first, second) = if part.least.0 <= part.greatest.0 {
-                (part.least, part.greatest)
+        for bin in self.bins.iter().flatten() {
+            let (first, second) = if bin.least.0 <= bin.greatest.0 {
+                (bin.least, bin.greatest)
             } else {
-                (part.greatest, part.least)
+                (bin.greatest, bin.least)
             };
             points.push(first);
             if second.0 != first.0 {
@@ -57,9 +57,9 @@ impl Envelope {
         points
     }
 
-    /// The greatest value of every part: of a magnitude, the line it stays below.
+    /// The greatest value of every bin: of a magnitude, the line it stays below.
     pub(crate) fn upper(&self) -> Vec<(f64, f64)> {
-        self.parts.iter().flatten().map(|part| part.greatest).collect()
+        self.bins.iter().flatten().map(|bin| bin.greatest).collect()
     }
 }
 
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn short_courses_stay_as_they_are() {
+    fn short_series_stay_as_they_are() {
         let mut envelope = Envelope::new(3, 50);
         for i in 0..3 {
             envelope.push(i, i as f64, -(i as f64));

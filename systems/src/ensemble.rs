@@ -10,39 +10,39 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use crate::catalogue::Entry;
 use crate::simulation::{Setup, SimulationError};
 
-/// An ensemble of one system.
+/// The specification of an ensemble of one system.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Crowd {
+pub struct EnsembleSpec {
     /// How many members.
     pub members: usize,
-    /// How far each number may be from the setup's, to either side.
+    /// The half-width of the uniform distribution of each number about the setup.
     pub widths: Setup,
-    /// Another seed draws other members.
+    /// The seed of the random members.
     pub seed: u64,
     /// The step, s.
     pub step: f64,
     /// How many of them.
     pub steps: u64,
-    /// Steps between two looks at the members; 0 counts as 1.
+    /// Steps between two samples of the distribution; 0 counts as 1.
     pub every: u64,
 }
 
-/// What is looked at.
+/// A quantity whose distribution is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shown {
+pub enum Observable {
     /// The energy.
     Energy,
     /// A component of the state, by its place.
     State(usize),
 }
 
-/// Sees how many steps were taken; may end the run.
-pub type Glance<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;
+/// Called at each sample with the number of steps taken; may end the run.
+pub type ProgressFn<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;
 
-/// How an ensemble has moved.
+/// The result of an ensemble run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Course {
-    /// For each quantity its distribution at each look.
+pub struct EnsembleSummary {
+    /// For each quantity its distribution at each sample.
     pub spreads: Vec<Vec<Spread>>,
     /// The members that failed.
     pub failed: Vec<Failed>,
@@ -54,38 +54,38 @@ pub struct Course {
     pub seconds: f64,
 }
 
-/// Runs an ensemble with the system's standard step on the Cayley map, and its own control law. The watch may end the run.
+/// Runs an ensemble with the system's standard step on the Cayley map, and its own control law. The callback may end the run.
 ///
 /// # Errors
 /// If the parameters or the state of a member are not valid, or the step.
 pub fn run(
     entry: &Entry,
     setup: &Setup,
-    crowd: &Crowd,
-    shown: &[Shown],
-    watch: &mut Glance<'_>,
-) -> Result<Course, SimulationError> {
-    let members: Vec<Setup> = (0..crowd.members).map(|member| drawn(setup, crowd, member)).collect();
+    spec: &EnsembleSpec,
+    observables: &[Observable],
+    progress: &mut ProgressFn<'_>,
+) -> Result<EnsembleSummary, SimulationError> {
+    let members: Vec<Setup> = (0..spec.members).map(|member| random_member(setup, spec, member)).collect();
     let laws = entry.control.map(|law| members.iter().map(|own| law(&own.parameters)).collect::<Vec<_>>());
     let members = members.into_iter().map(|Setup { parameters, state }| (parameters, state));
-    let mut ensemble = Ensemble::new(&*(entry.system)(&setup.parameters), members, crowd.step)?;
-    let mut spreads = vec![Vec::new(); shown.len()];
-    let every = crowd.every.max(1);
+    let mut ensemble = Ensemble::new(&*(entry.system)(&setup.parameters), members, spec.step)?;
+    let mut spreads = vec![Vec::new(); observables.len()];
+    let every = spec.every.max(1);
     let (mut taken, mut member_steps, mut seconds) = (0, 0, 0.0);
     loop {
-        if taken == crowd.steps || taken.is_multiple_of(every) {
-            for (spreads, &shown) in spreads.iter_mut().zip(shown) {
-                spreads.push(spread(&ensemble, shown));
+        if taken == spec.steps || taken.is_multiple_of(every) {
+            for (spreads, &observable) in spreads.iter_mut().zip(observables) {
+                spreads.push(spread(&ensemble, observable));
             }
-            if watch(taken).is_break() {
+            if progress(taken).is_break() {
                 break;
             }
         }
-        if taken == crowd.steps {
+        if taken == spec.steps {
             break;
         }
-        // to the next look
-        let steps = (every - taken % every).min(crowd.steps - taken);
+        // up to the next sample
+        let steps = (every - taken % every).min(spec.steps - taken);
         let start = std::time::Instant::now();
         member_steps += match &laws {
             Some(laws) => ensemble.run_controlled(steps, &|member, state, time, control| {
@@ -96,23 +96,29 @@ pub fn run(
         seconds += start.elapsed().as_secs_f64();
         taken += steps;
     }
-    Ok(Course { spreads, failed: ensemble.failed().to_vec(), member_steps, width: ensemble.width(), seconds })
+    Ok(EnsembleSummary {
+        spreads,
+        failed: ensemble.failed().to_vec(),
+        member_steps,
+        width: ensemble.width(),
+        seconds,
+    })
 }
 
 /// How a quantity is distributed over the members now.
-fn spread(ensemble: &Ensemble, shown: Shown) -> Spread {
+fn spread(ensemble: &Ensemble, observable: Observable) -> Spread {
     let time = ensemble.time();
-    let value = |(_, system, state): (usize, &dyn erased::System, Vec<f64>)| match shown {
-        Shown::Energy => system.energy(&state, time),
-        Shown::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
+    let value = |(_, system, state): (usize, &dyn erased::System, Vec<f64>)| match observable {
+        Observable::Energy => system.energy(&state, time),
+        Observable::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
     };
     let mut values: Vec<f64> = ensemble.members().map(value).filter(|value| !value.is_nan()).collect();
     Spread::of(time, &mut values)
 }
 
 /// The setup of one member: the same numbers for the same seed and member, however many there are.
-fn drawn(setup: &Setup, crowd: &Crowd, member: usize) -> Setup {
-    let mut random = ChaCha8Rng::seed_from_u64(crowd.seed);
+fn random_member(setup: &Setup, spec: &EnsembleSpec, member: usize) -> Setup {
+    let mut random = ChaCha8Rng::seed_from_u64(spec.seed);
     random.set_stream(member as u64);
     let mut draw = |values: &[f64], widths: &[f64]| {
         let between = |(&value, &width): (&f64, &f64)| {
@@ -123,7 +129,7 @@ fn drawn(setup: &Setup, crowd: &Crowd, member: usize) -> Setup {
         values.iter().zip(widths).map(between).collect()
     };
     Setup {
-        parameters: draw(&setup.parameters, &crowd.widths.parameters),
-        state: draw(&setup.state, &crowd.widths.state),
+        parameters: draw(&setup.parameters, &spec.widths.parameters),
+        state: draw(&setup.state, &spec.widths.state),
     }
 }

@@ -1,29 +1,30 @@
-//! A file that appears under its name only when it is complete.
+//! Atomic writes: a file appears under its name only when it is complete.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// Written beside its final place under a passing name, and renamed when complete. Dropped before that, it leaves
+/// Written beside its final place under a temporary name, and renamed when complete. Dropped before that, it leaves
 /// nothing; a file that was there before stays as it was.
 #[derive(Debug)]
-pub(crate) struct WholeFile {
+pub(crate) struct AtomicFile {
     path: PathBuf,
-    passing: PathBuf,
+    temporary: PathBuf,
     file: BufWriter<File>,
     complete: bool,
 }
 
-impl WholeFile {
+impl AtomicFile {
     /// Begins a file.
     ///
     /// # Errors
     /// If the directory cannot be written, or `path` names no file.
     pub(crate) fn create(path: &Path) -> io::Result<Self> {
         let name = path.file_name().filter(|_| !path.is_dir()).ok_or(io::ErrorKind::IsADirectory)?;
-        let passing = path.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
-        let file = BufWriter::new(File::create(&passing)?);
-        Ok(Self { path: path.to_owned(), passing, file, complete: false })
+        let temporary =
+            path.with_file_name(format!(".{}.{}.tmp", name.to_string_lossy(), std::process::id()));
+        let file = BufWriter::new(File::create(&temporary)?);
+        Ok(Self { path: path.to_owned(), temporary, file, complete: false })
     }
 
     /// Puts the file in its place.
@@ -34,13 +35,13 @@ impl WholeFile {
         self.file.flush()?;
         // the rename must not become durable before the contents
         self.file.get_ref().sync_all()?;
-        fs::rename(&self.passing, &self.path)?;
+        fs::rename(&self.temporary, &self.path)?;
         self.complete = true;
         Ok(())
     }
 }
 
-impl Write for WholeFile {
+impl Write for AtomicFile {
     fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
         self.file.write(buffer)
     }
@@ -50,11 +51,11 @@ impl Write for WholeFile {
     }
 }
 
-impl Drop for WholeFile {
+impl Drop for AtomicFile {
     fn drop(&mut self) {
         if !self.complete {
-            // there is nobody left to tell
-            let _ = fs::remove_file(&self.passing);
+            // an error cannot be reported here
+            let _ = fs::remove_file(&self.temporary);
         }
     }
 }

@@ -1,12 +1,12 @@
-//! What is conserved, and how well it was kept.
+//! Conserved quantities: their errors and their drift.
 
 use serde::{Deserialize, Serialize};
 
 use crate::simulation::Sample;
 
-/// The course of one quantity that should stay as it was: its initial value, how far it went, and whether it goes on going.
+/// Statistics of the error of a conserved quantity: its initial value, the range of its error, and its linear trend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
+pub struct DriftStats {
     /// Its initial value.
     pub initial: f64,
     /// The least and the greatest distance from it, with their signs.
@@ -16,13 +16,13 @@ pub struct Kept {
     line: Line,
 }
 
-impl Kept {
-    /// Of a quantity that starts with this value.
+impl DriftStats {
+    /// For a quantity with this initial value.
     pub fn new(initial: f64) -> Self {
         Self { initial, range: (0.0, 0.0), error: 0.0, line: Line::default() }
     }
 
-    /// Takes in the value at a time.
+    /// Adds the value at a time.
     pub fn push(&mut self, time: f64, value: f64) {
         let error = value - self.initial;
         self.range = (self.range.0.min(error), self.range.1.max(error));
@@ -38,7 +38,7 @@ impl Kept {
         self.line.slope()
     }
 
-    /// How much of the errors' range is that straight line's rise from the start to the end: near 1 for what drifts, small for what swings.
+    /// How much of the errors' range is that straight line's rise from the start to the end: near 1 for a drift, small for an oscillation.
     pub fn drift(&self) -> f64 {
         let range = self.range.1 - self.range.0;
         if range == 0.0 { 0.0 } else { (self.slope() * self.line.duration).abs() / range }
@@ -67,7 +67,7 @@ impl Line {
         }
         self.duration = time - self.start;
         self.count += 1.0;
-        // B. P. Welford's way: no difference of large sums
+        // Welford's algorithm: no difference of large sums
         let before = time - self.mean.0;
         self.mean.0 += before / self.count;
         self.mean.1 += (value - self.mean.1) / self.count;
@@ -80,31 +80,31 @@ impl Line {
     }
 }
 
-/// Energy and Casimirs of a run, against its start.
+/// The conservation of energy and Casimirs over a run, relative to its start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ledger {
+pub struct ConservationReport {
     /// The energy; it is conserved only where the system is autonomous.
-    pub energy: Kept,
+    pub energy: DriftStats,
     /// The Casimirs.
-    pub casimirs: Vec<Kept>,
-    /// The last step that was seen.
+    pub casimirs: Vec<DriftStats>,
+    /// The last step that was recorded.
     pub steps: u64,
     /// Its time, s.
     pub time: f64,
 }
 
-impl Ledger {
-    /// Begins with the initial state.
+impl ConservationReport {
+    /// Starts with the initial sample.
     pub fn new(start: &Sample<'_>) -> Self {
-        let casimirs = start.casimirs.iter().map(|&casimir| Kept::new(casimir)).collect();
-        Self { energy: Kept::new(start.energy), casimirs, steps: 0, time: start.time }
+        let casimirs = start.casimirs.iter().map(|&casimir| DriftStats::new(casimir)).collect();
+        Self { energy: DriftStats::new(start.energy), casimirs, steps: 0, time: start.time }
     }
 
-    /// Takes in a moment of the run.
+    /// Adds a sample of the run.
     pub fn push(&mut self, sample: &Sample<'_>) {
         self.energy.push(sample.time, sample.energy);
-        for (kept, &casimir) in self.casimirs.iter_mut().zip(sample.casimirs) {
-            kept.push(sample.time, casimir);
+        for (stats, &casimir) in self.casimirs.iter_mut().zip(sample.casimirs) {
+            stats.push(sample.time, casimir);
         }
         (self.steps, self.time) = (sample.index, sample.time);
     }

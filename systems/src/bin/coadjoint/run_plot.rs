@@ -1,4 +1,4 @@
-//! The picture of one run: what moves, and how well what should stay does.
+//! The plot of one run: the state, and the errors of the conserved quantities.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,13 +8,13 @@ use crate::setting::{laid_out, rotation};
 use coadjoint_systems::catalogue::Entry;
 use coadjoint_systems::simulation::{Job, Sample};
 
-/// The picture shows the extremes in each of this many parts of the run.
-const PARTS: usize = 450;
+/// The plot shows the extremes in each of this many bins of the run.
+const BINS: usize = 450;
 const TIME: &str = "time, s";
 
-/// Gathers a run's courses as it goes.
+/// Records the series of a run for its plot.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Portrait {
+pub(crate) struct RunPlot {
     span: (f64, f64),
     /// Energy and Casimirs at the start.
     reference: Option<(f64, Vec<f64>)>,
@@ -23,10 +23,10 @@ pub(crate) struct Portrait {
     casimirs: Vec<Envelope>,
 }
 
-impl Portrait {
-    /// Of a run that is about to start.
+impl RunPlot {
+    /// For a run that is about to start.
     pub(crate) fn new(entry: &Entry, job: &Job) -> Self {
-        let envelope = Envelope::new(job.steps + 1, PARTS);
+        let envelope = Envelope::new(job.steps + 1, BINS);
         let components = entry.description.state.iter().map(|quantity| quantity.components.len()).sum();
         let end = job.steps as f64 * job.step;
         Self {
@@ -38,19 +38,19 @@ impl Portrait {
         }
     }
 
-    /// Whether it is of a run of this system.
+    /// Whether it fits this system.
     pub(crate) fn is_of(&self, entry: &Entry) -> bool {
         self.state.len() == (entry.example)().state.len()
     }
 
-    /// Takes in a moment of the run.
+    /// Adds a sample of the run.
     pub(crate) fn push(&mut self, entry: &Entry, sample: &Sample<'_>) {
         let (energy, casimirs) =
             self.reference.get_or_insert_with(|| (sample.energy, sample.casimirs.to_vec()));
         for (envelope, component) in self.state.iter_mut().zip(sample.state) {
             envelope.push(sample.index, sample.time, *component);
         }
-        // where energy changes, that is part of the motion
+        // where energy is not conserved, its value is shown
         let shown =
             if entry.description.autonomous { (sample.energy - *energy).abs() } else { sample.energy };
         self.energy.push(sample.index, sample.time, shown);
@@ -63,7 +63,7 @@ impl Portrait {
     pub(crate) fn figure(&self, entry: &Entry, title: String) -> Figure {
         let mut panels = Vec::new();
         for (quantity, slots) in laid_out(entry.description.state) {
-            let courses: Vec<Series> = quantity
+            let series: Vec<Series> = quantity
                 .components
                 .iter()
                 .zip(&self.state[slots])
@@ -75,11 +75,11 @@ impl Portrait {
             };
             // a rigid motion is of two kinds
             match rotation(quantity) {
-                Some((count, _)) if count < courses.len() => {
-                    panel(", rotation", &courses[..count]);
-                    panel(", translation", &courses[count..]);
+                Some((count, _)) if count < series.len() => {
+                    panel(", rotation", &series[..count]);
+                    panel(", translation", &series[count..]);
                 }
-                _ => panel("", &courses),
+                _ => panel("", &series),
             }
         }
         let mut alone = |axis: Axis, points| {

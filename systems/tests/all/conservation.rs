@@ -1,37 +1,37 @@
-//! How well quantities are kept, measured.
+//! How well quantities are conserved, measured.
 
-use coadjoint_systems::ledger::Kept;
+use coadjoint_systems::conservation::DriftStats;
 
-fn kept(value: impl Fn(f64) -> f64) -> Kept {
-    let mut kept = Kept::new(value(0.0));
+fn drift_stats(value: impl Fn(f64) -> f64) -> DriftStats {
+    let mut stats = DriftStats::new(value(0.0));
     for k in 0..=10_000 {
         let time = 1e6 + f64::from(k) * 0.01;
-        kept.push(time, value(time - 1e6));
+        stats.push(time, value(time - 1e6));
     }
-    kept
+    stats
 }
 
 #[test]
-fn what_drifts_is_told_from_what_swings() {
-    let drifting = kept(|t| 5.0 - 2e-6 * t + 1e-7 * t.sin());
+fn a_drift_is_told_from_an_oscillation() {
+    let drifting = drift_stats(|t| 5.0 - 2e-6 * t + 1e-7 * t.sin());
     assert!((drifting.slope() + 2e-6).abs() < 1e-8, "{}", drifting.slope());
     assert!(drifting.drift() > 0.99 && drifting.drift() < 1.01, "{}", drifting.drift());
     assert!((drifting.error - 2e-4).abs() < 1e-6);
 
-    let swinging = kept(|t| 5.0 + 1e-6 * (3.0 * t).sin());
+    let swinging = drift_stats(|t| 5.0 + 1e-6 * (3.0 * t).sin());
     assert!(swinging.drift() < 0.02, "{}", swinging.drift());
     assert!((swinging.error - 1e-6).abs() < 1e-9);
     assert!(swinging.range.0 < -0.99e-6 && swinging.range.1 > 0.99e-6);
 
-    let constant = kept(|_| 5.0);
+    let constant = drift_stats(|_| 5.0);
     assert_eq!((constant.error, constant.slope(), constant.drift()), (0.0, 0.0, 0.0));
 }
 
 #[test]
 fn what_is_not_a_number_stays_so() {
-    let mut kept = Kept::new(1.0);
+    let mut stats = DriftStats::new(1.0);
     for value in [1.5, f64::NAN, 1.25] {
-        kept.push(0.0, value);
+        stats.push(0.0, value);
     }
-    assert!(kept.error.is_nan());
+    assert!(stats.error.is_nan());
 }

@@ -1,4 +1,4 @@
-//! A run as a page that shows it moving: one file, without anything from the network.
+//! An HTML page that animates a run: one self-contained file.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -9,23 +9,23 @@ use serde_json::{Value, json};
 use coadjoint::system::{Quantity, Role};
 
 use crate::error::Error;
-use crate::output::{WholeFile, make_directory};
-use crate::portrait::symbols;
+use crate::output::{AtomicFile, make_directory};
+use crate::run_plot::symbols;
 use crate::session::{Plan, title};
 use crate::setting::{laid_out, rotation};
 use coadjoint_systems::catalogue::{Entry, component_name};
 use coadjoint_systems::simulation::{Job, Sample};
 
 /// The page; the data go where [`PLACE`] stands.
-const PAGE: &str = include_str!("film.html");
+const PAGE: &str = include_str!("html_player.html");
 const PLACE: &str = "__COADJOINT_DATA__";
 
-/// At most so many moments: more than a screen shows.
-const MOMENTS: u64 = 2000;
+/// At most so many frames: more than a screen shows.
+const FRAMES: u64 = 2000;
 
-/// Moments of a run, evenly spread.
+/// Evenly spaced samples of a run, and the page that animates them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Film {
+pub(crate) struct HtmlPlayer {
     every: u64,
     last: u64,
     times: Vec<f64>,
@@ -34,21 +34,21 @@ pub(crate) struct Film {
     casimirs: Vec<Vec<f64>>,
 }
 
-impl Film {
-    /// Of a run that is about to start.
+impl HtmlPlayer {
+    /// For a run that is about to start.
     pub(crate) fn new(_: &Entry, job: &Job) -> Self {
         let (times, states, energies, casimirs) = Default::default();
-        Self { every: job.steps.div_ceil(MOMENTS).max(1), last: job.steps, times, states, energies, casimirs }
+        Self { every: job.steps.div_ceil(FRAMES).max(1), last: job.steps, times, states, energies, casimirs }
     }
 
-    /// Whether it is of a run of this system.
+    /// Whether it fits this system.
     pub(crate) fn is_of(&self, entry: &Entry) -> bool {
         let (numbers, casimirs) = ((entry.example)().state.len(), entry.description.casimirs.len());
         self.states.iter().all(|state| state.len() == numbers)
             && self.casimirs.iter().all(|values| values.len() == casimirs)
     }
 
-    /// Takes in a moment of the run.
+    /// Adds a sample of the run.
     pub(crate) fn push(&mut self, sample: &Sample<'_>) {
         if sample.index.is_multiple_of(self.every) || sample.index == self.last {
             self.times.push(sample.time);
@@ -70,7 +70,7 @@ impl Film {
             make_directory(directory)?;
         }
         let write = || {
-            let mut file = WholeFile::create(path)?;
+            let mut file = AtomicFile::create(path)?;
             for part in [before, &data, after] {
                 file.write_all(part.as_bytes())?;
             }
