@@ -35,9 +35,9 @@
 
 use core::marker::PhantomData;
 
-use crate::memory::visit_flag;
 use crate::method::{Method, Outcome, StageAccumulator};
 use crate::scalar::{Batch, Scalar};
+use crate::snapshot::visit_flag;
 use crate::system::Discretized;
 
 /// The coefficients of a symmetric composition.

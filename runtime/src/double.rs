@@ -112,7 +112,7 @@ impl<T: Batch> Add for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        T::outline(Sum(self, other))
+        T::dispatch(Sum(self, other))
     }
 }
 
@@ -120,7 +120,7 @@ impl<T: Batch> Sub for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        T::outline(Sum(self, -other))
+        T::dispatch(Sum(self, -other))
     }
 }
 
@@ -128,7 +128,7 @@ impl<T: Batch> Mul for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        T::outline(Product(self, other))
+        T::dispatch(Product(self, other))
     }
 }
 
@@ -136,7 +136,7 @@ impl<T: Batch> Div for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        T::outline(Quotient(self, other))
+        T::dispatch(Quotient(self, other))
     }
 }
 
@@ -171,7 +171,7 @@ impl<T: Batch> Scalar for Double<T> {
         let rest = self - Self::product(root, root);
         let better = Self::ordered_sum(root, rest.high / (root + root));
         // the root of zero is zero
-        Self::select(T::of(0.0).below(root), better, Self::exactly(root))
+        Self::select(T::of(0.0).lt(root), better, Self::exactly(root))
     }
     each! { exp ln sin cos tan asin acos atan sinh cosh tanh }
     #[inline(always)]
@@ -184,13 +184,13 @@ impl<T: Batch> Scalar for Double<T> {
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        Self::select(self.at_most(other), self, other)
+        Self::select(self.le(other), self, other)
     }
     /// The constants of the series, and these beyond [`stumpff::LONG`], have the digits of one number. Where one formula takes over from
     /// another there is a gap of as many digits, in which an equation may have no solution to more: there is none at smaller angles.
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
-        if Batch::abs(self.high).below(T::of(stumpff::LONG)).all() {
+        if Batch::abs(self.high).lt(T::of(stumpff::LONG)).all() {
             return stumpff::long(self);
         }
         self.high.stumpff::<N>().map(Self::exactly)
@@ -208,7 +208,7 @@ impl<T: Batch> Batch for Double<T> {
     const LANES: usize = T::LANES;
     /// Half of the digits that are added: beyond, equations are solved for nothing.
     const EPSILON: f64 = if T::Number::IS_DOUBLE { 3.3e-24 } else { 4.1e-11 };
-    const LEAST: f64 = T::LEAST / T::EPSILON;
+    const MIN_POSITIVE: f64 = T::MIN_POSITIVE / T::EPSILON;
 
     #[inline(always)]
     fn all<X: Copy + Send + Sync>(value: X) -> T::Each<X> {
@@ -229,7 +229,7 @@ impl<T: Batch> Batch for Double<T> {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        Self::select(self.high.below(T::of(0.0)), -self, self)
+        Self::select(self.high.lt(T::of(0.0)), -self, self)
     }
     #[inline(always)]
     fn is_finite(self) -> T::Mask {
@@ -240,12 +240,12 @@ impl<T: Batch> Batch for Double<T> {
         self.high.is_same(other.high) & self.low.is_same(other.low)
     }
     #[inline(always)]
-    fn at_most(self, limit: Self) -> T::Mask {
-        self.high.below(limit.high) | (self.high.at_most(limit.high) & self.low.at_most(limit.low))
+    fn le(self, limit: Self) -> T::Mask {
+        self.high.lt(limit.high) | (self.high.le(limit.high) & self.low.le(limit.low))
     }
     #[inline(always)]
-    fn below(self, limit: Self) -> T::Mask {
-        self.high.below(limit.high) | (self.high.at_most(limit.high) & self.low.below(limit.low))
+    fn lt(self, limit: Self) -> T::Mask {
+        self.high.lt(limit.high) | (self.high.le(limit.high) & self.low.lt(limit.low))
     }
     #[inline(always)]
     fn select(mask: T::Mask, yes: Self, no: Self) -> Self {
@@ -257,8 +257,8 @@ impl<T: Batch> Batch for Double<T> {
         b + self * a
     }
     #[inline(always)]
-    fn outline<W: Work>(work: W) -> W::Result {
-        T::outline(work)
+    fn dispatch<W: Work>(work: W) -> W::Result {
+        T::dispatch(work)
     }
 }
 
@@ -318,10 +318,10 @@ mod tests {
     #[test]
     fn it_is_the_order_of_both_parts() {
         for (x, y) in pairs() {
-            assert_eq!(x.below(y), (x - y).high < 0.0);
-            assert_eq!(x.at_most(y), (x - y).high <= 0.0);
+            assert_eq!(x.lt(y), (x - y).high < 0.0);
+            assert_eq!(x.le(y), (x - y).high <= 0.0);
             let above = x + D::exactly(x.high.abs() * 2_f64.powi(-100));
-            assert!(x.below(above) && !above.at_most(x) && x.at_most(x) && !x.below(x));
+            assert!(x.lt(above) && !above.le(x) && x.le(x) && !x.lt(x));
             assert_eq!(Scalar::min(x, above), x);
         }
     }

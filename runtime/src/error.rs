@@ -44,9 +44,9 @@ pub enum ParameterError {
         /// How many were given.
         got: usize,
     },
-    /// What a stepper is to recall is the memory of a stepper for another system or scheme.
+    /// What a stepper is to restore is the memory of a stepper for another system or scheme.
     #[error("the memory has {got} numbers in place of {expected}: it is of another system or scheme")]
-    Memory {
+    Snapshot {
         /// How many numbers the stepper carries.
         expected: usize,
         /// How many were given.

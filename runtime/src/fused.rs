@@ -30,7 +30,7 @@ use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::kernel::Components;
-use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
+use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::{Batch, LongWork, Scalar, Work};
 use crate::system::{Discretized, System};
 
@@ -83,7 +83,7 @@ fn unwrapped<T: Batch, W: Components<FusedScalar<T>>, C: Components<T>>(componen
 /// Does the work where the instructions are: numbers side by side are there already.
 #[inline(always)]
 fn inside<T: Batch, W: Work>(work: W) -> W::Result {
-    if const { T::LANES == 1 } { T::outline_fused(work) } else { work.done() }
+    if const { T::LANES == 1 } { T::dispatch_fused(work) } else { work.done() }
 }
 
 struct Step<'a, B: Method, C> {
@@ -137,18 +137,18 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
-    fn march(
+    fn advance_n(
         &mut self,
         state: &mut Self::State,
         clock: Clock,
         control: &Self::Control,
         most: u64,
-    ) -> Marched<T> {
+    ) -> StepsReport<T> {
         let mut now = wrapped(state);
-        let Marched { steps, iterations, max_iterations, max_residual } =
-            self.0.march(&mut now, clock, &wrapped(control), most);
+        let StepsReport { steps, iterations, max_iterations, max_residual } =
+            self.0.advance_n(&mut now, clock, &wrapped(control), most);
         *state = unwrapped(&now);
-        Marched { steps, iterations, max_iterations, max_residual: max_residual.0 }
+        StepsReport { steps, iterations, max_iterations, max_residual: max_residual.0 }
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -225,7 +225,7 @@ impl<T: Batch> Batch for FusedScalar<T> {
 
     const LANES: usize = T::LANES;
     const EPSILON: f64 = T::EPSILON;
-    const LEAST: f64 = T::LEAST;
+    const MIN_POSITIVE: f64 = T::MIN_POSITIVE;
     const PAIRS: bool = T::PAIRS;
     const ONCE: bool = true;
 
@@ -258,12 +258,12 @@ impl<T: Batch> Batch for FusedScalar<T> {
         self.0.is_same(other.0)
     }
     #[inline(always)]
-    fn at_most(self, limit: Self) -> T::Mask {
-        self.0.at_most(limit.0)
+    fn le(self, limit: Self) -> T::Mask {
+        self.0.le(limit.0)
     }
     #[inline(always)]
-    fn below(self, limit: Self) -> T::Mask {
-        self.0.below(limit.0)
+    fn lt(self, limit: Self) -> T::Mask {
+        self.0.lt(limit.0)
     }
     #[inline(always)]
     fn select(mask: T::Mask, yes: Self, no: Self) -> Self {
@@ -274,15 +274,15 @@ impl<T: Batch> Batch for FusedScalar<T> {
         Self(self.0.mul_add(a.0, b.0))
     }
     #[inline(always)]
-    fn outline<W: Work>(work: W) -> W::Result {
-        T::outline_fused(work)
+    fn dispatch<W: Work>(work: W) -> W::Result {
+        T::dispatch_fused(work)
     }
     #[inline(always)]
-    fn outline_fused<W: Work>(work: W) -> W::Result {
-        T::outline_fused(work)
+    fn dispatch_fused<W: Work>(work: W) -> W::Result {
+        T::dispatch_fused(work)
     }
     #[inline(always)]
-    fn outline_long<W: LongWork>(work: W) -> W::Result {
-        T::outline_long(work)
+    fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
+        T::dispatch_wide(work)
     }
 }

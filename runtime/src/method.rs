@@ -5,8 +5,8 @@
 use crate::error::StepError;
 use crate::geometry::Isolated;
 use crate::kernel::Components;
-use crate::memory::visit_flag;
 use crate::scalar::{Batch, Real, Scalar, Work};
+use crate::snapshot::visit_flag;
 use crate::solve::{self, Convergence};
 
 /// A discretization of one system with one step size, on flat arrays.
@@ -43,14 +43,14 @@ pub trait Method: Clone + Send + Sync {
     /// known. Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance). Of numbers side by
     /// side, steps that are as most are have no other way.
     #[inline(always)]
-    fn march(
+    fn advance_n(
         &mut self,
         _state: &mut Self::State,
         _clock: Clock,
         _control: &Self::Control,
         _most: u64,
-    ) -> Marched<Self::Scalar> {
-        Marched::default()
+    ) -> StepsReport<Self::Scalar> {
+        StepsReport::default()
     }
 
     /// Shows what the method carries from one step to the next, in pieces of always the same lengths, to be read or replaced. What is in
@@ -87,7 +87,7 @@ impl Clock {
 
 /// How some steps went, in each lane.
 #[derive(Clone, Copy, Debug)]
-pub struct Marched<T: Batch> {
+pub struct StepsReport<T: Batch> {
     /// Steps taken.
     pub steps: u64,
     /// Iterations of all of them together.
@@ -98,7 +98,7 @@ pub struct Marched<T: Batch> {
     pub max_residual: T,
 }
 
-impl<T: Batch> Marched<T> {
+impl<T: Batch> StepsReport<T> {
     /// Counts so many steps that were taken alike.
     #[inline(always)]
     pub(crate) fn count(&mut self, steps: u64, each: &Convergence<T>) {
@@ -110,12 +110,12 @@ impl<T: Batch> Marched<T> {
             *all += steps * u64::from(*iterations);
             *most = (*most).max(*iterations);
         }
-        let larger = self.max_residual.below(each.residual);
+        let larger = self.max_residual.lt(each.residual);
         self.max_residual = T::select(larger, each.residual, self.max_residual);
     }
 }
 
-impl<T: Batch> Default for Marched<T> {
+impl<T: Batch> Default for StepsReport<T> {
     #[inline(always)]
     fn default() -> Self {
         Self { steps: 0, iterations: T::all(0), max_iterations: T::all(0), max_residual: T::of(0.0) }
@@ -205,7 +205,7 @@ impl<T: Batch> StageAccumulator<T> {
         control: &B::Control,
         known: bool,
     ) -> Result<B::State, Failure<T, B::State>> {
-        let advanced = match T::outline(Stage { method, state, time, control, known }) {
+        let advanced = match T::dispatch(Stage { method, state, time, control, known }) {
             Ok(advanced) => advanced,
             Err(failure) => {
                 if self.fails(&failure.errors) {
@@ -231,7 +231,7 @@ impl<T: Batch> StageAccumulator<T> {
     #[inline(always)]
     fn add(&mut self, iterations: T::Each<u32>, residual: T) {
         self.iterations = solve::sum::<T>(self.iterations, iterations);
-        let larger = self.residual.below(residual);
+        let larger = self.residual.lt(residual);
         self.residual = T::select(larger, residual, self.residual);
     }
 

@@ -104,8 +104,8 @@ impl<'a, S: System> Tick<'a, S> {
 #[cfg(feature = "std")]
 impl<S: System> Tick<'_, S> {
     /// What the stepper carries at this moment: written down with the state, the run can go on from here later, to the last bit the same.
-    /// See [`Stepper::memory`]. Empty if no run led here.
-    pub fn memory(&self) -> std::vec::Vec<f64> {
+    /// See [`Stepper::snapshot`]. Empty if no run led here.
+    pub fn snapshot(&self) -> std::vec::Vec<f64> {
         self.memory.map_or_else(std::vec::Vec::new, |memory| memory())
     }
 }
@@ -444,7 +444,7 @@ where
             report: last.map(|(report, _)| *report),
             control: last.map(|(_, control)| control),
             #[cfg(feature = "std")]
-            memory: Some(&|| stepper.memory()),
+            memory: Some(&|| stepper.snapshot()),
         })
     }
 }

@@ -136,7 +136,7 @@ pub trait Batch: Scalar + sealed::Sealed {
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
     /// The least number of full precision that is larger than zero.
-    const LEAST: f64;
+    const MIN_POSITIVE: f64;
 
     /// The same for each lane.
     fn all<X: Copy + Send + Sync>(value: X) -> Self::Each<X>;
@@ -153,9 +153,9 @@ pub trait Batch: Scalar + sealed::Sealed {
     /// Whether the numbers are the same, bit for bit.
     fn is_same(self, other: Self) -> Self::Mask;
     /// `self ≤ limit`; not so if one of them is not a number.
-    fn at_most(self, limit: Self) -> Self::Mask;
+    fn le(self, limit: Self) -> Self::Mask;
     /// `self < limit`; not so if one of them is not a number.
-    fn below(self, limit: Self) -> Self::Mask;
+    fn lt(self, limit: Self) -> Self::Mask;
     /// `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Whether it is one double, of which any processor adds and multiplies two at a time.
@@ -166,16 +166,16 @@ pub trait Batch: Scalar + sealed::Sealed {
     fn mul_add(self, a: Self, b: Self) -> Self;
     /// Does the work in a function of its own, compiled for what these numbers need of the processor: for what comes rarely, and for what
     /// is compiled once for several callers.
-    fn outline<W: Work>(work: W) -> W::Result;
+    fn dispatch<W: Work>(work: W) -> W::Result;
     /// The same, compiled for what [`mul_add`](Self::mul_add) needs too, as far as the processor has it.
     #[inline(always)]
-    fn outline_fused<W: Work>(work: W) -> W::Result {
-        Self::outline(work)
+    fn dispatch_fused<W: Work>(work: W) -> W::Result {
+        Self::dispatch(work)
     }
     /// The same for work that is done for long, compiled for the best processor that there is.
     #[inline(always)]
-    fn outline_long<W: LongWork>(work: W) -> W::Result {
-        Self::outline(On::<Portable, W>::new(work))
+    fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
+        Self::dispatch(On::<Portable, W>::new(work))
     }
 }
 
@@ -293,7 +293,7 @@ macro_rules! real {
 
             const LANES: usize = 1;
             const EPSILON: f64 = $t::EPSILON as f64;
-            const LEAST: f64 = $t::MIN_POSITIVE as f64;
+            const MIN_POSITIVE: f64 = $t::MIN_POSITIVE as f64;
             const PAIRS: bool = Self::IS_DOUBLE;
 
             #[inline(always)]
@@ -325,11 +325,11 @@ macro_rules! real {
                 self.to_bits() == other.to_bits()
             }
             #[inline(always)]
-            fn at_most(self, limit: Self) -> bool {
+            fn le(self, limit: Self) -> bool {
                 self <= limit
             }
             #[inline(always)]
-            fn below(self, limit: Self) -> bool {
+            fn lt(self, limit: Self) -> bool {
                 self < limit
             }
             #[inline(always)]
@@ -341,18 +341,18 @@ macro_rules! real {
                 nalgebra::ComplexField::mul_add(self, a, b)
             }
             #[inline(always)]
-            fn outline<W: Work>(work: W) -> W::Result {
+            fn dispatch<W: Work>(work: W) -> W::Result {
                 W::Home::portable(work)
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
-            fn outline_fused<W: Work>(work: W) -> W::Result {
-                crate::simd::processor::outline_fused(work)
+            fn dispatch_fused<W: Work>(work: W) -> W::Result {
+                crate::simd::processor::dispatch_fused(work)
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
-            fn outline_long<W: LongWork>(work: W) -> W::Result {
-                crate::simd::processor::outline_long(work)
+            fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
+                crate::simd::processor::dispatch_wide(work)
             }
         })*
     };

@@ -8,10 +8,10 @@ use crate::derivative::{
 };
 use crate::error::{ParameterError, StepError};
 use crate::kernel::Components;
-use crate::memory::{self, visit_flag};
 use crate::method::{Advanced, Clock};
 use crate::run::{RunError, RunReport};
 use crate::scalar::{Batch, Real, Scalar, Work};
+use crate::snapshot::{self, visit_flag};
 use crate::system::{Control, Discretized, MethodOf, State, System};
 
 /// How a step went.
@@ -156,7 +156,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     }
 
     /// What the stepper carries from one step to the next, besides the state: the time, and where the last solution was. Written
-    /// down with the state and given to [`recall`](Self::recall), a run goes on as if it had not been interrupted, to the last bit.
+    /// down with the state and given to [`restore`](Self::restore), a run goes on as if it had not been interrupted, to the last bit.
     ///
     /// ```
     /// use coadjoint::prelude::*;
@@ -173,10 +173,10 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     /// for _ in 0..10 {
     ///     stepper.step(&mut state)?;
     /// }
-    /// let (memory, mut saved) = (stepper.memory(), state);
+    /// let (memory, mut saved) = (stepper.snapshot(), state);
     ///
     /// let mut other = body.stepper::<Cayley>(0.1)?;
-    /// other.recall(&memory)?;
+    /// other.restore(&memory)?;
     /// stepper.step(&mut state)?;
     /// other.step(&mut saved)?;
     /// assert_eq!((saved, other.time()), (state, stepper.time()));
@@ -184,21 +184,21 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     /// ```
     #[cfg(feature = "std")]
     #[inline]
-    pub fn memory(&self) -> std::vec::Vec<f64> {
+    pub fn snapshot(&self) -> std::vec::Vec<f64> {
         // what is shown could be replaced, so that a copy is shown
         let (mut method, mut left) = (self.method.clone(), self.left);
-        memory::written(self.start, [self.taken, self.before], &mut |visit| {
+        snapshot::written(self.start, [self.taken, self.before], &mut |visit| {
             Self::visit(&mut left, &mut method, visit)
         })
     }
 
-    /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
+    /// Takes back what [`snapshot`](Self::snapshot) gave, of a stepper for the same system, scheme and step.
     ///
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
     #[inline]
-    pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        (self.start, [self.taken, self.before]) = memory::read(memory, &mut |visit| {
+    pub fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| {
             Self::visit(&mut self.left, &mut self.method, visit);
         })?;
         self.forget_at_no_time();
@@ -297,18 +297,18 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
             let mut components = state.to_components();
             if self.is_left_at(&components) {
                 let most = count - report.steps;
-                let marched =
-                    self.method.march(&mut components, self.clock(), &control.to_components(), most);
+                let advanced =
+                    self.method.advance_n(&mut components, self.clock(), &control.to_components(), most);
                 *state = S::State::from_components(&components);
                 self.left = Some(components);
-                self.taken += marched.steps;
+                self.taken += advanced.steps;
                 report.add(&RunReport {
-                    steps: marched.steps,
+                    steps: advanced.steps,
                     stopped: false,
                     // of the only lane
-                    iterations: marched.iterations.as_ref().iter().sum(),
-                    max_iterations: marched.max_iterations.as_ref().iter().sum(),
-                    max_residual: marched.max_residual.to_f64(),
+                    iterations: advanced.iterations.as_ref().iter().sum(),
+                    max_iterations: advanced.max_iterations.as_ref().iter().sum(),
+                    max_residual: advanced.max_residual.to_f64(),
                 });
                 if report.steps == count {
                     break;
@@ -415,7 +415,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             blocks: PhantomData,
         };
         // for wide registers where there are some: what comes of it is the same, the operations are
-        Ok(StepJacobian { jacobian: S::Scalar::outline_fused(work), report })
+        Ok(StepJacobian { jacobian: S::Scalar::dispatch_fused(work), report })
     }
 }
 
@@ -492,14 +492,14 @@ pub trait Stepping {
     /// # Errors
     /// As there.
     fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
-    /// [`Stepper::memory`]
+    /// [`Stepper::snapshot`]
     #[cfg(feature = "std")]
-    fn memory(&self) -> std::vec::Vec<f64>;
-    /// [`Stepper::recall`]
+    fn snapshot(&self) -> std::vec::Vec<f64>;
+    /// [`Stepper::restore`]
     ///
     /// # Errors
     /// As there.
-    fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
     /// [`Stepper::step_with`]
     ///
     /// # Errors
@@ -557,13 +557,13 @@ impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
 
     #[cfg(feature = "std")]
     #[inline]
-    fn memory(&self) -> std::vec::Vec<f64> {
-        Stepper::memory(self)
+    fn snapshot(&self) -> std::vec::Vec<f64> {
+        Stepper::snapshot(self)
     }
 
     #[inline]
-    fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        Stepper::recall(self, memory)
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        Stepper::restore(self, memory)
     }
 
     #[inline]

@@ -97,9 +97,9 @@ fn is_plain<T: 'static>() -> bool {
 #[inline(always)]
 pub(crate) fn near<T: Batch, const N: usize>(z: T) -> Option<[T; N]> {
     let size = Batch::abs(z);
-    if size.below(T::of(const { brief_below::<N>() })).all() {
+    if size.lt(T::of(const { brief_below::<N>() })).all() {
         Some(brief(z))
-    } else if size.below(T::of(SHORT)).all() {
+    } else if size.lt(T::of(SHORT)).all() {
         Some(short(z))
     } else {
         None

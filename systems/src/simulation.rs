@@ -163,7 +163,7 @@ pub struct Checkpoint {
 impl Checkpoint {
     /// The checkpoint at a sample.
     pub fn at(sample: &Sample<'_>) -> Self {
-        Self { state: sample.state.to_vec(), memory: sample.memory() }
+        Self { state: sample.state.to_vec(), memory: sample.snapshot() }
     }
 }
 
@@ -285,7 +285,7 @@ impl Entry {
         let mut state = setup.state.clone();
         if let Some(from) = from {
             state.clone_from(&from.state);
-            stepper.recall(&from.memory).map_err(StepperError::from)?;
+            stepper.restore(&from.memory).map_err(StepperError::from)?;
         }
         let law = self.control.map(|control| control(&setup.parameters));
         let controls = law.as_ref().map_or(Controls::Held(&[]), |law| Controls::Chosen(law));

@@ -133,13 +133,13 @@ const PIECES: [&str; 118] = [
 struct Random(u64);
 
 impl Random {
-    fn below(&mut self, bound: usize) -> usize {
+    fn lt(&mut self, bound: usize) -> usize {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         ((self.0 >> 33) as usize) % bound
     }
 
     fn choose<'t>(&mut self, texts: &[&'t str]) -> &'t str {
-        texts[self.below(texts.len())]
+        texts[self.lt(texts.len())]
     }
 
     /// Tokens without sense, with balanced brackets.
@@ -147,10 +147,10 @@ impl Random {
         let mut text = String::new();
         let mut left = length;
         while left > 0 {
-            if self.below(5) == 0 {
-                let inner = self.below(left);
+            if self.lt(5) == 0 {
+                let inner = self.lt(left);
                 left -= inner;
-                let (open, close) = [("(", ")"), ("[", "]"), ("{", "}")][self.below(3)];
+                let (open, close) = [("(", ")"), ("[", "]"), ("{", "}")][self.lt(3)];
                 text += &format!("{open}{}{close} ", self.soup(inner));
             } else {
                 text += self.choose(&PIECES);
@@ -188,7 +188,7 @@ impl Random {
             return self.choose(&leaves).to_owned();
         }
         let e = |random: &mut Self| random.expression(depth - 1);
-        match self.below(16) {
+        match self.lt(16) {
             0..4 => {
                 format!("({} {} {})", e(self), self.choose(&["+", "-", "*", "/", "%", "<", "^"]), e(self))
             }
@@ -255,7 +255,7 @@ fn parsed(text: &str) -> Option<TokenStream> {
 fn token_soup() {
     let mut random = Random(1);
     for _ in 0..5_000 {
-        let length = 1 + random.below(30);
+        let length = 1 + random.lt(30);
         let (attribute, item) = (random.soup(length), random.soup(length));
         if let (Some(attribute), Some(item)) = (parsed(&attribute), parsed(&item)) {
             read(attribute, item);
@@ -279,7 +279,7 @@ fn soup_with_a_key_in_front() {
             "methods",
         ]);
         let separator = random.choose(&["=", "", "=="]);
-        let length = 1 + random.below(12);
+        let length = 1 + random.lt(12);
         let attribute =
             format!("{key} {separator} {}, potential = {}", random.soup(length), random.soup(length));
         let item = format!("struct A {{ #[inertia] a: {}, b: {} }}", random.soup(3), random.soup(2));
@@ -294,7 +294,7 @@ fn random_expressions() {
     let mut random = Random(3);
     let (mut sound, mut tried) = (0, 0);
     for _ in 0..5_000 {
-        let depth = random.below(5);
+        let depth = random.lt(5);
         let text = random.expression(depth);
         let expr = syn::parse_str::<syn::Expr>(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
         let (arena, mut scope, mut diagnostics) = (Arena::new(), Scope::new(), Diagnostics::new());

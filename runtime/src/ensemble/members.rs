@@ -126,20 +126,20 @@ impl Members {
     }
 
     /// All take so many steps, with the controls that they have, or those of a law; returns the steps of all together.
-    pub(crate) fn march(&mut self, steps: u64, law: Option<&Law<'_>>) -> u64 {
+    pub(crate) fn advance_n(&mut self, steps: u64, law: Option<&Law<'_>>) -> u64 {
         let clock = Clock { start: self.start, step: self.step, taken: self.taken };
-        let march = |block: &mut Box<dyn Block>| block.march(clock, steps, law);
+        let advance = |block: &mut Box<dyn Block>| block.advance_n(clock, steps, law);
         #[cfg(feature = "parallel")]
-        let marched: Vec<Marched> = {
+        let taken: Vec<MemberSteps> = {
             use rayon::prelude::*;
-            self.blocks.par_iter_mut().map(march).collect()
+            self.blocks.par_iter_mut().map(advance).collect()
         };
         #[cfg(not(feature = "parallel"))]
-        let marched: Vec<Marched> = self.blocks.iter_mut().map(march).collect();
+        let taken: Vec<MemberSteps> = self.blocks.iter_mut().map(advance).collect();
         let mut member_steps = 0;
-        for mut marched in marched {
-            self.failed.append(&mut marched.failed);
-            member_steps += marched.member_steps;
+        for mut taken in taken {
+            self.failed.append(&mut taken.failed);
+            member_steps += taken.member_steps;
         }
         self.failed.sort_unstable_by_key(|failed| failed.member);
         self.taken = self.taken.saturating_add(steps);
@@ -174,14 +174,14 @@ pub(crate) struct Law<'a> {
 }
 
 /// What came of some steps.
-struct Marched {
+struct MemberSteps {
     failed: Vec<Failed>,
     member_steps: u64,
 }
 
 /// A few members side by side; how many, and on what kind of processor, is hidden behind it.
 trait Block: Send + Sync {
-    fn march(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> Marched;
+    fn advance_n(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> MemberSteps;
     fn is_alive(&self, lane: usize) -> bool;
     /// Adds the state in a lane.
     fn state(&self, lane: usize, to: &mut Vec<f64>);
@@ -304,8 +304,8 @@ impl<T: Batch> Lanewise<T> {
 }
 
 impl<T: Batch> Block for Lanewise<T> {
-    fn march(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> Marched {
-        let mut marched = Marched { failed: Vec::new(), member_steps: 0 };
+    fn advance_n(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> MemberSteps {
+        let mut taken = MemberSteps { failed: Vec::new(), member_steps: 0 };
         let mut members = self.alive();
         let mut done = 0;
         let (mut state, mut control) = (Vec::new(), Vec::new());
@@ -329,9 +329,9 @@ impl<T: Batch> Block for Lanewise<T> {
             let known = self.known && clock.start.is_finite();
             if known {
                 let now = Clock { taken: clock.taken + done, ..clock };
-                let batch = self.method.march(&mut self.state, now, &self.control, most);
+                let batch = self.method.advance_n(&mut self.state, now, &self.control, most);
                 done += batch.steps;
-                marched.member_steps += batch.steps * members;
+                taken.member_steps += batch.steps * members;
                 if batch.steps == most {
                     continue;
                 }
@@ -341,14 +341,14 @@ impl<T: Batch> Block for Lanewise<T> {
             match self.method.advance(&self.state, &mut self.next, time, &self.control, known) {
                 Ok(_) => core::mem::swap(&mut self.state, &mut self.next),
                 Err(errors) => {
-                    self.retire(errors.as_ref(), clock.taken + done, &mut marched.failed);
+                    self.retire(errors.as_ref(), clock.taken + done, &mut taken.failed);
                     members = self.alive();
                 }
             }
             self.known = true;
-            marched.member_steps += members;
+            taken.member_steps += members;
         }
-        marched
+        taken
     }
 
     fn is_alive(&self, lane: usize) -> bool {

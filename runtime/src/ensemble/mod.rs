@@ -279,7 +279,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         report.stopped = observer.observe(&self.snapshot(0)).is_break();
         while report.steps < steps && !report.stopped {
             let stretch = interval.max(1).min(steps - report.steps);
-            report.member_steps += self.members.march(stretch, None);
+            report.member_steps += self.members.advance_n(stretch, None);
             report.steps += stretch;
             report.stopped = observer.observe(&self.snapshot(report.steps)).is_break();
         }

@@ -4,9 +4,9 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::method::Method;
-use crate::memory::visit_flag;
-use crate::method::{Clock, Counted, Marched, StageAccumulator};
+use crate::method::{Clock, Counted, StageAccumulator, StepsReport};
 use crate::scalar::Batch;
+use crate::snapshot::visit_flag;
 
 /// Stages of a step, each with its share of the length.
 pub(super) struct Composition<T: Batch> {
@@ -74,8 +74,8 @@ impl<T: Batch> Method<T> for Composition<T> {
         accumulator.outcome()
     }
 
-    fn march(&mut self, _: &mut [T], _: Clock, _: &[T], _: u64) -> Marched<T> {
-        Marched::default()
+    fn advance_n(&mut self, _: &mut [T], _: Clock, _: &[T], _: u64) -> StepsReport<T> {
+        StepsReport::default()
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {

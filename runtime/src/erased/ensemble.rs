@@ -62,12 +62,12 @@ impl Ensemble {
 
     /// All members that have not failed take so many steps, with the controls that they [have](Self::control). Returns the steps of all together.
     pub fn run(&mut self, steps: u64) -> u64 {
-        self.members.march(steps, None)
+        self.members.advance_n(steps, None)
     }
 
     /// The same with controls that are chosen anew before each step. The last ones are held on.
     pub fn run_controlled(&mut self, steps: u64, choose: &MemberLaw<'_>) -> u64 {
-        self.members.march(steps, Some(&Law { controls: self.controls, choose }))
+        self.members.advance_n(steps, Some(&Law { controls: self.controls, choose }))
     }
 
     /// The time.

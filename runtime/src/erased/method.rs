@@ -5,7 +5,7 @@ use std::vec::Vec;
 
 use crate::error::StepError;
 use crate::kernel::{Components, Kernel};
-use crate::method::{self, Advanced, Clock, Counted, Marched, Outcome};
+use crate::method::{self, Advanced, Clock, Counted, Outcome, StepsReport};
 use crate::scalar::{Batch, Scalar, Work};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
@@ -21,8 +21,8 @@ pub trait Method<T: Batch>: Send + Sync {
     /// As there; what stands in `next` then counts in the lanes that did not fail.
     fn advance(&mut self, state: &[T], next: &mut [T], time: T, control: &[T], known: bool) -> Counted<T>;
 
-    /// Takes steps for as long as they are as most steps are: see [`method::Method::march`].
-    fn march(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> Marched<T>;
+    /// Takes steps for as long as they are as most steps are: see [`method::Method::advance_n`].
+    fn advance_n(&mut self, state: &mut [T], clock: Clock, control: &[T], most: u64) -> StepsReport<T>;
 
     /// Shows what is carried from step to step: see [`method::Method::memory`].
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T]));
@@ -122,7 +122,7 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
         let step =
             Step { method: &mut self.1.0, state: &array(state), time, control: &array(control), known };
         // numbers side by side need the instructions that they are made for
-        let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::outline(step) } else { step.done() };
+        let outcome = if const { M::Scalar::LANES > 1 } { M::Scalar::dispatch(step) } else { step.done() };
         match outcome {
             Ok(Advanced { state, iterations, residual }) => {
                 write(next, &state);
@@ -135,18 +135,18 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
         }
     }
 
-    fn march(
+    fn advance_n(
         &mut self,
         state: &mut [M::Scalar],
         clock: Clock,
         control: &[M::Scalar],
         most: u64,
-    ) -> Marched<M::Scalar> {
+    ) -> StepsReport<M::Scalar> {
         if const { !BATCHES } {
-            return Marched::default();
+            return StepsReport::default();
         }
         let mut now = array(state);
-        let marched = self.1.0.march(&mut now, clock, &array(control), most);
+        let marched = self.1.0.advance_n(&mut now, clock, &array(control), most);
         write(state, &now);
         marched
     }

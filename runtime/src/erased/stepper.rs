@@ -11,9 +11,9 @@ use super::method::{Method, of_only_lane};
 use super::scheme::{NotGenerated, Scheme};
 use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
-use crate::memory::{self, visit_flag};
 use crate::method::{Clock, Counted};
 use crate::run::{RunError, RunReport};
+use crate::snapshot::{self, visit_flag};
 use crate::stepper::{StepReport, check_deviation, check_step};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
@@ -80,19 +80,19 @@ impl<'s> Stepper<'s> {
         self.taken
     }
 
-    /// What is carried from one step to the next: see [`Stepper::memory`](crate::Stepper::memory).
-    pub fn memory(&mut self) -> Vec<f64> {
-        memory::written(self.start, [self.taken, 0], &mut |visit| {
+    /// What is carried from one step to the next: see [`Stepper::snapshot`](crate::Stepper::snapshot).
+    pub fn snapshot(&mut self) -> Vec<f64> {
+        snapshot::written(self.start, [self.taken, 0], &mut |visit| {
             show(&mut self.has_left, &mut self.left, &mut *self.method, visit);
         })
     }
 
-    /// Takes back what [`memory`](Self::memory) gave, of a stepper for the same system, scheme and step.
+    /// Takes back what [`snapshot`](Self::snapshot) gave, of a stepper for the same system, scheme and step.
     ///
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
-    pub fn recall(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let (start, [taken, before]) = memory::read(memory, &mut |visit| {
+    pub fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        let (start, [taken, before]) = snapshot::read(memory, &mut |visit| {
             show(&mut self.has_left, &mut self.left, &mut *self.method, visit);
         })?;
         // here all steps are of one size
@@ -161,26 +161,26 @@ impl<'s> Stepper<'s> {
         let mut report = RunReport::default();
         let mut known = self.is_left_at(state);
         // not every method takes steps together
-        let mut marches = true;
+        let mut batches = true;
         let outcome = loop {
             if report.steps == count {
                 break Ok(());
             }
             if known
-                && marches
+                && batches
                 && let Acting::Held(control) = acting
             {
                 let clock = self.clock();
-                let marched = self.method.march(&mut self.left, clock, control, count - report.steps);
-                marches = marched.steps > 0;
-                self.taken += marched.steps;
+                let advanced = self.method.advance_n(&mut self.left, clock, control, count - report.steps);
+                batches = advanced.steps > 0;
+                self.taken += advanced.steps;
                 report.add(&RunReport {
-                    steps: marched.steps,
+                    steps: advanced.steps,
                     stopped: false,
                     // of the only lane
-                    iterations: marched.iterations.iter().sum(),
-                    max_iterations: marched.max_iterations.iter().sum(),
-                    max_residual: marched.max_residual,
+                    iterations: advanced.iterations.iter().sum(),
+                    max_iterations: advanced.max_iterations.iter().sum(),
+                    max_residual: advanced.max_residual,
                 });
                 if report.steps == count {
                     break Ok(());
@@ -256,8 +256,8 @@ pub struct Sample<'a> {
 }
 
 impl Sample<'_> {
-    /// What the stepper carries here: see [`Stepper::memory`].
-    pub fn memory(&self) -> Vec<f64> {
+    /// What the stepper carries here: see [`Stepper::snapshot`].
+    pub fn snapshot(&self) -> Vec<f64> {
         (self.memory.borrow_mut())()
     }
 }
@@ -346,7 +346,7 @@ pub fn run(
     loop {
         let (index, time) = (stepper.taken, stepper.time());
         let system = stepper.system;
-        let mut memory = || stepper.memory();
+        let mut memory = || stepper.snapshot();
         report.stopped = observer(&Sample {
             index,
             time,

@@ -26,7 +26,7 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     const FOURS: bool = false;
 
     /// Does the work in a function of its own, compiled for this kind.
-    fn outline<W: Work>(work: W) -> W::Result;
+    fn dispatch<W: Work>(work: W) -> W::Result;
     /// So many doubles.
     fn doubles<X: Real, const N: usize>(numbers: &[X; N]) -> Self::Vector;
     /// As an array.
@@ -58,9 +58,9 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     /// `√a`
     fn sqrt(a: Self::Vector) -> Self::Vector;
     /// `a ≤ b`
-    fn at_most(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn le(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `a < b`
-    fn below(a: Self::Vector, b: Self::Vector) -> Self::Vector;
+    fn lt(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `yes` where the mask is true, `no` elsewhere.
     fn select(mask: Self::Vector, yes: Self::Vector, no: Self::Vector) -> Self::Vector;
 }
@@ -77,7 +77,7 @@ impl Processor for Portable {
     const DOUBLES: usize = 0;
 
     #[inline(always)]
-    fn outline<W: Work>(work: W) -> W::Result {
+    fn dispatch<W: Work>(work: W) -> W::Result {
         W::Home::portable(work)
     }
     fn doubles<X: Real, const N: usize>(_: &[X; N]) {}
@@ -99,8 +99,8 @@ impl Processor for Portable {
     fn neg((): ()) {}
     fn abs((): ()) {}
     fn sqrt((): ()) {}
-    fn at_most((): (), (): ()) {}
-    fn below((): (), (): ()) {}
+    fn le((): (), (): ()) {}
+    fn lt((): (), (): ()) {}
     fn select((): (), (): (), (): ()) {}
 }
 
@@ -158,12 +158,12 @@ impl<X: Real, const N: usize, P: Processor> Lanes<X, N, P> {
     }
 
     #[inline(always)]
-    fn test(self, other: Self, f: impl Fn(X, X) -> bool) -> Truths<N> {
+    fn test(self, other: Self, f: impl Fn(X, X) -> bool) -> LaneMask<N> {
         let mut truths = [0; N];
         for (truth, (x, y)) in truths.iter_mut().zip(self.0.iter().zip(&other.0)) {
             *truth = if f(*x, *y) { u64::MAX } else { 0 };
         }
-        Truths(truths)
+        LaneMask(truths)
     }
 }
 
@@ -258,13 +258,13 @@ impl<X: Real, const N: usize, P: Processor> crate::scalar::sealed::Sealed for La
 
 impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     type Number = X;
-    type Mask = Truths<N>;
+    type Mask = LaneMask<N>;
     type Rest = ();
     type Each<Y: Copy + Send + Sync> = [Y; N];
 
     const LANES: usize = N;
     const EPSILON: f64 = X::EPSILON;
-    const LEAST: f64 = X::LEAST;
+    const MIN_POSITIVE: f64 = X::MIN_POSITIVE;
 
     #[inline(always)]
     fn all<Y: Copy + Send + Sync>(value: Y) -> [Y; N] {
@@ -296,31 +296,31 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
         }
     }
     #[inline(always)]
-    fn is_finite(self) -> Truths<N> {
+    fn is_finite(self) -> LaneMask<N> {
         self.test(self, |x, _| Batch::is_finite(x))
     }
     #[inline(always)]
-    fn is_same(self, other: Self) -> Truths<N> {
+    fn is_same(self, other: Self) -> LaneMask<N> {
         self.test(other, |x, y| x.is_same(y))
     }
     #[inline(always)]
-    fn at_most(self, limit: Self) -> Truths<N> {
+    fn le(self, limit: Self) -> LaneMask<N> {
         if const { Self::NATIVE } {
-            Truths(P::truths(P::at_most(self.vector(), limit.vector())))
+            LaneMask(P::truths(P::le(self.vector(), limit.vector())))
         } else {
             self.test(limit, |x, y| x <= y)
         }
     }
     #[inline(always)]
-    fn below(self, limit: Self) -> Truths<N> {
+    fn lt(self, limit: Self) -> LaneMask<N> {
         if const { Self::NATIVE } {
-            Truths(P::truths(P::below(self.vector(), limit.vector())))
+            LaneMask(P::truths(P::lt(self.vector(), limit.vector())))
         } else {
             self.test(limit, |x, y| x < y)
         }
     }
     #[inline(always)]
-    fn select(mask: Truths<N>, yes: Self, no: Self) -> Self {
+    fn select(mask: LaneMask<N>, yes: Self, no: Self) -> Self {
         if const { Self::NATIVE } {
             return Self::from_vector(P::select(P::mask(&mask.0), yes.vector(), no.vector()));
         }
@@ -332,8 +332,8 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
     thrice! { mul_add if Self::NATIVE && P::FUSES }
     #[inline(always)]
-    fn outline<W: Work>(work: W) -> W::Result {
-        P::outline(work)
+    fn dispatch<W: Work>(work: W) -> W::Result {
+        P::dispatch(work)
     }
 }
 
@@ -367,9 +367,9 @@ pub(crate) fn add_product<const N: usize, const K: usize>(
 
 /// A truth for each of `N` lanes: all bits or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Truths<const N: usize>([u64; N]);
+pub(crate) struct LaneMask<const N: usize>([u64; N]);
 
-impl<const N: usize> Truths<N> {
+impl<const N: usize> LaneMask<N> {
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(u64, u64) -> u64) -> Self {
         let (mut truths, mut k) = (self.0, 0);
@@ -381,7 +381,7 @@ impl<const N: usize> Truths<N> {
     }
 }
 
-impl<const N: usize> Mask for Truths<N> {
+impl<const N: usize> Mask for LaneMask<N> {
     #[inline(always)]
     fn splat(value: bool) -> Self {
         Self([if value { u64::MAX } else { 0 }; N])
@@ -401,7 +401,7 @@ impl<const N: usize> Mask for Truths<N> {
     }
 }
 
-impl<const N: usize> BitAnd for Truths<N> {
+impl<const N: usize> BitAnd for LaneMask<N> {
     type Output = Self;
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
@@ -409,7 +409,7 @@ impl<const N: usize> BitAnd for Truths<N> {
     }
 }
 
-impl<const N: usize> BitOr for Truths<N> {
+impl<const N: usize> BitOr for LaneMask<N> {
     type Output = Self;
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
@@ -417,7 +417,7 @@ impl<const N: usize> BitOr for Truths<N> {
     }
 }
 
-impl<const N: usize> Not for Truths<N> {
+impl<const N: usize> Not for LaneMask<N> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
@@ -451,7 +451,7 @@ mod tests {
                 x.minus(y, z),
                 y.mul_add(z, x),
             ];
-            let (at_most, below, larger) = (x.at_most(y), x.below(y), Lanes::select(x.below(y), y, x));
+            let (at_most, below, larger) = (x.le(y), x.lt(y), Lanes::select(x.lt(y), y, x));
             for lane in 0..N {
                 let (x, y, z) = (x.lane(lane), y.lane(lane), z.lane(lane));
                 let alone = [
@@ -493,7 +493,7 @@ mod tests {
     #[test]
     fn masks_tell_of_all_and_of_any() {
         let x = Lanes::<f64, 4, Portable>::from([1.0, 2.0, 3.0, 4.0]);
-        let at_most = |limit: f64| x.at_most(Lanes::of(limit));
+        let at_most = |limit: f64| x.le(Lanes::of(limit));
         assert_eq!([0.0, 2.0, 4.0].map(|limit| at_most(limit).all()), [false, false, true]);
         assert_eq!([0.0, 2.0, 4.0].map(|limit| at_most(limit).any()), [false, true, true]);
         assert_eq!((at_most(2.0) & !at_most(1.0)).0, [0, u64::MAX, 0, 0]);

@@ -102,7 +102,7 @@ macro_rules! processors {
                 type Alignment = $alignment;
 
                 #[inline(always)]
-                fn outline<W: Work>(work: W) -> W::Result {
+                fn dispatch<W: Work>(work: W) -> W::Result {
                     debug_assert!(Self::is_here());
                     // SAFETY: the type is named nowhere but where it was looked whether the processor is of the kind
                     unsafe { <W::Home as Wide>::$function(work) }
@@ -127,8 +127,8 @@ processors! {
         sqrt(a) = _mm256_sqrt_pd(a);
         neg(a) = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
         abs(a) = _mm256_andnot_pd(_mm256_set1_pd(-0.0), a);
-        at_most(a, b) = _mm256_cmp_pd::<_CMP_LE_OQ>(a, b);
-        below(a, b) = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);
+        le(a, b) = _mm256_cmp_pd::<_CMP_LE_OQ>(a, b);
+        lt(a, b) = _mm256_cmp_pd::<_CMP_LT_OQ>(a, b);
         select(mask, yes, no) = _mm256_blendv_pd(no, yes, mask);
     }
 
@@ -145,8 +145,8 @@ processors! {
         sqrt(a) = _mm512_sqrt_pd(a);
         neg(a) = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
         abs(a) = _mm512_andnot_pd(_mm512_set1_pd(-0.0), a);
-        at_most(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)));
-        below(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)));
+        le(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LE_OQ>(a, b)));
+        lt(a, b) = _mm512_castsi512_pd(_mm512_movm_epi64(_mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b)));
         select(mask, yes, no) = _mm512_mask_blend_pd(_mm512_movepi64_mask(_mm512_castpd_si512(mask)), no, yes);
     }
 }
@@ -158,7 +158,7 @@ impl Processor for Portable {
     type Alignment = ();
 
     #[inline(always)]
-    fn outline<W: Work>(work: W) -> W::Result {
+    fn dispatch<W: Work>(work: W) -> W::Result {
         W::Home::portable(work)
     }
 
@@ -187,8 +187,8 @@ impl Processor for Portable {
         sqrt(a) = [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])];
         neg(a) = [_mm_xor_pd(a[0], _mm_set1_pd(-0.0)), _mm_xor_pd(a[1], _mm_set1_pd(-0.0))];
         abs(a) = [_mm_andnot_pd(_mm_set1_pd(-0.0), a[0]), _mm_andnot_pd(_mm_set1_pd(-0.0), a[1])];
-        at_most(a, b) = [_mm_cmple_pd(a[0], b[0]), _mm_cmple_pd(a[1], b[1])];
-        below(a, b) = [_mm_cmplt_pd(a[0], b[0]), _mm_cmplt_pd(a[1], b[1])];
+        le(a, b) = [_mm_cmple_pd(a[0], b[0]), _mm_cmple_pd(a[1], b[1])];
+        lt(a, b) = [_mm_cmplt_pd(a[0], b[0]), _mm_cmplt_pd(a[1], b[1])];
         select(mask, yes, no) = [
             _mm_or_pd(_mm_and_pd(mask[0], yes[0]), _mm_andnot_pd(mask[0], no[0])),
             _mm_or_pd(_mm_and_pd(mask[1], yes[1]), _mm_andnot_pd(mask[1], no[1])),
@@ -323,17 +323,17 @@ fn four<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize) -> __m256d {
 /// Does the work in a function of its own, compiled for [`mul_add`](Batch::mul_add) where the processor has an instruction
 /// for it.
 #[inline]
-pub(crate) fn outline_fused<W: Work>(work: W) -> W::Result {
-    if Avx2::is_here() { Avx2::outline(work) } else { Portable::outline(work) }
+pub(crate) fn dispatch_fused<W: Work>(work: W) -> W::Result {
+    if Avx2::is_here() { Avx2::dispatch(work) } else { Portable::dispatch(work) }
 }
 
-/// [`Batch::outline_long`] of numbers alone.
+/// [`Batch::dispatch_wide`] of numbers alone.
 #[inline]
-pub(crate) fn outline_long<W: LongWork>(work: W) -> W::Result {
+pub(crate) fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
     if Avx2::is_here() {
-        Avx2::outline(On::<Avx2, W>::new(work))
+        Avx2::dispatch(On::<Avx2, W>::new(work))
     } else {
-        Portable::outline(On::<Portable, W>::new(work))
+        Portable::dispatch(On::<Portable, W>::new(work))
     }
 }
 
@@ -344,7 +344,7 @@ mod tests {
     use crate::method::{Clock, Method};
     use crate::scalar::Mask;
     use crate::simd::lanes::Portable;
-    use crate::solve::one_step::{March, OneStep};
+    use crate::solve::one_step::{AdvanceN, OneStep};
     use crate::solve::terms::computed;
     use crate::test_system::Midpoint;
     use std::vec::Vec;
@@ -410,7 +410,7 @@ mod tests {
         state = advanced.map_err(|failure| failure.first()).expect("a small step").state;
         let clock = Clock { start: 0.0, step: 0.01, taken: 1 };
         let (method_of, control) = (&mut method, &[]);
-        let march = March {
+        let work = AdvanceN {
             method: method_of,
             state: &mut state,
             clock,
@@ -419,7 +419,7 @@ mod tests {
             known: true,
             failed: None,
         };
-        assert_eq!(P::outline(On::<P, _>::new(march)).steps, STEPS);
+        assert_eq!(P::dispatch(On::<P, _>::new(work)).steps, STEPS);
         let mut all: Vec<f64> = state.iter().map(|x| x.lane(0)).collect();
         method.memory(&mut |numbers| all.extend(numbers.iter().map(|x| x.lane(0))));
         all

@@ -58,7 +58,7 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
     // the second shows the rate
     if !solver.measures() {
         let square = solver.rate * solver.rate;
-        again = again & (square * square * solver.rate * last).at_most(solver.tolerance);
+        again = again & (square * square * solver.rate * last).le(solver.tolerance);
     }
     // the rate of contraction as a fraction, and where it was seen
     let (mut to, mut from, mut seen) = (solver.rate, T::of(1.0), none);
@@ -71,28 +71,28 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
         (unknown, round) = (next, round + 1);
         count::<T>(&mut convergence.iterations, again);
         let change = change::<T, _>(K::BLOCKS, &point, &unknown);
-        let is_sharp = again & sharp.below(last);
+        let is_sharp = again & sharp.lt(last);
         (to, from) = (T::select(is_sharp, change, to), T::select(is_sharp, last, from));
         (seen, convergence.is_sharp) = (seen | is_sharp, convergence.is_sharp | is_sharp);
-        let is_last = again & change.at_most(near);
+        let is_last = again & change.le(near);
         if is_last.any() {
             // what is certainly more than roundoff
             let more = change - noise;
-            let exceeds = is_last & !is_sharp & (to * last).below(more * from);
+            let exceeds = is_last & !is_sharp & (to * last).lt(more * from);
             (to, from) = (T::select(exceeds, more, to), T::select(exceeds, last, from));
             seen = seen | exceeds;
             let rate = to / from;
             // relative to the unknown
             let left = rate * change;
-            let is_nothing = (rate * left).at_most(T::of(NO_DIFFERENCE * T::EPSILON)) & left.at_most(most);
+            let is_nothing = (rate * left).le(T::of(NO_DIFFERENCE * T::EPSILON)) & left.le(most);
             convergence.residual = T::select(is_last, left, convergence.residual);
-            open = open & !(is_last & (left.at_most(least) | is_nothing));
+            open = open & !(is_last & (left.le(least) | is_nothing));
         }
         if !open.any() {
             convergence.rate = T::select(seen, to / from, nothing);
             return Iterated::Solved(unknown, evaluation, convergence);
         }
-        let contracts = is_last | change.at_most(T::of(STRONG) * last);
+        let contracts = is_last | change.le(T::of(STRONG) * last);
         again = if round < MOST { again & open & contracts } else { none };
         last = change;
     }

@@ -206,7 +206,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let bound = T::of(SAFETY) * rate;
         let error = clamped(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
         let tolerance = T::of(T::EPSILON) * clamped(error / bound, LAST_CHANGE);
-        let strong = rate.at_most(T::of(STRONG));
+        let strong = rate.le(T::of(STRONG));
         self.rate = rate;
         self.tolerance = T::select(strong, tolerance, T::of(-1.0));
         self.is_strong = strong.any();
@@ -240,7 +240,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             }
         }
         let mut from = kernel.start(state, step);
-        let is_near = change::<T, _>(K::BLOCKS, prediction, &from).at_most(T::of(1.0));
+        let is_near = change::<T, _>(K::BLOCKS, prediction, &from).le(T::of(1.0));
         let is_near = is_near & T::Mask::splat(self.predictor.count() > 0);
         let Some(Open { point, unknown, open, convergence }) = left else {
             // from the prediction, unless that is far off
@@ -248,7 +248,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             return newton::solve(kernel, state, step, &from, !none);
         };
         // from where iterations led to, unless the prediction was far off
-        let iterated = convergence.tried & convergence.off.at_most(T::of(LOST));
+        let iterated = convergence.tried & convergence.off.le(T::of(LOST));
         from = select(iterated, &unknown, &select(!convergence.tried & is_near, prediction, &from));
         from = select(open, &from, &point);
         let solution = newton::solve(kernel, state, step, &from, open);
@@ -271,7 +271,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// The lanes in which fixed-point iterations are to be made: where they contract strongly, and where it is to be seen whether they do.
     #[inline(always)]
     fn tries(&self) -> T::Mask {
-        T::of(0.0).below(self.tolerance) | T::Mask::splat(self.due == 0)
+        T::of(0.0).lt(self.tolerance) | T::Mask::splat(self.due == 0)
     }
 
     /// Remembers the solution of a step that one iteration did not solve as expected, and learns from it.
@@ -279,7 +279,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         if const { Self::IS_IDLE } {
             return;
         }
-        T::outline(Learn { solver: self, solution, blocks, convergence });
+        T::dispatch(Learn { solver: self, solution, blocks, convergence });
     }
 
     #[inline(always)]
@@ -288,39 +288,39 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let Convergence { tried, off, rate, is_sharp, .. } = *convergence;
         if self.predictor.count() == 0 {
             // the next solution is as near to it as any
-            self.missed = T::select(T::of(0.0).below(off), off, self.missed);
+            self.missed = T::select(T::of(0.0).lt(off), off, self.missed);
             self.prediction = *solution;
             self.due -= 1;
             self.predictor.push::<Portable>(solution);
             self.predictor.count_more(1);
             return;
         }
-        let open = T::of(0.0).below(off) & (!tried | !off.at_most(self.tolerance));
+        let open = T::of(0.0).lt(off) & (!tried | !off.le(self.tolerance));
         // if it is smaller than it was, that may be by chance
         let is_known = self.predictor.count() > 2;
         let before = T::of(if is_known { 0.5 } else { 0.0 }) * self.rate;
         let improves = is_sharp & T::Mask::splat(self.due == 0 || !is_known);
-        let renewed = self.rate.below(rate) | improves;
+        let renewed = self.rate.lt(rate) | improves;
         if renewed.any() {
-            let rate = T::select(rate.below(before), before, rate);
+            let rate = T::select(rate.lt(before), before, rate);
             let least = T::of(1.0 / SHARP);
-            let rate = T::select(rate.below(least), least, rate);
-            let rate = T::select(rate.at_most(one), rate, one);
+            let rate = T::select(rate.lt(least), least, rate);
+            let rate = T::select(rate.le(one), rate, one);
             self.set_rate(T::select(renewed, rate, self.rate));
         }
         // One more solution to continue while that helps, and fewer when it does not; of a calibrated prediction all are forgotten if it suddenly
         // is off.
-        let missed = T::of(MISSED).below(off);
+        let missed = T::of(MISSED).lt(off);
         // a prediction that needs a few iterations more is left to the next calibration
         let open = open & (missed | T::Mask::splat(self.due == 0 || self.predictor.count() < WINDOW));
-        let helps = off.below(self.missed) | !missed;
-        let ramps = T::of(0.0).below(self.order);
-        let suddenly = (T::of(SUDDENLY) * self.missed).below(off) & missed;
-        let fewer = T::select(T::of(3.0).at_most(self.order), self.order - T::of(2.0), one);
+        let helps = off.lt(self.missed) | !missed;
+        let ramps = T::of(0.0).lt(self.order);
+        let suddenly = (T::of(SUDDENLY) * self.missed).lt(off) & missed;
+        let fewer = T::select(T::of(3.0).le(self.order), self.order - T::of(2.0), one);
         let order = T::select(helps & ramps, self.order + one, fewer);
         let most = T::of(RECENT.min(self.predictor.count() + 1) as f64);
-        let order = T::select(order.at_most(most), order, most);
-        let ramps = open & (ramps | suddenly) & (order.below(self.order) | self.order.below(order));
+        let order = T::select(order.le(most), order, most);
+        let ramps = open & (ramps | suddenly) & (order.lt(self.order) | self.order.lt(order));
         self.order = T::select(ramps, order, self.order);
         self.missed = T::select(open, off, self.missed);
         if self.due == 0 {
@@ -378,8 +378,8 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
 /// No closure, which would not be compiled for the processor that the caller is compiled for.
 #[inline(always)]
 fn clamped<T: Batch>(x: T, [least, most]: [f64; 2]) -> T {
-    let x = T::select(x.at_most(T::of(most)), x, T::of(most));
-    T::select(x.at_most(T::of(least)), T::of(least), x)
+    let x = T::select(x.le(T::of(most)), x, T::of(most));
+    T::select(x.le(T::of(least)), T::of(least), x)
 }
 
 /// What is counted in each lane, together.

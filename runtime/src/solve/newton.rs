@@ -41,7 +41,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     start: &K::Unknown,
     wanted: T::Mask,
 ) -> SolutionOf<T, K> {
-    T::outline(Newton { kernel, state, step, start, wanted })
+    T::dispatch(Newton { kernel, state, step, start, wanted })
 }
 
 struct Newton<'a, T: Batch, K: Kernel<T>> {
@@ -93,17 +93,15 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             }
             let then = relative::<T, _>(K::BLOCKS, &evaluation.residual, &size);
             evaluations += 1;
-            let better = then.below(convergence.residual);
+            let better = then.lt(convergence.residual);
             let missed = open & !better;
-            let quadratic = (T::of(16.0) * (moved * moved)).at_most(T::of(T::EPSILON));
+            let quadratic = (T::of(16.0) * (moved * moved)).le(T::of(T::EPSILON));
             if missed.any() {
                 unknown = select(open & better, &trial, &unknown);
                 convergence.residual = T::select(open & better, then, convergence.residual);
                 // the full correction was small and did not help: what is left is what rounding leaves
-                let near = convergence.residual.at_most(stagnation)
-                    & (quadratic | missed)
-                    & T::of(1.0).at_most(scale);
-                open = open & !(convergence.residual.at_most(roundoff) | near);
+                let near = convergence.residual.le(stagnation) & (quadratic | missed) & T::of(1.0).le(scale);
+                open = open & !(convergence.residual.le(roundoff) | near);
                 if asked == Terms::Unasked && evaluations > 1 && (missed & open).any() {
                     asked = Terms::Perturbed;
                     scale = T::of(1.0);
@@ -118,18 +116,18 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
                     continue;
                 }
                 // nor is there anything to correct where the start is nowhere
-                let lost = missed & open & (scale.below(T::of(SHORTEST)) | T::Mask::splat(evaluations == 1));
+                let lost = missed & open & (scale.lt(T::of(SHORTEST)) | T::Mask::splat(evaluations == 1));
                 unsolved = unsolved | lost;
                 open = open & !lost;
             } else {
                 // nearly always; where nothing is open it was evaluated again where it was
                 (unknown, convergence.residual) = (trial, then);
-                let near = convergence.residual.at_most(stagnation) & quadratic & T::of(1.0).at_most(scale);
-                open = open & !(convergence.residual.at_most(roundoff) | near);
+                let near = convergence.residual.le(stagnation) & quadratic & T::of(1.0).le(scale);
+                open = open & !(convergence.residual.le(roundoff) | near);
             }
             if evaluations == MAX_EVALUATIONS {
                 // where it stagnates this was a slow way, but down to roundoff
-                unsolved = unsolved | (open & !convergence.residual.at_most(stagnation));
+                unsolved = unsolved | (open & !convergence.residual.le(stagnation));
                 open = none;
             }
             if !open.any() {

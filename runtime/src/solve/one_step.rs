@@ -4,7 +4,7 @@ use super::stopping::is_within;
 use super::{Convergence, Solution, Solver};
 use crate::error::StepError;
 use crate::kernel::{Components, Evaluation, Kernel};
-use crate::method::{Advanced, Clock, Failure, Marched, Method, Outcome};
+use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::{Batch, LongWork, Mask, Real, Work};
 use crate::simd::lanes::{Portable, Processor};
 
@@ -38,8 +38,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             // one piece of code for one step and for many
             let (mut next, mut failure) = (*state, None);
             let (clock, failed) = (Clock::at(time), Some(&mut failure));
-            let march = March { method: self, state: &mut next, clock, control, most: 1, known, failed };
-            let Marched { max_iterations, max_residual, .. } = T::outline_long(march);
+            let work = AdvanceN { method: self, state: &mut next, clock, control, most: 1, known, failed };
+            let StepsReport { max_iterations, max_residual, .. } = T::dispatch_wide(work);
             return match failure {
                 Some(failure) => Err(failure),
                 None => Ok(Advanced { state: next, iterations: max_iterations, residual: max_residual }),
@@ -61,12 +61,18 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         // copies, so that the fast path needs no addresses
         let (state, control) = (*state, *control);
         let (state, control) = (&state, &control);
-        T::outline(Slow { method: self, state, time, control, known, first, lossy: true })
+        T::dispatch(Slow { method: self, state, time, control, known, first, lossy: true })
     }
 
     #[inline(always)]
-    fn march(&mut self, state: &mut K::State, clock: Clock, control: &K::Control, most: u64) -> Marched<T> {
-        T::outline_long(March { method: self, state, clock, control, most, known: true, failed: None })
+    fn advance_n(
+        &mut self,
+        state: &mut K::State,
+        clock: Clock,
+        control: &K::Control,
+        most: u64,
+    ) -> StepsReport<T> {
+        T::dispatch_wide(AdvanceN { method: self, state, clock, control, most, known: true, failed: None })
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
@@ -132,7 +138,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 }
 
 /// Steps of [`OneStep`], until one fails.
-pub(crate) struct March<'a, T: Batch, K: Kernel<T>> {
+pub(crate) struct AdvanceN<'a, T: Batch, K: Kernel<T>> {
     pub(crate) method: &'a mut OneStep<T, K>,
     pub(crate) state: &'a mut K::State,
     pub(crate) clock: Clock,
@@ -144,25 +150,25 @@ pub(crate) struct March<'a, T: Batch, K: Kernel<T>> {
     pub(crate) failed: Option<&'a mut Option<Failure<T, K::State>>>,
 }
 
-impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
+impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
     type Home = K;
-    type Result = Marched<T>;
+    type Result = StepsReport<T>;
 
     #[inline(always)]
-    fn done<P: Processor>(self) -> Marched<T> {
+    fn done<P: Processor>(self) -> StepsReport<T> {
         let Self { method, state, clock, control, most, mut known, failed } = self;
-        let mut marched = Marched::default();
+        let mut report = StepsReport::default();
         // not in memory
         let mut now = *state;
-        while marched.steps < most {
+        while report.steps < most {
             let mut first = None;
             if const { OneStep::<T, K>::HAS_FAST_PATH } && known && method.solver.is_fast() {
-                let until_due = most.min(marched.steps.saturating_add(method.solver.expected()));
+                let until_due = most.min(report.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
                 let limit = method.solver.limit();
-                let (before, mut done) = (marched.steps, true);
-                while marched.steps < until_due {
-                    let time = T::of(clock.after(marched.steps));
+                let (before, mut done) = (report.steps, true);
+                while report.steps < until_due {
+                    let time = T::of(clock.after(report.steps));
                     match method.fast::<P>(&now, time, control, &prediction, limit) {
                         Ok((next, then)) => (now, prediction) = (next, then),
                         Err(unknown) => {
@@ -170,13 +176,13 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
                             break;
                         }
                     }
-                    marched.steps += 1;
+                    report.steps += 1;
                 }
-                let steps = marched.steps - before;
+                let steps = report.steps - before;
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {
                     method.solver.took(steps, &prediction);
                 }
-                marched.count(steps, &method.solver.usual());
+                report.count(steps, &method.solver.usual());
                 if done {
                     continue;
                 }
@@ -185,15 +191,15 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
                 // what fails is seen by whoever takes the step alone
                 break;
             }
-            if marched.steps < most {
-                let time = T::of(clock.after(marched.steps));
+            if report.steps < most {
+                let time = T::of(clock.after(report.steps));
                 let (given, lossy) = (now, failed.is_some());
-                match T::outline(Slow { method, state: &given, time, control, known, first, lossy }) {
+                match T::dispatch(Slow { method, state: &given, time, control, known, first, lossy }) {
                     Ok(advanced) => {
                         let Advanced { iterations, residual, .. } = advanced;
                         (now, known) = (advanced.state, true);
-                        marched.steps += 1;
-                        marched.count(1, &Convergence { iterations, residual, ..method.solver.usual() });
+                        report.steps += 1;
+                        report.count(1, &Convergence { iterations, residual, ..method.solver.usual() });
                     }
                     Err(failure) => {
                         if let Some(failed) = failed {
@@ -205,7 +211,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for March<'_, T, K> {
             }
         }
         *state = now;
-        marched
+        report
     }
 }
 
@@ -280,7 +286,7 @@ fn is_inside<T: Batch, K: Kernel<T>>(
     evaluation: &Evaluation<K::Unknown, K::Iterate>,
 ) -> T::Mask {
     match kernel.domain(state, step, unknown, evaluation) {
-        Some(margin) => T::of(0.0).below(margin),
+        Some(margin) => T::of(0.0).lt(margin),
         None => T::Mask::splat(true),
     }
 }
@@ -304,7 +310,7 @@ fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Contr
         sums[terms % 4] = sums[terms % 4] + control.as_ref()[k];
         (terms, k) = (terms + 1, k + 1);
     }
-    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).at_most(T::of(0.0))
+    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).le(T::of(0.0))
 }
 
 /// Whether all numbers of a lane are finite: no branch.
@@ -317,5 +323,5 @@ fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
         sums[k % 4] = sums[k % 4] + T::of(0.0) * components.as_ref()[k];
         k += 1;
     }
-    ((sums[0] + sums[1]) + (sums[2] + sums[3])).at_most(T::of(0.0))
+    ((sums[0] + sums[1]) + (sums[2] + sums[3])).le(T::of(0.0))
 }

@@ -121,13 +121,13 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let (predictor, weights) = (self, &self.weights);
         let [all, any] = self.near;
         if !any {
-            return T::outline(Next { predictor, weights, near: false });
+            return T::dispatch(Next { predictor, weights, near: false });
         }
-        let near = T::outline(Next { predictor, weights, near: true });
+        let near = T::dispatch(Next { predictor, weights, near: true });
         if all {
             near
         } else {
-            select(self.is_near, &near, &T::outline(Next { predictor, weights, near: false }))
+            select(self.is_near, &near, &T::dispatch(Next { predictor, weights, near: false }))
         }
     }
 
@@ -187,7 +187,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
                 break;
             }
             let weights = numbers(weights);
-            let guess = T::outline(Next { predictor: self, weights: &terms(&weights), near: false });
+            let guess = T::dispatch(Next { predictor: self, weights: &terms(&weights), near: false });
             of_through.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         for (weights, lasting) in NEAR_ALL.iter().zip(errors_near) {
@@ -195,12 +195,12 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
                 break;
             }
             let weights = numbers(weights);
-            let guess = T::outline(Next { predictor: self, weights: &terms(&weights), near: true });
+            let guess = T::dispatch(Next { predictor: self, weights: &terms(&weights), near: true });
             of_near.take_better(&weights, change(blocks, &guess, solution), lasting);
         }
         // Those through the latest only where the others do not do: lanes with polynomials of both kinds take the time of both.
-        let does = (T::of(MARGIN) * of_near.error).at_most(tolerance);
-        let is_near = does | of_near.error.below(of_through.error);
+        let does = (T::of(MARGIN) * of_near.error).le(tolerance);
+        let is_near = does | of_near.error.lt(of_through.error);
         self.errors = errors;
         let mut j = 0;
         while j < RECENT {
@@ -229,7 +229,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.weights = terms(&weights);
         let mut is_near = T::select(self.is_near, T::of(1.0), T::of(0.0));
         visit(core::slice::from_mut(&mut is_near));
-        self.set_near(T::of(0.0).below(is_near));
+        self.set_near(T::of(0.0).lt(is_near));
         visit(&mut self.errors);
         self.solutions.iter_mut().for_each(|solution| visit(solution.components.as_mut()));
     }
@@ -253,9 +253,9 @@ impl<T: Batch> Best<T> {
     #[inline(always)]
     fn take_better(&mut self, weights: &[T; RECENT], now: T, was: &mut T) {
         let before = T::of(LASTING) * *was;
-        let error = T::select(now.below(before), before, now);
+        let error = T::select(now.lt(before), before, now);
         *was = error;
-        let better = error.below(self.error);
+        let better = error.lt(self.error);
         self.error = T::select(better, error, self.error);
         let mut j = 0;
         while j < RECENT {

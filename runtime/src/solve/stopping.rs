@@ -13,7 +13,7 @@ pub(super) const ROUNDOFF: f64 = 2.0;
 #[inline(always)]
 pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to: &U) -> T {
     // what is smaller than this has not its full precision: such blocks, and those at rest, count next to it
-    let floor = T::of(T::LEAST / T::EPSILON);
+    let floor = T::of(T::MIN_POSITIVE / T::EPSILON);
     let (of, to) = (of.as_ref(), to.as_ref());
     let (mut ratios, mut from) = (T::of(0.0), 0_usize);
     // loops over places: chains of iterators take longer to compile than all else here
@@ -50,7 +50,7 @@ pub(super) fn is_within<T: Batch, U: Components<T>>(
     to: &U,
     tolerance: T,
 ) -> T::Mask {
-    let floor = T::of(T::LEAST / T::EPSILON);
+    let floor = T::of(T::MIN_POSITIVE / T::EPSILON);
     let (mut from, mut to) = (from.as_ref(), to.as_ref());
     let mut is_within = T::Mask::splat(true);
     for &length in blocks {
@@ -62,7 +62,7 @@ pub(super) fn is_within<T: Batch, U: Components<T>>(
             change = change + (*to - *from).abs();
             size = size + to.abs();
         }
-        is_within = is_within & change.at_most(tolerance * size);
+        is_within = is_within & change.le(tolerance * size);
     }
     is_within
 }

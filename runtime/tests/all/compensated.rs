@@ -152,9 +152,9 @@ fn what_is_carried_can_be_written_down() {
     for _ in 0..100 {
         stepper.step(&mut state).unwrap();
     }
-    let (memory, mut saved) = (stepper.memory(), state);
+    let (memory, mut saved) = (stepper.snapshot(), state);
     let mut other = top.stepper::<Compensated<Cayley>>(0.01).unwrap();
-    other.recall(&memory).unwrap();
+    other.restore(&memory).unwrap();
     for _ in 0..50 {
         stepper.step(&mut state).unwrap();
         other.step(&mut saved).unwrap();

@@ -87,14 +87,14 @@ where
     assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
     assert_eq!((other.time(), other.steps_taken()), (typed.time(), typed.steps_taken()));
 
-    let memory = typed.memory();
-    assert_eq!(other.memory(), memory, "{}", scheme.name());
+    let memory = typed.snapshot();
+    assert_eq!(other.snapshot(), memory, "{}", scheme.name());
     let mut resumed = erased::Stepper::new(&system, scheme, STEP).unwrap();
-    resumed.recall(&memory).unwrap();
+    resumed.restore(&memory).unwrap();
     resumed.steps(&mut numbers, &held, 100).unwrap();
     typed.steps_with(&mut state, control, 100).unwrap();
     assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
-    assert!(resumed.recall(&memory[1..]).is_err());
+    assert!(resumed.restore(&memory[1..]).is_err());
 }
 
 #[test]
@@ -250,7 +250,7 @@ fn laws_see_what_single_steps_start_from() {
     let report = erased::run(&mut stepper, &mut state, &options, &mut |_| ControlFlow::Continue(()));
     assert_eq!(report.unwrap().steps, 100);
     assert_eq!((state, stepper.time()), (expected, alone.time()));
-    assert_eq!(stepper.memory(), alone.memory());
+    assert_eq!(stepper.snapshot(), alone.snapshot());
     // nor is it shown a state of another system
     let error = erased::run(&mut stepper, &mut [1.0], &options, &mut |_| ControlFlow::Continue(()));
     assert_eq!(error.unwrap_err().cause, StepError::Length { expected: 13 });

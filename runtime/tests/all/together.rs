@@ -66,7 +66,7 @@ where
         .unwrap();
     assert!(together.1 == by_one.1, "the same end");
     assert_eq!(report, expected);
-    assert_eq!(together.0.memory(), by_one.0.memory());
+    assert_eq!(together.0.snapshot(), by_one.0.snapshot());
     assert_eq!(record.states().len(), 5);
     assert!(record.states().iter().enumerate().all(|(k, state)| *state == visited[700 * k]));
     // whoever wants to see less may be shown more
@@ -167,22 +167,22 @@ fn no_memory_makes_a_stepper_panic() {
     let mut stepper = system.stepper::<Cayley>(0.01).unwrap();
     let mut state = start;
     stepper.steps_with(&mut state, &NoControl::default(), 200).unwrap();
-    let memory = stepper.memory();
+    let memory = stepper.snapshot();
     for place in 0..memory.len() {
         for absurd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, 1e300, 0.5, 4_294_967_295.0] {
             let mut memory = memory.clone();
             memory[place] = absurd;
-            stepper.recall(&memory).unwrap();
+            stepper.restore(&memory).unwrap();
             let mut state = state;
             // whatever comes of it
             let _ = stepper.steps_with(&mut state, &NoControl::default(), 300);
             let _ = stepper.step(&mut state);
         }
     }
-    let shorter = stepper.recall(&memory[1..]);
+    let shorter = stepper.restore(&memory[1..]);
     assert_eq!(
         shorter,
-        Err(ParameterError::Memory { expected: memory.len(), got: memory.len() - 1 }),
+        Err(ParameterError::Snapshot { expected: memory.len(), got: memory.len() - 1 }),
         "one number less"
     );
 }

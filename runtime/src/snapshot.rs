@@ -24,10 +24,10 @@ pub(crate) fn read<T: Real>(
     let mut expected = 3;
     show(&mut |piece| expected += piece.len());
     let [start, taken, before, rest @ ..] = memory else {
-        return Err(ParameterError::Memory { expected, got: memory.len() });
+        return Err(ParameterError::Snapshot { expected, got: memory.len() });
     };
     if memory.len() != expected {
-        return Err(ParameterError::Memory { expected, got: memory.len() });
+        return Err(ParameterError::Snapshot { expected, got: memory.len() });
     }
     let mut rest = rest.iter();
     show(&mut |piece| {
