@@ -36,6 +36,7 @@ pub mod beginning {
     //!
     //! ```
     //! use coadjoint::prelude::*;
+    //! use coadjoint::{Invariants, Record, Run};
     //!
     //! /// A wheel on the end of a rod that hangs from a ball joint.
     //! #[lie_poisson_system(group = SO3, advected(up: R3), potential = weight * length * up.z)]
@@ -261,7 +262,7 @@ pub mod choosing {
     //! * Steps taken together take less time than one by one, with the same result: [`steps_with`](crate::Stepper::steps_with), and with it a
     //!   [`Run`](crate::Run) between two ticks that somebody has to see. `Record::every(100)` and `run.every(100, …)` see every hundredth;
     //!   an observer of your own says by [`next`](crate::Observer::next) which one it waits for, and a controller is asked before each.
-    //! * [`Fused<M>`](crate::fused::Fused) takes the steps of `M` with products and sums rounded once, by an instruction that is looked for when
+    //! * [`Fused<M>`](crate::Fused) takes the steps of `M` with products and sums rounded once, by an instruction that is looked for when
     //!   the program runs: the same on every machine, and other last digits than those of `M`.
     //! * Many at once: [`ensembles`](super::ensembles).
     //!
@@ -277,6 +278,7 @@ pub mod forces {
     //!
     //! ```
     //! use coadjoint::prelude::*;
+    //! use coadjoint::Run;
     //!
     //! /// A quadrotor: moment in the body, thrust along its third axis, drag against its velocity.
     //! #[lie_poisson_system(
@@ -339,6 +341,7 @@ pub mod ensembles {
     //!
     //! ```
     //! use coadjoint::prelude::*;
+    //! use coadjoint::Ensemble;
     //!
     //! /// A pendulum with a motor in its bearing.
     //! #[lie_poisson_system(group = SO2, potential = -weight * angle.cos_angle(), force = motor, control(motor: R1))]
@@ -372,7 +375,7 @@ pub mod ensembles {
     //!
     //! # Very long
     //!
-    //! In 10⁷ steps and more the roundings of single steps begin to add up. [`Compensated<M>`](crate::compensated::Compensated) takes the steps
+    //! In 10⁷ steps and more the roundings of single steps begin to add up. [`Compensated<M>`](crate::Compensated) takes the steps
     //! of any scheme `M` with twice as many digits: invariants then hold to one rounding, however long the run. It is slow, and for one
     //! trajectory or many alike.
 }
@@ -460,7 +463,7 @@ pub mod derivatives {
     //! **What must hold** and is tested: every block agrees with dual numbers through the same step; `D P(x) Dᵀ = P(x')` with the Poisson tensor
     //! `P`, and `det D = 1`, where no force acts; the product backwards is the transpose of that forwards.
     //!
-    //! Steps of [`Compensated`](crate::compensated) and [`Fused`](crate::fused) schemes have none of their own: take those of the scheme itself.
+    //! Steps of [`Compensated`](crate::Compensated) and [`Fused`](crate::Fused) schemes have none of their own: take those of the scheme itself.
 }
 
 pub mod erased {

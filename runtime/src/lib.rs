@@ -53,7 +53,7 @@ extern crate self as coadjoint;
 #[cfg(feature = "std")]
 pub mod certify;
 #[cfg(feature = "std")]
-pub mod compensated;
+mod compensated;
 pub mod composition;
 pub mod derivative;
 #[cfg(feature = "std")]
@@ -64,7 +64,7 @@ pub mod ensemble;
 pub mod erased;
 pub mod error;
 #[cfg(feature = "std")]
-pub mod fused;
+mod fused;
 pub mod generic;
 mod geometry;
 #[cfg(feature = "std")]
@@ -76,10 +76,11 @@ mod memory;
 mod method;
 pub mod observe;
 pub mod prelude;
-pub mod retraction;
+mod retraction;
 pub mod run;
 mod scalar;
 pub mod scheme;
+mod serialization;
 mod simd;
 mod solve;
 pub mod stepper;
@@ -92,21 +93,30 @@ mod test_system;
 pub use certify::certify;
 pub use coadjoint_macros::lie_poisson_system;
 #[cfg(feature = "std")]
+pub use compensated::Compensated;
+#[cfg(feature = "std")]
 pub use ensemble::Ensemble;
 pub use error::{ParameterError, StepError};
+#[cfg(feature = "std")]
+pub use fused::Fused;
 pub use nalgebra;
-pub use observe::Observer;
+#[cfg(feature = "std")]
+pub use observe::Record;
+pub use observe::{Invariants, Observer};
 pub use retraction::{Cayley, Exponential};
 pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
 pub use scheme::{
     Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
 };
+#[cfg(feature = "serde")]
+pub use serde;
 pub use stepper::{StepReport, Stepper};
-pub use system::{Control, Discretized, NoControl, State, System};
+pub use system::{Control, Discretized, NoControl, Quantity, Role, State, System};
 
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::__serialization as serialization;
     pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
@@ -123,5 +133,4 @@ pub mod __private {
         Control, Generated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored, System, Visitor,
     };
     pub use nalgebra;
-    pub use serde;
 }

@@ -35,6 +35,7 @@ pub struct Quantity {
 
 /// What a [`Quantity`] is to its system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Role {
     /// A parameter: constant.
     Parameter,
@@ -224,6 +225,7 @@ pub trait Discretized<M>: System {
 }
 
 /// A method for the arrays of a system.
+#[doc(hidden)]
 pub trait MethodOf<S: System>:
     Method<
         Scalar = S::Scalar,
@@ -266,6 +268,7 @@ pub trait Generated<M>: System {
     message = "there are no steps with the retraction `{R}` for `{Self}`",
     note = "where the description has `retractions(…)`, no others are generated than those it names"
 )]
+#[doc(hidden)]
 pub trait Retracted<R>: System {
     /// The [standard](System::Standard) scheme.
     type Scheme;
@@ -278,6 +281,7 @@ pub trait Schemes: System {
 }
 
 /// Makes something of a generated step of the system `S`.
+#[doc(hidden)]
 pub trait Visitor<S: System> {
     /// What comes of it.
     type Output;
@@ -337,6 +341,7 @@ where
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit
 /// complex numbers (`re, im`), isometries (the rotation's scalars, then the translation's).
+#[doc(hidden)]
 pub trait Stored<T, const N: usize>: Sized {
     /// Its scalars.
     fn to_array(&self) -> [T; N];

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use coadjoint::__private::Map;
+use coadjoint::Ensemble;
 use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
@@ -13,6 +14,7 @@ use coadjoint::erased::{self, Controls, Scheme, StepperError, Watched};
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 use coadjoint::{RunError, RunReport};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::catalogue::Entry;
@@ -249,7 +251,7 @@ pub fn each_step<S: Catalogued>(
         see(index, time, &state);
         if index < steps {
             let control = system.control(&state, time).to_components();
-            let step = |cause| RunError { step: index + 1, time, report: RunReport::default(), cause };
+            let step = |cause| RunError::new(index + 1, time, RunReport::default(), cause);
             stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
         }
     }

@@ -6,6 +6,8 @@
 //!
 //! ```
 //! use coadjoint::prelude::*;
+//! use coadjoint::Ensemble;
+//! use coadjoint::ensemble::Distribution;
 //!
 //! #[lie_poisson_system(group = SO3)]
 //! struct Body {
@@ -66,6 +68,7 @@ pub struct Ensemble<S: Discretized<M>, M> {
 /// A member that failed. Its state is the last one that it reached.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("member {member} could not take step {step}")]
+#[non_exhaustive]
 pub struct Failed {
     /// Which member, from 0.
     pub member: usize,
@@ -122,6 +125,7 @@ pub(crate) fn check_member(
 
 /// How a run of an ensemble went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EnsembleReport {
     /// Steps that every member took, or failed at.
     pub steps: u64,

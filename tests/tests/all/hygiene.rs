@@ -4,6 +4,7 @@
 #![allow(dead_code, unreachable_pub, unused_macros)]
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, System};
 use coadjoint_tests::random::Random;
 
 /// Takes one step with each retraction, so that generated code is compiled to the end, and checks it a little: the energy is almost
@@ -308,7 +309,7 @@ mod called {
 mod fields {
     use super::{drive, rotation};
     use coadjoint::nalgebra::Vector3;
-    use coadjoint::prelude::{State, System, vector};
+    use coadjoint::{State, System, vector};
 
     /// Names of the generated functions' arguments and of values in them.
     #[coadjoint::lie_poisson_system(
@@ -659,8 +660,9 @@ mod attributes {
 
 /// The potential is read twice: symbolically, for the mathematics, and by rustc, as a method. Both must mean the same.
 mod potentials {
+    use coadjoint::System;
     use coadjoint::nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
-    use coadjoint::prelude::{System, UnitQuaternion, matrix, vector};
+    use coadjoint::prelude::{UnitQuaternion, matrix, vector};
 
     use super::Random;
 

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use coadjoint::erased;
+use coadjoint::observe::Every;
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
