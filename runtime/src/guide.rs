@@ -24,12 +24,15 @@ pub mod beginning {
     //! cargo run --release -- figures                       # all figures of the paper, and five more
     //! ```
     //!
-    //! **2. Make a crate**, with this in its `Cargo.toml` (nothing else is needed; `serde` only if states are to be written to files):
+    //! **2. Make a crate**, with this in its `Cargo.toml`:
     //!
     //! ```toml
     //! [dependencies]
     //! coadjoint = { path = "../coadjoint/runtime" }
     //! ```
+    //!
+    //! Nothing else is needed. Two features are there when asked for, `features = ["parallel", "serde"]`: `parallel` moves
+    //! [ensembles](super::ensembles) on all cores, `serde` [writes and reads](super::describing#written-and-read) states.
     //!
     //! **3. Say what the system is.** A wheel on the end of a rod that hangs from a ball joint, say. It turns about a fixed point, so the
     //! group is `SO3`; its weight acts along the vertical, which is fixed in space and seen from the body: an advected parameter.
@@ -195,6 +198,48 @@ pub mod describing {
     //! ```
     //!
     //! `invariance = right` takes momentum and velocity in space, `g' = ξ g`, for energies that are functions of these.
+    //!
+    //! # Written and read
+    //!
+    //! With the feature `serde` of `coadjoint`, states and controls have serde's `Serialize` and `Deserialize`. If the compiler says that
+    //! a state, or a `Matrix` in your own struct, has them not, this feature is missing:
+    //!
+    //! ```toml
+    //! [dependencies]
+    //! coadjoint = { path = "../coadjoint/runtime", features = ["serde"] }
+    //! serde = { version = "1", features = ["derive"] }
+    //! serde_json = { version = "1", features = ["float_roundtrip"] } # reads numbers back to the last digit
+    //! ```
+    //!
+    //! The description itself is your own struct: it derives what you want of it.
+    //!
+    //! ```
+    //! # #[cfg(feature = "serde")] mod example {
+    //! use coadjoint::prelude::*;
+    //! use serde::{Deserialize, Serialize};
+    //!
+    //! #[lie_poisson_system(group = SO3)]
+    //! #[derive(Serialize, Deserialize)]
+    //! struct Body {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //! }
+    //!
+    //! # pub fn run() -> Result<(), Box<dyn std::error::Error>> {
+    //! let body: Body = serde_json::from_str(r#"{ "inertia": [1.0, 2.0, 2.5] }"#)?;
+    //! assert_eq!(body.inertia, vector![1.0, 2.0, 2.5]);
+    //! let state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+    //! let text = serde_json::to_string(&state)?;
+    //! assert_eq!(text, r#"{"attitude":[0.0,0.0,0.0,1.0],"momentum":[0.1,2.0,0.1]}"#);
+    //! assert_eq!(serde_json::from_str::<BodyState>(&text)?, state);
+    //! # Ok(())
+    //! # }
+    //! # }
+    //! # #[cfg(feature = "serde")] example::run().unwrap();
+    //! ```
+    //!
+    //! In a crate that does not depend on serde itself, its traits are `coadjoint::serde::{Deserialize, Serialize}`, and the struct says
+    //! `#[serde(crate = "coadjoint::serde")]`.
 }
 
 pub mod choosing {
@@ -366,6 +411,8 @@ pub mod ensembles {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
+    //! * The feature `parallel` moves them on all cores. Without it one core does all the work, with the same digits.
+    //! * [`InitialStates`](crate::ensemble::InitialStates) draws states at random about a given one, on the group.
     //! * [`run_watched`](crate::Ensemble::run_watched) shows the members to a [`Watcher`](crate::ensemble::Watcher) now and then;
     //!   [`Distribution`](crate::ensemble::Distribution) records how a quantity spreads. Nothing else is kept.
     //! * A member that cannot take a step stays where it was and is listed with its step and the reason; the others go on.

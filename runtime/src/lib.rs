@@ -41,11 +41,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! There is a [guide], one page for each notion.
+//! There is a [guide], one page for each notion. The [prelude] has what a description and its first steps need; all else is imported by its name.
+//!
+//! # Features
+//!
+//! - `std`, on by default: runs that record, ensembles, certificates, systems whose types are erased. Steps need none of them.
+//! - `parallel`: ensembles on all cores, by rayon. Without it on one, with the same digits.
+//! - `serde`: states, controls and certificates, and nalgebra's types in fields, have serde's traits;
+//!   [how](guide::describing#written-and-read).
 //!
 //! Conventions: attitudes turn body coordinates into space coordinates, `momentum` and `advected` quantities
 //! are in body coordinates, units are the user's (SI throughout our own systems).
 #![cfg_attr(not(feature = "std"), no_std)]
+// on docs.rs, items say which feature they need
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 // The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
 extern crate self as coadjoint;

@@ -73,7 +73,7 @@ impl<'a, S: System> Tick<'a, S> {
     ///
     /// ```
     /// use coadjoint::prelude::*;
-    /// use coadjoint::{Invariants, Tick};
+    /// use coadjoint::{Invariants, Observer, Tick};
     ///
     /// #[lie_poisson_system(group = SO3)]
     /// struct Body {

@@ -9,7 +9,8 @@ use nalgebra::{
 };
 
 use crate::error::ParameterError;
-use crate::geometry::{Isolated, Map};
+use crate::geometry::Map;
+pub use crate::geometry::{Geometry, Isolated};
 use crate::kernel::{Components, Kernel};
 use crate::method::{Carried, Halves, Method};
 use crate::retraction::{Cayley, Exponential};

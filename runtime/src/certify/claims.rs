@@ -64,11 +64,13 @@ pub trait Claims<S: Geometry<Scalar = f64>> {
     }
 
     /// Takes the same step from its definition; `false` if there is none to compare with.
+    #[doc(hidden)]
     fn walk(_walk: &mut Walk<'_>, _step: f64) -> bool {
         false
     }
 
     /// Shows the kernels that the step is made of.
+    #[doc(hidden)]
     fn kernels(_probe: &mut Probe<'_>, _step: f64) {}
 }
 

@@ -61,7 +61,9 @@ mod run;
 use core::fmt;
 
 pub use blocks::{Block, Blocks, BlocksOf, ByControl, ByParameters, ByState, Dense, Part, StepJacobian};
-pub use method::{AllColumns, HasDerivative, Linearizable, Wanted};
+#[doc(hidden)]
+pub use method::{AllColumns, Wanted};
+pub use method::{HasDerivative, Linearizable};
 #[cfg(feature = "std")]
 pub use run::{Moment, Recording};
 
@@ -119,6 +121,7 @@ pub struct Adjoint;
     message = "there are no derivatives of the steps of `{S}`",
     note = "derivatives are asked for in the description, with `derivatives`"
 )]
+#[doc(hidden)]
 pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
     /// What the derivative is made of at one point.
     type Point: Copy + Send + Sync;
@@ -180,6 +183,7 @@ fn zeros<T: Scalar, C: Components<T>>() -> C {
 }
 
 /// What the entries of a change can be: numbers, or columns of them.
+#[doc(hidden)]
 pub trait Entry: Copy + PartialEq + fmt::Debug + Send + Sync + 'static {}
 
 impl<V: Copy + PartialEq + fmt::Debug + Send + Sync + 'static> Entry for V {}
@@ -189,6 +193,7 @@ type ControlChange<S, V> = <S as Differentiable>::ControlChange<V>;
 type ParameterChange<S, V> = <S as Differentiable>::ParameterChange<V>;
 
 /// Changes of state, controls and parameters; or the columns of derivatives by them.
+#[doc(hidden)]
 pub type AllChanges<S, V> = (
     <S as Differentiable>::StateChange<V>,
     <S as Differentiable>::ControlChange<V>,
@@ -196,6 +201,7 @@ pub type AllChanges<S, V> = (
 );
 
 /// A matrix, column by column, from changes of the state to such.
+#[doc(hidden)]
 pub type Columns<S, T> = StateChange<S, StateChange<S, T>>;
 
 /// Adds one change to another.

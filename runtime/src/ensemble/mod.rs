@@ -34,9 +34,10 @@
 //! ```
 //!
 //! Threads are [rayon](https://docs.rs/rayon)'s: `RAYON_NUM_THREADS` in the environment, or a pool of one's own around the call, says how many.
-//! Without the feature `parallel` there is one.
+//! That is the feature `parallel`. Without it there is one thread: the same steps, to the last digit, on one core.
 
 mod distribution;
+mod initial;
 pub(crate) mod members;
 
 use core::convert::Infallible;
@@ -55,6 +56,7 @@ use crate::scalar::{Batch, Real, Scalar};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use distribution::{Distribution, Spread};
+pub use initial::InitialStates;
 pub use members::Instructions;
 use members::{Builder, Member, Members};
 
