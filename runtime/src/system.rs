@@ -278,6 +278,7 @@ pub trait Retracted<R>: System {
 /// The steps that were generated for a system, to be chosen from while the program runs. Implemented by the macro.
 pub trait Schemes: System {
     /// Shows the visitor the type that stands for a generated step; none if it was not generated.
+    #[doc(hidden)]
     fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output>;
 }
 

@@ -6,6 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::snapshots::assert_snapshot;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{ImplItem, Item, TraitItem, Type, UseTree, Visibility};
@@ -18,7 +19,7 @@ fn the_public_surface_is_as_reviewed() {
     surface.insert(syn::parse_file(&root).expect("Rust").items, source, "crate");
     surface.module("crate", "coadjoint");
     let lines: Vec<String> = surface.lines.into_iter().collect();
-    insta::assert_snapshot!(lines.join("\n"));
+    assert_snapshot("surface", &lines.join("\n"));
 }
 
 /// An item's name, and whether it is public; exports have no name.

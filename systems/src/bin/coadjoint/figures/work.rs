@@ -3,7 +3,6 @@
 use std::time::Instant;
 
 use coadjoint::erased;
-use coadjoint::observe::Every;
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
