@@ -208,7 +208,7 @@ pub trait System: Sized {
     }
 }
 
-/// A system with a step of the scheme `M`: a [retraction](crate::retraction), a [scheme](crate::scheme) on one, or a
+/// A system with a step of the scheme `M`: a retraction ([`Exponential`] or [`Cayley`]), a [scheme](crate::scheme) on one, or a
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
