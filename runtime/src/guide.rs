@@ -578,7 +578,7 @@ pub mod reading {
     //! `cargo expand`. There is, in this order:
     //!
     //! * your struct, with the equations of motion, the invariants and the number of operations of each step in its documentation;
-    //! * the state, and the controls if there are any;
+    //! * the state, and the controls if there are any; `serialization!` gives them serde's traits where the feature `serde` is on, else nothing;
     //! * your expressions as methods (`potential`, `hamiltonian`, `force`), for rustc to check;
     //! * [`System`](crate::System): parameters, energy, velocity, Casimirs, and the checks of an inertia;
     //! * [`Geometry`](crate::geometry::Geometry): local coordinates, differential and Poisson structure;
