@@ -1,36 +1,4 @@
 //! Compensated arithmetic, for very long runs.
-//!
-//! A step in double precision rounds its state, and rounds in much the same way step after step: beside the random walk of the roundings,
-//! which grows like the square root of their number, invariants drift a little, about 10⁻¹⁸ a step. After 10⁷ steps the drift is ahead.
-//! [`Compensated<M>`] takes the steps of the scheme `M` with twice as many digits and carries those that the state has no room for from
-//! step to step. What is left is one rounding, of the state that is shown. A step takes about a hundred times as long.
-//!
-//! ```
-//! use coadjoint::prelude::*;
-//!
-//! #[lie_poisson_system(group = SO3)]
-//! struct Body {
-//!     #[inertia]
-//!     inertia: Vector3<f64>,
-//! }
-//!
-//! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
-//! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
-//! let momentum = body.spatial_momentum(&state);
-//! let mut stepper = body.stepper::<Compensated<Exponential>>(0.05)?;
-//! for _ in 0..10_000 {
-//!     stepper.step(&mut state)?;
-//! }
-//! assert!((body.spatial_momentum(&state) - momentum).norm() < 2e-15);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! The digits are carried for as long as the states that the stepper is given are those that it led to; another state starts anew. The
-//! wrapper goes outside: `Compensated<Order4<Cayley>>`. `Order4<Compensated<Cayley>>` would carry nothing from one part of a step to the next.
-//!
-//! Sums, products, quotients and roots have all the digits. Elementary functions in potentials and forces have those of one number, and so
-//! have Stumpff functions of large arguments: a step should not turn a body by more than a third of a radian. Numbers beyond 10²⁹² are not
-//! finite here.
 
 use core::marker::PhantomData;
 
@@ -40,7 +8,39 @@ use crate::method::{Advanced, Failure, Method, Outcome};
 use crate::scalar::{Batch, Mask, Scalar};
 use crate::system::{Discretized, System};
 
-/// The scheme `M` in [compensated arithmetic](crate::compensated).
+/// The scheme `M` in compensated arithmetic, for very long runs.
+///
+/// A step in double precision rounds its state, and rounds in much the same way step after step: beside the random walk of the roundings,
+/// which grows like the square root of their number, invariants drift a little, about 10⁻¹⁸ a step. After 10⁷ steps the drift is ahead.
+/// `Compensated<M>` takes the steps of the scheme `M` with twice as many digits and carries those that the state has no room for from
+/// step to step. What is left is one rounding, of the state that is shown. A step takes about a hundred times as long.
+///
+/// ```
+/// use coadjoint::prelude::*;
+///
+/// #[lie_poisson_system(group = SO3)]
+/// struct Body {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+/// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+/// let momentum = body.spatial_momentum(&state);
+/// let mut stepper = body.stepper::<Compensated<Exponential>>(0.05)?;
+/// for _ in 0..10_000 {
+///     stepper.step(&mut state)?;
+/// }
+/// assert!((body.spatial_momentum(&state) - momentum).norm() < 2e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// The digits are carried for as long as the states that the stepper is given are those that it led to; another state starts anew. The
+/// wrapper goes outside: `Compensated<Order4<Cayley>>`. `Order4<Compensated<Cayley>>` would carry nothing from one part of a step to the next.
+///
+/// Sums, products, quotients and roots have all the digits. Elementary functions in potentials and forces have those of one number, and so
+/// have Stumpff functions of large arguments: a step should not turn a body by more than a third of a radian. Numbers beyond 10²⁹² are not
+/// finite here.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Compensated<M>(PhantomData<M>);
 

@@ -213,6 +213,7 @@ pub(crate) fn name(coefficients: &str, base: &str) -> std::string::String {
 
 /// The composed method: a base method for each step, each with a memory of its own.
 #[derive(Debug)]
+#[doc(hidden)]
 pub struct Composition<C: Coefficients, B: Method> {
     pub(crate) steps: C::Steps<B>,
     /// The composed step.

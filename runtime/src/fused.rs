@@ -1,30 +1,4 @@
 //! Products and sums rounded once, for speed.
-//!
-//! Processors multiply and add in one instruction, `a + b c`, and round once where two instructions round twice: half of a step's arithmetic
-//! is of this kind. A program that is built for any processor cannot count on the instruction. [`Fused<M>`] takes the steps of the scheme
-//! `M` with it all the same: whether the processor has it is found out when the program runs.
-//!
-//! ```
-//! use coadjoint::prelude::*;
-//!
-//! #[lie_poisson_system(group = SO3)]
-//! struct Body {
-//!     #[inertia]
-//!     inertia: Vector3<f64>,
-//! }
-//!
-//! let body = Body { inertia: vector![1.0, 2.0, 2.5] };
-//! let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
-//! let momentum = body.spatial_momentum(&state);
-//! let mut stepper = body.stepper::<Fused<Cayley>>(0.05)?;
-//! stepper.steps_with(&mut state, &NoControl::default(), 10_000)?;
-//! assert!((body.spatial_momentum(&state) - momentum).norm() < 1e-13);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! The steps are those of `M` but for roundings, and the same on every machine: where the instruction is missing, as in processors from before
-//! 2013, the same result is found by a detour that takes many times as long. Steps taken [together](crate::stepper::Stepper::steps_with), as
-//! a [`Run`](crate::Run) takes them, gain the most. The wrapper goes outside: `Fused<Order4<Cayley>>`.
 
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -34,7 +8,33 @@ use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::{Batch, LongWork, Scalar, Work};
 use crate::system::{Discretized, System};
 
-/// The scheme `M` with products and sums [rounded once](crate::fused).
+/// The scheme `M` with products and sums rounded once, for speed.
+///
+/// Processors multiply and add in one instruction, `a + b c`, and round once where two instructions round twice: half of a step's arithmetic
+/// is of this kind. A program that is built for any processor cannot count on the instruction. `Fused<M>` takes the steps of the scheme
+/// `M` with it all the same: whether the processor has it is found out when the program runs.
+///
+/// ```
+/// use coadjoint::prelude::*;
+///
+/// #[lie_poisson_system(group = SO3)]
+/// struct Body {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+/// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+/// let momentum = body.spatial_momentum(&state);
+/// let mut stepper = body.stepper::<Fused<Cayley>>(0.05)?;
+/// stepper.steps_with(&mut state, &NoControl::default(), 10_000)?;
+/// assert!((body.spatial_momentum(&state) - momentum).norm() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// The steps are those of `M` but for roundings, and the same on every machine: where the instruction is missing, as in processors from before
+/// 2013, the same result is found by a detour that takes many times as long. Steps taken [together](crate::Stepper::steps_with), as
+/// a [`Run`](crate::Run) takes them, gain the most. The wrapper goes outside: `Fused<Order4<Cayley>>`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fused<M>(PhantomData<M>);
 

@@ -24,18 +24,22 @@ pub mod beginning {
     //! cargo run --release -- figures                       # all figures of the paper, and five more
     //! ```
     //!
-    //! **2. Make a crate**, with this in its `Cargo.toml` (nothing else is needed; `serde` only if states are to be written to files):
+    //! **2. Make a crate**, with this in its `Cargo.toml`:
     //!
     //! ```toml
     //! [dependencies]
     //! coadjoint = { path = "../coadjoint/runtime" }
     //! ```
     //!
+    //! Nothing else is needed. Two features are there when asked for, `features = ["parallel", "serde"]`: `parallel` moves
+    //! [ensembles](super::ensembles) on all cores, `serde` [writes and reads](super::describing#written-and-read) states.
+    //!
     //! **3. Say what the system is.** A wheel on the end of a rod that hangs from a ball joint, say. It turns about a fixed point, so the
     //! group is `SO3`; its weight acts along the vertical, which is fixed in space and seen from the body: an advected parameter.
     //!
     //! ```
     //! use coadjoint::prelude::*;
+    //! use coadjoint::{Invariants, Record, Run};
     //!
     //! /// A wheel on the end of a rod that hangs from a ball joint.
     //! #[lie_poisson_system(group = SO3, advected(up: R3), potential = weight * length * up.z)]
@@ -194,6 +198,48 @@ pub mod describing {
     //! ```
     //!
     //! `invariance = right` takes momentum and velocity in space, `g' = ξ g`, for energies that are functions of these.
+    //!
+    //! # Written and read
+    //!
+    //! With the feature `serde` of `coadjoint`, states and controls have serde's `Serialize` and `Deserialize`. If the compiler says that
+    //! a state, or a `Matrix` in your own struct, has them not, this feature is missing:
+    //!
+    //! ```toml
+    //! [dependencies]
+    //! coadjoint = { path = "../coadjoint/runtime", features = ["serde"] }
+    //! serde = { version = "1", features = ["derive"] }
+    //! serde_json = { version = "1", features = ["float_roundtrip"] } # reads numbers back to the last digit
+    //! ```
+    //!
+    //! The description itself is your own struct: it derives what you want of it.
+    //!
+    //! ```
+    //! # #[cfg(feature = "serde")] mod example {
+    //! use coadjoint::prelude::*;
+    //! use serde::{Deserialize, Serialize};
+    //!
+    //! #[lie_poisson_system(group = SO3)]
+    //! #[derive(Serialize, Deserialize)]
+    //! struct Body {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //! }
+    //!
+    //! # pub fn run() -> Result<(), Box<dyn std::error::Error>> {
+    //! let body: Body = serde_json::from_str(r#"{ "inertia": [1.0, 2.0, 2.5] }"#)?;
+    //! assert_eq!(body.inertia, vector![1.0, 2.0, 2.5]);
+    //! let state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, 0.1] };
+    //! let text = serde_json::to_string(&state)?;
+    //! assert_eq!(text, r#"{"attitude":[0.0,0.0,0.0,1.0],"momentum":[0.1,2.0,0.1]}"#);
+    //! assert_eq!(serde_json::from_str::<BodyState>(&text)?, state);
+    //! # Ok(())
+    //! # }
+    //! # }
+    //! # #[cfg(feature = "serde")] example::run().unwrap();
+    //! ```
+    //!
+    //! In a crate that does not depend on serde itself, its traits are `coadjoint::serde::{Deserialize, Serialize}`, and the struct says
+    //! `#[serde(crate = "coadjoint::serde")]`.
 }
 
 pub mod choosing {
@@ -261,7 +307,7 @@ pub mod choosing {
     //! * Steps taken together take less time than one by one, with the same result: [`steps_with`](crate::Stepper::steps_with), and with it a
     //!   [`Run`](crate::Run) between two ticks that an observer needs. `Record::every(100)` and `run.every(100, …)` see every hundredth;
     //!   an observer of your own says by [`next`](crate::Observer::next) which one it waits for, and a controller is asked before each.
-    //! * [`Fused<M>`](crate::fused::Fused) takes the steps of `M` with products and sums rounded once, by an instruction that is looked for when
+    //! * [`Fused<M>`](crate::Fused) takes the steps of `M` with products and sums rounded once, by an instruction that is looked for when
     //!   the program runs: the same on every machine, and other last digits than those of `M`.
     //! * Many at once: [`ensembles`](super::ensembles).
     //!
@@ -277,6 +323,7 @@ pub mod forces {
     //!
     //! ```
     //! use coadjoint::prelude::*;
+    //! use coadjoint::Run;
     //!
     //! /// A quadrotor: moment in the body, thrust along its third axis, drag against its velocity.
     //! #[lie_poisson_system(
@@ -339,6 +386,7 @@ pub mod ensembles {
     //!
     //! ```
     //! use coadjoint::prelude::*;
+    //! use coadjoint::Ensemble;
     //!
     //! /// A pendulum with a motor in its bearing.
     //! #[lie_poisson_system(group = SO2, potential = -weight * angle.cos_angle(), force = motor, control(motor: R1))]
@@ -363,6 +411,8 @@ pub mod ensembles {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
+    //! * The feature `parallel` moves them on all cores. Without it one core does all the work, with the same digits.
+    //! * [`InitialStates`](crate::ensemble::InitialStates) draws states at random about a given one, on the group.
     //! * [`run_observed`](crate::Ensemble::run_observed) shows the members to an [`EnsembleObserver`](crate::ensemble::EnsembleObserver) now and then;
     //!   [`Distribution`](crate::ensemble::Distribution) records how a quantity spreads. Nothing else is kept.
     //! * A member that cannot take a step stays where it was and is listed with its step and the reason; the others go on.
@@ -372,7 +422,7 @@ pub mod ensembles {
     //!
     //! # Very long
     //!
-    //! In 10⁷ steps and more the roundings of single steps begin to add up. [`Compensated<M>`](crate::compensated::Compensated) takes the steps
+    //! In 10⁷ steps and more the roundings of single steps begin to add up. [`Compensated<M>`](crate::Compensated) takes the steps
     //! of any scheme `M` with twice as many digits: invariants then hold to one rounding, however long the run. It is slow, and for one
     //! trajectory or many alike.
 }
@@ -460,7 +510,7 @@ pub mod derivatives {
     //! **What must hold** and is tested: every block agrees with dual numbers through the same step; `D P(x) Dᵀ = P(x')` with the Poisson tensor
     //! `P`, and `det D = 1`, where no force acts; the product backwards is the transpose of that forwards.
     //!
-    //! Steps of [`Compensated`](crate::compensated) and [`Fused`](crate::fused) schemes have none of their own: take those of the scheme itself.
+    //! Steps of [`Compensated`](crate::Compensated) and [`Fused`](crate::Fused) schemes have none of their own: take those of the scheme itself.
 }
 
 pub mod erased {
@@ -528,7 +578,7 @@ pub mod reading {
     //! `cargo expand`. There is, in this order:
     //!
     //! * your struct, with the equations of motion, the invariants and the number of operations of each step in its documentation;
-    //! * the state, and the controls if there are any;
+    //! * the state, and the controls if there are any; `serialization!` gives them serde's traits where the feature `serde` is on, else nothing;
     //! * your expressions as methods (`potential`, `hamiltonian`, `force`), for rustc to check;
     //! * [`System`](crate::System): parameters, energy, velocity, Casimirs, and the checks of an inertia;
     //! * [`Geometry`](crate::geometry::Geometry): local coordinates, differential and Poisson structure;

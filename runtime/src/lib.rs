@@ -41,11 +41,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! There is a [guide], one page for each notion.
+//! There is a [guide], one page for each notion. The [prelude] has what a description and its first steps need; all else is imported by its name.
+//!
+//! # Features
+//!
+//! - `std`, on by default: runs that record, ensembles, certificates, systems whose types are erased. Steps need none of them.
+//! - `parallel`: ensembles on all cores, by rayon. Without it on one, with the same digits.
+//! - `serde`: states, controls and certificates, and nalgebra's types in fields, have serde's traits;
+//!   [how](guide::describing#written-and-read).
 //!
 //! Conventions: attitudes turn body coordinates into space coordinates, `momentum` and `advected` quantities
 //! are in body coordinates, units are the user's (SI throughout our own systems).
 #![cfg_attr(not(feature = "std"), no_std)]
+// on docs.rs, items say which feature they need
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 // The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
 extern crate self as coadjoint;
@@ -53,7 +62,7 @@ extern crate self as coadjoint;
 #[cfg(feature = "std")]
 pub mod certify;
 #[cfg(feature = "std")]
-pub mod compensated;
+mod compensated;
 pub mod composition;
 pub mod derivative;
 #[cfg(feature = "std")]
@@ -64,7 +73,7 @@ pub mod ensemble;
 pub mod erased;
 pub mod error;
 #[cfg(feature = "std")]
-pub mod fused;
+mod fused;
 pub mod generic;
 mod geometry;
 #[cfg(feature = "std")]
@@ -75,10 +84,11 @@ mod literals;
 mod method;
 pub mod observe;
 pub mod prelude;
-pub mod retraction;
+mod retraction;
 pub mod run;
 mod scalar;
 pub mod scheme;
+mod serialization;
 mod simd;
 mod snapshot;
 mod solve;
@@ -92,21 +102,30 @@ mod test_system;
 pub use certify::certify;
 pub use coadjoint_macros::lie_poisson_system;
 #[cfg(feature = "std")]
+pub use compensated::Compensated;
+#[cfg(feature = "std")]
 pub use ensemble::Ensemble;
 pub use error::{ParameterError, StepError};
+#[cfg(feature = "std")]
+pub use fused::Fused;
 pub use nalgebra;
-pub use observe::Observer;
+#[cfg(feature = "std")]
+pub use observe::Record;
+pub use observe::{Invariants, Observer};
 pub use retraction::{Cayley, Exponential};
 pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
 pub use scheme::{
     Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
 };
+#[cfg(feature = "serde")]
+pub use serde;
 pub use stepper::{StepReport, Stepper};
-pub use system::{Control, Discretized, NoControl, State, System};
+pub use system::{Control, Discretized, NoControl, Quantity, Role, State, System};
 
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::__serialization as serialization;
     pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
@@ -123,5 +142,4 @@ pub mod __private {
         Control, Generated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored, System, Visitor,
     };
     pub use nalgebra;
-    pub use serde;
 }

@@ -1,27 +1,22 @@
-//! Everything a description and its use need: `use coadjoint::prelude::*;`
+//! What a description and its first steps need: `use coadjoint::prelude::*;`
+//!
+//! The attribute, the schemes, the stepper with its errors, and the types of nalgebra that fields and states have. Of traits only the methods
+//! come along, so that names as common as `System`, `State` and `Control` are left to others: what is written out is imported by its name,
+//! `use coadjoint::{Run, System};`.
 
 #[cfg(feature = "std")]
 pub use crate::compensated::Compensated;
 pub use crate::composition::{Order4, Order6, Order8, Order10};
-#[cfg(feature = "std")]
-pub use crate::ensemble::{Distribution, Ensemble};
 pub use crate::error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 pub use crate::fused::Fused;
 pub use crate::lie_poisson_system;
-#[cfg(feature = "std")]
-pub use crate::observe::Record;
-pub use crate::observe::{Every, Invariants, Observer};
 pub use crate::retraction::{Cayley, Exponential};
-pub use crate::run::{Run, RunError, RunReport, Tick};
-pub use crate::scheme::{
-    Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
-};
-pub use crate::stepper::{StepReport, Stepper};
-pub use crate::system::{Control, Discretized, NoControl, State, System};
+pub use crate::scheme::{Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+pub use crate::stepper::Stepper;
+pub use crate::system::{Control as _, NoControl, State as _, System as _};
 pub use crate::{matrix, vector};
 pub use nalgebra::{
-    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix6, Quaternion, Rotation3, Unit, UnitComplex,
+    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix6, Quaternion, Rotation3, UnitComplex,
     UnitQuaternion, Vector1, Vector2, Vector3, Vector4, Vector5, Vector6,
 };
-pub use serde::{Deserialize, Serialize};

@@ -5,6 +5,7 @@
 //!
 //! ```
 //! use coadjoint::prelude::*;
+//! use coadjoint::{Invariants, Record, Run};
 //!
 //! /// A rigid body that turns about a fixed point under gravity.
 //! #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.z)]
@@ -49,6 +50,7 @@ use crate::stepper::{StepReport, Stepping};
 use crate::system::System;
 
 /// One moment of a run: the initial state, or the state after a step.
+#[non_exhaustive]
 pub struct Tick<'a, S: System> {
     /// Steps taken so far; 0 for the initial state.
     pub index: u64,
@@ -71,6 +73,7 @@ impl<'a, S: System> Tick<'a, S> {
     ///
     /// ```
     /// use coadjoint::prelude::*;
+    /// use coadjoint::{Invariants, Observer, Tick};
     ///
     /// #[lie_poisson_system(group = SO3)]
     /// struct Body {
@@ -131,6 +134,7 @@ impl<S: System> Copy for Tick<'_, S> {}
 
 /// How a run went.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct RunReport {
     /// Steps taken.
     pub steps: u64,
@@ -176,6 +180,7 @@ impl RunReport {
 /// A run that ended at a step which could not be taken. The state is the last one that was reached.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("step {step}, from time {time}, could not be taken: {cause}")]
+#[non_exhaustive]
 pub struct RunError {
     /// The step that failed, counted from 1.
     pub step: u64,
@@ -185,6 +190,14 @@ pub struct RunError {
     pub report: RunReport,
     /// What went wrong.
     pub cause: StepError,
+}
+
+impl RunError {
+    /// The error of a run of one's own making: the step that failed, counted from 1, the time it started from, how the run went until then, and
+    /// what went wrong.
+    pub fn new(step: u64, time: f64, report: RunReport, cause: StepError) -> Self {
+        Self { step, time, report, cause }
+    }
 }
 
 /// Chooses the control of each step of a run; closures do, by [`Run::controlled_by`].
@@ -308,6 +321,7 @@ where
     ///
     /// ```
     /// use coadjoint::prelude::*;
+    /// use coadjoint::Run;
     ///
     /// #[lie_poisson_system(group = SO3)]
     /// struct Body {

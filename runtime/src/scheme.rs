@@ -94,6 +94,7 @@ pub enum Rule {
 }
 
 /// The type that stands for a generated step.
+#[doc(hidden)]
 pub trait Base: 'static {
     /// Its retraction.
     const MAP: Map;

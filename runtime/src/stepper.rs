@@ -16,6 +16,7 @@ use crate::system::{Control, Discretized, MethodOf, State, System};
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StepReport {
     /// Iterations made, fixed-point sweeps and Newton corrections alike, in all steps of a composition together.
     pub iterations: u32,
@@ -452,6 +453,7 @@ pub(crate) fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
 ///
 /// ```
 /// use coadjoint::prelude::*;
+/// use coadjoint::{Run, System};
 /// use coadjoint::stepper::Stepping;
 ///
 /// #[lie_poisson_system(group = SO3)]

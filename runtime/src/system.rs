@@ -9,7 +9,8 @@ use nalgebra::{
 };
 
 use crate::error::ParameterError;
-use crate::geometry::{Isolated, Map};
+use crate::geometry::Map;
+pub use crate::geometry::{Geometry, Isolated};
 use crate::kernel::{Components, Kernel};
 use crate::method::{AdjointPair, Method, SpatialMomentum};
 use crate::retraction::{Cayley, Exponential};
@@ -35,6 +36,7 @@ pub struct Quantity {
 
 /// What a [`Quantity`] is to its system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Role {
     /// A parameter: constant.
     Parameter,
@@ -206,7 +208,7 @@ pub trait System: Sized {
     }
 }
 
-/// A system with a step of the scheme `M`: a [retraction](crate::retraction), a [scheme](crate::scheme) on one, or a
+/// A system with a step of the scheme `M`: a retraction ([`Exponential`] or [`Cayley`]), a [scheme](crate::scheme) on one, or a
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
@@ -224,6 +226,7 @@ pub trait Discretized<M>: System {
 }
 
 /// A method for the arrays of a system.
+#[doc(hidden)]
 pub trait MethodOf<S: System>:
     Method<
         Scalar = S::Scalar,
@@ -266,6 +269,7 @@ pub trait Generated<M>: System {
     message = "there are no steps with the retraction `{R}` for `{Self}`",
     note = "where the description has `retractions(…)`, no others are generated than those it names"
 )]
+#[doc(hidden)]
 pub trait Retracted<R>: System {
     /// The [standard](System::Standard) scheme.
     type Scheme;
@@ -274,10 +278,12 @@ pub trait Retracted<R>: System {
 /// The steps that were generated for a system, to be chosen from while the program runs. Implemented by the macro.
 pub trait Schemes: System {
     /// Shows the visitor the type that stands for a generated step; none if it was not generated.
+    #[doc(hidden)]
     fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output>;
 }
 
 /// Makes something of a generated step of the system `S`.
+#[doc(hidden)]
 pub trait Visitor<S: System> {
     /// What comes of it.
     type Output;
@@ -337,6 +343,7 @@ where
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit
 /// complex numbers (`re, im`), isometries (the rotation's scalars, then the translation's).
+#[doc(hidden)]
 pub trait Stored<T, const N: usize>: Sized {
     /// Its scalars.
     fn to_array(&self) -> [T; N];

@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use coadjoint::nalgebra::SVector;
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Run};
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use ode_solvers::dop_shared::OutputType;
 use ode_solvers::{Dop853, SVector as Column};

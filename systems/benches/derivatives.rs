@@ -14,6 +14,7 @@ use coadjoint::derivative::{CheckpointedTape, Perturbation, WrtParameters, WrtSt
 use coadjoint::nalgebra::{SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
+use coadjoint::{Discretized, Run};
 use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Timed, bodies};
 use num_dual::DualSVec64;
 

@@ -8,6 +8,7 @@
 use std::time::Instant;
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, System};
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 

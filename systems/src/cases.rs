@@ -8,6 +8,7 @@ use coadjoint::ensemble::Instructions;
 use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Ensemble, System};
 
 use crate::catalogued::Catalogued;
 use crate::classical::{AttitudeState, Method, Rk4Quaternion, Rkmk4, Timed, bodies};

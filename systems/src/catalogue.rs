@@ -1,5 +1,6 @@
 //! The list of systems that the program knows, each behind the same [`Entry`].
 
+use coadjoint::System;
 use coadjoint::erased::{self, Description};
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;

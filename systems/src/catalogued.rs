@@ -3,6 +3,7 @@
 use coadjoint::__private::Geometry;
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
+use coadjoint::{Discretized, System};
 
 /// A system with what the program needs to show it.
 ///

@@ -1,6 +1,7 @@
 //! Two rigid bodies on a spring of torsion.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

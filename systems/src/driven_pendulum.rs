@@ -1,6 +1,7 @@
 //! The driven and damped pendulum.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

@@ -1,6 +1,7 @@
 //! The free rigid body.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

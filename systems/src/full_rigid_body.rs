@@ -1,6 +1,7 @@
 //! The free rigid body in axes of any direction.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

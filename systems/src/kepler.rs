@@ -1,6 +1,7 @@
 //! The Kepler problem.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

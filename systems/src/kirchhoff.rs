@@ -1,6 +1,7 @@
 //! A body in an ideal fluid.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

@@ -1,6 +1,7 @@
 //! The planar pendulum.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

@@ -1,6 +1,7 @@
 //! The quadrotor.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

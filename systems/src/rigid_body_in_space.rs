@@ -1,6 +1,7 @@
 //! The rigid body that moves through space.
 
 use coadjoint::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::catalogued::Catalogued;
 

@@ -13,6 +13,7 @@ use coadjoint::erased::{self, Controls, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::system::Quantity;
 use coadjoint::{RunError, RunReport};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::catalogue::Entry;
@@ -249,7 +250,7 @@ pub fn each_step<S: Catalogued>(
         observe(index, time, &state);
         if index < steps {
             let control = system.control(&state, time).to_components();
-            let step = |cause| RunError { step: index + 1, time, report: RunReport::default(), cause };
+            let step = |cause| RunError::new(index + 1, time, RunReport::default(), cause);
             stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
         }
     }

@@ -9,6 +9,7 @@ use coadjoint::composition::{Coefficients, Composed};
 use coadjoint::prelude::*;
 use coadjoint::scheme::{Family, TangentLift};
 use coadjoint::system::{Generated, Quantity, Role};
+use coadjoint::{Control, State, System};
 use num_dual::Dual64;
 
 use crate::array;

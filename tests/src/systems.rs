@@ -6,6 +6,7 @@ pub use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 use core::fmt::Debug;
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, System};
 
 use crate::random::Random;
 

@@ -58,12 +58,6 @@ impl Names {
             coadjoint,
         }
     }
-
-    /// The path to serde, as its derive macros want it.
-    fn serde_path(&self) -> String {
-        let path = &self.private;
-        quote! { #path::serde }.to_string().replace(' ', "")
-    }
 }
 
 /// What the macro puts in the place of the annotated struct, part by part.
@@ -147,7 +141,7 @@ pub fn expansion<'a>(
         .collect();
     let derived = description(system, names, &steps);
     Expansion {
-        declaration: declaration(item, &derived, names),
+        declaration: declaration(item, &derived),
         state: state::state(system, names),
         expressions: expressions::expressions(system, names),
         system: system::system(arena, system, names),
@@ -163,43 +157,11 @@ pub fn expansion<'a>(
 }
 
 /// The user's struct with documentation of what was derived.
-fn declaration(item: &syn::ItemStruct, derived: &TokenStream, names: &Names) -> TokenStream {
+fn declaration(item: &syn::ItemStruct, derived: &TokenStream) -> TokenStream {
     let mut item = item.clone();
     let (docs, others): (Vec<_>, Vec<_>) =
         std::mem::take(&mut item.attrs).into_iter().partition(|attribute| attribute.path().is_ident("doc"));
-    let serde = serde_crate(&others, names);
-    quote! { #(#docs)* #derived #(#others)* #serde #item }
-}
-
-/// `#[serde(crate = "…")]` for a struct that derives serde's traits, so that their derive macros find serde through us and users
-/// need not depend on it. Nothing if the user has said where serde is.
-fn serde_crate(attributes: &[syn::Attribute], names: &Names) -> TokenStream {
-    let derives =
-        attributes.iter().filter(|attribute| attribute.path().is_ident("derive")).any(|attribute| {
-            let mut serde = false;
-            // what cannot be read here is for rustc to complain about
-            let _ = attribute.parse_nested_meta(|meta| {
-                serde |= meta
-                    .path
-                    .segments
-                    .last()
-                    .is_some_and(|last| last.ident == "Serialize" || last.ident == "Deserialize");
-                Ok(())
-            });
-            serde
-        });
-    let mut serde = attributes.iter().filter(|attribute| attribute.path().is_ident("serde"));
-    let says_where = serde.any(|attribute| {
-        let syn::Meta::List(list) = &attribute.meta else { return false };
-        // `crate` followed by `=`, whatever else stands there
-        let tokens: Vec<String> = list.tokens.clone().into_iter().map(|token| token.to_string()).collect();
-        tokens.windows(2).any(|pair| pair[0] == "crate" && pair[1] == "=")
-    });
-    if !derives || says_where {
-        return quote! {};
-    }
-    let path = names.serde_path();
-    quote! { #[serde(crate = #path)] }
+    quote! { #(#docs)* #derived #(#others)* #item }
 }
 
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.

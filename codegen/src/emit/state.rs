@@ -83,7 +83,6 @@ fn record(
         quote! { #doc pub #name: #ty }
     });
     let doc = docs::lines(doc);
-    let serde_path = names.serde_path();
     let count: usize = parts.iter().map(|part| part.symbols.len()).sum();
     let size = size(count);
     let conversion =
@@ -92,16 +91,17 @@ fn record(
     let quantities = parts
         .iter()
         .map(|part| quantity(names, &part.name.unraw().to_string(), part.role, &part.suffixes, &part.doc));
+    let serialization = serialization(name, parts, names);
     quote! {
         #doc
         #[derive(
             ::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::cmp::PartialEq, #derived
-            #private::serde::Serialize, #private::serde::Deserialize,
         )]
-        #[serde(crate = #serde_path)]
         #visibility struct #name {
             #(#fields,)*
         }
+
+        #serialization
 
         const _: () = {
         use #private::Stored as __Stored;
@@ -127,6 +127,26 @@ fn record(
             #rest
         }
         };
+    }
+}
+
+/// Serde's traits for a struct of parts, by a macro of the runtime that knows whether its feature `serde` is on: what is generated is a
+/// function of the description alone.
+fn serialization(name: &Ident, parts: &[Part<'_>], names: &Names) -> TokenStream {
+    let Names { coadjoint, private, .. } = names;
+    let fields = parts.iter().map(|part| {
+        let (name, ty) = (&part.name, part_type(part.stored, names));
+        quote! { #name: #ty }
+    });
+    // serde's derive macros want paths as strings
+    let serde = quote! { #coadjoint::serde }.to_string().replace(' ', "");
+    let (remote, named) = (name.to_string(), name.unraw().to_string());
+    quote! {
+        #private::serialization! {
+            #name,
+            #[serde(crate = #serde, remote = #remote, rename = #named)]
+            struct { #(#fields),* }
+        }
     }
 }
 

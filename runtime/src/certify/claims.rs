@@ -1,7 +1,5 @@
 //! What schemes claim of their steps.
 
-use serde::Serialize;
-
 use super::definition::Walk;
 use super::probe::Probe;
 use crate::composition::{self, Coefficients, Composed};
@@ -11,7 +9,9 @@ use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, Symplect
 use crate::system::Generated;
 
 /// Which of a system's Casimirs a step keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub enum Kept {
     /// All of them.
     All,
@@ -22,7 +22,8 @@ pub enum Kept {
 }
 
 /// What a scheme claims of its steps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Claim {
     /// The order.
     pub order: u32,
@@ -63,11 +64,13 @@ pub trait Claims<S: Geometry<Scalar = f64>> {
     }
 
     /// Takes the same step from its definition; `false` if there is none to compare with.
+    #[doc(hidden)]
     fn walk(_walk: &mut Walk<'_>, _step: f64) -> bool {
         false
     }
 
     /// Shows the kernels that the step is made of.
+    #[doc(hidden)]
     fn kernels(_probe: &mut Probe<'_>, _step: f64) {}
 }
 

@@ -61,7 +61,9 @@ use thiserror::Error;
 
 pub(crate) use claims::without_paths;
 pub use claims::{Claim, Claims, Kept};
+#[doc(hidden)]
 pub use definition::Walk;
+#[doc(hidden)]
 pub use probe::Probe;
 pub use report::{Bound, Certificate, Report, Verdict};
 

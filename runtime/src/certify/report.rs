@@ -2,12 +2,12 @@
 
 use core::fmt;
 
-use serde::Serialize;
-
 use super::claims::Claim;
 
 /// Certificates of the steps of one scheme for one system.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Report {
     /// The system's name.
     pub system: &'static str,
@@ -22,7 +22,9 @@ pub struct Report {
 }
 
 /// A claim, measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Certificate {
     /// What was measured.
     pub name: String,
@@ -37,7 +39,9 @@ pub struct Certificate {
 }
 
 /// What a figure must keep to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub enum Bound {
     /// It must not be larger.
     AtMost(f64),
@@ -46,7 +50,9 @@ pub enum Bound {
 }
 
 /// What a certificate says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub enum Verdict {
     /// The claim holds.
     Passed,

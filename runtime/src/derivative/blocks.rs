@@ -13,6 +13,7 @@ use crate::system::{MethodOf, System};
 
 /// A step with its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StepJacobian<J> {
     /// The matrices that were asked for, in the order in which they were.
     pub jacobian: J,

@@ -28,14 +28,18 @@ pub trait DerivativeSelection {
 )]
 pub trait Linearizable<S: Differentiable>: Method {
     /// The solutions of a step's equations.
+    #[doc(hidden)]
     type Trace: Clone + Send + Sync;
     /// The derivative of a step.
+    #[doc(hidden)]
     type Derivative: Clone + Send + Sync;
 
     /// The solutions of the last step's equations, if it succeeded.
+    #[doc(hidden)]
     fn trace(&self) -> Self::Trace;
 
     /// Where a step leads to, from the solutions of its equations.
+    #[doc(hidden)]
     fn replay(
         &self,
         state: &Self::State,
@@ -45,6 +49,7 @@ pub trait Linearizable<S: Differentiable>: Method {
     ) -> Self::State;
 
     /// The derivative of a step, from the solutions of its equations; `step` is the method's.
+    #[doc(hidden)]
     fn derivative(
         &self,
         parameters: &Self::Parameters,
@@ -56,6 +61,7 @@ pub trait Linearizable<S: Differentiable>: Method {
     ) -> Self::Derivative;
 
     /// The perturbation of the next state.
+    #[doc(hidden)]
     fn tangent(
         derivative: &Self::Derivative,
         state: &StatePerturbation<S, Self::Scalar>,
@@ -64,12 +70,14 @@ pub trait Linearizable<S: Differentiable>: Method {
     ) -> StatePerturbation<S, Self::Scalar>;
 
     /// The transpose.
+    #[doc(hidden)]
     fn adjoint(
         derivative: &Self::Derivative,
         costate: &StatePerturbation<S, Self::Scalar>,
     ) -> PerturbationArrays<S, Self::Scalar>;
 
     /// As matrices, column by column. Zeros in the place of those that are not selected.
+    #[doc(hidden)]
     fn columns<W: DerivativeSelection>(derivative: &Self::Derivative) -> AllColumns<S, Self::Scalar>;
 }
 
@@ -81,9 +89,11 @@ pub trait Linearizable<S: Differentiable>: Method {
 )]
 pub trait HasDerivative<S: System>: MethodOf<S> {
     /// The derivative of a step.
+    #[doc(hidden)]
     type Point;
 
     /// That of the last step, which started so.
+    #[doc(hidden)]
     fn last_derivative(
         &self,
         parameters: &Self::Parameters,

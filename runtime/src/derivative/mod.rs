@@ -64,7 +64,9 @@ pub use blocks::{
     Block, Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, StepJacobian, WrtControl, WrtParameters,
     WrtState,
 };
-pub use method::{AllColumns, DerivativeSelection, HasDerivative, Linearizable};
+#[doc(hidden)]
+pub use method::{AllColumns, DerivativeSelection};
+pub use method::{HasDerivative, Linearizable};
 #[cfg(feature = "std")]
 pub use run::{AdjointStep, CheckpointedTape};
 
@@ -122,6 +124,7 @@ pub struct Adjoint;
     message = "there are no derivatives of the steps of `{S}`",
     note = "derivatives are asked for in the description, with `derivatives`"
 )]
+#[doc(hidden)]
 pub trait Linearized<T: Scalar, S: Differentiable>: Kernel<T> {
     /// What the derivative is made of at one point.
     type Point: Copy + Send + Sync;
@@ -189,6 +192,7 @@ fn zeros<T: Scalar, C: Components<T>>() -> C {
 }
 
 /// What the entries of a perturbation can be: numbers, or columns of them.
+#[doc(hidden)]
 pub trait Entry: Copy + PartialEq + fmt::Debug + Send + Sync + 'static {}
 
 impl<V: Copy + PartialEq + fmt::Debug + Send + Sync + 'static> Entry for V {}
@@ -198,6 +202,7 @@ type ControlPerturbation<S, V> = <S as Differentiable>::ControlPerturbation<V>;
 type ParameterPerturbation<S, V> = <S as Differentiable>::ParameterPerturbation<V>;
 
 /// Perturbations of state, controls and parameters; or the columns of derivatives with respect to them.
+#[doc(hidden)]
 pub type PerturbationArrays<S, V> = (
     <S as Differentiable>::StatePerturbation<V>,
     <S as Differentiable>::ControlPerturbation<V>,
@@ -205,6 +210,7 @@ pub type PerturbationArrays<S, V> = (
 );
 
 /// A matrix, column by column, from perturbations of the state to such.
+#[doc(hidden)]
 pub type Columns<S, T> = StatePerturbation<S, StatePerturbation<S, T>>;
 
 /// Adds one perturbation to another.

@@ -54,6 +54,7 @@ where
 }
 
 /// One step of a run gone through backwards.
+#[non_exhaustive]
 pub struct AdjointStep<'a, S: Differentiable> {
     /// The step, counted from 0.
     pub step: u64,

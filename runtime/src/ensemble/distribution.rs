@@ -16,6 +16,7 @@ pub struct Distribution<F> {
 
 /// How a quantity is distributed at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Spread {
     /// The time.
     pub time: f64,

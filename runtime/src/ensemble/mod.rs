@@ -6,6 +6,8 @@
 //!
 //! ```
 //! use coadjoint::prelude::*;
+//! use coadjoint::Ensemble;
+//! use coadjoint::ensemble::Distribution;
 //!
 //! #[lie_poisson_system(group = SO3)]
 //! struct Body {
@@ -32,9 +34,10 @@
 //! ```
 //!
 //! Threads are [rayon](https://docs.rs/rayon)'s: `RAYON_NUM_THREADS` in the environment, or a pool of one's own around the call, says how many.
-//! Without the feature `parallel` there is one.
+//! That is the feature `parallel`. Without it there is one thread: the same steps, to the last digit, on one core.
 
 mod distribution;
+mod initial;
 pub(crate) mod members;
 
 use core::convert::Infallible;
@@ -53,6 +56,7 @@ use crate::scalar::{Batch, Real, Scalar};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use distribution::{Distribution, Spread};
+pub use initial::InitialStates;
 pub use members::Instructions;
 use members::{Builder, Member, Members};
 
@@ -66,6 +70,7 @@ pub struct Ensemble<S: Discretized<M>, M> {
 /// A member that failed. Its state is the last one that it reached.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error("member {member} could not take step {step}")]
+#[non_exhaustive]
 pub struct Failed {
     /// Which member, from 0.
     pub member: usize,
@@ -122,6 +127,7 @@ pub(crate) fn check_member(
 
 /// How a run of an ensemble went.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct EnsembleReport {
     /// Steps that every member took, or failed at.
     pub steps: u64,

@@ -38,10 +38,13 @@ mod system;
 pub use crate::geometry::Map;
 pub use crate::scheme::Rule;
 pub use ensemble::{Ensemble, MemberLaw};
+#[doc(hidden)]
 pub use method::{Equation, Flat, Method};
 pub use scheme::{Composed, NotGenerated, Scheme};
 pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run};
-pub use system::{At, Description, System};
+#[doc(hidden)]
+pub use system::At;
+pub use system::{Description, System};
 
 pub(crate) use method::{equation, of_only_lane};
 pub(crate) use system::{Geometry, check_length, length};

@@ -43,6 +43,7 @@ pub struct Composed {
 #[error(
     "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
 )]
+#[non_exhaustive]
 pub struct NotGenerated {
     /// The scheme.
     pub scheme: String,

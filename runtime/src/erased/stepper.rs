@@ -278,6 +278,7 @@ pub type Law<'a> = dyn Fn(&[f64], f64, &mut [f64]) + 'a;
 
 /// What acts on the system from outside.
 #[derive(Clone, Copy)]
+#[non_exhaustive]
 pub enum Controls<'a> {
     /// Always the same; what is missing is zero. Steps that no observer needs are taken together.
     Held(&'a [f64]),

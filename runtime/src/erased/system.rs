@@ -153,6 +153,7 @@ pub trait System: Geometry + Send + Sync {
     fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;
 
     /// What takes a generated step of this length; none if it was not generated.
+    #[doc(hidden)]
     fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
 
     /// Members side by side, with the standard step on the Cayley map; none if it was not generated.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Ensemble};
 
 /// The vertical is advected.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]

@@ -4,8 +4,9 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::ensemble::{EnsembleError, Failed, Instructions, Snapshot, Spread};
+use coadjoint::ensemble::{Distribution, EnsembleError, InitialStates, Instructions, Snapshot};
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Ensemble, RightLift};
 
 /// Nothing acts on it.
 #[lie_poisson_system(group = SO3)]
@@ -177,7 +178,7 @@ fn those_that_fail_do_not_stop_the_others() {
         let mut stepper = runaways[member].stepper::<Exponential>(0.01).unwrap();
         for step in 1..=300 {
             if let Err(source) = stepper.step(&mut state) {
-                expected.push(Failed { member, step, source });
+                expected.push((member, step, source));
                 break;
             }
         }
@@ -199,9 +200,10 @@ fn those_that_fail_do_not_stop_the_others() {
         assert!(alive.is_sorted_by(|a, b| a >= b));
         assert_eq!((alive[0], alive[6]), (MEMBERS, MEMBERS - expected.len()));
         assert_eq!((report.failures, report.stopped), (expected.len(), false));
-        let lost: u64 = expected.iter().map(|failed| 300 - (failed.step - 1)).sum();
+        let lost: u64 = expected.iter().map(|(_, step, _)| 300 - (step - 1)).sum();
         assert_eq!(report.member_steps, 300 * MEMBERS as u64 - lost);
-        assert_eq!(ensemble.failed(), expected);
+        let failed = ensemble.failed().iter().map(|failed| (failed.member, failed.step, failed.source));
+        assert!(failed.eq(expected.iter().copied()), "{instructions:?}: {:?}", ensemble.failed());
         for (member, (together, alone)) in ensemble.states().zip(&ends).enumerate() {
             assert_eq!(&together, alone, "member {member}, {instructions:?}");
         }
@@ -322,5 +324,110 @@ fn distributions_are_of_the_members() {
     }
     assert_eq!((first.time, first.members, first.mean, first.deviation), (0.0, 5, mean, deviation));
     // nothing acts, and all are alike
-    assert_eq!(last, &Spread { time: 1.0, ..*first });
+    assert_eq!(last.time, 1.0);
+    assert_eq!(
+        (last.members, last.mean, last.deviation, last.quantiles),
+        (first.members, first.mean, first.deviation, first.quantiles)
+    );
+}
+
+/// Mean and standard deviation of numbers must be these within five deviations of what is found in so many, and numbers of neighbours in the
+/// list must have nothing to do with each other.
+fn check_sample(name: &str, values: &[f64], mean: f64, deviation: f64) {
+    let n = values.len() as f64;
+    let found = values.iter().sum::<f64>() / n;
+    assert!((found - mean).abs() < 5.0 * deviation / n.sqrt(), "{name}: mean {found}");
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+    // the variance of a sample's variance is at most that of a normal distribution's, 2 σ⁴/n
+    let off = variance / deviation.powi(2) - 1.0;
+    assert!(off.abs() < 5.0 * (2.0 / n).sqrt(), "{name}: variance off by {off}");
+    let product = values.windows(2).map(|pair| (pair[0] - mean) * (pair[1] - mean)).sum::<f64>() / n;
+    let correlation = product / deviation.powi(2);
+    assert!(correlation.abs() < 5.0 / n.sqrt(), "{name}: correlation {correlation}");
+}
+
+/// A state and the local coordinates of one about it.
+fn coordinates(about: &BodyState, state: &BodyState) -> [f64; 6] {
+    let turn = (about.attitude.inverse() * state.attitude).scaled_axis();
+    let momentum = state.momentum - about.momentum;
+    [turn.x, turn.y, turn.z, momentum.x, momentum.y, momentum.z]
+}
+
+#[test]
+fn initial_states_are_distributed_as_asked() {
+    let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    let about = BodyState {
+        attitude: UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+        momentum: vector![0.1, 2.0, -0.3],
+    };
+    let reach = [0.02, 0.3, 0.1, 0.5, 1e-3, 0.0];
+    let normal = InitialStates::normal(&body, about, reach, 7);
+    let uniform = InitialStates::uniform(&body, about, reach, 7);
+    for (shape, states, scale) in [("normal", normal, 1.0), ("uniform", uniform, f64::sqrt(1.0 / 3.0))] {
+        let states: Vec<BodyState> = states.take(20_000).collect();
+        for state in &states {
+            let length = state.attitude.as_ref().norm();
+            assert!((length - 1.0).abs() < 1e-15, "{length}");
+            assert_eq!(state.momentum.z, about.momentum.z);
+        }
+        let all: Vec<[f64; 6]> = states.iter().map(|state| coordinates(&about, state)).collect();
+        for component in 0..5 {
+            let values: Vec<f64> = all.iter().map(|of| of[component]).collect();
+            check_sample(&format!("{shape}, {component}"), &values, 0.0, scale * reach[component]);
+            if shape == "uniform" {
+                let farthest = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                assert!(farthest < reach[component] * (1.0 + 1e-9) && farthest > 0.99 * reach[component]);
+            }
+        }
+        // one after the other, the components of all states: neighbours are of one member
+        let values = all.iter().flat_map(|of| (0..5).map(|k| of[k] / reach[k]));
+        check_sample(shape, &values.collect::<Vec<_>>(), 0.0, scale);
+    }
+}
+
+#[test]
+fn initial_states_are_functions_of_seed_and_number() {
+    let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+    let about = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 2.0, -0.3] };
+    let of = |seed| InitialStates::normal(&body, about, [0.1; 6], seed);
+    let first: Vec<BodyState> = of(7).take(100).collect();
+    assert_eq!(of(7).take(50).collect::<Vec<_>>(), first[..50]);
+    // in any order
+    let mut states = of(7);
+    for (k, state) in first.iter().enumerate().rev() {
+        assert_eq!(&states.member(k), state);
+    }
+    assert_eq!(states.next(), Some(first[0]));
+    // other seeds and other members are others
+    let all: Vec<BodyState> =
+        [0, 6, 7, 8, u64::MAX].into_iter().flat_map(|seed| of(seed).take(100)).collect();
+    for (k, state) in all.iter().enumerate() {
+        assert!(!all[..k].contains(state), "{k}");
+    }
+}
+
+#[test]
+fn initial_states_of_single_precision() {
+    #[lie_poisson_system(group = SE3)]
+    struct Craft {
+        #[inertia]
+        inertia: Matrix6<f32>,
+    }
+
+    let craft = Craft { inertia: Matrix6::identity() };
+    let start = CraftState { pose: Isometry3::translation(1.0, 2.0, 3.0), momentum: Vector6::zeros() };
+    let states = InitialStates::uniform(
+        &craft,
+        start,
+        [0.1, 0.1, 0.1, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        1,
+    );
+    let mut ensemble =
+        Ensemble::<_, Exponential>::new(std::iter::repeat(&craft), states.take(64), 0.01).unwrap();
+    let report = ensemble.run(10);
+    assert_eq!((report.failures, report.member_steps), (0, 640));
+    let moved = ensemble.states().filter(|state| state.pose.translation.x != 1.0).count();
+    assert_eq!(moved, 64);
+    let off = UnitQuaternion::identity().angle_to(&ensemble.state(5).unwrap().pose.rotation);
+    assert!(off > 0.0 && off < 0.2, "{off}");
 }

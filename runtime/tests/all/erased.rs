@@ -8,9 +8,10 @@ use coadjoint::__private::{Geometry, Map};
 use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
 use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
-use coadjoint::erased::{self, Controls, NotGenerated, Rule, RunOptions, Scheme, StepperError};
+use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
+use coadjoint::{Discretized, TangentLift};
 
 /// Invariant: its standard step is one equation.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint, TangentLift))]
@@ -379,8 +380,11 @@ fn what_was_not_generated_is_said() {
     let (system, state) = top();
     let scheme = Scheme::member(Map::Cayley, 1, 4);
     let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
-    let missing = NotGenerated { scheme: "Family<Cayley, 1, 4>".to_owned(), system: "Top", key: "methods" };
-    assert_eq!(error, StepperError::NotGenerated(missing.clone()));
+    let StepperError::NotGenerated(missing) = error else { panic!("{error}") };
+    assert_eq!(
+        (missing.scheme.as_str(), missing.system, missing.key),
+        ("Family<Cayley, 1, 4>", "Top", "methods")
+    );
     let numbers = state.to_components().to_vec();
     let error = certify_erased(&system, &scheme, &[numbers], &[], None).unwrap_err();
     assert_eq!(error, CertifyError::NotGenerated(missing));

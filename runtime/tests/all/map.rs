@@ -3,7 +3,8 @@
 // a test that cannot go on is to say so
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::compensated::Compensated;
+use coadjoint::Compensated;
+use coadjoint::System;
 use coadjoint::nalgebra::Isometry3;
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, State};

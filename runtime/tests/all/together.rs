@@ -6,6 +6,7 @@ use coadjoint::__private::{Batch, Components, FusedScalar, Kernel, Method, Scala
 use coadjoint::ensemble::Instructions;
 use coadjoint::prelude::*;
 use coadjoint::system::Generated;
+use coadjoint::{Discretized, Ensemble, Record, Run, RunReport, StepReport, System};
 
 /// A rigid body that turns about a fixed point under gravity.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
@@ -47,7 +48,7 @@ where
     let mut expected = RunReport::default();
     let mut visited = vec![start.clone()];
     for _ in 0..STEPS {
-        let StepReport { iterations, residual } = by_one.0.step(&mut by_one.1).unwrap();
+        let StepReport { iterations, residual, .. } = by_one.0.step(&mut by_one.1).unwrap();
         expected.steps += 1;
         expected.iterations += u64::from(iterations);
         expected.max_iterations = expected.max_iterations.max(iterations);

@@ -1,6 +1,7 @@
 //! What is known of each system from elsewhere: periods, conserved quantities, motions that can be written down.
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Record, Run, System};
 use coadjoint_systems::catalogued::Catalogued;
 use coadjoint_systems::coupled_bodies::CoupledBodies;
 use coadjoint_systems::driven_pendulum::{DrivenPendulum, DrivenPendulumState};

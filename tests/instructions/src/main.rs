@@ -7,6 +7,7 @@
 use std::hint::black_box;
 use std::process::ExitCode;
 
+use coadjoint::StepReport;
 use coadjoint::prelude::*;
 use no_panic::no_panic;
 

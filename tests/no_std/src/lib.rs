@@ -2,6 +2,8 @@
 #![no_std]
 
 use coadjoint::prelude::*;
+use coadjoint::serde::{Deserialize, Serialize};
+use coadjoint::{Run, RunError, RunReport};
 
 /// The gravitational acceleration, m/s².
 pub const GRAVITY: f32 = 9.81;
@@ -16,7 +18,7 @@ pub const GRAVITY: f32 = 9.81;
     },
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(crate = "coadjoint::serde", deny_unknown_fields)]
 pub struct Body {
     /// Moments and products of inertia, kg m².
     #[inertia]

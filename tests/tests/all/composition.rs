@@ -1,6 +1,7 @@
 //! Symmetric compositions: the orders they claim, the structure they keep.
 #![allow(clippy::unwrap_used, reason = "in a test, a panic is the report")]
 
+use coadjoint::Discretized;
 use coadjoint::composition::{Coefficients, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::prelude::*;
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};

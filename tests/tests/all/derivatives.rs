@@ -12,6 +12,7 @@ use coadjoint::derivative::{
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
+use coadjoint::{Control, Discretized, RightLift, State, System, TangentLift};
 use coadjoint_systems::catalogued::Catalogued;
 use coadjoint_systems::*;
 use coadjoint_tests::array;

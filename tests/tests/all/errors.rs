@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use coadjoint::Discretized;
 use coadjoint::prelude::*;
 use coadjoint_tests::for_each_system_and_retraction;
 use coadjoint_tests::measure::order;

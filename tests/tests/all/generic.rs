@@ -1,5 +1,6 @@
 //! Generated steppers against the generic one, which takes the same steps from definitions alone.
 
+use coadjoint::Discretized;
 use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{SMatrix, SVector};
 use coadjoint::prelude::*;

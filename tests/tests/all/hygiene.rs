@@ -4,6 +4,7 @@
 #![allow(dead_code, unreachable_pub, unused_macros)]
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, System};
 use coadjoint_tests::random::Random;
 
 /// Takes one step with each retraction, so that generated code is compiled to the end, and checks it a little: the energy is almost
@@ -308,7 +309,7 @@ mod called {
 mod fields {
     use super::{drive, rotation};
     use coadjoint::nalgebra::Vector3;
-    use coadjoint::prelude::{State, System, vector};
+    use coadjoint::{State, System, vector};
 
     /// Names of the generated functions' arguments and of values in them.
     #[coadjoint::lie_poisson_system(
@@ -605,6 +606,61 @@ mod visibilities {
     }
 }
 
+/// The prelude goes together with those of other crates: names that are theirs are not ours.
+mod preludes {
+    use coadjoint::prelude::*;
+
+    use theirs::*;
+
+    /// What bevy, log, rand, serde and others call things.
+    mod theirs {
+        #[derive(Debug, PartialEq)]
+        pub struct State(pub u8);
+        pub struct Control;
+        pub struct Distribution;
+        pub struct Every;
+        pub struct Family;
+        pub struct Record;
+        pub struct Run;
+        pub struct Tick;
+        pub struct Unit;
+        pub trait Deserialize {}
+        pub trait Observer {}
+        pub trait Serialize {}
+        pub trait System {
+            fn name(&self) -> &'static str;
+        }
+    }
+
+    #[lie_poisson_system(group = SO3)]
+    struct Body {
+        #[inertia]
+        inertia: Vector3<f64>,
+    }
+
+    impl Deserialize for (Control, Distribution, Every, Family) {}
+    impl Serialize for (Record, Run, Tick, Unit) {}
+    impl Observer for Body {}
+
+    impl System for Body {
+        fn name(&self) -> &'static str {
+            "theirs"
+        }
+    }
+
+    #[test]
+    fn common_names_are_left_to_others() {
+        let body = Body { inertia: vector![1.0, 2.0, 4.0] };
+        let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 0.0, 2.0] };
+        assert_eq!((body.name(), State(1)), ("theirs", State(1)));
+        // of ours there are the methods
+        assert_eq!(body.energy(&state), 1.0);
+        assert_eq!(state.to_components()[4..], [1.0, 0.0, 2.0]);
+        let mut stepper = body.stepper::<Cayley>(0.1).expect("a stepper");
+        stepper.step_with(&mut state, &NoControl::default()).expect("a step");
+    }
+}
+
 /// The user's attributes, derives and documentation stay.
 mod attributes {
     use coadjoint::nalgebra::{SMatrix, SVector};
@@ -646,7 +702,15 @@ mod attributes {
         let state =
             DecoratedState { attitude: super::rotation(), momentum: Vector3::x(), gamma: Vector3::z() };
         let text = serde_json::to_string(&state).expect("to JSON");
+        // as an object of its fields, in their order
+        let attitude = serde_json::to_string(&state.attitude).expect("to JSON");
+        assert_eq!(
+            text,
+            format!(r#"{{"attitude":{attitude},"momentum":[1.0,0.0,0.0],"gamma":[0.0,0.0,1.0]}}"#)
+        );
         assert_eq!(serde_json::from_str::<DecoratedState>(&text).expect("from JSON"), state);
+        let wrong = serde_json::from_str::<DecoratedState>("{}").expect_err("nothing is there");
+        assert!(wrong.to_string().starts_with("missing field `attitude`"), "{wrong}");
         super::drive(&body, &state);
     }
 
@@ -659,8 +723,9 @@ mod attributes {
 
 /// The potential is read twice: symbolically, for the mathematics, and by rustc, as a method. Both must mean the same.
 mod potentials {
+    use coadjoint::System;
     use coadjoint::nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
-    use coadjoint::prelude::{System, UnitQuaternion, matrix, vector};
+    use coadjoint::prelude::{UnitQuaternion, matrix, vector};
 
     use super::Random;
 

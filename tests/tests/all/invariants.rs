@@ -2,6 +2,7 @@
 
 use coadjoint::nalgebra::{Matrix6, Translation3};
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Run, System};
 
 /// What is left of an invariant of the size of 1 after 1e5 steps: rounding, which grows like the root of their number.
 const KEPT: f64 = 1e-11;

@@ -2,6 +2,7 @@
 //! bounded without trend.
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, System};
 use coadjoint_tests::measure::{largest, smooth_mean, trend};
 use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState};
 

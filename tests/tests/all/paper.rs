@@ -4,6 +4,7 @@
 
 use coadjoint::nalgebra::{Matrix2, Matrix3};
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, Family, RightLift};
 use coadjoint_tests::random::Random;
 
 /// Nothing but rounding, for values of the size of 1.

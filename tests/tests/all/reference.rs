@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use coadjoint::prelude::*;
+use coadjoint::{Discretized, System};
 use coadjoint_tests::measure::{largest, order};
 use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState};
 use serde::Deserialize;

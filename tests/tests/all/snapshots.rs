@@ -52,7 +52,7 @@ fn step(description: &str, retraction: Retraction) -> TokenStream {
 }
 
 /// Compares with the snapshot of that name.
-fn assert_snapshot(name: &str, text: &str) {
+pub(super) fn assert_snapshot(name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);

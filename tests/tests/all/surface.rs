@@ -1,0 +1,202 @@
+//! What users of the crate `coadjoint` can name, line by line: whatever changes it has to change a snapshot too.
+//!
+//! Sources are read, not compiled: the items of public modules, what is exported again, members, and the traits that types implement where
+//! they are defined. Left out are tests and what `#[doc(hidden)]` hides; what a macro defines is shown as the macro's call.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use super::snapshots::assert_snapshot;
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use quote::ToTokens;
+use syn::{ImplItem, Item, TraitItem, Type, UseTree, Visibility};
+
+#[test]
+fn the_public_surface_is_as_reviewed() {
+    let source = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime/src"));
+    let root = std::fs::read_to_string(source.join("lib.rs")).expect("the root of the crate");
+    let mut surface = Surface { modules: BTreeMap::new(), lines: BTreeSet::new() };
+    surface.insert(syn::parse_file(&root).expect("Rust").items, source, "crate");
+    surface.module("crate", "coadjoint");
+    let lines: Vec<String> = surface.lines.into_iter().collect();
+    assert_snapshot("surface", &lines.join("\n"));
+}
+
+/// An item's name, and whether it is public; exports have no name.
+fn head(item: &Item) -> Option<(String, bool)> {
+    let (name, visibility) = match item {
+        Item::Const(item) => (item.ident.to_string(), &item.vis),
+        Item::Enum(item) => (item.ident.to_string(), &item.vis),
+        Item::Fn(item) => (item.sig.ident.to_string(), &item.vis),
+        Item::Mod(item) => (item.ident.to_string(), &item.vis),
+        Item::Struct(item) => (item.ident.to_string(), &item.vis),
+        Item::Trait(item) => (item.ident.to_string(), &item.vis),
+        Item::Type(item) => (item.ident.to_string(), &item.vis),
+        Item::Use(item) => (String::new(), &item.vis),
+        _ => return None,
+    };
+    Some((name, is_public(visibility)))
+}
+
+fn is_public(visibility: &Visibility) -> bool {
+    matches!(visibility, Visibility::Public(_))
+}
+
+/// Tokens up to their body, then the attributes that users notice; nothing if they are hidden.
+fn shown(tokens: &impl ToTokens) -> Option<String> {
+    let (mut kept, mut attributes) = (TokenStream::new(), TokenStream::new());
+    let mut tokens = tokens.to_token_stream().into_iter();
+    while let Some(token) = tokens.next() {
+        match &token {
+            TokenTree::Punct(sign) if sign.as_char() == '#' => {
+                let attribute = tokens.next()?;
+                let text = attribute.to_string();
+                if text.starts_with("[doc (hidden") {
+                    return None;
+                }
+                if ["[cfg", "[derive", "[must_use", "[non_exhaustive"].iter().any(|it| text.starts_with(it)) {
+                    attributes.extend([token, attribute]);
+                }
+            }
+            TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => break,
+            TokenTree::Ident(ident) if ident == "pub" => {}
+            _ => kept.extend([token]),
+        }
+    }
+    let mut text = format!("{kept} {attributes}").trim().to_owned();
+    // much as it is written
+    for tight in [" ::", ":: ", " <", "< ", " >", " ,", " :", " (", "& ", " ;", "# ", "? "] {
+        text = text.replace(tight, tight.trim());
+    }
+    for (from, to) in [("->", "-> "), ("=<", "= <"), ("=(", "= ("), (",(", ", ("), (",)", ")"), ("  ", " ")] {
+        text = text.replace(from, to);
+    }
+    Some(text)
+}
+
+struct Surface {
+    /// Every module's items by its path, `crate::run`.
+    modules: BTreeMap<String, Vec<Item>>,
+    lines: BTreeSet<String>,
+}
+
+impl Surface {
+    fn line(&mut self, path: &str, tokens: &impl ToTokens) {
+        self.lines.extend(shown(tokens).map(|text| format!("{path} | {text}")));
+    }
+
+    /// Keeps the items of a file or module, and of those below it.
+    fn insert(&mut self, mut items: Vec<Item>, directory: &Path, path: &str) {
+        let is_test = |text: String| text.contains("#[cfg(test") || text.contains("#[cfg(all(test");
+        items.retain(|item| !shown(item).is_some_and(is_test));
+        for item in &items {
+            let Item::Mod(module) = item else { continue };
+            let below = directory.join(module.ident.to_string());
+            let path = format!("{path}::{}", module.ident);
+            if let Some((_, items)) = &module.content {
+                self.insert(items.clone(), &below, &path);
+                continue;
+            }
+            let text = std::fs::read_to_string(below.join("mod.rs"));
+            let text = text.or_else(|_| std::fs::read_to_string(below.with_extension("rs")));
+            let text = text.expect("the file of a module");
+            self.insert(syn::parse_file(&text).expect("Rust").items, &below, &path);
+        }
+        self.modules.insert(path.to_owned(), items);
+    }
+
+    /// All that is public in a module, under its public path. Exported macros are the root's, wherever they stand.
+    fn module(&mut self, module: &str, public: &str) {
+        for item in self.modules[module].clone() {
+            match (&item, head(&item)) {
+                (Item::Use(export), Some((_, true))) if shown(export).is_some() => {
+                    self.exported(&export.tree, Vec::new(), module, public);
+                }
+                (_, Some((name, true))) => self.item(&item, module, &format!("{public}::{name}")),
+                (Item::Macro(call), _) if call.ident.is_none() => self.line(public, call),
+                _ => {}
+            }
+        }
+        for item in self.modules.clone().values().flatten().filter(|_| module == "crate") {
+            let Item::Macro(item) = item else { continue };
+            if item.attrs.iter().any(|attribute| attribute.path().is_ident("macro_export")) {
+                self.line(public, item);
+            }
+        }
+    }
+
+    /// What `pub use` gives another path. It is shown in full if the one it is taken from is private.
+    fn exported(&mut self, tree: &UseTree, mut path: Vec<String>, module: &str, public: &str) {
+        let (last, name) = match tree {
+            UseTree::Path(tree) => {
+                path.push(tree.ident.to_string());
+                return self.exported(&tree.tree, path, module, public);
+            }
+            UseTree::Group(group) => {
+                return group.items.iter().for_each(|tree| self.exported(tree, path.clone(), module, public));
+            }
+            UseTree::Name(tree) => (tree.ident.to_string(), tree.ident.to_string()),
+            UseTree::Rename(tree) => (tree.ident.to_string(), tree.rename.to_string()),
+            UseTree::Glob(_) => panic!("{module} exports what cannot be seen"),
+        };
+        let home = path.iter().fold(module.to_owned(), |home, step| match step.as_str() {
+            "crate" => "crate".to_owned(),
+            step => format!("{home}::{step}"),
+        });
+        self.lines
+            .insert(format!("{public}::{name} | use {}", [path, vec![last.clone()]].concat().join("::")));
+        let items =
+            self.modules.get(&home).filter(|_| !self.is_public(&home) && public != "coadjoint::prelude");
+        let is_it = |item: &&Item| !matches!(item, Item::Mod(_)) && head(item) == Some((last.clone(), true));
+        for item in items.into_iter().flatten().filter(is_it).cloned().collect::<Vec<_>>() {
+            self.item(&item, &home, &format!("{public}::{name}"));
+        }
+    }
+
+    fn is_public(&self, module: &str) -> bool {
+        let Some((parent, last)) = module.rsplit_once("::") else { return true };
+        let mut heads = self.modules.get(parent).into_iter().flatten().filter_map(head);
+        heads.any(|head| head == (last.to_owned(), true)) && self.is_public(parent)
+    }
+
+    /// An item with its members and the traits that it implements.
+    fn item(&mut self, item: &Item, module: &str, path: &str) {
+        if shown(item).is_none() {
+            return;
+        }
+        self.line(path, item);
+        match item {
+            Item::Mod(item) => self.module(&format!("{module}::{}", item.ident), path),
+            Item::Trait(item) => item.items.iter().for_each(|member| match member {
+                TraitItem::Fn(given) if given.default.is_some() => {
+                    self.lines.extend(shown(given).map(|text| format!("{path} | {text} {{ … }}")));
+                }
+                member => self.line(path, member),
+            }),
+            Item::Enum(item) => item.variants.iter().for_each(|variant| {
+                self.line(path, variant);
+                let named = variant.fields.iter().filter(|field| field.ident.is_some());
+                named.for_each(|field| self.line(&format!("{path}::{}", variant.ident), field));
+            }),
+            Item::Struct(item) => {
+                let fields =
+                    item.fields.iter().filter(|field| field.ident.is_some() && is_public(&field.vis));
+                fields.for_each(|field| self.line(path, field));
+            }
+            _ => return,
+        }
+        for block in self.modules[module].clone() {
+            let (Item::Impl(block), Some((name, _))) = (block, head(item)) else { continue };
+            let Type::Path(of) = &*block.self_ty else { continue };
+            match of.path.segments.last() {
+                Some(last) if last.ident == name && block.trait_.is_some() => self.line(path, &block),
+                Some(last) if last.ident == name => block.items.iter().for_each(|member| match member {
+                    ImplItem::Fn(member) if is_public(&member.vis) => self.line(path, member),
+                    ImplItem::Const(member) if is_public(&member.vis) => self.line(path, member),
+                    _ => {}
+                }),
+                _ => {}
+            }
+        }
+    }
+}
