@@ -22,3 +22,4 @@ mod reference;
 mod snapshots;
 mod structure;
 mod stumpff;
+mod warm;
