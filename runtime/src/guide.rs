@@ -85,7 +85,8 @@ pub mod beginning {
     //! The names `WheelState`, `potential`, `energy` and so on come from the macro; `cargo doc --open` shows them with their
     //! documentation, and what a step costs. A mistake in the description is an error at your own words.
     //!
-    //! **4. Have it certified.** One line in a test measures what the steps claim: order, Poisson map, Casimirs, reversibility.
+    //! **4. Have it certified.** One line in a test measures what the steps claim: order, Poisson map, Casimirs, reversibility,
+    //! and that a stepper that is kept takes the steps of a new one.
     //!
     //! ```
     //! # use coadjoint::prelude::*;

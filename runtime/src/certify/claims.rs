@@ -117,7 +117,7 @@ where
     }
 
     fn kernels(probe: &mut Probe<'_>, step: f64) {
-        probe.kernel::<<S as Generated<Self>>::Kernel<f64>>(step);
+        probe.kernel::<S, Self>(step);
     }
 }
 
@@ -144,11 +144,18 @@ where
     }
 }
 
-impl<S: Geometry<Scalar = f64>, R> Claims<S> for TangentLift<R> {
+impl<S, R> Claims<S> for TangentLift<R>
+where
+    S: Geometry<Scalar = f64> + Generated<Self>,
+{
     const CLAIM: Claim = Claim::TANGENT_LIFT;
 
     fn name() -> String {
         on::<R>("TangentLift")
+    }
+
+    fn kernels(probe: &mut Probe<'_>, step: f64) {
+        probe.kernel::<S, Self>(step);
     }
 }
 

@@ -124,16 +124,7 @@ impl<'a> Frame<'a> {
             self.scale[i] = usable(size / (2.0 * column.amax()), 1e-6);
         }
         let motion = self.motion(state, time, control);
-        // of a body at rest, how fast it is going to be is in the velocity's change
-        let change = slope(1e-4 / (1.0 + motion.amax()), &|at| {
-            let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
-            self.motion(&there, time + at, control)
-        });
-        for &i in &self.configuration {
-            let rate = (motion[i] / self.scale[i]).abs().max((change[i] / self.scale[i]).abs().sqrt());
-            // what is not a number is for the certificates to find
-            self.rate = self.rate.max(rate);
-        }
+        self.rate = self.rate_at(state, control, time);
         let mut offset = 0;
         for quantity in self.system.description().state {
             let places = offset..offset + quantity.components.len();
@@ -153,6 +144,22 @@ impl<'a> Frame<'a> {
             let reach = row.iter().zip(&self.configuration).map(|(change, &i)| change.abs() * self.scale[i]);
             self.weight[c] = usable(reach.fold(components[c].abs(), f64::max), 0.0);
         }
+    }
+
+    /// One over the time in which the motion from a state leads to something else entirely.
+    pub(super) fn rate_at(&self, state: &[f64], control: &[f64], time: f64) -> f64 {
+        let motion = self.motion(state, time, control);
+        // of a body at rest, how fast it is going to be is in the velocity's change
+        let change = slope(1e-4 / (1.0 + motion.amax()), &|at| {
+            let there = self.displace(state, Map::Exponential, (&motion * at).as_slice());
+            self.motion(&there, time + at, control)
+        });
+        let rates = self
+            .configuration
+            .iter()
+            .map(|&i| (motion[i] / self.scale[i]).abs().max((change[i] / self.scale[i]).abs().sqrt()));
+        // what is not a number is for the certificates to find
+        rates.fold(0.0, f64::max)
     }
 
     /// How far a momentum or an advected parameter may be changed before the configuration moves at another rate than it does: of a slender
@@ -252,6 +259,33 @@ impl<'a> Frame<'a> {
             tangent[i] = *by;
         }
         self.displace(state, map, &tangent)
+    }
+
+    /// The places of the state's components, by blocks that have a unit in common: each quantity, but that a pose and its momentum are of turns
+    /// and of positions.
+    pub(super) fn blocks(&self, state: &[f64]) -> Vec<Vec<usize>> {
+        let mut quantity_of = Vec::new();
+        for (index, quantity) in self.system.description().state.iter().enumerate() {
+            // a pose has components `w`, …, `px`, …
+            let is_position = |name: &str| name.len() == 2 && name.starts_with('p');
+            quantity_of.extend(quantity.components.iter().map(|name| (index, is_position(name))));
+        }
+        // a component of a momentum is of the kind of the configuration's first component that its direction moves
+        let basis = self.basis(state);
+        for (column, momentum) in basis.column_iter().zip(&self.linear) {
+            let moved = self.stored.iter().zip(column.iter()).find(|(_, change)| change.abs() > 1e-9);
+            if let Some((&stored, _)) = moved {
+                quantity_of[momentum.component].1 = quantity_of[stored].1;
+            }
+        }
+        let mut blocks: Vec<((usize, bool), Vec<usize>)> = Vec::new();
+        for (component, key) in quantity_of.into_iter().enumerate() {
+            match blocks.iter_mut().find(|(other, _)| *other == key) {
+                Some((_, block)) => block.push(component),
+                None => blocks.push((key, vec![component])),
+            }
+        }
+        blocks.into_iter().map(|(_, block)| block).collect()
     }
 
     fn stored_part(&self, state: &[f64]) -> DVector<f64> {

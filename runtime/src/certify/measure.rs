@@ -15,12 +15,17 @@ use crate::method::Clock;
 use crate::stepper::{check_state, check_step};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
-const STEP: f64 = 0.1;
+pub(super) const STEP: f64 = 0.1;
 /// Differences of states below this are too near to roundoff to tell an order from.
 const NOISE: f64 = 3e-12;
 
+/// Steps there and back.
+const RETURN: usize = 20;
+/// How far a warm step may be from the converged one, in units in the last place: iterations leave some.
+const WARM: Bound = Bound::AtMost(32.0);
+
 /// Why a figure cannot be measured.
-enum Trouble {
+pub(super) enum Trouble {
     Parameter(ParameterError),
     NotGenerated(NotGenerated),
     Step(StepError),
@@ -49,19 +54,19 @@ pub(super) struct Subject<'a> {
 }
 
 /// A state to measure at.
-struct Sample<'a> {
-    system: &'a dyn Geometry,
-    description: Description,
-    frame: Frame<'a>,
-    state: &'a [f64],
-    control: &'a [f64],
-    time: f64,
-    step: f64,
-    scheme: &'a Scheme<'a>,
+pub(super) struct Sample<'a> {
+    pub(super) system: &'a dyn Geometry,
+    pub(super) description: Description,
+    pub(super) frame: Frame<'a>,
+    pub(super) state: &'a [f64],
+    pub(super) control: &'a [f64],
+    pub(super) time: f64,
+    pub(super) step: f64,
+    pub(super) scheme: &'a Scheme<'a>,
 }
 
 /// A figure; none if there is nothing to measure.
-type Figure = Result<Option<f64>, Trouble>;
+pub(super) type Figure = Result<Option<f64>, Trouble>;
 
 pub(super) fn certificates(subject: &Subject<'_>, scheme: &Scheme<'_>) -> Result<Report, CertifyError> {
     let Subject { system, states, controls, time, step } = subject;
@@ -149,7 +154,18 @@ impl<'a> Bench<'a> {
             &Sample::reversibility,
         )?;
         self.certify("Newton correction", Some(Bound::AtMost(1e-6)), &Sample::correction)?;
-        self.certify("definition", Some(Bound::AtMost(1e-10)), &Sample::definition)
+        self.certify("definition", Some(Bound::AtMost(1e-10)), &Sample::definition)?;
+        self.warm()
+    }
+
+    /// That a step is a map of the state, whatever the stepper remembers of earlier ones.
+    fn warm(&mut self) -> Result<(), CertifyError> {
+        self.certify("warm steps", Some(WARM), &Sample::warm_steps)?;
+        self.certify("restarts", Some(WARM), &Sample::restarts)?;
+        if !self.description.controls.is_empty() {
+            self.certify("control jumps", Some(WARM), &Sample::control_jumps)?;
+        }
+        self.certify("long steps", Some(WARM), &Sample::long_steps)
     }
 
     /// What the system's geometry is.
@@ -224,7 +240,8 @@ impl Sample<'_> {
         self.steps((step, count), self.time, self.state, seen)
     }
 
-    /// The state after one step from a time and a state.
+    /// The state after one step from a time and a state, by a stepper that remembers nothing: what is differenced by states and steps has no
+    /// trajectory of its own. That warm steps are the same ones, others [measure](super::warm).
     fn one(&self, step: f64, time: f64, state: &[f64]) -> Result<Vec<f64>, Trouble> {
         let mut next = Vec::new();
         self.steps((step, 1), time, state, &mut |state| next = state.to_vec())?;
@@ -389,19 +406,24 @@ impl Sample<'_> {
         Ok(measurable.then(|| (one / half).log2()))
     }
 
-    /// A step, and one back that starts when the first one ends.
+    /// Steps, and as many back that start when the last one ends: one, and some with one stepper there and one back.
     fn reversibility(&self) -> Figure {
-        let there = self.one(self.step, self.time, self.state)?;
-        let back = self.one(-self.step, self.time + self.step, &there)?;
-        Ok(Some(self.frame.distance(self.state, &back)))
+        let mut worst = 0.0;
+        for count in [1, RETURN] {
+            let mut there = Vec::new();
+            self.run(self.step, count, &mut |state| there = state.to_vec())?;
+            let mut back = Vec::new();
+            let end = self.time + count as f64 * self.step;
+            self.steps((-self.step, count), end, &there, &mut |state| back = state.to_vec())?;
+            worst = larger(worst, self.frame.distance(self.state, &back));
+        }
+        Ok(Some(worst))
     }
 
     fn correction(&self) -> Figure {
-        let Self { state, control, time, .. } = *self;
-        let parameters = &self.system.parameters();
-        let mut probe = Probe { parameters, state, time, control, worst: None };
-        (self.scheme.kernels)(&mut probe, self.step);
-        Ok(probe.worst)
+        let parameters = self.system.parameters();
+        let at = (self.state, self.time, self.control);
+        Ok(Probe::corrections(&parameters, at, |probe| (self.scheme.kernels)(probe, self.step)))
     }
 
     fn definition(&self) -> Figure {

@@ -2,8 +2,8 @@
 //!
 //! A generated step is correct or it is not; that it looks right on a plot says little. [`certify`] takes a system and sample states,
 //! and measures what the [scheme](crate::scheme) claims there: the order, the Poisson structure, the Casimirs, that the step back undoes
-//! the step, that it is the step its definition says. Each certificate has the figure measured and its bound, and fails if the
-//! claim is wrong.
+//! the step, that it is the step its definition says, and that it is a map: what a stepper remembers of earlier steps makes no
+//! difference. Each certificate has the figure measured and its bound, and fails if the claim is wrong.
 //!
 //! ```
 //! use coadjoint::certify;
@@ -36,15 +36,23 @@
 //! | Casimirs | drift over a thousand steps (a hundred where a force acts) | ≤ 1e-11 |
 //! | energy drift | drift by linear fit, as a part of the error's range, over a thousand steps, or four, sixteen or sixty-four thousand | ≤ ½ |
 //! | energy order | slope of the energy's error | claimed order less ½ |
-//! | reversibility | distance from the start after a step and one back | ≤ 1e-13 |
+//! | reversibility | distance from the start after a step and one back, and after twenty and twenty back | ≤ 1e-13 |
 //! | Newton correction | difference from the one with a differenced Jacobian | ≤ 1e-6 |
 //! | definition | distance from a step that knows no closed form | ≤ 1e-10 |
+//! | warm steps | distance of steps along 2,500, by one stepper, from those of equations solved in twice the digits | ≤ 32 |
+//! | restarts | the same from new states | ≤ 32 |
+//! | control jumps | the same with controls that jump, by a part in 10⁹, in 10³, and by all that they are | ≤ 32 |
+//! | long steps | the same with steps two, four and eight times as long, unless the motion becomes too fast for them | ≤ 32 |
 //! | energy differential | difference from differences of the energy | ≤ 1e-9 |
 //! | antisymmetry, Jacobi identity | of the Poisson structure | ≤ 1e-14, 1e-8 |
 //! | exponential, inverse | displacements against their definition; `τ(−ξ) τ(ξ) = e` | ≤ 1e-10, 1e-13 |
 //!
 //! All are relative to the size of the states, and the worst sample counts. A figure without a bound is one that the scheme does not
 //! claim. The energy's drift is no proof: what drifts only for a while may pass, as a slow oscillation must.
+//!
+//! Of warm steps the last places count, in each quantity, turns and positions apart: in units of its own, or, where it is a difference of
+//! large numbers, of what a unit in the last place of states, parameters and controls makes of it. A step that one stepper does not solve
+//! and a new one does is infinitely far off. Steps that are differenced by states or step are of new steppers: they are on no trajectory.
 //!
 //! Samples should be in general position: certificates see what the motion there can show. Steps and differences are a small part of a
 //! radian, or of the time in which the velocity changes; a faster time of its own, as a stiff spring or a drive has it, wants a
@@ -56,6 +64,7 @@ mod frame;
 mod measure;
 mod probe;
 mod report;
+mod warm;
 
 use thiserror::Error;
 
@@ -200,9 +209,10 @@ pub fn certify_erased(
         method: &|step| scheme.of(system, step),
         walk: &|walk, step| scheme.walk(description.invariant, walk, step),
         kernels: &|probe, step| {
+            let system = system.with_parameters(probe.parameters);
             scheme.parts(description.invariant, step, &mut |map, rule, step| {
                 if let Some(equation) = system.equation(map, rule, &probe.at(step)) {
-                    probe.compare(&*equation);
+                    probe.look(&*equation, step);
                 }
             });
         },

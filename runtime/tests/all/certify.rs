@@ -405,7 +405,99 @@ fn a_small_leak_is_found() {
     }
 }
 
-/// The midpoint rule with a Newton correction that is a little off: its solutions are as good, only slower.
+/// How often a stepper that has something wrong with its memory errs: a step from where the last one led to, after so many of them.
+const STALE: u32 = 1_100;
+
+/// Steps of the midpoint rule that go wrong after a while, and only where a step follows the last one.
+struct Stale;
+/// Such steps cannot be taken then.
+struct Stuck;
+
+#[derive(Clone)]
+struct Aged<T: Batch, const STUCK: bool> {
+    base: <Body as Discretized<Midpoint>>::Method<T>,
+    follows: u32,
+}
+
+impl<T: Batch, const STUCK: bool> Method for Aged<T, STUCK> {
+    type Home = ();
+    type Scalar = T;
+    type Parameters = [T; 3];
+    type State = [T; 7];
+    type Control = [T; 0];
+
+    fn new(parameters: &[T; 3], step: T) -> Self {
+        Self { base: Method::new(parameters, step), follows: 0 }
+    }
+
+    fn advance(&mut self, state: &[T; 7], time: T, control: &[T; 0], known: bool) -> Outcome<T, [T; 7]> {
+        self.follows = if known { self.follows + 1 } else { 0 };
+        if STUCK && self.follows >= STALE {
+            return self.base.advance(&[T::of(f64::NAN); 7], time, control, known);
+        }
+        let mut advanced = self.base.advance(state, time, control, known)?;
+        if self.follows >= STALE {
+            // to and fro, so that nothing else shows it
+            let by = if self.follows.is_multiple_of(2) { 1e-13 } else { -1e-13 };
+            advanced.state[4..].iter_mut().for_each(|x| *x = *x * T::of(1.0 + by));
+        }
+        Ok(advanced)
+    }
+
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        self.base.memory(visit);
+    }
+}
+
+macro_rules! aged {
+    ($($scheme:ident, $stuck:literal;)*) => {
+        $(
+            impl Discretized<$scheme> for Body {
+                type Method<T: Batch> = Aged<T, $stuck>;
+            }
+
+            impl Claims<Body> for $scheme {
+                const CLAIM: Claim = <TangentLift as Claims<Body>>::CLAIM;
+
+                fn kernels(probe: &mut Probe<'_>, step: f64) {
+                    <Midpoint as Claims<Body>>::kernels(probe, step);
+                }
+            }
+        )*
+    };
+}
+aged! {
+    Stale, false;
+    Stuck, true;
+}
+
+#[test]
+fn a_step_that_depends_on_what_is_remembered_is_found() {
+    let (body, states) = body();
+    assert_eq!(failing::<Stale, _>(&body, &states), ["warm steps"]);
+    let report = certify::<Stuck, _>(&body, &states).unwrap();
+    let warm = report.certificate("warm steps").unwrap();
+    assert_eq!((warm.figure, warm.verdict), (f64::INFINITY, Verdict::Failed), "{report}");
+}
+
+#[test]
+fn warm_steps_are_those_of_equations_solved_in_twice_the_digits() {
+    let (body, states) = body();
+    let report = certify::<Cayley, _>(&body, &states).unwrap();
+    for name in ["warm steps", "restarts", "long steps"] {
+        let certificate = report.certificate(name).unwrap();
+        assert_eq!(certificate.verdict, Verdict::Passed, "{report}");
+        // they are not the same to the last digit: the figure is measured
+        assert!((0.2..4.0).contains(&certificate.figure), "{report}");
+    }
+    // where nothing is controlled, nothing jumps
+    assert!(report.certificate("control jumps").is_none());
+    // of what has no kernels to show, nothing is known
+    let report = certify::<Leaky, _>(&body, &states).unwrap();
+    assert_eq!(report.certificate("warm steps").unwrap().verdict, Verdict::NotMeasured);
+}
+
+/// The midpoint rule with a Newton correction that is a little off: it converges, but no longer with the square of the error.
 struct Slow;
 
 #[derive(Clone, Copy)]
@@ -479,10 +571,12 @@ impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
     }
 }
 
-type Slowed<T> = Off<<Body as Generated<Midpoint>>::Kernel<T>>;
+impl Generated<Slow> for Body {
+    type Kernel<T: Scalar> = Off<<Self as Generated<Midpoint>>::Kernel<T>>;
+}
 
 impl Discretized<Slow> for Body {
-    type Method<T: Batch> = OneStep<T, Slowed<T>>;
+    type Method<T: Batch> = OneStep<T, <Self as Generated<Slow>>::Kernel<T>>;
 }
 
 impl Claims<Body> for Slow {
@@ -494,14 +588,20 @@ impl Claims<Body> for Slow {
     }
 
     fn kernels(probe: &mut Probe<'_>, step: f64) {
-        probe.kernel::<Slowed<f64>>(step);
+        probe.kernel::<Body, Slow>(step);
     }
 }
 
 #[test]
 fn a_wrong_correction_is_found() {
     let (body, states) = body();
-    assert_eq!(failing::<Slow, _>(&body, &states), ["Newton correction"]);
+    let wrong = failing::<Slow, _>(&body, &states);
+    assert_eq!(wrong[0], "Newton correction");
+    // iterations end before they are through
+    assert!(
+        wrong[1..].iter().all(|name| ["warm steps", "restarts", "long steps"].contains(&&**name)),
+        "{wrong:?}"
+    );
 }
 
 /// A body whose geometry is wrong in a way.

@@ -324,6 +324,16 @@ fn certificates_are_the_same() {
     same(certification.run::<Order6<StormerVerlet<Cayley>>>(), &order6, "Order6<StormerVerlet<Cayley>>");
     let own = Scheme::composed::<TwoHalfSteps>(cayley);
     same(certification.run::<Composed<TwoHalfSteps, Cayley>>(), &own, "Composed<TwoHalfSteps, Cayley>");
+
+    let (system, state) = craft();
+    let (numbers, control) = (state.to_components().to_vec(), CraftControl { thrust: 9.0 });
+    let certification = Certification::new(&system).states(&[state]).controls(&[control]).step(0.05);
+    let typed = certification.run::<Midpoint<Cayley>>().unwrap();
+    let scheme = Scheme::member(Map::Cayley, 1, 2);
+    let other = certify_erased(&system, &scheme, &[numbers], &[vec![9.0]], Some(0.05)).unwrap();
+    assert_eq!(other.to_string(), typed.to_string());
+    let jumps = typed.certificate("control jumps").unwrap();
+    assert!(jumps.figure > 0.0 && typed.passed(), "{typed}");
 }
 
 /// Coefficients of one's own.

@@ -97,36 +97,133 @@ fn an_orbit_is_solved_in_each_of_its_units() {
     }
 }
 
+/// Steps there and back, each way with one stepper: how far the attitude and its momentum are from where they were.
+fn there_and_back<M>(metres: f64, steps: u64) -> [f64; 2]
+where
+    Orbit: Discretized<M>,
+{
+    let (system, start) = orbit(metres);
+    let mut state = start;
+    for step in [1.0, -1.0] {
+        let mut stepper = system.stepper::<M>(step).unwrap();
+        stepper.steps_with(&mut state, &NoControl::default(), steps).unwrap();
+    }
+    let momentum = state.attitude_momentum - start.attitude_momentum;
+    [state.attitude.angle_to(&start.attitude), momentum.norm() / start.attitude_momentum.norm()]
+}
+
 #[test]
 fn an_orbit_goes_there_and_back() {
     for metres in [1.0, 1e-3, 1e3] {
-        let (system, start) = orbit(metres);
-        let mut state = start;
-        for step in [1.0, -1.0] {
-            let mut stepper = system.stepper::<Midpoint>(step).unwrap();
-            stepper.steps_with(&mut state, &NoControl::default(), 100).unwrap();
+        for [angle, momentum] in
+            [there_and_back::<Midpoint>(metres, 100), there_and_back::<StormerVerlet>(metres, 100)]
+        {
+            assert!(angle < 1e-13 && momentum < 1e-12, "{metres}: {angle:e}, {momentum:e}");
         }
-        let angle = state.attitude.angle_to(&start.attitude);
-        let size = start.attitude_momentum.norm();
-        let momentum = (state.attitude_momentum - start.attitude_momentum).norm() / size;
-        assert!(angle < 1e-13 && momentum < 1e-12, "{metres}: {angle:e}, {momentum:e}");
     }
+}
+
+/// The attitude of such a body alone, which is led around: of one scale.
+#[lie_poisson_system(
+    group = SO3,
+    potential = {
+        let below = vector![(rate * t).cos(), (rate * t).sin(), 0.0];
+        couple * (attitude.inverse() * below).dot(&chi)
+    },
+    methods(Midpoint),
+)]
+#[derive(Clone)]
+struct Led {
+    #[inertia]
+    inertia: Vector3<f64>,
+    couple: f64,
+    chi: Vector3<f64>,
+    rate: f64,
+}
+
+/// How far warm steps and compensated ones are apart, in units of epsilon: in the first two parts after 3,000 steps, in all others after 20,000.
+fn apart<S>(system: &S, start: &S::State, step: f64, parts: &[usize]) -> [f64; 2]
+where
+    S: System<Scalar = f64> + Discretized<Midpoint> + Discretized<Compensated<Midpoint>>,
+    S::State: Copy,
+{
+    let (mut state, mut converged) = (*start, *start);
+    let mut warm = system.stepper::<Midpoint>(step).unwrap();
+    let mut compensated = system.stepper::<Compensated<Midpoint>>(step).unwrap();
+    let first: usize = parts[..2].iter().sum();
+    let all = S::Control::default();
+    let mut after = |steps: u64| {
+        warm.steps_with(&mut state, &all, steps).unwrap();
+        compensated.steps_with(&mut converged, &all, steps).unwrap();
+        let [is, should] = [&state, &converged].map(|state| state.to_components());
+        let (is, should) = (is.as_ref(), should.as_ref());
+        [off(&parts[..2], is, should), off(&parts[2..], &is[first..], &should[first..])]
+    };
+    [after(3_000)[0], after(17_000)[1]]
+}
+
+#[test]
+fn an_orbit_stays_near_to_the_compensated_one() {
+    // what one scale shows: the attitude alone, which after that is chaotic, and an orbit of which all numbers are of the size of 1
+    let led = Led {
+        inertia: vector![100.0, 200.0, 250.0],
+        couple: 0.05,
+        chi: vector![0.3, 0.2, 1.0],
+        rate: 7.5e3 / 7e6,
+    };
+    let attitude = LedState { attitude: UnitQuaternion::identity(), momentum: vector![0.1, 0.2, -0.2] };
+    let near = Orbit {
+        inertia: vector![1.0, 2.0, 2.5],
+        mass: 1.0,
+        strength: 1.0,
+        couple: 1e-3,
+        chi: vector![0.3, 0.2, 1.0],
+    };
+    let position = OrbitState {
+        attitude: UnitQuaternion::identity(),
+        position: vector![1.0, 0.0, 0.0],
+        attitude_momentum: vector![1e-3, 2e-3, -2e-3],
+        position_momentum: vector![0.0, 1.0, 0.0],
+    };
+    let of_one_scale = [apart(&led, &attitude, 1.0, &[4, 3])[0], apart(&near, &position, 1e-3, &ORBIT)[1]];
+    assert!(of_one_scale.iter().all(|x| *x < 1e4), "{of_one_scale:?}");
+    for metres in [1.0, 1e-3, 1e3] {
+        let (system, start) = orbit(metres);
+        let apart = apart(&system, &start, 1.0, &ORBIT);
+        for (apart, alone) in apart.iter().zip(of_one_scale) {
+            assert!(*apart < 100.0 * alone, "{metres}: {apart} and {alone}");
+        }
+    }
+}
+
+/// Where so many steps lead to in these units of length, in metres.
+fn walked(metres: f64, steps: u64) -> OrbitState {
+    let (system, mut state) = orbit(metres);
+    let mut stepper = system.stepper::<Midpoint>(1.0).unwrap();
+    stepper.steps_with(&mut state, &NoControl::default(), steps).unwrap();
+    state.position *= metres;
+    state.position_momentum *= metres;
+    state.attitude_momentum *= metres * metres;
+    state
 }
 
 #[test]
 fn units_by_powers_of_two_change_no_digit() {
-    let walked = |metres: f64| {
-        let (system, mut state) = orbit(metres);
-        let mut stepper = system.stepper::<Midpoint>(1.0).unwrap();
-        stepper.steps_with(&mut state, &NoControl::default(), 2_000).unwrap();
-        state.position *= metres;
-        state.position_momentum *= metres;
-        state.attitude_momentum *= metres * metres;
-        state
-    };
-    let here = walked(1.0);
+    let here = walked(1.0, 2_000);
     for metres in [1024.0, 2_f64.powi(-20)] {
-        assert!(walked(metres) == here, "{metres}");
+        assert!(walked(metres, 2_000) == here, "{metres}");
+    }
+}
+
+#[test]
+fn other_units_change_nothing_but_roundings() {
+    for (steps, limit) in [(1, 8.0), (100, 100.0), (1_400, 1_000.0)] {
+        let here = walked(1.0, steps);
+        for metres in [1e-3, 0.3048, 1e3, 1.496e11] {
+            let there = walked(metres, steps);
+            let apart = off(&ORBIT, &there.to_components(), &here.to_components());
+            assert!(apart < limit, "{steps} steps in units of {metres} m: {apart}");
+        }
     }
 }
 
@@ -220,13 +317,30 @@ fn pushed_error<M>(
 where
     Pushed: Discretized<M> + Discretized<Compensated<M>>,
 {
+    pushed::<M>(start, step, steps, moment, |_| true)
+}
+
+/// The same of those that are compared.
+fn pushed<M>(
+    start: &PushedState,
+    step: f64,
+    steps: usize,
+    moment: impl Fn(usize) -> Vector3<f64>,
+    is_compared: impl Fn(usize) -> bool,
+) -> f64
+where
+    Pushed: Discretized<M> + Discretized<Compensated<M>>,
+{
     let mut state = *start;
     let mut warm = PUSHED.stepper::<M>(step).unwrap();
     let mut worst = 0.0_f64;
     for k in 0..steps {
         let (mut converged, control) = (state, PushedControl { moment: moment(k) });
-        PUSHED.stepper::<Compensated<M>>(step).unwrap().step_with(&mut converged, &control).unwrap();
         warm.step_with(&mut state, &control).unwrap();
+        if !is_compared(k) {
+            continue;
+        }
+        PUSHED.stepper::<Compensated<M>>(step).unwrap().step_with(&mut converged, &control).unwrap();
         let [is, should] = [&state, &converged].map(|state| state.to_components());
         worst = worst.max(off(&[4, 3, 3], is.as_ref(), should.as_ref()));
     }
@@ -260,6 +374,22 @@ fn steps_are_maps_whatever_the_controls_do() {
             if k % 37 == 5 { size * noise(k) } else { Vector3::zeros() }
         });
         assert!(cayley.max(midpoint).max(pulses) < 10.0, "{size:e}: {cayley}, {midpoint}, {pulses}");
+    }
+}
+
+/// The solver looks at how it predicts ever more rarely, in the end every 1024 steps: until then nothing tells it that something is new but the
+/// step itself.
+#[test]
+fn steps_are_maps_after_long_monotony() {
+    let start = upright(0.1, vector![0.4, -0.8, 1.5]);
+    for size in [1e-9, 1e-3, 1.0, 30.0] {
+        for monotony in [1_100, 1_900] {
+            let from = |k: usize| if k < monotony { Vector3::zeros() } else { size * noise(k / 20) };
+            let compared = |k: usize| k.is_multiple_of(50) || k + 20 > monotony;
+            let cayley = pushed::<Cayley>(&start, 0.01, monotony + 60, from, compared);
+            let midpoint = pushed::<Midpoint>(&start, 0.02, monotony + 60, from, compared);
+            assert!(cayley.max(midpoint) < 10.0, "{size:e} after {monotony}: {cayley}, {midpoint}");
+        }
     }
 }
 

@@ -498,6 +498,30 @@ fn directories_that_cannot_be_written_are_named() {
     assert_eq!(scratch.files("taken"), ["heavy_top-exponential.csv"], "nothing is left behind");
 }
 
+/// Without its motor the pendulum comes to rest, and what does not move can be computed for ever.
+#[test]
+fn a_motion_that_dies_out_is_computed_to_its_end() {
+    let scratch = Scratch::new("rest");
+    for (method, retraction) in [
+        ("standard", "exponential"),
+        ("standard", "cayley"),
+        ("midpoint", "exponential"),
+        ("midpoint", "cayley"),
+    ] {
+        let damped = ["run", "driven_pendulum", "--set", "torque=0", "--step", "0.05", "--duration", "5000"];
+        let how = ["--method", method, "--retraction", retraction, "--every", "1000", "--out", "rest"];
+        let output = scratch.coadjoint(&[&damped[..], &how].concat());
+        assert!(output.status.success(), "{method}, {retraction}: {}", text(&output.stderr));
+        let file = scratch.files("rest").pop().expect("a trajectory");
+        let rows = scratch.read(&format!("rest/{file}"));
+        let (_, last) = rows.trim_end().rsplit_once('\n').expect("rows");
+        let numbers: Vec<f64> = last.split(',').map(|number| number.parse().expect("a number")).collect();
+        let [time, _, angle, momentum, _] = numbers[..] else { panic!("{last}") };
+        assert!(time == 5000.0 && angle.abs() < 1e-15 && momentum.abs() < 1e-15, "{last}");
+        fs::remove_dir_all(scratch.0.join("rest")).expect("a directory");
+    }
+}
+
 #[test]
 fn a_run_that_fails_leaves_an_earlier_file_alone() {
     let scratch = Scratch::new("earlier");

@@ -23,3 +23,4 @@ mod snapshots;
 mod structure;
 mod stumpff;
 mod surface;
+mod warm;
