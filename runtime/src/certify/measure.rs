@@ -22,7 +22,7 @@ const NOISE: f64 = 3e-12;
 /// Steps there and back.
 const RETURN: usize = 20;
 /// How far a warm step may be from the converged one, in units in the last place: iterations leave some.
-const WARM: Bound = Bound::AtMost(32.0);
+const WARM: Bound = Bound::AtMost(8.0);
 
 /// Why a figure cannot be measured.
 pub(super) enum Trouble {

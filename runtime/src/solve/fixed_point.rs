@@ -11,7 +11,7 @@ const MOST: u32 = 8;
 const NOISE: f64 = 4.0;
 /// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it: a step in
 /// which there are several iterations turns by more than one in which there is one.
-const NEAR: f64 = 64.0;
+const NEAR: f64 = 16.0;
 /// Changes larger than this, in units of epsilon, show the rate of contraction.
 pub(super) const SHARP: f64 = 256.0;
 

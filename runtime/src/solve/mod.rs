@@ -125,6 +125,17 @@ impl<T: Batch> Convergence<T> {
         let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
         Self { iterations: T::all(1), residual, tried: none, off: nothing, rate: nothing, is_sharp: none }
     }
+
+    /// With what Newton's iteration did after it in the lanes that had not been `solved`.
+    #[inline(always)]
+    fn then(&self, newton: &Self, solved: T::Mask) -> Self {
+        Self {
+            iterations: sum::<T>(self.iterations, newton.iterations),
+            residual: T::select(solved, self.residual, newton.residual),
+            off: T::select(solved | self.tried, self.off, newton.off),
+            ..*self
+        }
+    }
 }
 
 impl<T: Batch, U: Components<T>> Solver<T, U> {
@@ -185,6 +196,12 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         } else {
             Convergence::of_one(self.rate * self.tolerance)
         }
+    }
+
+    /// Whether there is anything to forget.
+    #[inline(always)]
+    pub(crate) fn remembers(&self) -> bool {
+        self.predictor.count() > 0
     }
 
     /// Forgets all.
@@ -252,13 +269,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         from = select(iterated, &unknown, &select(!convergence.tried & is_near, prediction, &from));
         from = select(open, &from, &point);
         let solution = newton::solve(kernel, state, step, &from, open);
-        let Convergence { iterations, residual, off, .. } = solution.convergence;
-        let convergence = Convergence {
-            iterations: sum::<T>(convergence.iterations, iterations),
-            residual: T::select(open, residual, convergence.residual),
-            off: T::select(convergence.tried, convergence.off, off),
-            ..convergence
-        };
+        let convergence = convergence.then(&solution.convergence, !open);
         Solution { unknown: select(open, &solution.unknown, &unknown), convergence, ..solution }
     }
 

@@ -1,7 +1,7 @@
 //! A step that is one equation, from its kernel.
 
-use super::stopping::is_within;
-use super::{Convergence, Solution, Solver};
+use super::stopping::{is_within, select};
+use super::{Convergence, Solution, Solver, newton};
 use crate::error::StepError;
 use crate::kernel::{Components, Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
@@ -240,14 +240,27 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
             solver.forget();
         }
         let begun = kernel.begin(state, time, control);
-        let Solution { unknown, evaluation, convergence, unsolved } =
-            solver.solve(kernel, state, &begun, first);
-        let Convergence { iterations, residual, .. } = convergence;
-        let next = kernel.finish(state, &begun, &unknown, &evaluation);
-        let inside = is_inside(kernel, state, &begun, &unknown, &evaluation);
-        // a component that is not finite before the step is not finite after it
-        let reached = finite(&next) & finite(control) & time.is_finite();
-        let good = !unsolved & inside & reached;
+        let mut solution = solver.solve(kernel, state, &begun, first);
+        let (mut next, mut unknown, mut good) = (*state, solution.unknown, T::Mask::splat(false));
+        // what is remembered saves time, and nothing else: where it misleads, once more without it
+        let mut again = known && solver.remembers();
+        let (inside, reached, convergence) = loop {
+            let Solution { evaluation, convergence, unsolved, .. } = solution;
+            let there = kernel.finish(state, &begun, &solution.unknown, &evaluation);
+            let inside = is_inside(kernel, state, &begun, &solution.unknown, &evaluation);
+            // a component that is not finite before the step is not finite after it
+            let reached = finite(&there) & finite(control) & time.is_finite();
+            (next, unknown) = (select(good, &next, &there), select(good, &unknown, &solution.unknown));
+            good = good | (!unsolved & inside & reached);
+            if const { Solver::<T, K::Unknown>::IS_IDLE } || good.all() || !again {
+                break (inside, reached, convergence);
+            }
+            again = false;
+            let from = select(good, &unknown, &kernel.start(state, &begun));
+            solution = newton::solve(kernel, state, &begun, &from, !good);
+            solution.convergence = convergence.then(&solution.convergence, good);
+        };
+        let (Convergence { iterations, residual, .. }, unsolved) = (convergence, solution.unsolved);
         let advanced = Advanced { state: next, iterations, residual };
         if good.all() {
             solver.learn(&unknown, K::BLOCKS, &convergence);
@@ -260,6 +273,9 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         }
         let given = finite(state) & finite(control) & time.is_finite();
         let errors = T::each(|lane| {
+            if good.lane(lane) {
+                return None;
+            }
             if !given.lane(lane) {
                 return Some(StepError::NotFinite);
             }
