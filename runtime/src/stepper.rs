@@ -30,6 +30,9 @@ pub struct StepReport {
 /// Built by [`System::stepper`]. The result of a step depends on the state, the time and the control alone, up to roundoff: the
 /// stepper only remembers where the last solutions were, to start the next one where they point. It counts the time from 0, or from where
 /// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice. The method `D` follows from system and scheme.
+///
+/// Its size is that of sixteen earlier solutions and a little more: 1.5 to 1.8 kB with three unknowns. A composition has one for each of its
+/// steps.
 pub struct Stepper<S: System, M, D = <S as Discretized<M>>::Method<<S as System>::Scalar>> {
     system: S,
     method: D,

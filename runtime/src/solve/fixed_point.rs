@@ -1,7 +1,7 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, where its first iteration was not enough.
 
 use super::stopping::{change, is_within, select};
-use super::{Convergence, NO_DIFFERENCE, ROUNDOFF, STRONG, Solver, count};
+use super::{Convergence, LAST_CHANGE, ROUNDOFF, STRONG, Solver, count};
 use crate::kernel::{Evaluation, Kernel};
 use crate::scalar::{Batch, Mask};
 
@@ -9,9 +9,9 @@ use crate::scalar::{Batch, Mask};
 const MOST: u32 = 8;
 /// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
 const NOISE: f64 = 4.0;
-/// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it: a step in
-/// which there are several iterations turns by more than one in which there is one.
-const NEAR: f64 = 16.0;
+/// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it, by a few
+/// times what is left after it: that is less than a unit then, but where the last change is roundoff itself.
+const NEAR: f64 = 32.0;
 /// Changes larger than this, in units of epsilon, show the rate of contraction.
 pub(super) const SHARP: f64 = 256.0;
 
@@ -47,8 +47,8 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
 ) -> Iterated<T, K::Unknown, K::Iterate> {
     let prediction = &solver.prediction;
     let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
-    let [least, most, near, sharp, noise] =
-        [ROUNDOFF[0], ROUNDOFF[1], NEAR, SHARP, NOISE].map(|x| T::of(x * T::EPSILON));
+    let [unit, least, small, near, sharp, noise] =
+        [1.0, ROUNDOFF[0], LAST_CHANGE[0], NEAR, SHARP, NOISE].map(|x| T::of(x * T::EPSILON));
     let mut last = change::<T, _>(K::BLOCKS, prediction, first);
     let tried = solver.tries();
     let mut convergence = Convergence { tried, off: last, ..Convergence::of_one(nothing) };
@@ -84,9 +84,8 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
             let rate = to / from;
             // relative to the unknown
             let left = rate * change;
-            let is_nothing = (rate * left).le(T::of(NO_DIFFERENCE * T::EPSILON)) & left.le(most);
             convergence.residual = T::select(is_last, left, convergence.residual);
-            open = open & !(is_last & (left.le(least) | is_nothing));
+            open = open & !(is_last & (left.le(unit) | (change.le(small) & left.le(least))));
         }
         if !open.any() {
             convergence.rate = T::select(seen, to / from, nothing);

@@ -322,10 +322,11 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         // One more solution to continue while that helps, and fewer when it does not; of a calibrated prediction all are forgotten if it suddenly
         // is off.
         let missed = T::of(MISSED).lt(off);
-        // a prediction that needs a few iterations more is left to the next calibration
-        let open = open & (missed | T::Mask::splat(self.due == 0 || self.predictor.count() < WINDOW));
-        let helps = off.lt(self.missed) | !missed;
         let ramps = T::of(0.0).lt(self.order);
+        // a prediction that needs few iterations more is left to the next calibration
+        let far = missed | (ramps & T::of(SHARP * T::EPSILON).lt(off));
+        let open = open & (far | T::Mask::splat(self.due == 0 || self.predictor.count() < WINDOW));
+        let helps = off.lt(self.missed) | !missed;
         let suddenly = (T::of(SUDDENLY) * self.missed).lt(off) & missed;
         let fewer = T::select(T::of(3.0).le(self.order), self.order - T::of(2.0), one);
         let order = T::select(helps & ramps, self.order + one, fewer);

@@ -266,3 +266,14 @@ fn fused_members_move_as_they_would_alone() {
         }
     }
 }
+
+/// As the documentation of [`Stepper`] says.
+#[test]
+fn steppers_are_of_the_documented_size() {
+    let sizes = [
+        size_of::<Stepper<Top, Cayley>>(),
+        size_of::<Stepper<Top, Exponential>>(),
+        size_of::<Stepper<Top, Midpoint>>(),
+    ];
+    assert!(sizes.iter().all(|size| (1_500..=1_800).contains(size)), "{sizes:?}");
+}
