@@ -44,8 +44,8 @@ pub enum ParameterError {
         /// How many were given.
         got: usize,
     },
-    /// What a stepper is to restore is the memory of a stepper for another system or scheme.
-    #[error("the memory has {got} numbers in place of {expected}: it is of another system or scheme")]
+    /// What a stepper is to restore is the snapshot of a stepper for another system or scheme.
+    #[error("the snapshot has {got} numbers in place of {expected}: it is of another system or scheme")]
     Snapshot {
         /// How many numbers the stepper carries.
         expected: usize,

@@ -39,9 +39,8 @@ pub trait Method: Clone + Send + Sync {
         known: bool,
     ) -> Outcome<Self::Scalar, Self::State>;
 
-    /// Takes steps, up to `most`, with `control` held all the time, for as long as they are as most steps are; from a state that is
-    /// known. Faster than one by one, with the same result; a method may take none, and leave all to [`advance`](Self::advance). Of numbers side by
-    /// side, steps that are as most are have no other way.
+    /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains.
+    /// Faster than one by one, with the same result. A method may take none, and leave all to [`advance`](Self::advance).
     #[inline(always)]
     fn advance_n(
         &mut self,

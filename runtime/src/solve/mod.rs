@@ -190,7 +190,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
 
     /// How the equation of a step is solved on the fast path, with a bound for the residual.
     #[inline(always)]
-    pub(crate) fn usual(&self) -> Convergence<T> {
+    pub(crate) fn on_fast_path(&self) -> Convergence<T> {
         if const { Self::IS_IDLE } {
             Convergence { iterations: T::all(0), ..Convergence::of_one(T::of(0.0)) }
         } else {
@@ -244,7 +244,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let (none, prediction) = (T::Mask::splat(false), &self.prediction);
         if const { Self::IS_IDLE } {
             let evaluation = kernel.evaluate(state, step, prediction);
-            let convergence = self.usual();
+            let convergence = self.on_fast_path();
             return Solution { unknown: *prediction, evaluation, convergence, unsolved: none };
         }
         let mut left = None;

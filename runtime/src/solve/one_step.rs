@@ -52,7 +52,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             match self.fast::<Portable>(state, time, control, &prediction, limit) {
                 Ok((next, prediction)) => {
                     self.solver.took(1, &prediction);
-                    let Convergence { iterations, residual, .. } = self.solver.usual();
+                    let Convergence { iterations, residual, .. } = self.solver.on_fast_path();
                     return Ok(Advanced { state: next, iterations, residual });
                 }
                 Err(unknown) => first = unknown,
@@ -182,7 +182,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {
                     method.solver.took(steps, &prediction);
                 }
-                report.count(steps, &method.solver.usual());
+                report.count(steps, &method.solver.on_fast_path());
                 if done {
                     continue;
                 }
@@ -199,7 +199,8 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                         let Advanced { iterations, residual, .. } = advanced;
                         (now, known) = (advanced.state, true);
                         report.steps += 1;
-                        report.count(1, &Convergence { iterations, residual, ..method.solver.usual() });
+                        report
+                            .count(1, &Convergence { iterations, residual, ..method.solver.on_fast_path() });
                     }
                     Err(failure) => {
                         if let Some(failed) = failed {

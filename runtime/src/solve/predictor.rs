@@ -34,7 +34,7 @@ const THROUGH: [usize; 6] = [1, 2, 3, 4, 6, RECENT];
 const NEAR: [usize; 3] = [6, 8, 10];
 /// How many that makes.
 const FITS: usize = THROUGH.len() + NEAR.len();
-/// By how much an error is to be smaller than a change that may be the last, for it may grow until it is looked at again.
+/// By how much an error is to be smaller than a change that may be the last, for it may grow until the next calibration.
 const MARGIN: f64 = 4.0;
 /// What is left of an error at the next calibration.
 const LASTING: f64 = 0.5;
