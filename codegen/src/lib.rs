@@ -3,14 +3,15 @@
 //! ```text
 //! attribute + struct ──parse──▶ description ──check──▶ System          spans kept; every problem reported at once
 //! System × group × retraction × method ──derive──▶ expression graph     gradient, residual, Jacobian, update
-//! graph ──factor, share, stage──▶ Kernel                                straight-line code in stages
-//! Kernel ──emit──▶ tokens
+//! graph ──factor, share, stage──▶ Program                               functions and records, no word of any language
+//! Program ──emit──▶ tokens
 //! ```
 //!
 //! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a global,
 //! and no order of a hash map reaches the output.
 
 pub mod check;
+mod derivation;
 pub mod diagnostics;
 pub mod emit;
 pub mod expr;
@@ -21,15 +22,14 @@ pub mod language;
 pub mod method;
 pub mod model;
 pub mod parse;
+pub mod program;
 
 use proc_macro2::TokenStream;
 use quote::quote;
 
 use diagnostics::Diagnostics;
-use emit::{DerivedStep, Expansion, Names};
+use emit::{Expansion, Names};
 use expr::Arena;
-use kernel::{Derivative, Kernel};
-use method::linearization::Linearization;
 use method::{Member, Rule, Scheme};
 use model::System;
 use parse::{Attribute, Item};
@@ -69,28 +69,18 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let system = System::build(&arena, &attribute, &item, diagnostics);
     // of a description that does not fit together nothing can be emitted that would compile
     let system = system.filter(|_| sound)?;
-    let steps = schemes(&system, &attribute).into_iter().map(|(scheme, aliases)| {
-        let step = scheme.step(&arena, &system);
-        let kernel = Kernel::new(&arena, &step);
-        (scheme, aliases, step, kernel)
-    });
-    let steps: Vec<_> = steps.collect();
-    // after all kernels, which are the same with and without them
+    let mut program = derivation::program(&arena, &system);
     let wanted = attribute.derivatives;
-    let kernels = steps
-        .into_iter()
-        .map(|(scheme, aliases, step, kernel)| {
-            let derivative = wanted.any().then(|| {
-                let linearization = Linearization::new(&arena, &system, scheme.retraction, &step, wanted);
-                Derivative::new(&arena, &step, &linearization, wanted)
-            });
-            DerivedStep { scheme, aliases, kernel, derivative }
-        })
-        .collect();
+    for (scheme, aliases) in schemes(&system, &attribute) {
+        // each from a system of its own: what else is asked for has no part in it
+        let arena = Arena::new();
+        let system = System::build(&arena, &attribute, &item, &mut Diagnostics::new())?;
+        program.steps.push(derivation::step(&arena, &system, scheme, aliases, wanted));
+    }
 
     let scalar = item.scalar().name();
     let names = Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref());
-    Some(emit::expansion(&arena, &system, &item.declaration, &names, kernels, wanted))
+    Some(emit::expansion(&system, program, &item.declaration, &names, wanted))
 }
 
 /// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its

@@ -231,6 +231,11 @@ impl<'a> System<'a> {
         self.factors.iter().map(|factor| factor.algebra.group.dimension()).sum()
     }
 
+    /// How many components the advected parameters have together.
+    pub fn advected_length(&self) -> usize {
+        self.factors.iter().flat_map(|factor| &factor.advected).map(|advected| advected.value.len()).sum()
+    }
+
     /// The fields' symbols.
     pub fn field_symbols(&self) -> Vec<Symbol> {
         self.parameters.iter().flat_map(|field| field.symbols.iter().copied()).collect()

@@ -54,7 +54,7 @@ impl<T: Batch> Double<T> {
     fn product(a: T, b: T) -> Self {
         let high = a * b;
         if FUSED {
-            return Self { high, low: (-high).plus(a, b) };
+            return Self { high, low: Scalar::mul_add(a, b, -high) };
         }
         let ([a, c], [b, d]) = (Self::halves(a), Self::halves(b));
         Self { high, low: (((a * b - high) + a * d) + c * b) + c * d }
@@ -253,7 +253,7 @@ impl<T: Batch> Batch for Double<T> {
     }
     /// The sum and the product have all digits that there are.
     #[inline(always)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
+    fn fma(self, a: Self, b: Self) -> Self {
         b + self * a
     }
     #[inline(always)]

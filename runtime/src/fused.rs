@@ -194,13 +194,13 @@ impl<T: Batch> Scalar for FusedScalar<T> {
         Self(T::of(value))
     }
     #[inline(always)]
-    fn plus(self, a: Self, b: Self) -> Self {
-        Self(a.0.mul_add(b.0, self.0))
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        Self(self.0.fma(a.0, b.0))
     }
     #[inline(always)]
-    fn minus(self, a: Self, b: Self) -> Self {
-        // of the two, `b` is what comes later: nothing is kept negated
-        Self(a.0.mul_add(-b.0, self.0))
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        // of the two, `a` is what comes later: nothing is kept negated
+        Self(self.0.fma(-a.0, b.0))
     }
     functions! {
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
@@ -227,7 +227,7 @@ impl<T: Batch> Batch for FusedScalar<T> {
     const EPSILON: f64 = T::EPSILON;
     const MIN_POSITIVE: f64 = T::MIN_POSITIVE;
     const PAIRS: bool = T::PAIRS;
-    const ONCE: bool = true;
+    const IS_FUSED: bool = true;
 
     #[inline(always)]
     fn all<X: Copy + Send + Sync>(value: X) -> T::Each<X> {
@@ -270,8 +270,8 @@ impl<T: Batch> Batch for FusedScalar<T> {
         Self(T::select(mask, yes.0, no.0))
     }
     #[inline(always)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
-        Self(self.0.mul_add(a.0, b.0))
+    fn fma(self, a: Self, b: Self) -> Self {
+        Self(self.0.fma(a.0, b.0))
     }
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {

@@ -651,7 +651,7 @@ pub mod reading {
     //! | `begin` | once a step | what depends on state, time and controls |
     //! | `start` | at the first step | a first approximation of the unknown; later ones are predicted from earlier ones |
     //! | `evaluate` | once an iteration | `left(x) − right(x)` |
-    //! | `sweep` | once a sweep | the solution of `left(x) = right`, where `left` is linear |
+    //! | `fixed_point_update` | once an iteration | the solution of `left(x) = right`, where `left` is linear |
     //! | `correction` | once a Newton iteration | Newton's, with the closed-form Jacobian |
     //! | `domain`, `finish` | once a step | the retraction's margin; the next state |
     //!

@@ -86,13 +86,13 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
         unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown;
-    /// Whether there are sweeps: the left side is linear with constant coefficients. Known when the code is compiled, so that of what needs
-    /// them nothing is compiled where there are none.
-    const SWEEPS: bool = true;
-    /// The solution `x` of `left(x) = right` for a given right side: the next iterate of the fixed-point iteration. None if there are
-    /// no sweeps.
+    /// Whether there is a [`fixed_point_update`](Self::fixed_point_update): the left side is linear with constant coefficients. Known when
+    /// the code is compiled, so that of what needs it nothing is compiled where there is none.
+    const HAS_FIXED_POINT_UPDATE: bool = true;
+    /// The solution `x` of `left(x) = right` for a given right side: the next iterate of the fixed-point iteration. None if there is
+    /// none.
     #[inline(always)]
-    fn sweep(
+    fn fixed_point_update(
         &self,
         _state: &Self::State,
         _step: &Self::Step,

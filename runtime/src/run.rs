@@ -140,7 +140,7 @@ pub struct RunReport {
     pub steps: u64,
     /// Whether an observer ended the run, be it at its last step.
     pub stopped: bool,
-    /// Iterations of all steps together, fixed-point sweeps and Newton corrections alike.
+    /// Iterations of all steps together, fixed-point updates and Newton corrections alike.
     pub iterations: u64,
     /// The most iterations that one step took.
     pub max_iterations: u32,

@@ -30,15 +30,15 @@ pub trait Scalar:
 {
     /// The scalar nearest to `value`.
     fn of(value: f64) -> Self;
-    /// `self + a b`, rounded once if the program is built for processors with an instruction for it, else twice.
+    /// `self · a + b`, rounded once if the program is built for processors with an instruction for it, else twice.
     #[inline(always)]
-    fn plus(self, a: Self, b: Self) -> Self {
-        self + a * b
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        b + self * a
     }
-    /// `self − a b`, rounded likewise.
+    /// `−self · a + b`, rounded likewise.
     #[inline(always)]
-    fn minus(self, a: Self, b: Self) -> Self {
-        self - a * b
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        b - self * a
     }
     /// `√self`.
     fn sqrt(self) -> Self;
@@ -89,12 +89,12 @@ impl<T: RealField + Copy> Scalar for T {
         nalgebra::convert(value)
     }
     #[inline(always)]
-    fn plus(self, a: Self, b: Self) -> Self {
-        if FUSED { nalgebra::ComplexField::mul_add(a, b, self) } else { self + a * b }
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        if FUSED { nalgebra::ComplexField::mul_add(self, a, b) } else { b + self * a }
     }
     #[inline(always)]
-    fn minus(self, a: Self, b: Self) -> Self {
-        if FUSED { nalgebra::ComplexField::mul_add(a, -b, self) } else { self - a * b }
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        if FUSED { nalgebra::ComplexField::mul_add(self, -a, b) } else { b - self * a }
     }
     delegate!(sqrt, exp, ln, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh);
     #[inline(always)]
@@ -160,14 +160,14 @@ pub trait Batch: Scalar + sealed::Sealed {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Whether it is one double, of which any processor adds and multiplies two at a time.
     const PAIRS: bool = false;
-    /// Whether [`plus`](Scalar::plus) is [`mul_add`](Self::mul_add).
-    const ONCE: bool = FUSED;
+    /// Whether [`mul_add`](Scalar::mul_add) is [`fma`](Self::fma).
+    const IS_FUSED: bool = FUSED;
     /// `self · a + b`, rounded once.
-    fn mul_add(self, a: Self, b: Self) -> Self;
+    fn fma(self, a: Self, b: Self) -> Self;
     /// Does the work in a function of its own, compiled for what these numbers need of the processor: for what comes rarely, and for what
     /// is compiled once for several callers.
     fn dispatch<W: Work>(work: W) -> W::Result;
-    /// The same, compiled for what [`mul_add`](Self::mul_add) needs too, as far as the processor has it.
+    /// The same, compiled for what [`fma`](Self::fma) needs too, as far as the processor has it.
     #[inline(always)]
     fn dispatch_fused<W: Work>(work: W) -> W::Result {
         Self::dispatch(work)
@@ -337,7 +337,7 @@ macro_rules! real {
                 if mask { yes } else { no }
             }
             #[inline(always)]
-            fn mul_add(self, a: Self, b: Self) -> Self {
+            fn fma(self, a: Self, b: Self) -> Self {
                 nalgebra::ComplexField::mul_add(self, a, b)
             }
             #[inline(always)]

@@ -18,7 +18,7 @@ use crate::system::{Control, Discretized, MethodOf, State, System};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct StepReport {
-    /// Iterations made, fixed-point sweeps and Newton corrections alike, in all steps of a composition together.
+    /// Iterations made, fixed-point updates and Newton corrections alike, in all steps of a composition together.
     pub iterations: u32,
     /// The residual left in the step's equation, relative to its terms: a few units of roundoff. Of a
     /// composition, the largest.

@@ -121,8 +121,8 @@ pub(crate) fn short<T: Scalar, const N: usize>(z: T) -> [T; N] {
     let z4 = z2 * z2;
     let [k, l] = highest::<N>();
     // no closure, since it could not say that it is to be inlined
-    let even = quartet(k, z, z2).plus(z4, quartet(k + 8, z, z2));
-    let odd = quartet(l, z, z2).plus(z4, quartet(l + 8, z, z2));
+    let even = z4.mul_add(quartet(k + 8, z, z2), quartet(k, z, z2));
+    let odd = z4.mul_add(quartet(l + 8, z, z2), quartet(l, z, z2));
     downward(z, [even, odd])
 }
 
@@ -132,9 +132,9 @@ pub(crate) fn long<T: Scalar, const N: usize>(z: T) -> [T; N] {
     let z2 = z * z;
     let z4 = z2 * z2;
     let [k, l] = highest::<N>();
-    let even = quartet(k + 8, z, z2).plus(z4, quartet(k + 16, z, z2));
-    let odd = quartet(l + 8, z, z2).plus(z4, quartet(l + 16, z, z2));
-    downward(z, [quartet(k, z, z2).plus(z4, even), quartet(l, z, z2).plus(z4, odd)])
+    let even = z4.mul_add(quartet(k + 16, z, z2), quartet(k + 8, z, z2));
+    let odd = z4.mul_add(quartet(l + 16, z, z2), quartet(l + 8, z, z2));
+    downward(z, [z4.mul_add(even, quartet(k, z, z2)), z4.mul_add(odd, quartet(l, z, z2))])
 }
 
 /// `|z| < limit`.
@@ -153,9 +153,9 @@ fn inverse_factorial<T: Scalar>(m: usize) -> T {
 /// on without the result, and Horner's would keep it waiting longer.
 #[inline(always)]
 fn quartet<T: Scalar>(k: usize, z: T, z2: T) -> T {
-    let low = inverse_factorial::<T>(k).minus(z, inverse_factorial(k + 2));
-    let high = inverse_factorial::<T>(k + 4).minus(z, inverse_factorial(k + 6));
-    low.plus(z2, high)
+    let low = z.neg_mul_add(inverse_factorial(k + 2), inverse_factorial(k));
+    let high = z.neg_mul_add(inverse_factorial(k + 6), inverse_factorial(k + 4));
+    z2.mul_add(high, low)
 }
 
 /// Below this `|z|` one [`quartet`] has the very digits of two: the second, times `z⁴`, is less than a quarter of an epsilon of the first, to
@@ -184,7 +184,7 @@ fn downward<T: Scalar, const N: usize>(z: T, [even, odd]: [T; 2]) -> [T; N] {
     let mut c = [even; N];
     c[N - 1] = odd;
     for k in (0..N.saturating_sub(2)).rev() {
-        c[k] = inverse_factorial::<T>(k).minus(z, c[k + 2]);
+        c[k] = z.neg_mul_add(c[k + 2], inverse_factorial(k));
     }
     c
 }

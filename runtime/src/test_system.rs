@@ -1,5 +1,5 @@
 //! Systems written out by hand, as the macro would emit them, for this crate's own tests: a free rigid body with the Cayley map,
-//! and a driven oscillator whose steps are explicit; and the code of a step that is solved by sweeps.
+//! and a driven oscillator whose steps are explicit; and the code of a step that is solved by fixed-point iteration.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -142,7 +142,7 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         Evaluation { residual, right, iterate: () }
     }
 
-    fn sweep(&self, _: &[T; 7], _: &(), _: &[T; 3]) -> Option<[T; 3]> {
+    fn fixed_point_update(&self, _: &[T; 7], _: &(), _: &[T; 3]) -> Option<[T; 3]> {
         None
     }
 
@@ -396,7 +396,7 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
         []
     }
 
-    fn sweep(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0]) -> Option<[T; 0]> {
+    fn fixed_point_update(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0]) -> Option<[T; 0]> {
         None
     }
 
@@ -435,9 +435,9 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     #[inline(always)]
     fn evaluate(&self, state: &[T; 3], (): &(), change: &[T; 3]) -> Evaluation<[T; 3], ()> {
         let half = T::of(0.5);
-        let [a, b, c]: [T; 3] = [0, 1, 2].map(|i| state[i].plus(half, change[i]));
+        let [a, b, c]: [T; 3] = [0, 1, 2].map(|i| half.mul_add(change[i], state[i]));
         let [u, v, w] = [a * self.inverse[0], b * self.inverse[1], c * self.inverse[2]];
-        let turned = [(b * w).minus(c, v), (c * u).minus(a, w), (a * v).minus(b, u)];
+        let turned = [c.neg_mul_add(v, b * w), a.neg_mul_add(w, c * u), b.neg_mul_add(u, a * v)];
         let right = turned.map(|x| self.step * x);
         Evaluation { residual: [0, 1, 2].map(|i| change[i] - right[i]), right, iterate: () }
     }
@@ -447,7 +447,7 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     }
 
     #[inline(always)]
-    fn sweep(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
+    fn fixed_point_update(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
         Some(*right)
     }
 

@@ -15,7 +15,7 @@ use coadjoint_systems::cases;
 const ROUNDS: usize = 40;
 
 /// Multiplications and additions of a step of order 2 with all attitudes, as the compiler emits them for several members side by side: those of
-/// the kernel's `evaluate` (without the residual, which no sweep needs), `sweep` and `finish`, the change of the sweep, what is extrapolated,
+/// the kernel's `evaluate` (without the residual, which no update needs), `fixed_point_update` and `finish`, the change of the update, what is extrapolated,
 /// and whether all is finite.
 const STEPS: [(&str, &str, u64, u64); 4] = [
     ("free_rigid_body", "Cayley", 73, 80),

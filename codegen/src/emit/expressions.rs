@@ -85,7 +85,7 @@ fn method(
             } else {
                 quote! { 0.0 }
             };
-            let (first, rows) = (super::kernel::size(row), super::kernel::size(rows));
+            let (first, rows) = (super::code::size(row), super::code::size(rows));
             velocities.extend(quote! {
                 let #velocity = #private::System::velocity_at(self, #state, #time)
                     .fixed_rows::<#rows>(#first)

@@ -1,24 +1,25 @@
-//! Emission: tokens from models and kernels. No mathematics is done here.
+//! Emission of programs as Rust: words for what was derived, which is not looked at again.
 
+mod code;
 mod derivative;
 mod docs;
 mod expressions;
 mod geometry;
 mod kernel;
+mod schemes;
 mod state;
 mod system;
-
-pub use kernel::Layout;
+mod tangents;
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::diagnostics::list;
-use crate::expr::Arena;
-use crate::kernel::{Derivative, Kernel};
-use crate::method::Scheme;
 use crate::method::linearization::Derivatives;
-use crate::model::{Role, System};
+use crate::model::{Role as QuantityRole, System};
+use crate::program::{Input, Program, Role, StepProgram};
+use code::free_function;
+use derivative::Lengths;
 
 /// The names and paths that all parts of an expansion share.
 pub struct Names {
@@ -80,79 +81,80 @@ pub struct Expansion {
     pub schemes: TokenStream,
 }
 
-/// One step as derived, to be emitted.
-pub struct DerivedStep {
-    /// The scheme.
-    pub scheme: Scheme,
-    /// Other schemes that are the same map.
-    pub aliases: Vec<Scheme>,
-    /// Its code.
-    pub kernel: Kernel,
-    /// That of its derivative, if any is asked for.
-    pub derivative: Option<Derivative>,
-}
-
 /// One step's part of an expansion.
 pub struct StepExpansion {
-    /// The scheme.
-    pub scheme: Scheme,
-    /// Other schemes that are the same map.
-    pub aliases: Vec<Scheme>,
     /// Its intermediate representation.
-    pub kernel: Kernel,
+    pub program: StepProgram,
     /// Its code.
     pub tokens: TokenStream,
-    /// Its derivative, if derivatives are asked for: the intermediate representation and the code.
-    pub derivative: Option<(Derivative, TokenStream)>,
+    /// The code of its derivative, if derivatives are asked for.
+    pub derivative: Option<TokenStream>,
 }
 
 impl Expansion {
     /// All of it.
     pub fn into_tokens(self) -> TokenStream {
         let Self { declaration, state, expressions, system, geometry, tangents, steps, schemes } = self;
-        let steps = steps.into_iter().map(|StepExpansion { tokens, derivative, .. }| {
-            let derivative = derivative.map(|(_, tokens)| tokens);
-            kernel::block(&quote! { #tokens #derivative })
-        });
+        let steps = steps
+            .into_iter()
+            .map(|StepExpansion { tokens, derivative, .. }| block(&quote! { #tokens #derivative }));
         quote! { #declaration #state #expressions #system #geometry #tangents #(#steps)* #schemes }
     }
 }
 
 /// Emits everything that was derived for a system.
-pub fn expansion<'a>(
-    arena: &'a Arena,
-    system: &System<'a>,
+pub fn expansion(
+    system: &System<'_>,
+    program: Program,
     item: &syn::ItemStruct,
     names: &Names,
-    kernels: Vec<DerivedStep>,
     derivatives: Derivatives,
 ) -> Expansion {
-    let steps: Vec<StepExpansion> = kernels
-        .into_iter()
-        .map(|DerivedStep { scheme, aliases, kernel, derivative }| {
-            let layout = Layout::new(system, &kernel.symbols);
-            let tokens = kernel::kernel(names, scheme, &aliases, &kernel, &layout);
-            let derivative = derivative.map(|derivative| {
-                let tokens = derivative::derivative(system, names, scheme, &derivative);
-                (derivative, tokens)
-            });
-            StepExpansion { scheme, aliases, kernel, tokens, derivative }
-        })
-        .collect();
-    let derived = description(system, names, &steps);
+    let derived = description(system, names, &program.steps);
+    let lengths = Lengths {
+        state: 2 * program.dimension + system.advected_length(),
+        controls: system.control_symbols().len(),
+        parameters: system.field_symbols().len(),
+    };
+    let step = |program: &StepProgram| StepExpansion {
+        tokens: kernel::kernel(names, program),
+        derivative: program
+            .derivative
+            .as_ref()
+            .map(|module| derivative::derivative(names, program.scheme, module, &lengths)),
+        program: program.clone(),
+    };
     Expansion {
         declaration: declaration(item, &derived),
         state: state::state(system, names),
         expressions: expressions::expressions(system, names),
-        system: system::system(arena, system, names),
-        geometry: geometry::geometry(arena, system, names),
+        system: system::system(system, &program, names),
+        geometry: geometry::geometry(&program, names),
         tangents: if derivatives.any() {
-            derivative::tangents(system, names, derivatives)
+            tangents::tangents(system, names, derivatives)
         } else {
             quote! {}
         },
-        schemes: kernel::schemes(names, &steps),
-        steps,
+        schemes: schemes::schemes(names, &program.steps),
+        steps: program.steps.iter().map(step).collect(),
+    }
+}
+
+/// The free function of a role, if there is one.
+fn function(program: &Program, private: &TokenStream, role: Role, name: &str) -> TokenStream {
+    let Some((module, function)) = program.function(role) else { return quote! {} };
+    let doc = docs::line(&format!("{}.", function.operations()));
+    let function = free_function(name, private, module, function);
+    quote! { #doc #function }
+}
+
+/// What belongs to one scheme, in a block of its own.
+fn block(content: &TokenStream) -> TokenStream {
+    quote! {
+        #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
+        const _: () = {
+            #content
+        };
     }
 }
 
@@ -165,7 +167,7 @@ fn declaration(item: &syn::ItemStruct, derived: &TokenStream) -> TokenStream {
 }
 
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.
-fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> TokenStream {
+fn description(system: &System<'_>, names: &Names, steps: &[StepProgram]) -> TokenStream {
     let casimirs = system.casimirs();
     let casimirs =
         if casimirs.is_empty() { String::new() } else { list(casimirs.iter().map(|(name, _)| name)) };
@@ -194,13 +196,14 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
     lines.push("What a step computes, once and for each Newton iteration:".to_owned());
     lines.push(String::new());
     for step in steps {
-        let kernel = &step.kernel;
-        let once = kernel.begin.operations() + kernel.finish.operations();
-        let iteration = match kernel.unknown.len() {
-            0 => "it is explicit".to_owned(),
-            _ => format!("each iteration {}", kernel.evaluate.operations() + kernel.correction.operations()),
+        let of = |role| step.module.operations(role);
+        let once = of(Role::Begin) + of(Role::Finish);
+        let evaluate = step.module.function(Role::Evaluate);
+        let is_explicit = evaluate.is_none_or(|function| function.length(Input::Unknown) == 0);
+        let (once, iteration) = match is_explicit {
+            true => (once + of(Role::Evaluate), "it is explicit".to_owned()),
+            false => (once, format!("each iteration {}", of(Role::Evaluate) + of(Role::Correction))),
         };
-        let once = if kernel.unknown.is_empty() { once + kernel.evaluate.operations() } else { once };
         lines.push(format!("* `{}`: {once}; {iteration}.", step.scheme.type_name()));
         for alias in &step.aliases {
             lines.push(format!("* `{}`: the same map.", alias.type_name()));
@@ -210,7 +213,13 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepExpansion]) -> T
 }
 
 /// `Quantity { name: "gamma", role: Role::Advected, components: &["x", "y", "z"], doc: "…" }`
-fn quantity(names: &Names, name: &str, role: Role, suffixes: &[impl AsRef<str>], doc: &str) -> TokenStream {
+fn quantity(
+    names: &Names,
+    name: &str,
+    role: QuantityRole,
+    suffixes: &[impl AsRef<str>],
+    doc: &str,
+) -> TokenStream {
     let private = &names.private;
     let role = format_ident!("{role:?}");
     let suffixes = suffixes.iter().map(AsRef::as_ref);

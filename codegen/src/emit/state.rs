@@ -4,7 +4,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
-use super::kernel::size;
+use super::code::size;
 use super::{Names, docs, quantity};
 use crate::model::{Part, StoredAs, System};
 use crate::parse::Shape;

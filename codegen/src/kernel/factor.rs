@@ -3,6 +3,8 @@
 //! Derivatives come out as sums of products in which whole groups of factors repeat. Factoring them shortens the sums, and the
 //! sums left in parentheses are often the same in several places, where hash-consing then shares them.
 
+use std::collections::BTreeSet;
+
 use rustc_hash::FxHashMap;
 
 use crate::expr::{Arena, Expr, Id, Node, Number, Sum};
@@ -30,8 +32,28 @@ impl<'a> Factoring<'a> {
     }
 
     pub(super) fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
-        let id = self.visit(expr.id());
-        self.arena.expr(id)
+        let arena = self.arena;
+        // operands have smaller ids than what is made of them
+        for id in self.new_nodes(expr.id()) {
+            let result = match arena.node(id) {
+                Node::Sum(sum) => self.sum(&sum),
+                _ => arena.rebuild(id, |operand| self.known(operand)),
+            };
+            self.known.insert(id, result);
+        }
+        arena.expr(self.known(expr.id()))
+    }
+
+    /// What a node is made of and has not been met, itself included, in the order of creation.
+    fn new_nodes(&self, id: Id) -> Vec<Id> {
+        let mut new = BTreeSet::new();
+        let mut pending = vec![id];
+        while let Some(id) = pending.pop() {
+            if !self.known.contains_key(&id) && new.insert(id) {
+                pending.extend(self.arena.node(id).operands());
+            }
+        }
+        new.into_iter().collect()
     }
 
     /// What has become of a node; itself, if it was not met.
@@ -39,24 +61,11 @@ impl<'a> Factoring<'a> {
         self.known.get(&id).copied().unwrap_or(id)
     }
 
-    fn visit(&mut self, id: Id) -> Id {
-        if let Some(&known) = self.known.get(&id) {
-            return known;
-        }
-        let arena = self.arena;
-        let result = match arena.node(id) {
-            Node::Sum(sum) => self.sum(&sum),
-            _ => arena.rebuild(id, |operand| self.visit(operand)),
-        };
-        self.known.insert(id, result);
-        result
-    }
-
-    fn sum(&mut self, sum: &Sum) -> Id {
+    fn sum(&self, sum: &Sum) -> Id {
         let mut loose = Vec::new();
         let mut fixed = Vec::new();
         for &(id, coefficient) in sum.terms.iter() {
-            let visited = self.visit(id);
+            let visited = self.known(id);
             match self.arena.node(visited) {
                 Node::Product(factors) if self.uses.get(&id).is_none_or(|&uses| uses <= 1) => {
                     loose.push(Term { coefficient, factors: factors.to_vec() });
@@ -81,29 +90,32 @@ struct Term {
 }
 
 /// The sum of the terms, as addends with the most frequent factors pulled out.
-fn collect_factors(arena: &Arena, terms: Vec<Term>) -> Vec<Id> {
-    let Some(common) = most_frequent(&terms) else {
-        return terms.into_iter().map(|term| arena.product(term.coefficient, term.factors)).collect();
-    };
-    let (with, without): (Vec<Term>, Vec<Term>) =
-        terms.into_iter().partition(|term| term.factors.iter().any(|&factor| pulls(factor, common)));
-    let inner: Vec<Term> = with
-        .into_iter()
-        .map(|mut term| {
-            for (id, exponent) in &mut term.factors {
-                if *id == common.0 {
-                    *exponent -= common.1;
-                }
-            }
-            term.factors.retain(|&(_, exponent)| exponent != 0);
-            term
-        })
-        .collect();
-    let inner =
-        arena.sum(Number::ZERO, collect_factors(arena, inner).into_iter().map(|id| (id, Number::ONE)));
-    let mut addends = vec![arena.product(Number::ONE, [(inner, 1), common])];
-    addends.extend(collect_factors(arena, without));
+fn collect_factors(arena: &Arena, mut terms: Vec<Term>) -> Vec<Id> {
+    let mut addends = Vec::new();
+    while let Some(common) = most_frequent(&terms) {
+        let (with, without): (Vec<Term>, Vec<Term>) =
+            terms.into_iter().partition(|term| term.factors.iter().any(|&factor| pulls(factor, common)));
+        let inner = with.into_iter().map(|term| term.without(common)).collect();
+        let inner = collect_factors(arena, inner).into_iter().map(|id| (id, Number::ONE));
+        let inner = arena.sum(Number::ZERO, inner);
+        addends.push(arena.product(Number::ONE, [(inner, 1), common]));
+        terms = without;
+    }
+    addends.extend(terms.into_iter().map(|term| arena.product(term.coefficient, term.factors)));
     addends
+}
+
+impl Term {
+    /// The term over `common`, which it contains.
+    fn without(mut self, common: (Id, i32)) -> Self {
+        for (id, exponent) in &mut self.factors {
+            if *id == common.0 {
+                *exponent -= common.1;
+            }
+        }
+        self.factors.retain(|&(_, exponent)| exponent != 0);
+        self
+    }
 }
 
 /// `factor` contains `common`, which is `x` or `1/x`.

@@ -1,185 +1,113 @@
-//! The staged straight-line code of one step, as plain data: what emitters print.
-//!
-//! A [`Kernel`] has one [`Section`] for each function of the runtime's `Kernel` trait. Every value is computed in the
-//! earliest section that can; values that later sections need again are kept in named fields.
+//! From expressions to straight-line code: common factors are pulled out, what occurs twice is computed once, and every value in the earliest
+//! function that can; values that later functions need again are stored in records.
 
+mod arrange;
 mod derivative;
+mod division;
 mod factor;
+mod layout;
+mod names;
+mod pairs;
+mod placement;
 mod plan;
-mod schedule;
-mod text;
 
-use rustc_hash::FxHashMap;
+pub use derivative::derivative;
 
-use crate::expr::{Arena, Function, Matrix, Number, Stage, Symbol, Vector};
+use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::method::Step;
-pub use derivative::Derivative;
+use crate::model::System;
+use crate::program::{Argument, Function, Input, Module, Record, RecordKind, Role, Value};
 use factor::Factoring;
+use layout::Layout;
+use names::Names;
+use placement::{Placement, Returned};
 use plan::{Plan, Signed};
-use schedule::{Namer, Schedule};
 
-/// One function's worth of straight-line code.
+/// Which symbols stand for the components of what functions are given.
 #[derive(Clone, Debug, Default)]
-pub struct Section {
-    /// What is computed, in order.
-    pub statements: Vec<Statement>,
-    /// The results, in the order the function returns them.
-    pub results: Vec<Term>,
-    /// Leaf symbols and fields of earlier sections that are used.
-    pub inputs: Vec<String>,
+pub struct Inputs {
+    arrays: Vec<(Input, Vec<Symbol>)>,
 }
 
-/// One line of code.
-#[derive(Clone, Debug)]
-pub enum Statement {
-    /// `let name = value;`
-    Let {
-        /// What the value is called.
-        name: String,
-        /// The value.
-        value: Term,
-    },
-    /// `let [names…] = argument.stumpff();`, `None` for members not used.
-    Stumpff {
-        /// What `c_k` is called, if it is used.
-        names: Vec<Option<String>>,
-        /// `z`
-        argument: Term,
-    },
-}
-
-/// A value, as a tree of operations on named values.
-#[derive(Clone, Debug)]
-pub enum Term {
-    /// A constant.
-    Number(Number),
-    /// A named value.
-    Name(String),
-    /// `−x`
-    Negative(Box<Term>),
-    /// Addends, `true` for those subtracted; the first is not.
-    Sum(Vec<(bool, Term)>),
-    /// Factors.
-    Product(Vec<Term>),
-    /// `x / y`
-    Quotient(Box<Term>, Box<Term>),
-    /// `function(x)`
-    Function(Function, Box<Term>),
-    /// `x^y`
-    Power(Box<Term>, Box<Term>),
-    /// The angle of the point `(second, first)`.
-    Atan2(Box<Term>, Box<Term>),
-}
-
-/// The arithmetic of one step.
-#[derive(Clone, Debug)]
-pub struct Kernel {
-    /// Names of the values that depend on the parameters and the step alone, and are used later.
-    pub constants: Vec<String>,
-    /// Names of the values that depend on the state too, and are used later.
-    pub step: Vec<String>,
-    /// Names of the values that depend on the unknown too, and are used in the correction or the update.
-    pub iterate: Vec<String>,
-    /// The components of the unknown.
-    pub unknown: Vec<String>,
-    /// The lengths of the blocks of these that have a unit in common.
-    pub blocks: Vec<usize>,
-    /// The names that the residual's components have within the correction.
-    pub residual: Vec<String>,
-    /// The names that the right side's components have within the sweep.
-    pub right: Vec<String>,
-    /// The name of the step size, if it is used.
-    pub h: Option<String>,
-    /// The names of all symbols, which differ from what they are called where that is taken.
-    pub symbols: SymbolNames,
-    /// Computes the constants.
-    pub new: Section,
-    /// Computes what depends on the state.
-    pub begin: Section,
-    /// Approximates the unknown.
-    pub start: Section,
-    /// Evaluates residual and right side (results in this order), and the iterate.
-    pub evaluate: Section,
-    /// Computes the Newton correction from the residual.
-    pub correction: Section,
-    /// Computes the next iterate of the fixed-point iteration, `left(x) = right(previous x)`, from the right side; without results if the
-    /// left side is not linear with constant coefficients.
-    pub sweep: Section,
-    /// Computes the distances to the edges of the domain; without results if there is no edge.
-    pub domain: Section,
-    /// Computes the next state.
-    pub finish: Section,
-    /// Which of its components are bounded if the unknown is.
-    pub bounded: Vec<bool>,
-}
-
-/// What symbols are called in some code.
-#[derive(Clone, Debug, Default)]
-pub struct SymbolNames(FxHashMap<Symbol, String>);
-
-impl SymbolNames {
-    /// The name of a symbol; `_` for one that is not used, as another may have the name that this one is called by.
-    pub fn get(&self, symbol: Symbol) -> String {
-        self.0.get(&symbol).cloned().unwrap_or_else(|| "_".to_owned())
+impl Inputs {
+    /// What belongs to a system: parameters, state, time and controls.
+    pub fn of(system: &System<'_>) -> Self {
+        Self::default()
+            .with(Input::Parameters, system.parameter_symbols())
+            .with(Input::State, system.state_symbols())
+            .with(Input::Time, system.time_symbol())
+            .with(Input::Control, system.control_symbols())
     }
 
-    /// The names of the symbols that a vector's components are.
-    pub fn of(&self, vector: &Vector<'_>) -> Vec<String> {
-        vector.iter().filter_map(|x| Some(self.get(x.as_symbol()?))).collect()
+    /// These and one more.
+    #[must_use]
+    pub fn with(mut self, input: Input, symbols: Vec<Symbol>) -> Self {
+        self.arrays.push((input, symbols));
+        self
+    }
+
+    /// The symbols of one of them.
+    pub fn symbols(&self, input: Input) -> &[Symbol] {
+        self.arrays.iter().find(|(known, _)| *known == input).map_or(&[], |(_, symbols)| symbols)
     }
 }
 
-impl Kernel {
-    /// Derives Newton's correction for the step's equation, and lays all of it out in sections.
-    pub fn new<'a>(arena: &'a Arena, step: &Step<'a>) -> Self {
-        let unknown = step.unknown.symbols();
-        let numbered = |name: &str| {
-            let symbol = |i: usize| arena.symbol(format!("{name}_{i}"), Stage::Iteration);
-            Vector((1..=unknown.len()).map(symbol).collect::<Vec<_>>())
-        };
-        let (residual, given_right) = (numbered("residual"), numbered("right"));
-        let symbols = (step.unknown.clone(), residual.clone(), given_right.clone(), step.h);
-        let sweep = fixed_point(step, &given_right).unwrap_or_else(|| Vector(Vec::new()));
-        let jacobian = (&step.left - &step.right).jacobian(&unknown);
-        let places =
-            (0..jacobian.entries.len()).map(|k| (k / jacobian.columns + 1, k % jacobian.columns + 1));
-        let entries = jacobian.entries.iter().zip(places);
-        let entries = entries.map(|(entry, (i, j))| entry.hold().named(format!("jacobian_{i}{j}"))).collect();
-        let jacobian = Matrix::new(jacobian.rows, jacobian.columns, entries);
-        let correction = if unknown.is_empty() { residual.clone() } else { jacobian.solve(&residual) };
+/// The code of one step: Newton's correction for its equation, the update of the fixed-point iteration if there is one, and all the rest.
+pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
+    let unknown = step.unknown.symbols();
+    let numbered = |name: &str| {
+        let symbol = |i: usize| arena.symbol(format!("{name}_{i}"), Stage::Iteration);
+        Vector((1..=unknown.len()).map(symbol).collect::<Vec<_>>())
+    };
+    let (residual, right) = (numbered("residual"), numbered("right"));
+    let update = fixed_point_update(step, &right).unwrap_or_else(|| Vector(Vec::new()));
+    let correction = correction(step, &residual);
+    let inputs = inputs
+        .with(Input::StepSize, step.h.as_symbol().into_iter().collect())
+        .with(Input::Unknown, unknown.clone())
+        .with(Input::Residual, residual.symbols())
+        .with(Input::Right, right.symbols());
 
-        let domain = Vector(step.domain.clone());
-        let groups = [&step.start, &step.left, &step.right, &correction, &sweep, &domain, &step.next];
-        let mut factoring = Factoring::new(arena, groups.into_iter().flat_map(Vector::iter));
-        let mut plan = Plan::new(arena);
-        let mut names = Namer::new();
-        let planned = groups.map(|group| {
-            let signed: Vec<Signed> = group.iter().map(|expr| plan.plan(factoring.of(expr))).collect();
-            signed
-        });
-        names.carry_over(arena, &factoring, &plan);
-        let [start, left, right, correction, sweep, domain, next] = planned;
-        let difference: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| plan.difference(l, r)).collect();
-        plan.share_pairs();
-        plan.shorten_divisions();
+    let domain = Vector(step.domain.clone());
+    let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next];
+    let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
+    let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
+    code.names.carry_over(arena, &code.factoring, &code.plan);
+    let residual = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
+    code.plan.eliminate_common_pairs();
+    code.plan.shorten_divisions();
 
-        let evaluation = [difference, right].concat();
-        let outputs = schedule::Outputs { start, evaluation, correction, sweep, domain, next };
-        let mut kernel = Schedule::new(arena, &plan, names).kernel(outputs, &step.given);
-        let (unknown, residual, right, h) = symbols;
-        kernel.right = kernel.symbols.of(&right);
-        kernel.unknown = kernel.symbols.of(&unknown);
-        kernel.blocks = step.blocks.clone();
-        kernel.residual = kernel.symbols.of(&residual);
-        kernel.bounded = step.bounded.clone();
-        kernel.h = h.as_symbol().map(|h| kernel.symbols.get(h)).filter(|h| kernel.new.inputs.contains(h));
-        kernel
+    let mut functions = vec![
+        record(Role::New, RecordKind::Constants),
+        record(Role::Begin, RecordKind::Step),
+        returned(Role::Start, vec![start]),
+        Returned { results: vec![residual, right], ..record(Role::Evaluate, RecordKind::Iterate) },
+        returned(Role::Correction, vec![correction]),
+    ];
+    functions.extend((!update.is_empty()).then(|| returned(Role::FixedPointUpdate, vec![update])));
+    functions.extend((!domain.is_empty()).then(|| returned(Role::Domain, vec![domain])));
+    functions.push(returned(Role::Finish, vec![next]));
+    let placement = Placement::of_step(&code.plan, &functions, &step.given);
+    code.module(placement, functions)
+}
+
+/// The solution of the linearized equation.
+fn correction<'a>(step: &Step<'a>, residual: &Vector<'a>) -> Vector<'a> {
+    let unknown = step.unknown.symbols();
+    if unknown.is_empty() {
+        return residual.clone();
     }
+    let jacobian = (&step.left - &step.right).jacobian(&unknown);
+    let n = jacobian.columns;
+    let named =
+        |(k, entry): (usize, &Expr<'a>)| entry.hold().named(format!("jacobian_{}{}", k / n + 1, k % n + 1));
+    let entries = jacobian.entries.iter().enumerate().map(named).collect();
+    Matrix::new(jacobian.rows, n, entries).solve(residual)
 }
 
 /// The solution `x` of `left(x) = right`, where the left side is linear in the unknown with coefficients that depend on parameters and step
 /// alone: their inverse is then computed once, when the stepper is built.
-fn fixed_point<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
+fn fixed_point_update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();
     if symbols.is_empty() {
@@ -187,7 +115,9 @@ fn fixed_point<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
     }
     let matrix = step.left.jacobian(&symbols);
     let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
-    let is_linear = (&step.left - &matrix.times(&step.unknown)).iter().all(|x| x.is_zero());
+    // a function with a constant Jacobian is linear up to its value at zero
+    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
+    let is_linear = step.left.substitute(&zero).iter().all(Expr::is_zero);
     if !(is_constant && is_linear) {
         return None;
     }
@@ -203,111 +133,150 @@ fn fixed_point<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
     Some(Vector((0..symbols.len()).map(row).collect()))
 }
 
-/// Straight-line code for expressions of parameters and state that stand for themselves (energy, Casimirs, …), and what it calls
-/// its symbols.
-pub fn function<'a>(arena: &'a Arena, outputs: &Vector<'a>) -> (Section, SymbolNames) {
-    let mut factoring = Factoring::new(arena, outputs.iter());
-    let mut plan = Plan::new(arena);
-    let outputs: Vec<Signed> = outputs.iter().map(|expr| plan.plan(factoring.of(expr))).collect();
-    plan.share_pairs();
-    Schedule::new(arena, &plan, Namer::new()).function(&outputs)
+/// The code of a function that stands alone: of parameters and state, and whatever else is given.
+pub fn function<'a>(arena: &'a Arena, role: Role, outputs: &Vector<'a>, inputs: Inputs) -> Module {
+    let mut code = Code::new(arena, inputs, outputs.iter());
+    let outputs = code.plan(outputs);
+    code.names.carry_over(arena, &code.factoring, &code.plan);
+    code.plan.eliminate_common_pairs();
+    code.module(Placement::alone(), vec![returned(role, vec![outputs])])
 }
 
-/// How many operations of each kind some code takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Operations {
-    /// Additions and subtractions.
-    pub additions: usize,
-    /// Multiplications.
-    pub multiplications: usize,
-    /// Divisions.
-    pub divisions: usize,
-    /// Square roots.
-    pub roots: usize,
-    /// Evaluations of Stumpff functions, all those of one argument together.
-    pub stumpff: usize,
-    /// Calls of other functions.
-    pub functions: usize,
+fn returned(role: Role, results: Vec<Vec<Signed>>) -> Returned {
+    Returned { role, record: None, results }
 }
 
-impl Section {
-    /// How many operations it takes.
-    pub fn operations(&self) -> Operations {
-        let mut count = Operations::default();
-        for statement in &self.statements {
-            match statement {
-                Statement::Let { value, .. } => count.add(value),
-                Statement::Stumpff { argument, .. } => {
-                    count.stumpff += 1;
-                    count.add(argument);
-                }
-            }
+fn record(role: Role, kind: RecordKind) -> Returned {
+    Returned { role, record: Some(kind), results: Vec::new() }
+}
+
+/// A module in the making.
+struct Code<'a> {
+    arena: &'a Arena,
+    inputs: Inputs,
+    factoring: Factoring<'a>,
+    plan: Plan<'a>,
+    names: Names,
+}
+
+impl<'a> Code<'a> {
+    fn new(arena: &'a Arena, inputs: Inputs, outputs: impl Iterator<Item = Expr<'a>>) -> Self {
+        let (factoring, plan) = (Factoring::new(arena, outputs), Plan::new(arena));
+        Self { arena, inputs, factoring, plan, names: Names::default() }
+    }
+
+    fn plan(&mut self, outputs: &Vector<'a>) -> Vec<Signed> {
+        outputs.iter().map(|expr| self.plan.plan(self.factoring.of(expr))).collect()
+    }
+
+    /// Writes the functions, whose values stand in these places.
+    fn module(mut self, placement: Placement, functions: Vec<Returned>) -> Module {
+        self.names.name_symbols(self.arena, &self.plan);
+        for function in &functions {
+            let named = function.results().zip(self.result_names(function));
+            let named: Vec<_> = named.map(|(signed, name)| (signed.op, name)).collect();
+            self.names.follow(&self.plan, named);
         }
-        self.results.iter().for_each(|result| count.add(result));
-        count
+        placement.stored().for_each(|op| self.names.store(&self.plan, op));
+        let kinds = functions.iter().filter_map(|function| function.record);
+        let records: Vec<Record> =
+            kinds.map(|kind| Record { kind, fields: self.fields(&placement, kind) }).collect();
+        let functions = functions.iter().map(|returned| {
+            let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
+            let body = Layout::body(&self.plan, &placement, &mut self.names, returned, &storing);
+            let arguments = returned.role.inputs(&self.inputs).into_iter().map(|input| {
+                let values = self.components(&records, input);
+                Argument { input, values }
+            });
+            let mut function = Function {
+                role: returned.role,
+                arguments: arguments.collect(),
+                statements: body.statements,
+                record: returned.record,
+                results: body.results,
+            };
+            function.keep_used_arguments(&records);
+            function
+        });
+        let functions = functions.collect();
+        Module { names: self.names.into_all(), records, functions }
+    }
+
+    /// What a record stores: symbols first, as they were declared, then the others by their names.
+    fn fields(&self, placement: &Placement, kind: RecordKind) -> Vec<Value> {
+        let (symbols, others): (Vec<_>, Vec<_>) =
+            placement.stored_in(kind).into_iter().partition(|&op| self.plan.operation(op).is_leaf());
+        let value = |op| self.names.stored(op);
+        let mut symbols: Vec<Value> = symbols.into_iter().filter_map(value).collect();
+        // values are numbered by symbols in the order of creation
+        symbols.sort();
+        let mut others: Vec<Value> = others.into_iter().filter_map(value).collect();
+        others.sort_by_cached_key(|&value| self.names.sort_key(value));
+        [symbols, others].concat()
+    }
+
+    /// The components of an input, where they have values.
+    fn components(&self, records: &[Record], input: Input) -> Vec<Option<Value>> {
+        match input {
+            Input::Record(kind) => {
+                let record = records.iter().find(|record| record.kind == kind);
+                record.map_or_else(Vec::new, |record| record.fields.iter().copied().map(Some).collect())
+            }
+            _ => self.inputs.symbols(input).iter().map(|&symbol| self.names.symbol(symbol)).collect(),
+        }
+    }
+
+    /// What a function's results are called, for the names of what they are computed from.
+    fn result_names(&self, function: &Returned) -> Vec<String> {
+        let names = |input: Input, suffix: &str| -> Vec<String> {
+            let name = |symbol: &Symbol| format!("{}{suffix}", self.arena.symbol_info(*symbol).name);
+            self.inputs.symbols(input).iter().map(name).collect()
+        };
+        let role = function.role;
+        let count = function.results().count();
+        let named = match role {
+            Role::Start | Role::FixedPointUpdate => names(Input::Unknown, ""),
+            Role::Evaluate => [names(Input::Residual, ""), names(Input::Right, "")].concat(),
+            Role::Finish => names(Input::State, "_next"),
+            _ => derivative::result_names(role, &self.inputs, self.arena),
+        };
+        let numbered = |i: usize| if count == 1 { role.name() } else { format!("{}_{}", role.name(), i + 1) };
+        if named.len() == count { named } else { (0..count).map(numbered).collect() }
     }
 }
 
-impl Operations {
-    fn add(&mut self, term: &Term) {
-        match term {
-            Term::Number(_) | Term::Name(_) => {}
-            Term::Negative(x) => self.add(x),
-            Term::Sum(addends) => {
-                self.additions += addends.len() - 1;
-                addends.iter().for_each(|(_, addend)| self.add(addend));
+impl Role {
+    /// What the function is given.
+    fn inputs(self, given: &Inputs) -> Vec<Input> {
+        let constants = Input::Record(RecordKind::Constants);
+        let (step, iterate) = (Input::Record(RecordKind::Step), Input::Record(RecordKind::Iterate));
+        let point = Input::Record(RecordKind::Point);
+        match self {
+            Self::New => vec![Input::Parameters, Input::StepSize],
+            Self::Begin => vec![constants, Input::State, Input::Time, Input::Control],
+            Self::Start => vec![constants, Input::State, step],
+            Self::Evaluate => vec![constants, Input::State, step, Input::Unknown],
+            Self::FixedPointUpdate => vec![constants, Input::State, step, Input::Right],
+            Self::Correction | Self::Domain | Self::Finish => {
+                vec![constants, Input::State, step, Input::Unknown, Input::Residual, iterate]
             }
-            Term::Product(factors) => {
-                self.multiplications += factors.len() - 1;
-                factors.iter().for_each(|factor| self.add(factor));
-            }
-            Term::Quotient(x, y) => {
-                self.divisions += 1;
-                self.add(x);
-                self.add(y);
-            }
-            Term::Function(function, x) => {
-                *(if *function == Function::Sqrt { &mut self.roots } else { &mut self.functions }) += 1;
-                self.add(x);
-            }
-            Term::Power(x, y) | Term::Atan2(x, y) => {
-                self.functions += 1;
-                self.add(x);
-                self.add(y);
-            }
+            Self::Point => vec![
+                Input::Parameters,
+                Input::StepSize,
+                Input::State,
+                Input::Time,
+                Input::Control,
+                Input::Unknown,
+            ],
+            Self::Tangent => vec![
+                point,
+                Input::StatePerturbation,
+                Input::ControlPerturbation,
+                Input::ParameterPerturbation,
+            ],
+            Self::Adjoint => vec![point, Input::Costate],
+            Self::Through | Self::WrtState | Self::WrtControl | Self::WrtParameters => vec![point],
+            _ => given.arrays.iter().map(|&(input, _)| input).collect(),
         }
-    }
-}
-
-impl std::ops::Add for Operations {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self {
-            additions: self.additions + other.additions,
-            multiplications: self.multiplications + other.multiplications,
-            divisions: self.divisions + other.divisions,
-            roots: self.roots + other.roots,
-            stumpff: self.stumpff + other.stumpff,
-            functions: self.functions + other.functions,
-        }
-    }
-}
-
-impl std::fmt::Display for Operations {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let kinds = [
-            (self.additions, "addition", "additions"),
-            (self.multiplications, "multiplication", "multiplications"),
-            (self.divisions, "division", "divisions"),
-            (self.roots, "square root", "square roots"),
-            (self.stumpff, "evaluation of Stumpff functions", "evaluations of Stumpff functions"),
-            (self.functions, "function call", "function calls"),
-        ];
-        let present: Vec<String> = kinds
-            .into_iter()
-            .filter(|&(count, ..)| count > 0)
-            .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }))
-            .collect();
-        f.write_str(&if present.is_empty() { "no operation".to_owned() } else { present.join(", ") })
     }
 }

@@ -1,9 +1,9 @@
 //! From canonical expressions to operations: which partial sums and products exist, and at which stage.
 //!
 //! Canonical sums and products are flat, whatever the stages of their operands. Here each is split so that what can be computed
-//! earlier is one operand of its own, and pairs of operands that occur in several places become shared nodes.
+//! earlier is one operand of its own.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use rustc_hash::FxHashMap;
 
@@ -11,7 +11,7 @@ use crate::expr::{Arena, Expr, Function, Id, Node, Number, Stage, Symbol};
 
 /// A node of a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(super) struct Op(u32);
+pub(super) struct Op(pub(super) u32);
 
 /// What a node computes.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -61,9 +61,9 @@ impl Signed {
 /// All operations of a kernel.
 pub(super) struct Plan<'a> {
     arena: &'a Arena,
-    operations: Vec<Operation>,
+    pub(super) operations: Vec<Operation>,
     stages: Vec<Stage>,
-    index: FxHashMap<Operation, Op>,
+    pub(super) index: FxHashMap<Operation, Op>,
     known: FxHashMap<Id, Signed>,
 }
 
@@ -95,7 +95,7 @@ impl<'a> Plan<'a> {
         self.known.get(&id).copied()
     }
 
-    fn intern(&mut self, operation: Operation) -> Op {
+    pub(super) fn intern(&mut self, operation: Operation) -> Op {
         if let Some(&op) = self.index.get(&operation) {
             return op;
         }
@@ -205,8 +205,8 @@ impl<'a> Plan<'a> {
             negative ^= base.negative && exponent % 2 != 0;
             let factor =
                 if exponent < 0 { self.intern(Operation::Quotient(Number::ONE, base.op)) } else { base.op };
-            let part = by_stage.entry(self.stage(factor)).or_default();
-            part.extend(std::iter::repeat_n(factor, exponent.unsigned_abs() as usize));
+            let power = self.power(factor, exponent.unsigned_abs());
+            by_stage.entry(self.stage(factor)).or_default().extend(power);
         }
         let magnitude = coefficient.abs();
         if !magnitude.is_one() {
@@ -231,6 +231,24 @@ impl<'a> Plan<'a> {
         Signed { negative, op }
     }
 
+    /// The factors whose product is `base^exponent`: by squaring, where that saves a multiplication.
+    fn power(&mut self, base: Op, mut exponent: u32) -> Vec<Op> {
+        if exponent < 4 {
+            return vec![base; exponent as usize];
+        }
+        let (mut square, mut factors) = (base, Vec::new());
+        loop {
+            if exponent % 2 == 1 {
+                factors.push(square);
+            }
+            exponent /= 2;
+            if exponent == 0 {
+                return factors;
+            }
+            square = self.multiply(vec![square, square]);
+        }
+    }
+
     fn multiply(&mut self, mut factors: Vec<Op>) -> Op {
         if let [one] = factors.as_slice() {
             return *one;
@@ -238,204 +256,8 @@ impl<'a> Plan<'a> {
         factors.sort(); // a product is the same in any order
         self.intern(Operation::Product(factors))
     }
-
-    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that takes longest.
-    pub(super) fn shorten_divisions(&mut self) {
-        let late: Vec<Op> = self.ops().filter(|op| self.stage(*op) == Stage::Iteration).collect();
-        for op in late {
-            if let &Operation::Quotient(one, x) = self.operation(op)
-                && one.is_one()
-            {
-                self.take_root_beside(op, x);
-                self.divide_multiple(op, x);
-            }
-        }
-    }
-
-    /// `√(1/x) = √x · 1/x`: the root does not wait for the quotient.
-    fn take_root_beside(&mut self, reciprocal: Op, x: Op) {
-        let root = Operation::Function(Function::Sqrt, reciprocal);
-        if let Some(&root) = self.index.get(&root) {
-            let of_x = self.intern(Operation::Function(Function::Sqrt, x));
-            self.operations[root.0 as usize] = Operation::Product(vec![reciprocal, of_x]);
-        }
-    }
-
-    /// Where `2 · 1/x` is asked for, beside `1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the step's
-    /// equation waits for the multiple.
-    fn divide_multiple(&mut self, reciprocal: Op, x: Op) {
-        let users: Vec<Op> =
-            self.ops().filter(|op| self.operation(*op).operands().contains(&reciprocal)).collect();
-        let multiple = users.iter().find_map(|&op| match self.operation(op) {
-            Operation::Product(factors) if factors.len() == 2 => {
-                factors.iter().find_map(|&factor| match self.operation(factor) {
-                    Operation::Number(number) if number.scales_exactly() => Some((op, *number)),
-                    _ => None,
-                })
-            }
-            _ => None,
-        });
-        if let Some((multiple, number)) = multiple
-            && users.len() > 1
-        {
-            let back = self.intern(Operation::Number(number.powi(-1)));
-            self.operations[multiple.0 as usize] = Operation::Quotient(number, x);
-            self.operations[reciprocal.0 as usize] = Operation::Product(vec![back, multiple]);
-        }
-    }
-
-    /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
-    pub(super) fn share_pairs(&mut self) {
-        let mut census = Census::default();
-        for (index, operation) in self.operations.iter().enumerate() {
-            census.count(index, operation);
-        }
-        while let Some(pair) = census.most_frequent() {
-            let before = self.operations.len();
-            let shared = match pair {
-                Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),
-                Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
-            };
-            if self.operations.len() > before {
-                census.count(before, &self.operations[before]);
-            }
-            for index in census.holders(&pair) {
-                if index != shared.0 as usize {
-                    census.forget(index, &self.operations[index]);
-                    while pair.replace(&mut self.operations[index], shared) {}
-                    census.count(index, &self.operations[index]);
-                }
-            }
-        }
-    }
-}
-
-/// Which pairs occur in which operations.
-#[derive(Default)]
-struct Census {
-    /// The operations a pair occurs in, `true` for those of more than two operands, which it would shorten.
-    holders: FxHashMap<Pair, BTreeMap<usize, bool>>,
-    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest last.
-    worthy: BTreeSet<(usize, std::cmp::Reverse<Pair>)>,
-}
-
-impl Census {
-    fn count(&mut self, index: usize, operation: &Operation) {
-        let long = operation.operands().len() > 2;
-        for pair in Pair::all(operation) {
-            self.change(pair, |holders| {
-                holders.insert(index, long);
-            });
-        }
-    }
-
-    fn forget(&mut self, index: usize, operation: &Operation) {
-        for pair in Pair::all(operation) {
-            self.change(pair, |holders| {
-                holders.remove(&index);
-            });
-        }
-    }
-
-    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut BTreeMap<usize, bool>)) {
-        let holders = self.holders.entry(pair).or_default();
-        self.worthy.remove(&(holders.len(), std::cmp::Reverse(pair)));
-        change(holders);
-        if holders.len() >= 2 && holders.values().any(|&long| long) {
-            self.worthy.insert((holders.len(), std::cmp::Reverse(pair)));
-        }
-    }
-
-    fn most_frequent(&self) -> Option<Pair> {
-        self.worthy.last().map(|&(_, std::cmp::Reverse(pair))| pair)
-    }
-
-    fn holders(&self, pair: &Pair) -> Vec<usize> {
-        self.holders.get(pair).map(|holders| holders.keys().copied().collect()).unwrap_or_default()
-    }
 }
 
 fn positive(op: Op) -> Signed {
     Signed { negative: false, op }
-}
-
-/// Two operands that occur together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-enum Pair {
-    Factors(Op, Op),
-    /// `true` if the signs differ.
-    Addends(Op, Op, bool),
-}
-
-impl Pair {
-    fn of_addends((m, a): (bool, Op), (n, b): (bool, Op)) -> Self {
-        Self::Addends(a.min(b), a.max(b), m != n)
-    }
-
-    /// The pairs of an operation's operands, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
-    fn all(operation: &Operation) -> Vec<Self> {
-        let mut pairs: Vec<Self> = Vec::new();
-        match operation {
-            Operation::Product(factors) => {
-                for (i, &a) in factors.iter().enumerate() {
-                    pairs.extend(factors[i + 1..].iter().map(|&b| Self::Factors(a.min(b), a.max(b))));
-                }
-            }
-            Operation::Sum(addends) => {
-                for (i, &a) in addends.iter().enumerate() {
-                    pairs.extend(addends[i + 1..].iter().map(|&b| Self::of_addends(a, b)));
-                }
-            }
-            _ => {}
-        }
-        pairs.sort_unstable();
-        pairs.dedup();
-        pairs
-    }
-
-    /// Where two addends make the pair. An operand may occur more than once, so places count, not operands.
-    fn places(&self, addends: &[(bool, Op)]) -> Option<(usize, usize)> {
-        let mut places = (0..addends.len()).flat_map(|i| (i + 1..addends.len()).map(move |j| (i, j)));
-        places.find(|&(i, j)| Self::of_addends(addends[i], addends[j]) == *self)
-    }
-
-    fn occurs(&self, operation: &Operation) -> bool {
-        match (self, operation) {
-            (Self::Factors(a, b), Operation::Product(factors)) => {
-                let count = |op: &Op| factors.iter().filter(|factor| *factor == op).count();
-                if a == b { count(a) >= 2 } else { count(a) >= 1 && count(b) >= 1 }
-            }
-            (Self::Addends(..), Operation::Sum(addends)) => self.places(addends).is_some(),
-            _ => false,
-        }
-    }
-
-    /// Puts `shared` in the place of one occurrence, if there is one.
-    fn replace(&self, operation: &mut Operation, shared: Op) -> bool {
-        if operation.operands().len() <= 2 || !self.occurs(operation) {
-            return false;
-        }
-        match (self, operation) {
-            (Self::Factors(a, b), Operation::Product(factors)) => {
-                for op in [a, b] {
-                    if let Some(at) = factors.iter().position(|factor| factor == op) {
-                        factors.remove(at);
-                    }
-                }
-                factors.push(shared);
-                factors.sort();
-            }
-            (Self::Addends(first, ..), Operation::Sum(addends)) => {
-                let Some((i, j)) = self.places(addends) else { return false };
-                let later = addends.remove(j);
-                let earlier = addends.remove(i);
-                // the pair has the sign of its first operand
-                let sign = if earlier.1 == *first { earlier.0 } else { later.0 };
-                addends.push((sign, shared));
-                addends.sort_by_key(|&(_, op)| op);
-            }
-            _ => return false,
-        }
-        true
-    }
 }

@@ -18,8 +18,8 @@ pub struct Walk<'a> {
     pub(super) lost: bool,
 }
 
-/// More sweeps than any step takes that a fixed-point iteration solves in reasonable time.
-const SWEEPS: usize = 200;
+/// More iterations than any step takes that a fixed-point iteration solves in reasonable time.
+const ITERATIONS: usize = 200;
 
 impl<'a> Walk<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, state: &[f64], time: f64, control: &'a [f64]) -> Self {
@@ -44,7 +44,7 @@ impl<'a> Walk<'a> {
         let mut eta = frame.linear_of(&frame.differential(state, time)) * step;
         let mut mean = state.clone();
         let mut last = f64::INFINITY;
-        for _ in 0..SWEEPS {
+        for _ in 0..ITERATIONS {
             let (early, late) = (&eta * s, &eta * (1.0 - s));
             let (ad_early, ad_late) = (frame.coadjoint(state, &early), frame.coadjoint(state, &late));
             let before = self.right_dual(map, &early, &ad_early, &m)?;

@@ -216,7 +216,7 @@ fn chain<S: Differentiable, D: Linearizable<S>, W: DerivativeSelection>(
     let through = |column: &StatePerturbation<S, D::Scalar>, mut sum: StatePerturbation<S, D::Scalar>| {
         for (coefficient, column) in column.as_ref().iter().zip(wrt_state.as_ref()) {
             for (sum, entry) in sum.as_mut().iter_mut().zip(column.as_ref()) {
-                *sum = sum.plus(*entry, *coefficient);
+                *sum = entry.mul_add(*coefficient, *sum);
             }
         }
         sum

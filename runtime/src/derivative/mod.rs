@@ -241,7 +241,7 @@ pub fn add_product<T: Scalar, const N: usize, const K: usize>(
     }
     for (column, coefficient) in columns.iter().zip(coefficients) {
         for (sum, entry) in sum.iter_mut().zip(column) {
-            *sum = sum.plus(*entry, *coefficient);
+            *sum = entry.mul_add(*coefficient, *sum);
         }
     }
 }

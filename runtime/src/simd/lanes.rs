@@ -22,7 +22,7 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     type Vector: Copy;
     /// How many doubles there are in one; 0 if there are no instructions to be named.
     const DOUBLES: usize;
-    /// Whether there are instructions for four doubles, too, and for [`mul_add`](Self::mul_add).
+    /// Whether there are instructions for four doubles, too, and for [`fma`](Self::fma).
     const FOURS: bool = false;
 
     /// Does the work in a function of its own, compiled for this kind.
@@ -41,14 +41,14 @@ pub trait Processor: Copy + PartialEq + core::fmt::Debug + Send + Sync + 'static
     fn sub(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `a b`
     fn mul(a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// `a + b c`, as [`Scalar::plus`].
-    fn plus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// `a − b c`, as [`Scalar::minus`].
-    fn minus(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// Whether there is an instruction for [`mul_add`](Self::mul_add).
+    /// `a b + c`, as [`Scalar::mul_add`].
+    fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// `−a b + c`, as [`Scalar::neg_mul_add`].
+    fn neg_mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    /// Whether there is an instruction for [`fma`](Self::fma).
     const FUSES: bool;
     /// `a b + c`, rounded once, if there [is](Self::FUSES) an instruction for it.
-    fn mul_add(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
+    fn fma(a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// `a / b`
     fn div(a: Self::Vector, b: Self::Vector) -> Self::Vector;
     /// `−a`
@@ -91,10 +91,10 @@ impl Processor for Portable {
     fn add((): (), (): ()) {}
     fn sub((): (), (): ()) {}
     fn mul((): (), (): ()) {}
-    fn plus((): (), (): (), (): ()) {}
-    fn minus((): (), (): (), (): ()) {}
-    const FUSES: bool = false;
     fn mul_add((): (), (): (), (): ()) {}
+    fn neg_mul_add((): (), (): (), (): ()) {}
+    const FUSES: bool = false;
+    fn fma((): (), (): (), (): ()) {}
     fn div((): (), (): ()) {}
     fn neg((): ()) {}
     fn abs((): ()) {}
@@ -202,7 +202,7 @@ macro_rules! each {
 }
 
 /// Operations of three operands, by the processor's instruction if it has one.
-macro_rules! thrice {
+macro_rules! three_operands {
     ($($name:ident if $native:expr),*) => {
         $(#[inline(always)]
         fn $name(self, a: Self, b: Self) -> Self {
@@ -211,7 +211,7 @@ macro_rules! thrice {
             }
             let mut numbers = self.0;
             for (k, x) in numbers.iter_mut().enumerate() {
-                *x = x.$name(a.0[k], b.0[k]);
+                *x = (*x).$name(a.0[k], b.0[k]);
             }
             Self::from(numbers)
         })*
@@ -223,7 +223,7 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
     fn of(value: f64) -> Self {
         Self([X::of(value); N], P::Alignment::default())
     }
-    thrice! { plus if Self::NATIVE, minus if Self::NATIVE }
+    three_operands! { mul_add if Self::NATIVE, neg_mul_add if Self::NATIVE }
     #[inline(always)]
     fn sqrt(self) -> Self {
         if const { Self::NATIVE } {
@@ -330,7 +330,7 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
         }
         Self(numbers, P::Alignment::default())
     }
-    thrice! { mul_add if Self::NATIVE && P::FUSES }
+    three_operands! { fma if Self::NATIVE && P::FUSES }
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {
         P::dispatch(work)
@@ -352,14 +352,14 @@ pub(crate) fn add_product<const N: usize, const K: usize>(
         };
         let mut total = of(sum);
         for (column, by) in columns.iter().zip(by) {
-            total = total.plus(of(column), Four::from([*by; 4]));
+            total = of(column).mul_add(Four::from([*by; 4]), total);
         }
         sum[start..start + 4].copy_from_slice(&total.0);
         start += 4;
     }
     while start < N {
         for (column, by) in columns.iter().zip(by) {
-            sum[start] = sum[start].plus(column[start], *by);
+            sum[start] = column[start].mul_add(*by, sum[start]);
         }
         start += 1;
     }
@@ -447,9 +447,9 @@ mod tests {
                 -x,
                 x.sqrt(),
                 Batch::abs(x),
-                x.plus(y, z),
-                x.minus(y, z),
-                y.mul_add(z, x),
+                Scalar::mul_add(y, z, x),
+                y.neg_mul_add(z, x),
+                y.fma(z, x),
             ];
             let (at_most, below, larger) = (x.le(y), x.lt(y), Lanes::select(x.lt(y), y, x));
             for lane in 0..N {
@@ -462,9 +462,9 @@ mod tests {
                     -x,
                     x.sqrt(),
                     x.abs(),
-                    x.plus(y, z),
-                    x.minus(y, z),
-                    y.mul_add(z, x),
+                    Scalar::mul_add(y, z, x),
+                    y.neg_mul_add(z, x),
+                    y.fma(z, x),
                 ];
                 for (together, alone) in together.iter().zip(alone) {
                     let together = together.lane(lane);

@@ -117,12 +117,12 @@ processors! {
     /// x86-64 with four doubles in a register, and with products and sums rounded once.
     Avx2 in avx2 for "avx2", "fma": Bytes32 of 32 bytes {
         __m256d of 4 doubles, fuses: true, fours: true;
-        mul_add(a, b, c) = _mm256_fmadd_pd(a, b, c);
+        fma(a, b, c) = _mm256_fmadd_pd(a, b, c);
         add(a, b) = _mm256_add_pd(a, b);
         sub(a, b) = _mm256_sub_pd(a, b);
         mul(a, b) = _mm256_mul_pd(a, b);
-        plus(a, b, c) = if FUSED { _mm256_fmadd_pd(b, c, a) } else { _mm256_add_pd(a, _mm256_mul_pd(b, c)) };
-        minus(a, b, c) = if FUSED { _mm256_fnmadd_pd(b, c, a) } else { _mm256_sub_pd(a, _mm256_mul_pd(b, c)) };
+        mul_add(a, b, c) = if FUSED { _mm256_fmadd_pd(a, b, c) } else { _mm256_add_pd(c, _mm256_mul_pd(a, b)) };
+        neg_mul_add(a, b, c) = if FUSED { _mm256_fnmadd_pd(a, b, c) } else { _mm256_sub_pd(c, _mm256_mul_pd(a, b)) };
         div(a, b) = _mm256_div_pd(a, b);
         sqrt(a) = _mm256_sqrt_pd(a);
         neg(a) = _mm256_xor_pd(a, _mm256_set1_pd(-0.0));
@@ -135,12 +135,12 @@ processors! {
     /// x86-64 with eight doubles in a register.
     Avx512 in avx512 for "avx512f", "avx512dq", "avx512vl": Bytes64 of 64 bytes {
         __m512d of 8 doubles, fuses: true, fours: true;
-        mul_add(a, b, c) = _mm512_fmadd_pd(a, b, c);
+        fma(a, b, c) = _mm512_fmadd_pd(a, b, c);
         add(a, b) = _mm512_add_pd(a, b);
         sub(a, b) = _mm512_sub_pd(a, b);
         mul(a, b) = _mm512_mul_pd(a, b);
-        plus(a, b, c) = if FUSED { _mm512_fmadd_pd(b, c, a) } else { _mm512_add_pd(a, _mm512_mul_pd(b, c)) };
-        minus(a, b, c) = if FUSED { _mm512_fnmadd_pd(b, c, a) } else { _mm512_sub_pd(a, _mm512_mul_pd(b, c)) };
+        mul_add(a, b, c) = if FUSED { _mm512_fmadd_pd(a, b, c) } else { _mm512_add_pd(c, _mm512_mul_pd(a, b)) };
+        neg_mul_add(a, b, c) = if FUSED { _mm512_fnmadd_pd(a, b, c) } else { _mm512_sub_pd(c, _mm512_mul_pd(a, b)) };
         div(a, b) = _mm512_div_pd(a, b);
         sqrt(a) = _mm512_sqrt_pd(a);
         neg(a) = _mm512_xor_pd(a, _mm512_set1_pd(-0.0));
@@ -164,7 +164,7 @@ impl Processor for Portable {
 
     operations! {
         Two of 4 doubles, fuses: FUSED, fours: false;
-        mul_add(a, b, c) = if FUSED {
+        fma(a, b, c) = if FUSED {
             [_mm_fmadd_pd(a[0], b[0], c[0]), _mm_fmadd_pd(a[1], b[1], c[1])]
         } else {
             // not asked for
@@ -173,15 +173,15 @@ impl Processor for Portable {
         add(a, b) = [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])];
         sub(a, b) = [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])];
         mul(a, b) = [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])];
-        plus(a, b, c) = if FUSED {
-            [_mm_fmadd_pd(b[0], c[0], a[0]), _mm_fmadd_pd(b[1], c[1], a[1])]
+        mul_add(a, b, c) = if FUSED {
+            [_mm_fmadd_pd(a[0], b[0], c[0]), _mm_fmadd_pd(a[1], b[1], c[1])]
         } else {
-            [_mm_add_pd(a[0], _mm_mul_pd(b[0], c[0])), _mm_add_pd(a[1], _mm_mul_pd(b[1], c[1]))]
+            [_mm_add_pd(c[0], _mm_mul_pd(a[0], b[0])), _mm_add_pd(c[1], _mm_mul_pd(a[1], b[1]))]
         };
-        minus(a, b, c) = if FUSED {
-            [_mm_fnmadd_pd(b[0], c[0], a[0]), _mm_fnmadd_pd(b[1], c[1], a[1])]
+        neg_mul_add(a, b, c) = if FUSED {
+            [_mm_fnmadd_pd(a[0], b[0], c[0]), _mm_fnmadd_pd(a[1], b[1], c[1])]
         } else {
-            [_mm_sub_pd(a[0], _mm_mul_pd(b[0], c[0])), _mm_sub_pd(a[1], _mm_mul_pd(b[1], c[1]))]
+            [_mm_sub_pd(c[0], _mm_mul_pd(a[0], b[0])), _mm_sub_pd(c[1], _mm_mul_pd(a[1], b[1]))]
         };
         div(a, b) = [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])];
         sqrt(a) = [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])];
@@ -286,11 +286,11 @@ macro_rules! pieces {
                 }
                 #[inline(always)]
                 fn plus(self, a: &Weight<T>, x: Self) -> Self {
-                    unsafe { if T::ONCE { $fmadd($splat(a), x, self) } else { $add(self, $mul($splat(a), x)) } }
+                    unsafe { if T::IS_FUSED { $fmadd($splat(a), x, self) } else { $add(self, $mul($splat(a), x)) } }
                 }
                 #[inline(always)]
                 fn minus(self, a: &Weight<T>, x: Self) -> Self {
-                    unsafe { if T::ONCE { $fnmadd($splat(a), x, self) } else { $sub(self, $mul($splat(a), x)) } }
+                    unsafe { if T::IS_FUSED { $fnmadd($splat(a), x, self) } else { $sub(self, $mul($splat(a), x)) } }
                 }
                 #[inline(always)]
                 fn and(self, x: Self) -> Self {
@@ -320,7 +320,7 @@ fn four<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize) -> __m256d {
     unsafe { _mm256_loadu_pd((&raw const *term).cast::<f64>().add(i)) }
 }
 
-/// Does the work in a function of its own, compiled for [`mul_add`](Batch::mul_add) where the processor has an instruction
+/// Does the work in a function of its own, compiled for [`fma`](Batch::fma) where the processor has an instruction
 /// for it.
 #[inline]
 pub(crate) fn dispatch_fused<W: Work>(work: W) -> W::Result {

@@ -67,7 +67,7 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
         // the other lanes wait: the same again gives the same
         point = select(again, &unknown, &point);
         let evaluation = kernel.evaluate(state, step, &point);
-        let Some(next) = kernel.sweep(state, step, &evaluation.right) else { break };
+        let Some(next) = kernel.fixed_point_update(state, step, &evaluation.right) else { break };
         (unknown, round) = (next, round + 1);
         count::<T>(&mut convergence.iterations, again);
         let change = change::<T, _>(K::BLOCKS, &point, &unknown);

@@ -248,7 +248,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             return Solution { unknown: *prediction, evaluation, convergence, unsolved: none };
         }
         let mut left = None;
-        if let (true, Some(first)) = (const { K::SWEEPS }, first) {
+        if let (true, Some(first)) = (const { K::HAS_FIXED_POINT_UPDATE }, first) {
             match fixed_point::iterate(kernel, state, step, self, &first) {
                 Iterated::Solved(unknown, evaluation, convergence) => {
                     return Solution { unknown, evaluation, convergence, unsolved: none };

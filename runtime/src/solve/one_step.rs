@@ -86,7 +86,7 @@ type Fast<T, K> =
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Whether there is a fast path: where there is nothing to solve for, or fixed-point iterations solve it.
-    const HAS_FAST_PATH: bool = K::SWEEPS || <K::Unknown as Components<T>>::LENGTH == 0;
+    const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || <K::Unknown as Components<T>>::LENGTH == 0;
 
     /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, and everything finite.
     #[inline(always)]
@@ -103,7 +103,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let evaluation = kernel.evaluate(state, &begun, prediction);
         let (mut unknown, mut then) = (*prediction, *prediction);
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
-            unknown = kernel.sweep(state, &begun, &evaluation.right).ok_or(None)?;
+            unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
             if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, limit).all() {
                 return Err(Some(unknown));
             }

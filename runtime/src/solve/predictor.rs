@@ -342,7 +342,7 @@ fn continued<T: Batch, U: Components<T>>(weights: &[Weight<T>; RECENT], earlier:
     let mut sum = *earlier;
     let mut i = 0;
     while i < U::LENGTH {
-        sum.as_mut()[i] = Scalar::plus(earlier.as_ref()[i], weights[0].value(), latest.as_ref()[i]);
+        sum.as_mut()[i] = weights[0].value().mul_add(latest.as_ref()[i], earlier.as_ref()[i]);
         i += 1;
     }
     sum

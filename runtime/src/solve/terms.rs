@@ -78,11 +78,11 @@ impl<T: Batch> Piece<T> for T {
     }
     #[inline(always)]
     fn plus(self, a: &Weight<T>, x: Self) -> Self {
-        crate::scalar::Scalar::plus(self, a.value(), x)
+        a.value().mul_add(x, self)
     }
     #[inline(always)]
     fn minus(self, a: &Weight<T>, x: Self) -> Self {
-        crate::scalar::Scalar::minus(self, a.value(), x)
+        a.value().neg_mul_add(x, self)
     }
     #[inline(always)]
     fn and(self, x: Self) -> Self {
@@ -141,7 +141,7 @@ pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>>(formula: &impl 
     let components = all.as_mut();
     let mut done = 0;
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
-    if const { T::PAIRS && (P::FOURS || T::ONCE == FUSED) } {
+    if const { T::PAIRS && (P::FOURS || T::IS_FUSED == FUSED) } {
         done = crate::simd::processor::compute::<P, T>(formula, components);
     }
     while done + 3 <= components.len() {

@@ -546,8 +546,8 @@ impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
         correction
     }
 
-    fn sweep(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> Option<K::Unknown> {
-        self.0.sweep(state, step, right)
+    fn fixed_point_update(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> Option<K::Unknown> {
+        self.0.fixed_point_update(state, step, right)
     }
 
     fn domain(

@@ -878,7 +878,7 @@ mod determinism {
     /// The code and its intermediate representations, as text.
     fn output(attribute: &str, item: &str) -> String {
         let expansion = expand(tokens(attribute), tokens(item)).expect("an expansion");
-        let kernels: String = expansion.steps.iter().map(|step| step.kernel.to_string()).collect();
+        let kernels: String = expansion.steps.iter().map(|step| step.program.module.to_string()).collect();
         kernels + &expansion.into_tokens().to_string()
     }
 

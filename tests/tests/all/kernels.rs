@@ -2,11 +2,12 @@
 
 use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::kernel::{self, Kernel};
+use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::{Member, Step, family, step_symbol};
+use coadjoint_codegen::program::{Input, Module, Role};
 use coadjoint_tests::precise::descriptions::{random_point, rigid_bodies};
 use coadjoint_tests::precise::formula::Point;
-use coadjoint_tests::precise::interpreter::{Inputs, Scope, Stages, run, stages};
+use coadjoint_tests::precise::interpreter::{Given, Stages, call, stages};
 use coadjoint_tests::precise::matrix::{Column, jacobian};
 use coadjoint_tests::precise::real::Real;
 use coadjoint_tests::precise::trees::{Forest, for_all, forests, numbers, relative};
@@ -14,7 +15,7 @@ use coadjoint_tests::random::Random;
 use proptest::prelude::*;
 
 /// Names that generated code also has uses for.
-const NAMES: [&str; 6] = ["t0", "c2", "half_t0", "step", "p0", "s0"];
+const NAMES: [&str; 6] = ["energy_1", "c2", "half_energy_1", "step", "energy_2_1", "energy_1_1"];
 
 #[test]
 fn functions_compute_their_expressions() {
@@ -28,12 +29,16 @@ fn functions_compute_their_expressions() {
             .map(|(i, &name)| arena.symbol(name, [Stage::Parameters, Stage::Step, Stage::Iteration][i % 3]))
             .collect();
         let outputs = Vector(forest.build(&variables));
-        let (section, names) = kernel::function(&arena, &outputs);
-        let mut scope = Scope::default();
-        scope.define(&names.of(&Vector(variables)), x);
-        let (results, _) = run(&section, &scope);
-        Some(relative(&results, &plain))
+        Some(relative(&computed(&arena, &outputs, &Vector(variables), x), &plain))
     });
+}
+
+/// What a function of these variables computes.
+fn computed<'a>(arena: &'a Arena, outputs: &Vector<'a>, variables: &Vector<'a>, x: &Column) -> Column {
+    let inputs = Inputs::default().with(Input::State, variables.symbols());
+    let module = kernel::function(arena, Role::Energy, outputs, inputs);
+    let returned = call(&module, Role::Energy, &Given::default().with(Input::State, x.clone()));
+    returned.expect("it is there").results.remove(0)
 }
 
 #[test]
@@ -49,13 +54,10 @@ fn a_value_that_occurs_twice_in_a_sum_counts_twice() {
         (a - b).hold() + (b - a).hold() + d + c,
         (a - b).hold() + c - d,
     ]);
-    let (section, names) = kernel::function(&arena, &outputs);
     let values = Column::random(4, &mut Random::new(5));
-    let mut scope = Scope::default();
-    scope.define(&names.of(&variables), &values);
     let mut point = Point::default();
     point.set(&variables.symbols(), &values);
-    let difference = relative(&run(&section, &scope).0, &point.vector(&outputs));
+    let difference = relative(&computed(&arena, &outputs, &variables, &values), &point.vector(&outputs));
     assert!(difference < Real::ten_to(-75), "{difference:?}");
 }
 
@@ -101,10 +103,10 @@ impl RandomStep {
         let symbols = |names: &[&str], stage| -> Vec<Expr<'a>> {
             names.iter().map(|&name| arena.symbol(name, stage)).collect()
         };
-        let parameters = symbols(&["t0", "half_t0"], Stage::Parameters);
+        let parameters = symbols(&["correction_1", "half_h"], Stage::Parameters);
         let h = step_symbol(arena);
-        let state = symbols(&["c2", "i0"], Stage::Step);
-        let unknown = symbols(&["s0", "p0", "step"][..self.unknowns], Stage::Iteration);
+        let state = symbols(&["c2", "residual_1_1"], Stage::Step);
+        let unknown = symbols(&["right_1", "jacobian_11", "step"][..self.unknowns], Stage::Iteration);
 
         let early = [parameters.clone(), vec![h]].concat();
         let start = self.start.build(&[early.clone(), state.clone()].concat());
@@ -131,22 +133,27 @@ impl RandomStep {
     }
 }
 
-/// Runs a step's kernel at a point, stage after stage.
-fn run_kernel(kernel: &Kernel, symbolic: &Symbolic<'_>, point: &Point) -> Stages {
-    let named = |symbols: &[Symbol]| {
-        let names = symbols.iter().map(|&symbol| kernel.symbols.get(symbol)).collect();
-        (names, point.get(symbols))
-    };
+/// What functions are given of a step: parameters, the state that the caller keeps, and what is given at the beginning alone.
+fn inputs(symbolic: &Symbolic<'_>) -> [(Input, Vec<Symbol>); 3] {
     let Symbolic { step, parameters, state } = symbolic;
-    let state: Vec<Symbol> = state.iter().copied().filter(|symbol| !step.given.contains(symbol)).collect();
-    let inputs = Inputs {
-        parameters: named(parameters),
-        h: point.scalar(step.h),
-        state: named(&state),
-        given: named(&step.given),
-        unknown: point.get(&step.unknown.symbols()),
-    };
-    stages(kernel, &inputs)
+    let state = state.iter().copied().filter(|symbol| !step.given.contains(symbol)).collect();
+    [(Input::Parameters, parameters.clone()), (Input::State, state), (Input::Control, step.given.clone())]
+}
+
+fn module<'a>(arena: &'a Arena, symbolic: &Symbolic<'a>) -> Module {
+    let inputs = inputs(symbolic).into_iter();
+    let inputs = inputs.fold(Inputs::default(), |all, (input, symbols)| all.with(input, symbols));
+    kernel::step(arena, &symbolic.step, inputs)
+}
+
+/// Runs a step's functions at a point, stage after stage.
+fn run(module: &Module, symbolic: &Symbolic<'_>, point: &Point) -> Stages {
+    let given = Given::default()
+        .with(Input::StepSize, Column(vec![point.scalar(symbolic.step.h)]))
+        .with(Input::Unknown, point.vector(&symbolic.step.unknown));
+    let inputs = inputs(symbolic).into_iter();
+    let given = inputs.fold(given, |all, (input, symbols)| all.with(input, point.get(&symbols)));
+    stages(module, &given)
 }
 
 /// How far a kernel's results are from the step's expressions at a point, and its correction from solving the linearized equation
@@ -156,8 +163,7 @@ fn deviation(stages: &Stages, step: &Step<'_>, point: &Point) -> (Real, Option<R
     let mut computed = vec![&stages.start, &stages.residual, &stages.right, &stages.next];
     let mut direct =
         vec![point.vector(&step.start), residual(point), point.vector(&step.right), point.vector(&step.next)];
-    let margin = Column(stages.margin.iter().cloned().collect());
-    computed.push(&margin);
+    computed.push(&stages.margins);
     direct.push(point.vector(&Vector(step.domain.clone())));
     let values = relative(&Column::stack(computed), &Column::stack(&direct));
 
@@ -167,6 +173,14 @@ fn deviation(stages: &Stages, step: &Step<'_>, point: &Point) -> (Real, Option<R
     let regular = linear.determinant_magnitude() > Real::ratio(1, 100) && linear.norm() < Real::from(1000);
     let correction = regular.then(|| relative(&(&linear * &stages.correction), &residual(point)));
     (values, correction)
+}
+
+/// How far the left side at the update of the fixed-point iteration is from the right side that it was made from; `None` where there is no
+/// update.
+fn deviation_of_update(stages: &Stages, step: &Step<'_>, point: &Point) -> Option<Real> {
+    let update = stages.update.as_ref()?;
+    let left = point.with(&step.unknown.symbols(), update).vector(&step.left);
+    Some(relative(&left, &stages.right))
 }
 
 fn larger(a: Real, b: Real) -> Real {
@@ -194,17 +208,18 @@ fn deviation_of_random(random: &RandomStep, x: &Column) -> Option<(Real, Option<
 
     let arena = Arena::new();
     let symbolic = random.build(&arena);
-    let kernel = Kernel::new(&arena, &symbolic.step);
+    let module = module(&arena, &symbolic);
     let Symbolic { step, parameters, state } = &symbolic;
     let symbols = [parameters.clone(), Vector(vec![step.h]).symbols(), state.clone(), step.unknown.symbols()];
     let mut point = Point::default();
     point.set(&symbols.concat(), x);
-    Some(deviation(&run_kernel(&kernel, &symbolic, &point), step, &point))
+    Some(deviation(&run(&module, &symbolic, &point), step, &point))
 }
 
 #[test]
 fn kernels_of_rigid_bodies_compute_their_steps() {
     let mut worst = (Real::from(0), Real::from(0));
+    let mut updates = 0;
     for (seed, description) in (0..).zip(rigid_bodies()) {
         for (retraction, s) in
             Retraction::ALL.into_iter().flat_map(|r| [(r, Member::SYMPLECTIC_EULER_A), (r, Member::MIDPOINT)])
@@ -213,7 +228,6 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
             let arena = Arena::new();
             let system = description.system(&arena);
             let step = family::step(&arena, &system, retraction, s);
-            let kernel = Kernel::new(&arena, &step);
             let mut point = random_point(&system, seed);
             point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
             let unknown = step.unknown.symbols();
@@ -221,13 +235,18 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
 
             let symbolic =
                 Symbolic { step, parameters: system.parameter_symbols(), state: system.state_symbols() };
-            let stages = run_kernel(&kernel, &symbolic, &point);
+            let stages = run(&module(&arena, &symbolic), &symbolic, &point);
             let (values, correction) = deviation(&stages, &symbolic.step, &point);
             let correction = correction.expect("the Jacobian of a short step is regular");
+            let update = deviation_of_update(&stages, &symbolic.step, &point);
+            let update = update.expect("an inertia is linear and constant");
+            assert!(update < Real::ten_to(-74), "{what}: {update:?}");
+            updates += 1;
             assert!(values < Real::ten_to(-76), "{what}: {values:?}");
             assert!(correction < Real::ten_to(-50), "{what}: {correction:?}");
             worst = (larger(worst.0, values), larger(worst.1, correction));
         }
     }
+    assert_eq!(updates, 4 * rigid_bodies().len());
     println!("kernels of rigid bodies: values {:?}, corrections {:?}", worst.0, worst.1);
 }

@@ -6,7 +6,7 @@
 use coadjoint_codegen::emit::Expansion;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::kernel::{Kernel, Operations, Section};
+use coadjoint_codegen::program::{Module, Operations, Role};
 use coadjoint_tests::pretty;
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -47,7 +47,7 @@ fn beside(description: &str, output: &str) -> String {
 /// The code of one step.
 fn step(description: &str, retraction: Retraction) -> TokenStream {
     let steps = expansion(description).steps;
-    let step = steps.into_iter().find(|step| step.scheme.retraction == retraction);
+    let step = steps.into_iter().find(|step| step.program.scheme.retraction == retraction);
     step.expect("a step with this retraction").tokens
 }
 
@@ -74,8 +74,8 @@ fn steps_of_the_free_rigid_body() {
 fn the_derivative_of_a_step_of_the_free_rigid_body() {
     let input = &description(FREE_RIGID_BODY).replace("methods(Midpoint)", "derivatives");
     let steps = expansion(input).steps;
-    let step = steps.into_iter().find(|step| step.scheme.retraction == Retraction::Cayley);
-    let (_, tokens) = step.and_then(|step| step.derivative).expect("derivatives are asked for");
+    let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
+    let tokens = step.and_then(|step| step.derivative).expect("derivatives are asked for");
     assert_snapshot("free_rigid_body_cayley_derivative", &beside(input, &pretty(tokens)));
 }
 
@@ -103,8 +103,11 @@ fn the_heavy_top_as_a_system() {
 fn the_kernel_of_the_free_rigid_body() {
     let input = description(FREE_RIGID_BODY);
     let steps = expansion(input).steps;
-    let step = steps.iter().find(|step| step.scheme.retraction == Retraction::Cayley).expect("a Cayley step");
-    assert_snapshot("free_rigid_body_cayley_kernel", &beside(input, &step.kernel.to_string()));
+    let step = steps
+        .iter()
+        .find(|step| step.program.scheme.retraction == Retraction::Cayley)
+        .expect("a Cayley step");
+    assert_snapshot("free_rigid_body_cayley_kernel", &beside(input, &step.program.module.to_string()));
 }
 
 /// What forces and a potential on the group add, with each of the family's named members: the steps of a driven pendulum with friction.
@@ -128,8 +131,8 @@ struct Pendulum {
     let steps = expansion(input).steps;
     let kernels: Vec<String> = steps
         .iter()
-        .filter(|step| step.scheme.retraction == Retraction::Cayley)
-        .map(|step| format!("─── {} ───\n\n{}", step.scheme.type_name(), step.kernel))
+        .filter(|step| step.program.scheme.retraction == Retraction::Cayley)
+        .map(|step| format!("─── {} ───\n\n{}", step.program.scheme.type_name(), step.program.module))
         .collect();
     assert_eq!(kernels.len(), 3);
     assert_snapshot("driven_pendulum_kernels", &beside(input, &kernels.join("\n")));
@@ -139,32 +142,32 @@ struct Pendulum {
 /// are those of free bodies, with the operations of these and not one more; what else they compute has been counted by hand.
 #[test]
 fn no_system_computes_what_its_equations_do_not_need() {
-    fn kernel(source: &str, retraction: Retraction) -> Kernel {
+    fn module(source: &str, retraction: Retraction) -> Module {
         let steps = expansion(description(source)).steps;
-        let step = steps.into_iter().find(|step| step.scheme.retraction == retraction);
-        step.expect("a step with this retraction").kernel
+        let step = steps.into_iter().find(|step| step.program.scheme.retraction == retraction);
+        step.expect("a step with this retraction").program.module
     }
-    let of = |section: &Section| {
+    let of = |module: &Module, role: Role| {
         let Operations { additions, multiplications, divisions, roots, stumpff, functions } =
-            section.operations();
+            module.operations(role);
         [additions, multiplications, divisions, roots, stumpff, functions]
     };
     let times = |n: usize, operations: [usize; 6]| operations.map(|count| n * count);
     for retraction in [Retraction::Cayley, Retraction::Exponential] {
-        let free = kernel(FREE_RIGID_BODY, retraction);
-        let quadrotor = kernel(QUADROTOR, retraction);
-        let coupled = kernel(COUPLED_BODIES, retraction);
+        let free = module(FREE_RIGID_BODY, retraction);
+        let quadrotor = module(QUADROTOR, retraction);
+        let coupled = module(COUPLED_BODIES, retraction);
         // a translation is explicit: iterations know nothing of it
         for (bodies, system) in [(1, &quadrotor), (2, &coupled)] {
-            assert_eq!(of(&system.evaluate), times(bodies, of(&free.evaluate)));
-            assert_eq!(of(&system.correction), times(bodies, of(&free.correction)));
-            assert_eq!(of(&system.sweep), times(bodies, of(&free.sweep)));
+            for role in [Role::Evaluate, Role::Correction, Role::FixedPointUpdate] {
+                assert_eq!(of(system, role), times(bodies, of(&free, role)));
+            }
         }
-        let once = |kernel: &Kernel| {
-            let (begin, finish) = (of(&kernel.begin), of(&kernel.finish));
+        let once = |module: &Module| {
+            let (begin, finish) = (of(module, Role::Begin), of(module, Role::Finish));
             core::array::from_fn(|k| begin[k] + finish[k])
         };
-        let besides = |system: &Kernel, bodies: usize| {
+        let besides = |system: &Module, bodies: usize| {
             let [all, rotation] = [once(system), times(bodies, once(&free))];
             assert_eq!(all[2..], rotation[2..]);
             [all[0] - rotation[0], all[1] - rotation[1]]

@@ -42,7 +42,7 @@ fn expand(
             Retraction::Exponential => group::Retraction::Exponential,
             Retraction::Cayley => group::Retraction::Cayley,
         };
-        expansion.steps.retain(|step| step.scheme.retraction == wanted);
+        expansion.steps.retain(|step| step.program.scheme.retraction == wanted);
         // it names all steps
         expansion.schemes = TokenStream::new();
     }

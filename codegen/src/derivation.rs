@@ -1,0 +1,109 @@
+//! From a system to its program: every function that is emitted is derived here.
+
+use crate::expr::{Arena, Stage, Vector};
+use crate::geometry;
+use crate::group::Retraction;
+use crate::kernel::{self, Inputs};
+use crate::method::Scheme;
+use crate::method::linearization::{Derivatives, Linearization};
+use crate::model::{Side, System};
+use crate::program::{Input, Module, Program, Role, StepProgram};
+
+/// What is computed for a system, but for its steps.
+pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {
+    let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system)];
+    Program {
+        functions: functions.into_iter().flatten().collect(),
+        casimirs: system.casimirs().into_iter().map(|(name, _)| name).collect(),
+        dimension: system.dimension(),
+        is_autonomous: system.is_autonomous(),
+        is_left_invariant: system.is_left_invariant(),
+        is_forced: system.factors.iter().any(|factor| factor.force.is_some()),
+        steps: Vec::new(),
+    }
+}
+
+/// The step of one scheme, and its derivative as far as it is wanted. The arena is to be its own: what is computed, and in which order, then
+/// depends on the scheme alone.
+pub(crate) fn step<'a>(
+    arena: &'a Arena,
+    system: &System<'a>,
+    scheme: Scheme,
+    aliases: Vec<Scheme>,
+    wanted: Derivatives,
+) -> StepProgram {
+    let step = scheme.step(arena, system);
+    let module = kernel::step(arena, &step, Inputs::of(system));
+    let derivative = wanted.any().then(|| {
+        let linearization = Linearization::new(arena, system, scheme.retraction, &step, wanted);
+        kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
+    });
+    StepProgram { scheme, aliases, blocks: step.blocks, bounded: step.bounded, module, derivative }
+}
+
+/// Parameters and state.
+fn at_state(system: &System<'_>) -> Inputs {
+    let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());
+    inputs.with(Input::State, system.state_symbols())
+}
+
+/// Energy, velocity and what is conserved.
+fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+    let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
+    let functions = [
+        (Role::Energy, Vector(vec![system.energy()])),
+        (Role::Velocity, system.velocity(&system.momentum())),
+        (Role::Casimirs, casimirs),
+        (Role::SpatialMomentum, spatial_momentum(system)),
+    ];
+    let inputs = || at_state(system).with(Input::Time, system.time_symbol());
+    functions.into_iter().map(|(role, value)| kernel::function(arena, role, &value, inputs())).collect()
+}
+
+/// The momenta in space coordinates.
+fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
+    let of = |factor: &crate::model::Factor<'a>| match system.side {
+        Side::Left => factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0,
+        Side::Right => factor.momentum.0.clone(),
+    };
+    Vector(system.factors.iter().flat_map(of).collect())
+}
+
+/// What shows that inertias are positive definite.
+fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+    let pivots = |(place, inertia): (usize, &crate::model::InertiaField<'a>)| {
+        let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());
+        kernel::function(arena, Role::Pivots(place), &inertia.matrix.ldl().1, inputs)
+    };
+    system.inertias.iter().enumerate().map(pivots).collect()
+}
+
+/// The geometry of the states.
+fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+    let by = geometry::tangent_symbols(arena, system, "by");
+    let with_tangent = || at_state(system).with(Input::Tangent, by.symbols());
+    let with_time = |inputs: Inputs| inputs.with(Input::Time, system.time_symbol());
+    let displaced = |retraction| geometry::displaced(system, retraction, &by);
+    let controlled = at_state(system).with(Input::Control, system.control_symbols());
+    let mut functions = vec![
+        (Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent()),
+        (Role::CayleyDisplacement, displaced(Retraction::Cayley), with_tangent()),
+        (Role::Differential, geometry::differential(system), with_time(at_state(system))),
+        (Role::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
+        (Role::Force, geometry::force(arena, system), with_time(controlled)),
+    ];
+    if is_isolated(system) {
+        let symbol = |i: usize| arena.symbol(format!("spatial_{i}"), Stage::Step);
+        let spatial = Vector((0..system.dimension()).map(symbol).collect());
+        let inputs = at_state(system).with(Input::SpatialMomentum, spatial.symbols());
+        functions.push((Role::InBody, geometry::with_spatial_momentum(system, &spatial), inputs));
+    }
+    functions.into_iter().map(|(role, value, inputs)| kernel::function(arena, role, &value, inputs)).collect()
+}
+
+/// Whether nothing acts on the system, whose momentum is then constant in space; as far as it is left-invariant.
+fn is_isolated(system: &System<'_>) -> bool {
+    system.side == Side::Left
+        && system.is_left_invariant()
+        && system.factors.iter().all(|factor| factor.advected.is_empty())
+}

@@ -1,0 +1,288 @@
+//! Straight-line code as Rust.
+
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::{format_ident, quote};
+
+use super::docs;
+use crate::expr::Number;
+use crate::program::{Argument, Function, Input, Module, RecordKind, Statement, Term, Value};
+
+/// An array's length, without a suffix.
+pub(super) fn size(length: usize) -> Literal {
+    Literal::usize_unsuffixed(length)
+}
+
+/// Words that generated functions use for themselves, and the language's.
+#[rustfmt::skip]
+const RESERVED: &[&str] = &[
+    "state", "step", "unknown", "evaluation", "point", "costate", "through", "columns", "parameters", "time", "control", "by", "spatial", "right",
+    "self", "super", "crate", "as", "async", "await", "break", "const", "continue", "dyn", "else", "enum", "extern", "false", "fn", "for", "if",
+    "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "static", "struct", "trait", "true", "type", "unsafe",
+    "use", "where", "while", "yield", "abstract", "become", "box", "do", "final", "gen", "macro", "override", "priv", "try", "typeof", "unsized",
+    "virtual",
+];
+
+/// A value's identifier, of the kernel's own making. Reserved words get an underscore more, and so does what would then be called alike.
+fn ident(module: &Module, value: Value) -> Ident {
+    let name = module.name(value);
+    let is_reserved = RESERVED.contains(&name.trim_end_matches('_'));
+    let name = if is_reserved { format!("{name}_") } else { name.to_owned() };
+    Ident::new(&name, Span::mixed_site())
+}
+
+/// A free function of arrays and, where it is given, the time:
+/// `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S], time: T) -> [T; N] { … }`
+pub(super) fn free_function(
+    name: &str,
+    private: &TokenStream,
+    module: &Module,
+    function: &Function,
+) -> TokenStream {
+    let name = format_ident!("{name}");
+    let count = size(function.results.iter().map(Vec::len).sum());
+    let arguments = function.arguments.iter().map(|Argument { input, values }| {
+        let (name, n) = (argument_name(*input), size(values.len()));
+        match input {
+            Input::Time | Input::StepSize => quote! { #name: T },
+            _ => quote! { #name: &[T; #n] },
+        }
+    });
+    let body = body(module, function, None);
+    let results = arrays(module, function);
+    quote! {
+        #[inline]
+        fn #name<T: #private::Scalar>(#(#arguments),*) -> [T; #count] {
+            #body
+            #(#results)*
+        }
+    }
+}
+
+/// What an argument is called.
+fn argument_name(input: Input) -> Ident {
+    let name = match input {
+        Input::Parameters | Input::ParameterPerturbation => "parameters",
+        Input::StepSize | Input::Record(RecordKind::Step) => "step",
+        Input::State | Input::StatePerturbation => "state",
+        Input::Time => "time",
+        Input::Control | Input::ControlPerturbation => "control",
+        Input::Unknown => "unknown",
+        Input::Right => "right",
+        Input::Residual | Input::Record(RecordKind::Iterate) => "evaluation",
+        Input::Record(RecordKind::Constants) => "self",
+        Input::Record(RecordKind::Point) => "point",
+        Input::Costate => "costate",
+        Input::Tangent => "by",
+        Input::SpatialMomentum => "spatial",
+    };
+    Ident::new(name, Span::call_site())
+}
+
+/// What a function needs of its arguments, and what it computes. `constants` is the struct that holds a step's constants.
+pub(super) fn body(module: &Module, function: &Function, constants: Option<&Ident>) -> TokenStream {
+    let unpacked = function.arguments.iter().map(|argument| unpacked(module, argument, constants));
+    let statements = function.statements.iter().map(|line| statement(module, line));
+    quote! { #(#unpacked)* #(#statements)* }
+}
+
+/// `let [_, momentum_x, ..] = *state;`, `let Step { s, .. } = *step;`, `let h = step;` with the names that are used.
+fn unpacked(module: &Module, argument: &Argument, constants: Option<&Ident>) -> TokenStream {
+    let Argument { input, values } = argument;
+    let Some(last) = values.iter().rposition(Option::is_some) else { return quote! {} };
+    let name = argument_name(*input);
+    let used: Vec<Ident> = values.iter().flatten().map(|&value| ident(module, value)).collect();
+    let from = match input {
+        Input::StepSize | Input::Time => return quote! { #(let #used = #name;)* },
+        Input::Residual => quote! { evaluation.residual },
+        Input::Record(RecordKind::Iterate) => quote! { evaluation.iterate },
+        _ => quote! { *#name },
+    };
+    if let Input::Record(kind) = input {
+        let ty = record_name(*kind, constants);
+        let rest = (used.len() < values.len()).then(|| quote! { , .. });
+        return quote! { let #ty { #(#used),* #rest } = #from; };
+    }
+    let patterns = values[..=last].iter().map(|value| match value {
+        Some(value) => {
+            let name = ident(module, *value);
+            quote! { #name }
+        }
+        None => quote! { _ },
+    });
+    let rest = (last + 1 < values.len()).then(|| quote! { , .. });
+    quote! { let [#(#patterns),* #rest] = #from; }
+}
+
+/// What the struct is called that holds a record.
+fn record_name(kind: RecordKind, constants: Option<&Ident>) -> Ident {
+    let own = |name| Ident::new(name, Span::call_site());
+    match kind {
+        RecordKind::Constants => constants.cloned().unwrap_or_else(|| own("Constants")),
+        RecordKind::Step => own("Step"),
+        RecordKind::Iterate => own("Iterate"),
+        RecordKind::Point => own("Point"),
+    }
+}
+
+/// The struct of a record.
+pub(super) fn record(module: &Module, kind: RecordKind, constants: Option<&Ident>) -> TokenStream {
+    let name = record_name(kind, constants);
+    let doc = docs::line(match kind {
+        RecordKind::Constants => "What depends on the parameters and the step `h` alone.",
+        RecordKind::Step => "What depends on the state too.",
+        RecordKind::Iterate => "What depends on the unknown too and is needed again.",
+        RecordKind::Point => "What the derivative is made of at one point.",
+    });
+    let fields: Vec<Ident> = module.fields(kind).iter().map(|&field| ident(module, field)).collect();
+    let fields = match fields.is_empty() {
+        true => quote! { (::core::marker::PhantomData<T>); },
+        false => quote! { { #(#fields: T),* } },
+    };
+    quote! {
+        #doc
+        #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
+        pub struct #name<T> #fields
+    }
+}
+
+/// The struct of a record with the values that its fields are called by.
+pub(super) fn kept(module: &Module, kind: RecordKind, constants: Option<&Ident>) -> TokenStream {
+    let name = record_name(kind, constants);
+    let fields = module.fields(kind).iter().map(|&field| ident(module, field));
+    match fields.len() {
+        0 => quote! { #name(::core::marker::PhantomData) },
+        _ => quote! { #name { #(#fields),* } },
+    }
+}
+
+/// The arrays that a function returns.
+pub(super) fn arrays(module: &Module, function: &Function) -> Vec<TokenStream> {
+    function.results.iter().map(|results| array(module, results)).collect()
+}
+
+/// `[x, y, …]`
+pub(super) fn array(module: &Module, results: &[Term]) -> TokenStream {
+    let results = results.iter().map(|result| term(module, result));
+    quote! { [#(#results),*] }
+}
+
+fn statement(module: &Module, statement: &Statement) -> TokenStream {
+    match statement {
+        Statement::Let { value, term: value_of } => {
+            let (name, value) = (ident(module, *value), term(module, value_of));
+            quote! { let #name = #value; }
+        }
+        Statement::Stumpff { values, argument } => {
+            let names = values.iter().map(|value| match value {
+                Some(value) => {
+                    let name = ident(module, *value);
+                    quote! { #name }
+                }
+                None => quote! { _ },
+            });
+            let argument = term(module, argument);
+            quote! { let [#(#names),*] = T::stumpff(#argument); }
+        }
+    }
+}
+
+/// How tightly an operator binds.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Binding {
+    Sum,
+    Product,
+    Unary,
+}
+
+/// A term as an expression.
+pub(super) fn term(module: &Module, value: &Term) -> TokenStream {
+    bound(module, value, Binding::Sum)
+}
+
+/// The term, in parentheses if what is around binds more tightly.
+fn bound(module: &Module, value: &Term, around: Binding) -> TokenStream {
+    let within = |term: &Term, around| bound(module, term, around);
+    let (tokens, binding) = match value {
+        Term::Number(number) => (constant(*number), Binding::Unary),
+        Term::Value(value) => {
+            let name = ident(module, *value);
+            (quote! { #name }, Binding::Unary)
+        }
+        Term::Negative(x) => {
+            let x = within(x, Binding::Unary);
+            (quote! { -#x }, Binding::Product)
+        }
+        Term::Sum(addends) => (sum(module, addends), Binding::Sum),
+        Term::Product(factors) => (product(module, factors), Binding::Product),
+        Term::MulAdd { negative, a, b, addend } => {
+            let (a, b, addend) = (within(a, Binding::Unary), within(b, Binding::Sum), term(module, addend));
+            let method = if *negative { format_ident!("neg_mul_add") } else { format_ident!("mul_add") };
+            (quote! { #a.#method(#b, #addend) }, Binding::Unary)
+        }
+        Term::Quotient(x, y) => {
+            let (x, y) = (within(x, Binding::Product), within(y, Binding::Unary));
+            (quote! { #x / #y }, Binding::Product)
+        }
+        Term::Function(function, x) => {
+            let (name, x) = (format_ident!("{}", function.name()), within(x, Binding::Sum));
+            (quote! { T::#name(#x) }, Binding::Unary)
+        }
+        Term::Power(x, y) => {
+            let (x, y) = (term(module, x), term(module, y));
+            (quote! { T::powf(#x, #y) }, Binding::Unary)
+        }
+        Term::Atan2(y, x) => {
+            let (y, x) = (term(module, y), term(module, x));
+            (quote! { T::atan2(#y, #x) }, Binding::Unary)
+        }
+    };
+    if binding < around {
+        quote! { (#tokens) }
+    } else {
+        tokens
+    }
+}
+
+/// `a + b − …`
+fn sum(module: &Module, addends: &[(bool, Term)]) -> TokenStream {
+    // the grouping of a sum within a sum is meant
+    let addend = |(negative, addend): &(bool, Term)| (*negative, bound(module, addend, Binding::Product));
+    addends.iter().map(addend).fold(TokenStream::new(), |sum, (negative, addend)| {
+        match (sum.is_empty(), negative) {
+            (true, false) => addend,
+            (true, true) => quote! { -#addend },
+            (false, false) => quote! { #sum + #addend },
+            (false, true) => quote! { #sum - #addend },
+        }
+    })
+}
+
+/// `a * b * …`
+fn product(module: &Module, factors: &[Term]) -> TokenStream {
+    let factors = factors.iter().map(|factor| bound(module, factor, Binding::Unary));
+    factors.reduce(|product, factor| quote! { #product * #factor }).unwrap_or_default()
+}
+
+/// `T::of(0.5)`; fractions that are not doubles are left to the compiler to round.
+fn constant(number: Number) -> TokenStream {
+    let value = number.to_f64();
+    let float = |x: f64| {
+        let literal = Literal::f64_unsuffixed(x.abs());
+        if x < 0.0 {
+            quote! { -#literal }
+        } else {
+            quote! { #literal }
+        }
+    };
+    match number.fraction() {
+        Some((numerator, denominator)) if denominator & (denominator - 1) != 0 => {
+            let (numerator, denominator) = (float(numerator as f64), float(denominator as f64));
+            quote! { T::of(#numerator / #denominator) }
+        }
+        _ if value.is_finite() => {
+            let value = float(value);
+            quote! { T::of(#value) }
+        }
+        _ => quote! { T::of(::core::primitive::f64::NAN) },
+    }
+}

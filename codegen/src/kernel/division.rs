@@ -1,0 +1,51 @@
+//! Divisions, of all operations those that take longest: what can be done beside them does not wait for them.
+
+use super::plan::{Op, Operation, Plan};
+use crate::expr::{Function, Stage};
+
+impl Plan<'_> {
+    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that takes longest.
+    pub(super) fn shorten_divisions(&mut self) {
+        let late: Vec<Op> = self.ops().filter(|op| self.stage(*op) == Stage::Iteration).collect();
+        for op in late {
+            if let &Operation::Quotient(one, x) = self.operation(op)
+                && one.is_one()
+            {
+                self.take_root_beside(op, x);
+                self.divide_multiple(op, x);
+            }
+        }
+    }
+
+    /// `√(1/x) = √x · 1/x`: the root does not wait for the quotient.
+    fn take_root_beside(&mut self, reciprocal: Op, x: Op) {
+        let root = Operation::Function(Function::Sqrt, reciprocal);
+        if let Some(&root) = self.index.get(&root) {
+            let of_x = self.intern(Operation::Function(Function::Sqrt, x));
+            self.operations[root.0 as usize] = Operation::Product(vec![reciprocal, of_x]);
+        }
+    }
+
+    /// Where `2 · 1/x` is asked for, beside `1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the step's
+    /// equation waits for the multiple.
+    fn divide_multiple(&mut self, reciprocal: Op, x: Op) {
+        let users: Vec<Op> =
+            self.ops().filter(|op| self.operation(*op).operands().contains(&reciprocal)).collect();
+        let multiple = users.iter().find_map(|&op| match self.operation(op) {
+            Operation::Product(factors) if factors.len() == 2 => {
+                factors.iter().find_map(|&factor| match self.operation(factor) {
+                    Operation::Number(number) if number.scales_exactly() => Some((op, *number)),
+                    _ => None,
+                })
+            }
+            _ => None,
+        });
+        if let Some((multiple, number)) = multiple
+            && users.len() > 1
+        {
+            let back = self.intern(Operation::Number(number.powi(-1)));
+            self.operations[multiple.0 as usize] = Operation::Quotient(number, x);
+            self.operations[reciprocal.0 as usize] = Operation::Product(vec![back, multiple]);
+        }
+    }
+}

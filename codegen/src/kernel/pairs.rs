@@ -1,0 +1,167 @@
+//! Common subexpressions within sums and products: pairs of operands that occur in several of them become nodes of their own.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rustc_hash::FxHashMap;
+
+use super::plan::{Op, Operation, Plan};
+
+/// Operations of more operands than this are left as they are: the number of pairs grows with the square of it, and the catalogue's have at
+/// most some twenty.
+const LONGEST: usize = 64;
+
+impl Plan<'_> {
+    /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
+    pub(super) fn eliminate_common_pairs(&mut self) {
+        let mut index = PairIndex::default();
+        for (place, operation) in self.operations.iter().enumerate() {
+            index.count(place, operation);
+        }
+        while let Some(pair) = index.most_frequent() {
+            let before = self.operations.len();
+            let shared = match pair {
+                Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),
+                Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
+            };
+            if self.operations.len() > before {
+                index.count(before, &self.operations[before]);
+            }
+            for holder in index.holders(&pair) {
+                if holder != shared.0 as usize {
+                    index.forget(holder, &self.operations[holder]);
+                    while pair.replace(&mut self.operations[holder], shared) {}
+                    index.count(holder, &self.operations[holder]);
+                }
+            }
+        }
+    }
+}
+
+/// Which pairs occur in which operations.
+#[derive(Default)]
+struct PairIndex {
+    /// The operations a pair occurs in, `true` for those of more than two operands, which it would shorten.
+    holders: FxHashMap<Pair, BTreeMap<usize, bool>>,
+    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest last.
+    candidates: BTreeSet<(usize, std::cmp::Reverse<Pair>)>,
+}
+
+impl PairIndex {
+    fn count(&mut self, index: usize, operation: &Operation) {
+        let long = operation.operands().len() > 2;
+        for pair in Pair::all(operation) {
+            self.change(pair, |holders| {
+                holders.insert(index, long);
+            });
+        }
+    }
+
+    fn forget(&mut self, index: usize, operation: &Operation) {
+        for pair in Pair::all(operation) {
+            self.change(pair, |holders| {
+                holders.remove(&index);
+            });
+        }
+    }
+
+    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut BTreeMap<usize, bool>)) {
+        let holders = self.holders.entry(pair).or_default();
+        self.candidates.remove(&(holders.len(), std::cmp::Reverse(pair)));
+        change(holders);
+        if holders.len() >= 2 && holders.values().any(|&long| long) {
+            self.candidates.insert((holders.len(), std::cmp::Reverse(pair)));
+        }
+    }
+
+    fn most_frequent(&self) -> Option<Pair> {
+        self.candidates.last().map(|&(_, std::cmp::Reverse(pair))| pair)
+    }
+
+    fn holders(&self, pair: &Pair) -> Vec<usize> {
+        self.holders.get(pair).map(|holders| holders.keys().copied().collect()).unwrap_or_default()
+    }
+}
+
+/// Two operands that occur together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+enum Pair {
+    Factors(Op, Op),
+    /// `true` if the signs differ.
+    Addends(Op, Op, bool),
+}
+
+impl Pair {
+    fn of_addends((m, a): (bool, Op), (n, b): (bool, Op)) -> Self {
+        Self::Addends(a.min(b), a.max(b), m != n)
+    }
+
+    /// The pairs of an operation's operands, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
+    fn all(operation: &Operation) -> Vec<Self> {
+        let mut pairs: Vec<Self> = Vec::new();
+        if operation.operands().len() > LONGEST {
+            return pairs;
+        }
+        match operation {
+            Operation::Product(factors) => {
+                for (i, &a) in factors.iter().enumerate() {
+                    pairs.extend(factors[i + 1..].iter().map(|&b| Self::Factors(a.min(b), a.max(b))));
+                }
+            }
+            Operation::Sum(addends) => {
+                for (i, &a) in addends.iter().enumerate() {
+                    pairs.extend(addends[i + 1..].iter().map(|&b| Self::of_addends(a, b)));
+                }
+            }
+            _ => {}
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    /// Where two addends make the pair. An operand may occur more than once, so places count, not operands.
+    fn places(&self, addends: &[(bool, Op)]) -> Option<(usize, usize)> {
+        let mut places = (0..addends.len()).flat_map(|i| (i + 1..addends.len()).map(move |j| (i, j)));
+        places.find(|&(i, j)| Self::of_addends(addends[i], addends[j]) == *self)
+    }
+
+    fn occurs(&self, operation: &Operation) -> bool {
+        match (self, operation) {
+            (Self::Factors(a, b), Operation::Product(factors)) => {
+                let count = |op: &Op| factors.iter().filter(|factor| *factor == op).count();
+                if a == b { count(a) >= 2 } else { count(a) >= 1 && count(b) >= 1 }
+            }
+            (Self::Addends(..), Operation::Sum(addends)) => self.places(addends).is_some(),
+            _ => false,
+        }
+    }
+
+    /// Puts `shared` in the place of one occurrence, if there is one.
+    fn replace(&self, operation: &mut Operation, shared: Op) -> bool {
+        if operation.operands().len() <= 2 || !self.occurs(operation) {
+            return false;
+        }
+        match (self, operation) {
+            (Self::Factors(a, b), Operation::Product(factors)) => {
+                for op in [a, b] {
+                    if let Some(at) = factors.iter().position(|factor| factor == op) {
+                        factors.remove(at);
+                    }
+                }
+                factors.push(shared);
+                factors.sort();
+            }
+            (Self::Addends(first, ..), Operation::Sum(addends)) => {
+                let Some((i, j)) = self.places(addends) else { return false };
+                let later = addends.remove(j);
+                let earlier = addends.remove(i);
+                // the pair has the sign of its first operand
+                let sign = if earlier.1 == *first { earlier.0 } else { later.0 };
+                addends.push((sign, shared));
+                addends.sort_by_key(|&(_, op)| op);
+            }
+            _ => return false,
+        }
+        true
+    }
+}
