@@ -77,8 +77,31 @@ impl<'a> Factoring<'a> {
                 _ => fixed.push((visited, coefficient)),
             }
         }
-        fixed.extend(collect_factors(self.arena, loose).into_iter().map(|id| (id, Number::ONE)));
+        fixed.extend(self.collect_factors(loose).into_iter().map(|id| (id, Number::ONE)));
         self.arena.sum(sum.constant, fixed)
+    }
+
+    /// The sum of the terms, as addends with the most frequent factors pulled out.
+    fn collect_factors(&self, mut terms: Vec<Term>) -> Vec<Id> {
+        let arena = self.arena;
+        let mut addends = Vec::new();
+        while let Some(common) = most_frequent(&terms) {
+            let (with, without): (Vec<Term>, Vec<Term>) =
+                terms.into_iter().partition(|term| term.factors.iter().any(|&factor| pulls(factor, common)));
+            let inner = self.collect_factors(with.into_iter().map(|term| term.without(common)).collect());
+            let sums = inner.iter().filter(|&&id| matches!(arena.node(id), Node::Sum(_))).count();
+            let mut inner = arena.sum(Number::ZERO, inner.into_iter().map(|id| (id, Number::ONE)));
+            // sums that were factored each by itself may have more in common
+            if sums > 1
+                && let Node::Sum(sum) = arena.node(inner)
+            {
+                inner = self.sum(&sum);
+            }
+            addends.push(arena.product(Number::ONE, [(inner, 1), common]));
+            terms = without;
+        }
+        addends.extend(terms.into_iter().map(|term| arena.product(term.coefficient, term.factors)));
+        addends
     }
 }
 
@@ -87,22 +110,6 @@ impl<'a> Factoring<'a> {
 struct Term {
     coefficient: Number,
     factors: Vec<(Id, i32)>,
-}
-
-/// The sum of the terms, as addends with the most frequent factors pulled out.
-fn collect_factors(arena: &Arena, mut terms: Vec<Term>) -> Vec<Id> {
-    let mut addends = Vec::new();
-    while let Some(common) = most_frequent(&terms) {
-        let (with, without): (Vec<Term>, Vec<Term>) =
-            terms.into_iter().partition(|term| term.factors.iter().any(|&factor| pulls(factor, common)));
-        let inner = with.into_iter().map(|term| term.without(common)).collect();
-        let inner = collect_factors(arena, inner).into_iter().map(|id| (id, Number::ONE));
-        let inner = arena.sum(Number::ZERO, inner);
-        addends.push(arena.product(Number::ONE, [(inner, 1), common]));
-        terms = without;
-    }
-    addends.extend(terms.into_iter().map(|term| arena.product(term.coefficient, term.factors)));
-    addends
 }
 
 impl Term {

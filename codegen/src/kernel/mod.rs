@@ -73,9 +73,11 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
     let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
     let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
     code.names.carry_over(arena, &code.factoring, &code.plan);
-    let residual = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
+    let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
     code.plan.eliminate_common_pairs();
-    code.plan.shorten_divisions();
+    let equation = residual.iter().chain(&right).map(|signed| signed.op).collect();
+    let equation = code.plan.reachable_from(equation);
+    code.plan.shorten_divisions(&equation);
 
     let mut functions = vec![
         record(Role::New, RecordKind::Constants),

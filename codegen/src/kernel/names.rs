@@ -25,9 +25,10 @@ pub(super) struct Names {
     negatives: FxHashMap<Op, String>,
     /// For each value the next one with a name that it is computed for.
     consumers: FxHashMap<Op, Rc<str>>,
-    /// What stored values are made of, in words.
-    descriptions: FxHashMap<Op, String>,
 }
+
+/// Products of more factors than this are not described by them.
+const LONGEST_DESCRIPTION: usize = 3;
 
 /// The names that are in use in one function beside the [shared](Names) ones.
 #[derive(Default)]
@@ -114,10 +115,7 @@ impl Names {
         let value = match plan.operation(op) {
             Operation::Symbol(symbol) => self.symbols[symbol],
             _ => match self.own_name(plan, op) {
-                Some(name) => {
-                    self.descriptions.insert(op, name.clone());
-                    self.share(name)
-                }
+                Some(name) => self.share(name),
                 None => {
                     let consumer = self.consumer(op);
                     let mut place = 1;
@@ -197,9 +195,36 @@ impl Names {
         }
     }
 
-    /// `weight_chi_x`, `half_h`, `inertia_x_per_h`: short products of symbols in words.
+    /// `weight_chi_x`, `half_h_per_inertia_x`: short products of symbols in words.
     fn describe(&self, plan: &Plan<'_>, op: Op) -> Option<String> {
-        let leaf = |op: Op| match plan.operation(op) {
+        match plan.operation(op) {
+            Operation::Quotient(number, x) if number.is_one() => {
+                Some(format!("per_{}", self.word(plan, *x)?))
+            }
+            Operation::Product(factors) if factors.len() <= LONGEST_DESCRIPTION => {
+                let (mut words, mut below) = (Vec::new(), Vec::new());
+                for &factor in factors {
+                    match plan.operation(factor) {
+                        Operation::Quotient(number, x) if number.is_one() => {
+                            below.push(format!("per_{}", self.word(plan, *x)?));
+                        }
+                        Operation::Number(_) => words.insert(0, self.word(plan, factor)?),
+                        _ => words.push(self.word(plan, factor)?),
+                    }
+                }
+                words.extend(below);
+                match words.as_slice() {
+                    [x, same] if x == same => Some(format!("{x}_squared")),
+                    _ => Some(words.join("_")),
+                }
+            }
+            _ => None,
+        }
+    }
+
+    /// A factor of a description.
+    fn word(&self, plan: &Plan<'_>, op: Op) -> Option<String> {
+        match plan.operation(op) {
             Operation::Symbol(symbol) => {
                 Some(self.all[self.symbols[symbol].0].trim_end_matches('_').to_owned())
             }
@@ -210,25 +235,10 @@ impl Names {
                 "4" => Some("four".to_owned()),
                 _ => None,
             },
-            _ => self.role(op).map(str::to_owned).or_else(|| self.descriptions.get(&op).cloned()),
-        };
-        match plan.operation(op) {
-            Operation::Quotient(number, x) if number.is_one() => Some(format!("per_{}", leaf(*x)?)),
-            Operation::Product(factors) if factors.len() <= 3 => {
-                let (mut words, mut below) = (Vec::new(), Vec::new());
-                for &factor in factors {
-                    match plan.operation(factor) {
-                        Operation::Quotient(number, x) if number.is_one() => {
-                            below.push(format!("per_{}", leaf(*x)?));
-                        }
-                        Operation::Number(_) => words.insert(0, leaf(factor)?),
-                        _ => words.push(leaf(factor)?),
-                    }
-                }
-                words.extend(below);
-                Some(words.join("_"))
-            }
-            _ => None,
+            Operation::Product(factors) if factors.len() == 2 && self.role(op).is_none() => self
+                .describe(plan, op)
+                .filter(|_| factors.iter().all(|&factor| plan.operation(factor).is_leaf())),
+            _ => self.role(op).map(str::to_owned),
         }
     }
 }

@@ -67,6 +67,12 @@ impl RecordKind {
 }
 
 impl Module {
+    /// The functions of these roles as text, those of them that there are.
+    pub fn text(&self, roles: &[Role]) -> String {
+        let wanted = self.functions.iter().filter(|function| roles.contains(&function.role));
+        wanted.map(|function| fmt::from_fn(|f| self.function_text(f, function)).to_string()).collect()
+    }
+
     fn function_text(&self, f: &mut fmt::Formatter<'_>, function: &Function) -> fmt::Result {
         writeln!(f, "{}: {}", function.role.name(), function.operations())?;
         for statement in &function.statements {

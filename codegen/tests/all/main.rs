@@ -3,4 +3,5 @@
 mod description;
 mod meaning;
 mod problems;
+mod program;
 mod soup;

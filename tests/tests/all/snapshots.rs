@@ -138,6 +138,97 @@ struct Pendulum {
     assert_snapshot("driven_pendulum_kernels", &beside(input, &kernels.join("\n")));
 }
 
+/// The functions of a step that tell the system, as the first member of the family with the Cayley map has them.
+fn sections(name: &str, input: &str, roles: &[Role]) {
+    let steps = expansion(input).steps;
+    let step = steps.iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
+    let module = &step.expect("a Cayley step").program.module;
+    assert_snapshot(name, &beside(input, &module.text(roles)));
+}
+
+/// Rotation and translation in one equation.
+#[test]
+fn a_body_in_a_fluid() {
+    let input = "\
+/// A body that moves in an ideal fluid, along its principal axes.
+#[lie_poisson_system(group = SE3)]
+struct Body {
+    #[inertia]
+    inertia: Vector6<f64>,
+}";
+    sections("body_in_a_fluid", input, &[Role::Evaluate, Role::FixedPointUpdate, Role::Domain]);
+}
+
+/// Two factors that meet in the potential alone: each is kicked, and goes on by itself.
+#[test]
+fn two_coupled_pendulums() {
+    let input = "\
+/// Two pendulums with a torsion spring between them.
+#[lie_poisson_system(
+    group(first: SO2, second: SO2),
+    potential = -stiffness * (first.inverse() * second).cos_angle(),
+)]
+struct Pendulums {
+    #[inertia(first)]
+    first_inertia: f64,
+    #[inertia(second)]
+    second_inertia: f64,
+    stiffness: f64,
+}";
+    let roles = [Role::New, Role::Begin, Role::Start, Role::Evaluate, Role::Correction, Role::Finish];
+    sections("two_coupled_pendulums", input, &roles);
+}
+
+/// An energy that is not quadratic: momentum and velocity are both unknown.
+#[test]
+fn a_general_hamiltonian() {
+    let input = "\
+/// A point that moves at nearly the speed of light.
+#[lie_poisson_system(
+    group = R1,
+    hamiltonian = (momentum.x.powi(2) + mass.powi(2)).sqrt() + stiffness * position.x.powi(2) / 2.0,
+    methods(Midpoint),
+)]
+struct Relativistic {
+    mass: f64,
+    stiffness: f64,
+}";
+    let steps = expansion(input).steps;
+    let step = steps.iter().find(|step| step.program.scheme.type_name() == "Midpoint<Cayley>");
+    let module = &step.expect("a midpoint step").program.module;
+    assert_snapshot("general_hamiltonian", &beside(input, &module.to_string()));
+}
+
+/// What `invariance = right` changes: signs, and the side on which the attitude is turned.
+#[test]
+fn a_right_invariant_system() {
+    let input = "\
+/// A rigid body seen from space, by the velocity there.
+#[lie_poisson_system(group = SO3, invariance = right)]
+struct Body {
+    #[inertia]
+    inertia: Vector3<f64>,
+}";
+    sections("right_invariant", input, &[Role::Evaluate, Role::Finish]);
+}
+
+/// A step that has nothing to solve for.
+#[test]
+fn an_explicit_step() {
+    let input = "\
+/// A mass on a spring.
+#[lie_poisson_system(group = R1, potential = stiffness * position.x.powi(2) / 2.0)]
+struct Oscillator {
+    #[inertia]
+    mass: f64,
+    stiffness: f64,
+}";
+    let steps = expansion(input).steps;
+    let step = steps.iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
+    let step = step.expect("a Cayley step");
+    assert_snapshot("explicit_step", &beside(input, &pretty(step.tokens.clone())));
+}
+
 /// Systems that nobody looked at while the generator was made faster have no operation that their equations do not need. Their rotations
 /// are those of free bodies, with the operations of these and not one more; what else they compute has been counted by hand.
 #[test]

@@ -1,0 +1,149 @@
+//! What is derived for a step: of its own scheme alone, and no more than its equations need.
+
+use coadjoint_codegen::emit::StepExpansion;
+use coadjoint_codegen::expand;
+use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::program::{Role, Statement};
+
+/// The steps of a description: what stands in the attribute, and the struct.
+fn steps(attribute: &str, item: &str) -> Vec<StepExpansion> {
+    let tokens = |text: &str| text.parse().expect("tokens");
+    expand(tokens(attribute), tokens(item)).expect("a valid description").steps
+}
+
+/// Byte for byte the same, whatever else is asked for.
+#[test]
+fn a_step_depends_on_its_own_scheme_alone() {
+    let (top, item) = (
+        "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)",
+        "struct Top { #[inertia] inertia: Matrix3<f64>, weight: f64, chi: Vector3<f64> }",
+    );
+    let all = [
+        "",
+        "retractions(Cayley)",
+        "methods(TangentLift, Midpoint)",
+        "derivatives",
+        "methods(Family(1, 4)), derivatives(state)",
+    ];
+    let cayley = |asked: &str| {
+        let steps = steps(&format!("{top}, {asked}"), item);
+        let step =
+            steps.into_iter().find(|step| step.program.scheme.type_name() == "SymplecticEulerA<Cayley>");
+        let step = step.expect("it is always there");
+        (step.program.module.to_string(), step.tokens.to_string())
+    };
+    let alone = cayley(all[0]);
+    for asked in all {
+        assert!(cayley(asked) == alone, "`{asked}` changes the step");
+    }
+}
+
+/// The left side of the equation is linear with constant coefficients wherever there is an inertia.
+#[test]
+fn every_inertia_has_an_update_of_the_fixed_point_iteration() {
+    for inertia in ["f64", "Vector3<f64>", "Matrix3<f64>"] {
+        for side in ["left", "right"] {
+            let item = format!("struct Body {{ #[inertia] inertia: {inertia} }}");
+            let steps = steps(&format!("group = SO3, invariance = {side}, methods(Midpoint)"), &item);
+            for step in &steps {
+                let name = step.program.scheme.type_name();
+                let update = step.program.module.function(Role::FixedPointUpdate);
+                assert!(update.is_some(), "{inertia}, {side}, {name}");
+            }
+        }
+    }
+}
+
+/// With all moments in it, the update is a matrix by a vector: nine products more than three, none of them in the evaluation but those of
+/// the inertia itself.
+#[test]
+fn a_full_inertia_costs_its_own_products_alone() {
+    let operations = |inertia: &str, role: Role| {
+        let item = format!("struct Body {{ #[inertia] inertia: {inertia} }}");
+        let steps = steps("group = SO3", &item);
+        let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
+        step.expect("a Cayley step").program.module.operations(role)
+    };
+    let [diagonal, full] =
+        ["Vector3<f64>", "Matrix3<f64>"].map(|inertia| operations(inertia, Role::FixedPointUpdate));
+    assert_eq!((diagonal.additions, diagonal.multiplications), (0, 3));
+    assert_eq!((full.additions, full.multiplications), (6, 9));
+    let [diagonal, full] =
+        ["Vector3<f64>", "Matrix3<f64>"].map(|inertia| operations(inertia, Role::Evaluate));
+    assert_eq!(full.additions - diagonal.additions, 6);
+    // by four, as the unknown is the half of the increment
+    assert!(full.multiplications - diagonal.multiplications <= 9, "{full} instead of {diagonal}");
+}
+
+/// A sum whose parts are known at different times is made once, however often it is a factor.
+#[test]
+fn sums_of_several_stages_are_made_once() {
+    let steps = steps(
+        "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)",
+        "struct Top { #[inertia] inertia: Vector3<f64>, weight: f64, chi: Vector3<f64> }",
+    );
+    let exponential = steps.iter().find(|step| step.program.scheme.retraction == Retraction::Exponential);
+    let evaluate = exponential.expect("it is always there").program.module.operations(Role::Evaluate);
+    // counted by hand: twelve less than with the cross products of the two parts apart
+    assert_eq!((evaluate.additions, evaluate.multiplications, evaluate.divisions), (42, 60, 0));
+}
+
+/// A change of one term changes the names that it concerns and no others.
+#[test]
+fn a_change_of_one_term_changes_the_lines_of_that_term() {
+    let lines = |potential: &str| {
+        let steps = steps(
+            &format!("group(first: SO3, second: SO3), potential = {potential}"),
+            "struct Pair { #[inertia(first)] one: Vector3<f64>, #[inertia(second)] two: Vector3<f64>, k: f64 }",
+        );
+        let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
+        let module = step.expect("a Cayley step").program.module;
+        module.text(&[Role::Evaluate]).lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let (before, after) =
+        (lines("k * first.w.powi(2)"), lines("k * first.w.powi(2) + k * (first.i * first.w).sin()"));
+    let of_second = |lines: &[String]| {
+        let second = lines.iter().filter(|line| line.trim_start().starts_with("second_"));
+        second.cloned().collect::<Vec<_>>()
+    };
+    assert!(of_second(&before).len() > 4);
+    assert_eq!(of_second(&before), of_second(&after));
+}
+
+/// High powers take as many multiplications as squaring needs.
+#[test]
+fn powers_are_made_by_squaring() {
+    let steps = steps(
+        "group = R1, potential = position.x.powi(17) / 17.0",
+        "struct Particle { #[inertia] mass: f64 }",
+    );
+    let module = &steps[0].program.module;
+    let multiplications: usize = [Role::New, Role::Begin, Role::Evaluate, Role::Finish]
+        .map(|role| module.operations(role).multiplications)
+        .iter()
+        .sum();
+    // x¹⁶ by four, by h, and h/m by the momentum
+    assert!(multiplications <= 6, "{module}");
+}
+
+/// No two values of one function have the same name.
+#[test]
+fn modules_name_each_value_once() {
+    let steps = steps("group = SE3, derivatives", "struct Body { #[inertia] inertia: Matrix6<f64> }");
+    for step in &steps {
+        for module in [Some(&step.program.module), step.program.derivative.as_ref()].into_iter().flatten() {
+            for function in &module.functions {
+                let mut named = std::collections::BTreeSet::new();
+                for statement in &function.statements {
+                    let values = match statement {
+                        Statement::Let { value, .. } => vec![*value],
+                        Statement::Stumpff { values, .. } => values.iter().flatten().copied().collect(),
+                    };
+                    for value in values {
+                        assert!(named.insert(module.name(value).to_owned()), "{}", module.name(value));
+                    }
+                }
+            }
+        }
+    }
+}
