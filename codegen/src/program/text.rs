@@ -70,31 +70,26 @@ impl Module {
     /// The functions of these roles as text, those of them that there are.
     pub fn text(&self, roles: &[Role]) -> String {
         let wanted = self.functions.iter().filter(|function| roles.contains(&function.role));
-        wanted.map(|function| fmt::from_fn(|f| self.function_text(f, function)).to_string()).collect()
+        wanted.map(|function| self.function_text(function)).collect()
     }
 
-    fn function_text(&self, f: &mut fmt::Formatter<'_>, function: &Function) -> fmt::Result {
-        writeln!(f, "{}: {}", function.role.name(), function.operations())?;
-        for statement in &function.statements {
-            writeln!(f, "    {}", self.statement_text(statement))?;
-        }
+    fn function_text(&self, function: &Function) -> String {
+        let mut lines = vec![format!("{}: {}", function.role.name(), function.operations())];
+        lines.extend(function.statements.iter().map(|line| format!("    {}", self.statement_text(line))));
         for (place, array) in function.results.iter().enumerate() {
             let name = match function.role.results().get(place) {
                 Some(name) => (*name).to_owned(),
                 None if function.results.len() == 1 => function.role.name(),
                 None => format!("{}[{place}]", function.role.name()),
             };
-            for (component, term) in array.iter().enumerate() {
-                writeln!(f, "    {name}[{component}] <- {}", self.term(term))?;
-            }
+            let component = |(k, term)| format!("    {name}[{k}] <- {}", self.term(term));
+            lines.extend(array.iter().enumerate().map(component));
         }
-        match function.record {
-            Some(kind) if !self.fields(kind).is_empty() => {
-                let fields: Vec<&str> = self.fields(kind).iter().map(|&field| self.name(field)).collect();
-                writeln!(f, "    {} <- {}", kind.name(), fields.join(", "))
-            }
-            _ => Ok(()),
+        if let Some(kind) = function.record.filter(|&kind| !self.fields(kind).is_empty()) {
+            let fields: Vec<&str> = self.fields(kind).iter().map(|&field| self.name(field)).collect();
+            lines.push(format!("    {} <- {}", kind.name(), fields.join(", ")));
         }
+        lines.iter().map(|line| format!("{line}\n")).collect()
     }
 
     fn statement_text(&self, statement: &Statement) -> String {
@@ -162,6 +157,6 @@ impl Module {
 
 impl fmt::Display for Module {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.functions.iter().try_for_each(|function| self.function_text(f, function))
+        self.functions.iter().try_for_each(|function| f.write_str(&self.function_text(function)))
     }
 }
