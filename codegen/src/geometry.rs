@@ -23,7 +23,7 @@ pub fn tangent_symbols<'a>(arena: &'a Arena, system: &System<'a>, name: &str) ->
 
 /// The names of a tangent vector's components: part and axis.
 fn components(system: &System<'_>) -> Vec<(String, &'static str)> {
-    let name = |ident: &proc_macro2::Ident| crate::model::plain(ident);
+    let name = |ident: &proc_macro2::Ident| crate::identifiers::plain(ident);
     let mut components = Vec::new();
     for factor in &system.factors {
         let axes = factor.algebra.group.axes();

@@ -6,10 +6,10 @@ use std::cell::OnceCell;
 
 use proc_macro2::Ident;
 use quote::ToTokens;
-use syn::ext::IdentExt;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{EquationNames, Group, Named, Semidirect, trivialized_gradient};
+use crate::group::{EquationNames, Named, Semidirect, Side, trivialized_gradient};
+use crate::identifiers::{plain, velocity_name};
 use crate::language::Constant;
 use crate::parse::Shape;
 
@@ -37,42 +37,6 @@ pub struct System<'a> {
     pub sources: Sources,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
-}
-
-/// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// In the body: `g' = g ξ`, for left-invariant energies.
-    Left,
-    /// In space: `g' = ξ g`, for right-invariant energies.
-    Right,
-}
-
-impl Side {
-    /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and momentum
-    /// `−μ`, so that in all that is linear in the momentum the velocity changes its sign.
-    pub fn sign(self) -> i64 {
-        match self {
-            Self::Left => 1,
-            Self::Right => -1,
-        }
-    }
-
-    /// `g x` or `x g`
-    pub fn compose<'a>(self, group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
-        match self {
-            Self::Left => group.compose(g, x),
-            Self::Right => group.compose(x, g),
-        }
-    }
-
-    /// `in body coordinates` or `in space coordinates`
-    pub fn coordinates(self) -> &'static str {
-        match self {
-            Self::Left => "in body coordinates",
-            Self::Right => "in space coordinates",
-        }
-    }
 }
 
 /// One factor of the configuration's group.
@@ -512,19 +476,8 @@ impl<'a> System<'a> {
     }
 }
 
-/// An identifier's text without the mark of a raw one.
-pub(crate) fn plain(ident: &Ident) -> String {
-    ident.unraw().to_string()
-}
-
 /// What the names of components add to that of their whole.
 fn suffixes(whole: &Ident, components: &[String]) -> Vec<String> {
     let prefix = format!("{}_", plain(whole));
     components.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
-}
-
-/// What the velocity is called that belongs to a momentum of this name: `attitude_velocity` for `attitude_momentum`.
-pub(crate) fn velocity_name(momentum: &Ident) -> String {
-    let name = plain(momentum);
-    format!("{}velocity", name.strip_suffix("momentum").unwrap_or_default())
 }

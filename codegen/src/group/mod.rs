@@ -8,6 +8,7 @@ mod rigid;
 mod se2;
 mod se3;
 mod semidirect;
+mod side;
 mod so2;
 mod so3;
 mod su2;
@@ -16,12 +17,12 @@ pub use euclidean::R;
 pub use se2::SE2;
 pub use se3::SE3;
 pub use semidirect::{Element, Semidirect};
+pub use side::Side;
 pub use so2::SO2;
 pub use so3::SO3;
 pub use su2::SU2;
 
-use crate::expr::{Arena, Expr, Vector, gradient};
-use crate::model::Side;
+use crate::expr::{Arena, Expr, Stage, Vector, gradient};
 
 /// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`, `τ(−ξ) = τ(ξ)⁻¹`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -268,6 +269,5 @@ pub(crate) fn inner_products<'a>(vectors: &[Named<'_, 'a>], leading: usize) -> V
 
 /// Symbols to differentiate by, when a formula's argument is not itself a symbol.
 pub(crate) fn placeholders<'a>(arena: &'a Arena, name: &str, dimension: usize) -> Vector<'a> {
-    use crate::expr::Stage;
     Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Iteration)).collect())
 }

@@ -9,10 +9,9 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Moved, Named, Representation, Retraction,
-    Translation, inner_products,
+    Side, Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
-use crate::model::Side;
 
 /// Rotations of space.
 pub struct SO3;

@@ -30,10 +30,12 @@
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
 use super::elimination::{Eliminated, Equation, eliminate};
-use super::{Member, Step, Turn, step_symbol};
+use super::{Step, Turn, step_symbol};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
 use crate::group::{Element, Retraction};
-use crate::model::{Factor, Hamiltonian, System, plain};
+use crate::identifiers::plain;
+use crate::model::{Factor, Hamiltonian, System};
+use crate::scheme::Member;
 
 /// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
 struct Motion<'a> {

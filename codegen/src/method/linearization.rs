@@ -18,45 +18,11 @@
 //! So does that of advected parameters, which these turns carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
 use super::Step;
+use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
-use crate::group::{Group, Retraction, d_right, placeholders};
-use crate::model::{Advected, Factor, Side, System, plain};
-
-/// Which derivatives of a step are wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Derivatives {
-    /// The matrix with respect to the state.
-    pub state: bool,
-    /// The matrix with respect to the controls.
-    pub controls: bool,
-    /// The matrix with respect to the parameters.
-    pub parameters: bool,
-    /// The product with a perturbation of all three.
-    pub tangent: bool,
-    /// The transposed product.
-    pub adjoint: bool,
-}
-
-impl Derivatives {
-    /// All of them.
-    pub const ALL: Self =
-        Self { state: true, controls: true, parameters: true, tangent: true, adjoint: true };
-
-    /// Whether there is anything to derive.
-    pub fn any(self) -> bool {
-        self != Self::default()
-    }
-
-    /// Whether the controls have a part in any of them.
-    fn of_controls(self) -> bool {
-        self.controls || self.tangent || self.adjoint
-    }
-
-    /// Whether the parameters have a part in any of them.
-    fn of_parameters(self) -> bool {
-        self.parameters || self.tangent || self.adjoint
-    }
-}
+use crate::group::{Group, Retraction, Side, d_right, placeholders};
+use crate::identifiers::plain;
+use crate::model::{Advected, Factor, System};
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
 pub struct Linearization<'a> {

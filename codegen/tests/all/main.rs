@@ -2,5 +2,6 @@
 
 mod description;
 mod meaning;
+mod modules;
 mod problems;
 mod soup;

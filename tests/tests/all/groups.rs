@@ -2,9 +2,8 @@
 
 use coadjoint_codegen::expr::{Arena, Stage, Vector, gradient};
 use coadjoint_codegen::group::{
-    Element, Group, Named, Representation, Retraction, Semidirect, Translation, catalogue,
+    Element, Group, Named, Representation, Retraction, Semidirect, Side, Translation, catalogue,
 };
-use coadjoint_codegen::model::Side;
 use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization};
 use coadjoint_tests::precise::formula::{Formula, Point, symbols};
 use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};

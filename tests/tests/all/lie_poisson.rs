@@ -3,8 +3,9 @@
 
 use coadjoint_codegen::expr::{Arena, Symbol, Vector, gradient};
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::method::{self, Step, family};
+use coadjoint_codegen::method::{Step, family};
 use coadjoint_codegen::model::{Factor, Hamiltonian, System};
+use coadjoint_codegen::scheme;
 use coadjoint_tests::precise::definition::{SemidirectMatrices, realization};
 use coadjoint_tests::precise::descriptions::{Description, random_point, rigid_bodies};
 use coadjoint_tests::precise::formula::{Formula, Point};
@@ -17,8 +18,8 @@ use coadjoint_tests::precise::residuals::Residuals;
 const EXACT: f64 = 2e-76;
 
 /// The members of the family that are tested.
-fn parameters() -> [method::Member; 4] {
-    [(0, 1), (1, 2), (1, 1), (3, 10)].map(|(n, d)| method::Member::new(n, d).expect("between 0 and 1"))
+fn parameters() -> [scheme::Member; 4] {
+    [(0, 1), (1, 2), (1, 1), (3, 10)].map(|(n, d)| scheme::Member::new(n, d).expect("between 0 and 1"))
 }
 
 /// A system with numbers for its parameters and state.

@@ -1,10 +1,12 @@
 //! The derivative of a step in closed form against differences of the step itself, with 77 digits.
 
+use coadjoint_codegen::derivatives::Derivatives;
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
-use coadjoint_codegen::method::linearization::{Derivatives, Linearization, Matrices};
-use coadjoint_codegen::method::{Member, Rule, Scheme, Step};
+use coadjoint_codegen::method::Step;
+use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::model::{Hamiltonian, System};
+use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
 use coadjoint_tests::precise::formula::{Formula, Point};
 use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
