@@ -1,14 +1,17 @@
 //! A described system as plain symbolic data: what methods and emitters work from.
 
 mod build;
+mod layout;
 
 use std::cell::OnceCell;
+
+pub use layout::{FactorPart, Slot};
 
 use proc_macro2::Ident;
 use quote::ToTokens;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{EquationNames, Named, Semidirect, Side, trivialized_gradient};
+use crate::group::{Element, EquationNames, Named, Semidirect, Side, trivialized_gradient};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::Constant;
 use crate::parse::Shape;
@@ -59,6 +62,70 @@ pub struct Factor<'a> {
     pub force: Option<Vector<'a>>,
     /// What changes the momentum beside the bracket, once it has been worked out.
     kick: OnceCell<Option<Vector<'a>>>,
+}
+
+impl<'a> Factor<'a> {
+    /// The advected parameters' components.
+    pub fn advected_values(&self) -> Vec<Vector<'a>> {
+        self.advected.iter().map(|advected| advected.value.clone()).collect()
+    }
+
+    /// `(μ, a)`, an element of the dual of the semidirect algebra.
+    pub fn momentum_and_advected(&self) -> Element<'a> {
+        Element { base: self.momentum.clone(), spaces: self.advected_values() }
+    }
+
+    fn configuration_part(&self) -> Part<'a> {
+        let group = self.algebra.group;
+        let doc = if group.is_linear() { "Position." } else { "From body to space coordinates." };
+        Part {
+            role: Role::Configuration,
+            name: self.name.clone(),
+            stored: StoredAs::Named(group.configuration_type()),
+            suffixes: owned(group.coordinates()),
+            symbols: self.configuration.symbols(),
+            value: self.configuration.clone(),
+            doc: doc.to_owned(),
+        }
+    }
+
+    fn momentum_part(&self, side: Side) -> Part<'a> {
+        let group = self.algebra.group;
+        Part {
+            role: Role::Momentum,
+            name: self.momentum_name.clone(),
+            stored: StoredAs::Named(group.momentum_type()),
+            suffixes: owned(group.axes()),
+            symbols: self.momentum.symbols(),
+            value: self.momentum.clone(),
+            doc: if group.is_linear() {
+                "Momentum.".to_owned()
+            } else {
+                format!("Momentum, {}.", side.coordinates())
+            },
+        }
+    }
+
+    fn advected_part(&self, place: usize, side: Side) -> Part<'a> {
+        let (space, advected) = (self.algebra.spaces[place], &self.advected[place]);
+        let seen = match side {
+            Side::Left => "fixed in space, seen in body coordinates",
+            Side::Right => "fixed in the body, seen in space",
+        };
+        Part {
+            role: Role::Advected,
+            name: advected.ident.clone(),
+            stored: StoredAs::Named(space.type_name()),
+            suffixes: owned(space.coordinates()),
+            symbols: advected.value.symbols(),
+            value: advected.value.clone(),
+            doc: format!("Advected parameter `{}`, {seen}.", advected.name),
+        }
+    }
+}
+
+fn owned(suffixes: &[&str]) -> Vec<String> {
+    suffixes.iter().map(|&suffix| suffix.to_owned()).collect()
 }
 
 /// An advected parameter.
@@ -226,73 +293,19 @@ impl<'a> System<'a> {
         self.time.as_symbol().into_iter().collect()
     }
 
-    /// The parts of the state in the order of storage: configuration and momentum of each factor, then advected parameters.
+    /// The parts of the state in the order of storage.
     pub fn parts(&self) -> Vec<Part<'a>> {
-        let suffixes = |suffixes: &[&str]| suffixes.iter().map(|&suffix| suffix.to_owned()).collect();
-        let mut parts = Vec::new();
-        for factor in &self.factors {
-            let group = factor.algebra.group;
-            parts.push(Part {
-                role: Role::Configuration,
-                name: factor.name.clone(),
-                stored: StoredAs::Named(group.configuration_type()),
-                suffixes: suffixes(group.coordinates()),
-                symbols: factor.configuration.symbols(),
-                value: factor.configuration.clone(),
-                doc: if group.is_linear() {
-                    "Position.".to_owned()
-                } else {
-                    "From body to space coordinates.".to_owned()
-                },
-            });
-            parts.push(Part {
-                role: Role::Momentum,
-                name: factor.momentum_name.clone(),
-                stored: StoredAs::Named(group.momentum_type()),
-                suffixes: suffixes(group.axes()),
-                symbols: factor.momentum.symbols(),
-                value: factor.momentum.clone(),
-                doc: if group.is_linear() {
-                    "Momentum.".to_owned()
-                } else {
-                    format!("Momentum, {}.", self.side.coordinates())
-                },
-            });
-        }
-        for &(factor, place) in &self.advected {
-            let factor = &self.factors[factor];
-            let (space, advected) = (factor.algebra.spaces[place], &factor.advected[place]);
-            parts.push(Part {
-                role: Role::Advected,
-                name: advected.ident.clone(),
-                stored: StoredAs::Named(space.type_name()),
-                suffixes: suffixes(space.coordinates()),
-                symbols: advected.value.symbols(),
-                value: advected.value.clone(),
-                doc: match self.side {
-                    Side::Left => {
-                        format!(
-                            "Advected parameter `{}`, fixed in space, seen in body coordinates.",
-                            advected.name
-                        )
-                    }
-                    Side::Right => {
-                        format!("Advected parameter `{}`, fixed in the body, seen in space.", advected.name)
-                    }
-                },
-            });
-        }
-        parts
-    }
-
-    /// The advected parameters in the order declared: factor, and place in it.
-    pub fn advected_places(&self) -> impl Iterator<Item = (&Factor<'a>, usize)> {
-        self.advected.iter().map(|&(factor, place)| (&self.factors[factor], place))
+        let part = |slot| match slot {
+            Slot::Configuration(factor) => self.factors[factor].configuration_part(),
+            Slot::Momentum(factor) => self.factors[factor].momentum_part(self.side),
+            Slot::Advected { factor, place } => self.factors[factor].advected_part(place, self.side),
+        };
+        self.slots().into_iter().map(part).collect()
     }
 
     /// All momenta, one after the other.
     pub fn momentum(&self) -> Vector<'a> {
-        Vector(self.factors.iter().flat_map(|factor| factor.momentum.0.clone()).collect())
+        Vector::concat(self.factors.iter().map(|factor| &factor.momentum))
     }
 
     /// `𝕀⁻¹ m`, or `∂h/∂μ` at the momentum `m`.

@@ -89,14 +89,14 @@ pub trait Group: Sync {
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g τ(x)`, on the other side `τ(x) g`.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
-        let turn = self.retract(retraction, x).hold();
+        let increment = self.retract(retraction, x).hold();
         let moved = match side {
-            Side::Left => self.compose(g, &turn),
-            Side::Right => self.compose(&turn, g),
+            Side::Left => self.compose(g, &increment),
+            Side::Right => self.compose(&increment, g),
         }
         .hold();
         let next = self.normalize(&moved);
-        Moved { turn, moved, next }
+        Moved { increment, moved, next }
     }
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
@@ -109,8 +109,8 @@ pub trait Group: Sync {
         momentum: Option<&Named<'_, 'a>>,
         advected: &[Named<'_, 'a>],
     ) -> Vec<(String, Expr<'a>)>;
-    /// What the unknown of a step is counted in: 2 where the retraction is a function of `η/2`, which is then the unknown.
-    fn unit(&self, _retraction: Retraction) -> i128 {
+    /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
+    fn unknown_scale(&self, _retraction: Retraction) -> i128 {
         1
     }
     /// How many of the stored coordinates, from the first one on, make something of unit length: a turn leaves them bounded, however far it
@@ -130,9 +130,9 @@ pub trait Group: Sync {
 
 /// An element of a group moved along a retraction, and what it was computed from.
 pub struct Moved<'a> {
-    /// The retraction, maybe but for a factor.
-    pub turn: Vector<'a>,
-    /// The product, maybe but for a factor.
+    /// `τ(x)`, up to a scalar factor.
+    pub increment: Vector<'a>,
+    /// The product, up to a scalar factor.
     pub moved: Vector<'a>,
     /// The product, on the group.
     pub next: Vector<'a>,

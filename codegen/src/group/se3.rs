@@ -71,9 +71,10 @@ impl Group for SE3 {
         &["x", "y", "z", "w", "a", "b"]
     }
 
-    fn unit(&self, retraction: Retraction) -> i128 {
-        SO3.unit(retraction)
+    fn unknown_scale(&self, retraction: Retraction) -> i128 {
+        SO3.unknown_scale(retraction)
     }
+
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         rigid().bracket(x, y)
     }

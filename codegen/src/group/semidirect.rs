@@ -60,13 +60,19 @@ impl Semidirect {
         x: &Vector<'a>,
         a: &[Vector<'a>],
     ) -> Vec<Vector<'a>> {
-        let transposed = |(space, a): (&&'static dyn Representation, &Vector<'a>)| {
-            let u = placeholders(a.0[0].arena(), "u", a.len());
-            let Translation { fixed, carried, .. } = space.translation(retraction, x, &u);
-            let translation = &fixed + &space.transport(retraction, x, &carried);
-            gradient(a.dot(&translation), &u.symbols())
-        };
-        self.spaces.iter().zip(a).map(transposed).collect()
+        self.spaces.iter().zip(a).map(|(space, a)| translation_dual(*space, retraction, x, a)).collect()
+    }
+
+    /// `Ad*_{τ(x)} a = a + ad*_x P(x)ᵀ a`, for an `a` of one of the spaces.
+    pub fn carry<'a>(
+        &self,
+        space: usize,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        a: &Vector<'a>,
+    ) -> Vector<'a> {
+        let mean = translation_dual(self.spaces[space], retraction, x, a);
+        a + &self.coadjoint_space(space, x, &mean)
     }
 
     /// The `g*` part of `(dR τ_(x,w))* (m, a)`.
@@ -132,12 +138,27 @@ impl Semidirect {
 
     /// The `V*` part of `ad*_(x,w) (m, a)`, which depends on `x` and `a` alone.
     pub fn coadjoint_spaces<'a>(&self, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
-        let dual = |(space, a): (&&'static dyn Representation, &Vector<'a>)| {
-            let u = placeholders(a.0[0].arena(), "u", a.len());
-            gradient(a.dot(&space.act(x, &u)), &u.symbols())
-        };
-        self.spaces.iter().zip(a).map(dual).collect()
+        a.iter().enumerate().map(|(space, a)| self.coadjoint_space(space, x, a)).collect()
     }
+
+    /// `ad*_x a` for an `a` of one of the spaces: `(ad*_x a) · u = a · ρ_x u`.
+    pub fn coadjoint_space<'a>(&self, space: usize, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+        let u = placeholders(a.0[0].arena(), "u", a.len());
+        gradient(a.dot(&self.spaces[space].act(x, &u)), &u.symbols())
+    }
+}
+
+/// `P(x)ᵀ a`
+fn translation_dual<'a>(
+    space: &dyn Representation,
+    retraction: Retraction,
+    x: &Vector<'a>,
+    a: &Vector<'a>,
+) -> Vector<'a> {
+    let u = placeholders(a.0[0].arena(), "u", a.len());
+    let Translation { fixed, carried, .. } = space.translation(retraction, x, &u);
+    let translation = &fixed + &space.transport(retraction, x, &carried);
+    gradient(a.dot(&translation), &u.symbols())
 }
 
 /// `J(p, a)` with `J(p, a) · y = a · ρ_y p`

@@ -71,12 +71,13 @@ impl Group for SO3 {
         &["x", "y", "z"]
     }
 
-    fn unit(&self, retraction: Retraction) -> i128 {
+    fn unknown_scale(&self, retraction: Retraction) -> i128 {
         match retraction {
             Retraction::Exponential => 1,
             Retraction::Cayley => 2,
         }
     }
+
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }
@@ -145,19 +146,19 @@ impl Group for SO3 {
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let quarter = x.squared_norm().scale(Number::ratio(1, 4));
         let one = quarter.arena().one();
-        let (turn, inverse) = match retraction {
+        let (increment, inverse) = match retraction {
             Retraction::Exponential => (self.retract(retraction, x), one),
             Retraction::Cayley => {
                 let half = x.scale(one / 2);
                 (Vector([vec![one], half.0].concat()), (quarter + 1).recip())
             }
         };
-        let turn = turn.hold();
-        let moved = side.compose(self, g, &turn).hold();
+        let increment = increment.hold();
+        let moved = side.compose(self, g, &increment).hold();
         // one Newton step, as in `normalize`, for `g`
         let correction = one.scale(Number::ratio(3, 2)) - g.squared_norm().scale(Number::ratio(1, 2)).hold();
         let next = moved.scale((inverse.sqrt() * correction.hold()).hold());
-        Moved { turn, moved, next }
+        Moved { increment, moved, next }
     }
 
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {

@@ -61,12 +61,13 @@ impl Group for SU2 {
         SO3.axes()
     }
 
-    fn unit(&self, retraction: Retraction) -> i128 {
+    fn unknown_scale(&self, retraction: Retraction) -> i128 {
         match retraction {
             Retraction::Exponential => 1,
             Retraction::Cayley => 4,
         }
     }
+
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }

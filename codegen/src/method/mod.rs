@@ -1,8 +1,9 @@
 //! Methods: from a system and a retraction to the equations of one step. They make expressions, never tokens.
 
-pub mod elimination;
 pub mod family;
 pub mod linearization;
+mod names;
+pub mod presolve;
 pub mod tangent_lift;
 
 use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
@@ -27,8 +28,8 @@ pub struct Step<'a> {
     pub right: Vector<'a>,
     /// Each positive while `x` is inside a retraction's domain.
     pub domain: Vec<Expr<'a>>,
-    /// How the configuration of each factor is moved, one turn after the other.
-    pub turns: Vec<Vec<Turn<'a>>>,
+    /// How the configuration of each factor is moved, one increment after the other.
+    pub increments: Vec<Vec<Increment<'a>>>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
     /// What of it is bounded if the unknown is: rotations.
@@ -36,7 +37,7 @@ pub struct Step<'a> {
 }
 
 /// One move of a configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
-pub struct Turn<'a> {
+pub struct Increment<'a> {
     /// `g`, in stored coordinates.
     pub from: Vector<'a>,
     /// `x`

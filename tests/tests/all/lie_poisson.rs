@@ -198,7 +198,7 @@ fn steps_solve_their_definition() {
             &dual(&eta.scale(&late)).scale(&late) + &dual(&eta.scale(&-s)).scale(s)
         };
         // the unknown is the group's part of η, in its units; the advected part of m̄ depends on it alone, and gives the advected part of η
-        let unit = subject.factor().algebra.group.unit(*retraction);
+        let unit = subject.factor().algebra.group.unknown_scale(*retraction);
         let y = solved.get(&member.step.unknown.symbols()).scale(&Real::from(unit as i64));
         let advected = Column::zeros(m.len() - y.len());
         let of_base = Column::stack([&y, &advected]);

@@ -5,7 +5,7 @@ use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
 use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
-use coadjoint_codegen::model::{Hamiltonian, System};
+use coadjoint_codegen::model::{Hamiltonian, Slot, System};
 use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
 use coadjoint_tests::precise::formula::{Formula, Point};
@@ -28,15 +28,12 @@ fn moved(group: &dyn Group, g: &Column, x: &Column) -> Column {
 
 /// The parts of a state, in the order of storage: symbols, and the group of those that are a configuration.
 fn parts<'a>(system: &System<'a>) -> Vec<(Vec<Symbol>, Option<&'static dyn Group>)> {
-    let mut parts = Vec::new();
-    for factor in &system.factors {
-        parts.push((factor.configuration.symbols(), Some(factor.algebra.group)));
-        parts.push((factor.momentum.symbols(), None));
-    }
-    for (factor, place) in system.advected_places() {
-        parts.push((factor.advected[place].value.symbols(), None));
-    }
-    parts
+    let state = system.state();
+    let group = |slot| match slot {
+        Slot::Configuration(factor) => Some(system.factors[factor].algebra.group),
+        Slot::Momentum(_) | Slot::Advected { .. } => None,
+    };
+    system.slots().into_iter().map(|slot| (slot.of(&state).symbols(), group(slot))).collect()
 }
 
 /// The state at a point, changed by something in tangent coordinates.
