@@ -162,7 +162,7 @@ impl Group for SO3 {
     }
 
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        Space.turn(g, m)
+        Space.act(g, m)
     }
 
     fn representations(&self) -> &'static [&'static dyn Representation] {
@@ -221,12 +221,12 @@ impl Representation for Space {
         3
     }
 
-    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         x.cross(v)
     }
 
     /// `R v = v + 2w u × v + 2 u × (u × v)` for the quaternion `(w, u)`.
-    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         let (w, u) = (g.0[0], Vector(g.0[1..].to_vec()));
         let twice = u.cross(v).scale(w.arena().number(2));
         &(v + &twice.scale(w)) + &u.cross(&twice)
@@ -238,13 +238,13 @@ impl Representation for Space {
         let z = x.squared_norm();
         match retraction {
             Retraction::Exponential => Translation {
-                fixed: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
-                carried: Vector::zeros(z.arena(), 3),
-                tangent: true,
+                body_part: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
+                rotated_part: Vector::zeros(z.arena(), 3),
+                is_tangent_group: true,
             },
             Retraction::Cayley => {
                 let half = w.map(|component| component / 2);
-                Translation { fixed: half.clone(), carried: half, tangent: false }
+                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
             }
         }
     }

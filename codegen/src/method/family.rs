@@ -17,7 +17,7 @@
 //! `1 − s`, and the order is 1 but for `s = ½`.
 //!
 //! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum `−m`: `η` changes
-//! its sign in all that is linear in `m`, and turns stand on the other side of `g`.
+//! its sign in all that is linear in `m`, and increments stand on the other side of `g`.
 //!
 //! Four facts shape what is emitted:
 //!
@@ -145,7 +145,7 @@ impl<'s, 'a> Motion<'s, 'a> {
         let means = mean_plus.iter().zip(&mean_minus);
         let a_bar = means.map(|(plus, minus)| &plus.scale(late) + &minus.scale(early)).collect();
 
-        let increment = names.group("turn_early", &group.retract(retraction, &y_early).hold());
+        let increment = names.group("increment_early", &group.retract(retraction, &y_early).hold());
         let g_bar = system.side.compose(group, &factor.configuration, &increment).hold();
         let g_bar = names.configuration("mean", &g_bar);
         Self { factor, names, unknown_scale, x, y, y_early, y_late, mean, a_bar, g_bar }
@@ -245,7 +245,7 @@ impl<'a> Family<'_, 'a> {
         // two increments, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
         let moved = algebra.group.moved(system.side, retraction, &motion.g_bar, &motion.y_late);
 
-        names.group("turn", &moved.increment);
+        names.group("increment", &moved.increment);
         names.configuration("moved", &moved.moved);
         names.scalar(&format!("{}_squared", names.unknown()), motion.x.dot(&motion.x));
         names.multiple_of("momentum_mean", &scaled_mean);

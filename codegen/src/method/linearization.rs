@@ -20,7 +20,7 @@
 use super::{Increment, Step};
 use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
-use crate::group::{Group, Retraction, Side, d_right, placeholders};
+use crate::group::{Retraction, Side, d_left, stored_perturbation, to_body};
 use crate::identifiers::plain;
 use crate::model::{FactorPart, Slot, System};
 
@@ -117,7 +117,7 @@ fn state_direction<'a>(system: &System<'a>, perturbed: &[FactorPart<'a>]) -> Vec
         let change = match slot {
             Slot::Configuration(factor) => {
                 let factor = &system.factors[factor];
-                tangent(factor.algebra.group, &factor.configuration, slot.of(perturbed))
+                stored_perturbation(factor.algebra.group, &factor.configuration, slot.of(perturbed))
             }
             Slot::Momentum(_) | Slot::Advected { .. } => slot.of(perturbed).clone(),
         };
@@ -183,9 +183,9 @@ impl<'a> Pushforward<'_, 'a> {
             let x = increment.by.scale(sign);
             let omega = d_left(algebra.group, retraction, &x, &self.along(&increment.by).scale(sign));
             let a = algebra.carry(space, retraction, &x, &a).hold();
-            let turned = algebra.coadjoint_space(space, &omega.hold(), &a);
+            let bracket = algebra.coadjoint_space(space, &omega.hold(), &a);
             let carried = algebra.carry(space, retraction, &x, &perturbation);
-            (a, (&carried + &turned).hold())
+            (a, (&carried + &bracket).hold())
         });
         perturbation
     }
@@ -262,24 +262,4 @@ impl<'a> Linearization<'a> {
             ],
         }
     }
-}
-
-/// `dL τ_x y = dR τ_{−x} y`
-fn d_left<'a>(group: &dyn Group, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-    d_right(group, retraction, &-x, y)
-}
-
-/// The perturbation of the stored coordinates where `g` becomes `g exp(δ)`.
-fn tangent<'a>(group: &dyn Group, g: &Vector<'a>, perturbation: &Vector<'a>) -> Vector<'a> {
-    let arena = g.0[0].arena();
-    let delta = placeholders(arena, "d", perturbation.len());
-    let moved = group.compose(g, &group.retract(Retraction::Exponential, &delta));
-    let zero: Vec<_> = delta.symbols().into_iter().map(|symbol| (symbol, arena.zero())).collect();
-    moved.derivative_along(&delta.symbols(), perturbation).substitute(&zero)
-}
-
-/// `Ad_{g⁻¹} x`, from its dual.
-fn to_body<'a>(group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
-    let m = placeholders(g.0[0].arena(), "m", x.len());
-    gradient(group.to_space(g, &m).dot(x), &m.symbols())
 }

@@ -126,7 +126,7 @@ impl RandomStep {
             right: Vector(right.to_vec()),
             given: Vector(state[STATE - 1..].to_vec()).symbols(),
             domain,
-            turns: Vec::new(),
+            increments: Vec::new(),
             bounded: Vec::new(),
             next: Vector(next.to_vec()),
         };
