@@ -109,6 +109,11 @@ kinds! {
     heavy_top
     nonlinear_top_with_a_full_inertia
     nonlinear_top_in_two_fields
+    vane
+    plate_in_the_plane
+    heavy_body_in_a_fluid
+    two_tops
+    spin_and_top_with_one_inertia
     driven_pendulum_with_a_control
     quadrotor
     coupled_bodies
