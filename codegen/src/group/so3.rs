@@ -23,6 +23,12 @@ fn rotation_like<'a>(x: &Vector<'a>, v: &Vector<'a>, a: Expr<'a>, b: Expr<'a>) -
     &(v + &once.scale(a)) + &twice.scale(b)
 }
 
+/// `2/(1 + |x|²/4)`, of which the Cayley map's forms are made: kept whole with its 2, as the mean momentum of a step has it in
+/// multiples by the unknown's scale, and its derivatives have its square.
+fn cayley_factor<'a>(x: &Vector<'a>) -> Expr<'a> {
+    ((x.squared_norm().scale(Number::ratio(1, 4)) + 1).recip() * 2).hold()
+}
+
 impl Group for SO3 {
     fn name(&self) -> &'static str {
         "SO3"
@@ -102,8 +108,7 @@ impl Group for SO3 {
             Retraction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
             Retraction::Cayley => {
                 let half = z.arena().number(Number::ratio(1, 2));
-                let shared = (z.scale(Number::ratio(1, 4)) + 1).recip();
-                (m - &x.cross(m).scale(half)).scale(shared)
+                (m - &x.cross(m).scale(half)).scale(cayley_factor(x) / 2)
             }
         }
     }
@@ -146,18 +151,18 @@ impl Group for SO3 {
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let quarter = x.squared_norm().scale(Number::ratio(1, 4));
         let one = quarter.arena().one();
-        let (increment, inverse) = match retraction {
+        let (increment, inverse_length) = match retraction {
             Retraction::Exponential => (self.retract(retraction, x), one),
             Retraction::Cayley => {
                 let half = x.scale(one / 2);
-                (Vector([vec![one], half.0].concat()), (quarter + 1).recip())
+                (Vector([vec![one], half.0].concat()), cayley_factor(x) / 2 * (quarter + 1).sqrt())
             }
         };
         let increment = increment.hold();
         let moved = side.compose(self, g, &increment).hold();
         // one Newton step, as in `normalize`, for `g`
         let correction = one.scale(Number::ratio(3, 2)) - g.squared_norm().scale(Number::ratio(1, 2)).hold();
-        let next = moved.scale((inverse.sqrt() * correction.hold()).hold());
+        let next = moved.scale((inverse_length * correction.hold()).hold());
         Moved { increment, moved, next }
     }
 
@@ -255,8 +260,8 @@ impl Representation for Space {
         match retraction {
             Retraction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
             Retraction::Cayley => {
-                let shared = (z.scale(Number::ratio(1, 4)) + 1).recip();
-                rotation_like(x, v, shared, shared / 2)
+                let factor = cayley_factor(x);
+                rotation_like(x, v, factor / 2, factor / 4)
             }
         }
     }

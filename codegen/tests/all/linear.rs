@@ -1,4 +1,4 @@
-//! Linear systems of expressions.
+//! Linear systems of expressions, and derivatives of what is kept whole.
 
 use coadjoint_codegen::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 
@@ -47,4 +47,28 @@ fn solutions_solve_their_equations() {
         // two sets of unknowns, side by side
         solve(n, |i, j| i % 2 == j % 2);
     }
+}
+
+#[test]
+fn quotients_kept_whole_have_the_derivatives_of_quotients() {
+    let arena = Arena::new();
+    let [x, y] = ["x", "y"].map(|name| arena.symbol(name, Stage::Step));
+    let symbols = Vector(vec![x, y]).symbols();
+    for number in [1, 2, -3] {
+        for divisor in [x * x + y * 2 + 1, x * y, x.stumpff(0) + 1] {
+            let plain = divisor.recip() * number;
+            let whole = plain.hold();
+            for &symbol in &symbols {
+                let (plain, whole) = (plain.derivative(symbol), whole.derivative(symbol));
+                let difference = plain.evaluate(&value) - whole.evaluate(&value);
+                assert!(difference.abs() < 1e-13, "d({number}/({divisor})) is off by {difference:e}");
+            }
+            let of = |quotient: Expr<'_>| (quotient * quotient * y).derivative(symbols[0]).evaluate(&value);
+            assert!((of(plain) - of(whole)).abs() < 1e-12, "of a product with {number}/({divisor})");
+        }
+    }
+    // no other quotient than the one at hand
+    let whole = ((x * x + 1).recip() * 2).hold();
+    let slope = whole.derivative(symbols[0]);
+    assert_eq!(slope, (-x * whole * whole).hold());
 }

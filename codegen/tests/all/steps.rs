@@ -5,6 +5,7 @@ use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::kernel::Kernel;
 use coadjoint_codegen::method::{Step, family};
 use coadjoint_codegen::model::{Slot, System};
 use coadjoint_codegen::parse::{Attribute, Item};
@@ -141,6 +142,27 @@ fn the_last_member_is_the_first_where_nothing_depends_on_the_configuration() {
         let system = system(&arena, attribute, body);
         assert_eq!(last.original(&system), if same { first } else { last }, "{attribute}");
         assert_eq!(Rule::Family(Member::MIDPOINT).original(&system), Rule::Family(Member::MIDPOINT));
+    }
+}
+
+/// What is multiplied by 2 in the equation is not divided by 2 again in its derivative.
+#[test]
+fn newtons_method_undoes_no_scale() {
+    let heavy_top = "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)";
+    let fields = "struct Top { #[inertia] j: Vector3<f64>, weight: f64, chi: Vector3<f64> }";
+    for (attribute, item) in
+        [("group = SO3", "struct Body { #[inertia] j: Vector3<f64> }"), (heavy_top, fields)]
+    {
+        let arena = Arena::new();
+        let system = system(&arena, attribute, item);
+        let kernel = Kernel::new(&arena, &step(&system, Retraction::Cayley, Member::SYMPLECTIC_EULER_A));
+        let (evaluate, correction) = (kernel.evaluate.operations(), kernel.correction.operations());
+        assert!(evaluate.multiplications <= 15 && evaluate.divisions == 1, "{attribute}: {evaluate}");
+        assert!(correction.multiplications <= 49 && correction.divisions == 1, "{attribute}: {correction}");
+        let text = kernel.to_string();
+        let (_, correction) = text.split_once("correction").expect("a correction");
+        let (correction, _) = correction.split_once("sweep").expect("a sweep behind it");
+        assert!(!correction.contains("1/2"), "{correction}");
     }
 }
 
