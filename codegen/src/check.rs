@@ -7,8 +7,8 @@ use syn::ext::IdentExt;
 
 use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::{self, Group};
-use crate::method::Rule;
 use crate::parse::{Attribute, Factor, GROUP, Inertia, Item, Shape};
+use crate::scheme::Rule;
 
 /// A description, seen as a whole.
 struct Subject<'d> {
@@ -294,7 +294,7 @@ fn names_are_free(subject: &Subject<'_>, diagnostics: &mut Diagnostics) {
         vec![("t".to_owned(), "the time"), ("time".to_owned(), "the time")];
     for factor in &subject.attribute.factors {
         let momentum = momentum_name(factor);
-        reserved.push((crate::model::velocity_name(&momentum), "the velocity"));
+        reserved.push((crate::identifiers::velocity_name(&momentum), "the velocity"));
         reserved.push((momentum.to_string(), "the momentum"));
         if let (None, Some(group)) = (&factor.name, group(&factor.group)) {
             reserved.push((group.configuration_name().to_owned(), "the configuration"));

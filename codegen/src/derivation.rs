@@ -1,13 +1,14 @@
 //! From a system to its program: every function that is emitted is derived here.
 
+use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Stage, Vector};
 use crate::geometry;
-use crate::group::Retraction;
+use crate::group::{Retraction, Side};
 use crate::kernel::{self, Inputs};
-use crate::method::Scheme;
-use crate::method::linearization::{Derivatives, Linearization};
-use crate::model::{Side, System};
+use crate::method::linearization::Linearization;
+use crate::model::System;
 use crate::program::{Input, Module, Program, Role, StepProgram};
+use crate::scheme::Scheme;
 
 /// What is computed for a system, but for its steps.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {

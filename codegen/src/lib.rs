@@ -12,17 +12,20 @@
 
 pub mod check;
 mod derivation;
+pub mod derivatives;
 pub mod diagnostics;
 pub mod emit;
 pub mod expr;
 pub mod geometry;
 pub mod group;
+mod identifiers;
 pub mod kernel;
 pub mod language;
 pub mod method;
 pub mod model;
 pub mod parse;
 pub mod program;
+pub mod scheme;
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -30,9 +33,9 @@ use quote::quote;
 use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
 use expr::Arena;
-use method::{Member, Rule, Scheme};
 use model::System;
 use parse::{Attribute, Item};
+use scheme::{Member, Rule, Scheme};
 
 /// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the user's
 /// tokens, beside as much of the expansion as can be made, so that one mistake does not bring others with it.

@@ -1,17 +1,21 @@
 //! A described system as plain symbolic data: what methods and emitters work from.
 
 mod build;
+mod layout;
+mod part;
 
 use std::cell::OnceCell;
 
+pub use layout::{FactorPart, Slot};
+pub use part::{Part, Role, StoredAs};
+
 use proc_macro2::Ident;
 use quote::ToTokens;
-use syn::ext::IdentExt;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{EquationNames, Group, Named, Semidirect, trivialized_gradient};
+use crate::group::{Element, EquationNames, Named, Semidirect, Side, trivialized_gradient};
+use crate::identifiers::{plain, velocity_name};
 use crate::language::Constant;
-use crate::parse::Shape;
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
@@ -39,42 +43,6 @@ pub struct System<'a> {
     advected: Vec<(usize, usize)>,
 }
 
-/// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// In the body: `g' = g ξ`, for left-invariant energies.
-    Left,
-    /// In space: `g' = ξ g`, for right-invariant energies.
-    Right,
-}
-
-impl Side {
-    /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and momentum
-    /// `−μ`, so that in all that is linear in the momentum the velocity changes its sign.
-    pub fn sign(self) -> i64 {
-        match self {
-            Self::Left => 1,
-            Self::Right => -1,
-        }
-    }
-
-    /// `g x` or `x g`
-    pub fn compose<'a>(self, group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
-        match self {
-            Self::Left => group.compose(g, x),
-            Self::Right => group.compose(x, g),
-        }
-    }
-
-    /// `in body coordinates` or `in space coordinates`
-    pub fn coordinates(self) -> &'static str {
-        match self {
-            Self::Left => "in body coordinates",
-            Self::Right => "in space coordinates",
-        }
-    }
-}
-
 /// One factor of the configuration's group.
 pub struct Factor<'a> {
     /// What the configuration is called.
@@ -95,6 +63,18 @@ pub struct Factor<'a> {
     pub force: Option<Vector<'a>>,
     /// What changes the momentum beside the bracket, once it has been worked out.
     kick: OnceCell<Option<Vector<'a>>>,
+}
+
+impl<'a> Factor<'a> {
+    /// The advected parameters' components.
+    pub fn advected_values(&self) -> Vec<Vector<'a>> {
+        self.advected.iter().map(|advected| advected.value.clone()).collect()
+    }
+
+    /// `(μ, a)`, an element of the dual of the semidirect algebra.
+    pub fn momentum_and_advected(&self) -> Element<'a> {
+        Element { base: self.momentum.clone(), spaces: self.advected_values() }
+    }
 }
 
 /// An advected parameter.
@@ -183,48 +163,6 @@ pub enum InertiaShape {
     Matrix,
 }
 
-/// What a quantity is to its system, by the names of the runtime's `Role`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// A field of the user's struct.
-    Parameter,
-    /// A factor's configuration.
-    Configuration,
-    /// A factor's momentum.
-    Momentum,
-    /// An advected parameter.
-    Advected,
-    /// A control.
-    Control,
-}
-
-/// A part of the state, or a control: one field of a generated struct.
-pub struct Part<'a> {
-    /// What it is to the system.
-    pub role: Role,
-    /// Its name.
-    pub name: Ident,
-    /// What it is stored as.
-    pub stored: StoredAs,
-    /// What the components' names add to its own.
-    pub suffixes: Vec<String>,
-    /// Its components' symbols.
-    pub symbols: Vec<Symbol>,
-    /// Its components.
-    pub value: Vector<'a>,
-    /// The first line of its documentation.
-    pub doc: String,
-}
-
-/// What a part is stored as.
-#[derive(Clone, Copy, Debug)]
-pub enum StoredAs {
-    /// A type of nalgebra's, generic over the scalar.
-    Named(&'static str),
-    /// A scalar, vector or matrix.
-    Shape(Shape),
-}
-
 impl<'a> System<'a> {
     /// The dimension of the configuration.
     pub fn dimension(&self) -> usize {
@@ -262,73 +200,9 @@ impl<'a> System<'a> {
         self.time.as_symbol().into_iter().collect()
     }
 
-    /// The parts of the state in the order of storage: configuration and momentum of each factor, then advected parameters.
-    pub fn parts(&self) -> Vec<Part<'a>> {
-        let suffixes = |suffixes: &[&str]| suffixes.iter().map(|&suffix| suffix.to_owned()).collect();
-        let mut parts = Vec::new();
-        for factor in &self.factors {
-            let group = factor.algebra.group;
-            parts.push(Part {
-                role: Role::Configuration,
-                name: factor.name.clone(),
-                stored: StoredAs::Named(group.configuration_type()),
-                suffixes: suffixes(group.coordinates()),
-                symbols: factor.configuration.symbols(),
-                value: factor.configuration.clone(),
-                doc: if group.is_linear() {
-                    "Position.".to_owned()
-                } else {
-                    "From body to space coordinates.".to_owned()
-                },
-            });
-            parts.push(Part {
-                role: Role::Momentum,
-                name: factor.momentum_name.clone(),
-                stored: StoredAs::Named(group.momentum_type()),
-                suffixes: suffixes(group.axes()),
-                symbols: factor.momentum.symbols(),
-                value: factor.momentum.clone(),
-                doc: if group.is_linear() {
-                    "Momentum.".to_owned()
-                } else {
-                    format!("Momentum, {}.", self.side.coordinates())
-                },
-            });
-        }
-        for &(factor, place) in &self.advected {
-            let factor = &self.factors[factor];
-            let (space, advected) = (factor.algebra.spaces[place], &factor.advected[place]);
-            parts.push(Part {
-                role: Role::Advected,
-                name: advected.ident.clone(),
-                stored: StoredAs::Named(space.type_name()),
-                suffixes: suffixes(space.coordinates()),
-                symbols: advected.value.symbols(),
-                value: advected.value.clone(),
-                doc: match self.side {
-                    Side::Left => {
-                        format!(
-                            "Advected parameter `{}`, fixed in space, seen in body coordinates.",
-                            advected.name
-                        )
-                    }
-                    Side::Right => {
-                        format!("Advected parameter `{}`, fixed in the body, seen in space.", advected.name)
-                    }
-                },
-            });
-        }
-        parts
-    }
-
-    /// The advected parameters in the order declared: factor, and place in it.
-    pub fn advected_places(&self) -> impl Iterator<Item = (&Factor<'a>, usize)> {
-        self.advected.iter().map(|&(factor, place)| (&self.factors[factor], place))
-    }
-
     /// All momenta, one after the other.
     pub fn momentum(&self) -> Vector<'a> {
-        Vector(self.factors.iter().flat_map(|factor| factor.momentum.0.clone()).collect())
+        Vector::concat(self.factors.iter().map(|factor| &factor.momentum))
     }
 
     /// `𝕀⁻¹ m`, or `∂h/∂μ` at the momentum `m`.
@@ -512,19 +386,8 @@ impl<'a> System<'a> {
     }
 }
 
-/// An identifier's text without the mark of a raw one.
-pub(crate) fn plain(ident: &Ident) -> String {
-    ident.unraw().to_string()
-}
-
 /// What the names of components add to that of their whole.
 fn suffixes(whole: &Ident, components: &[String]) -> Vec<String> {
     let prefix = format!("{}_", plain(whole));
     components.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
-}
-
-/// What the velocity is called that belongs to a momentum of this name: `attitude_velocity` for `attitude_momentum`.
-pub(crate) fn velocity_name(momentum: &Ident) -> String {
-    let name = plain(momentum);
-    format!("{}velocity", name.strip_suffix("momentum").unwrap_or_default())
 }

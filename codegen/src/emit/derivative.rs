@@ -6,8 +6,8 @@ use quote::{format_ident, quote};
 use super::code::{array, arrays, body, kept, record, size};
 use super::kernel::kernel_name;
 use super::{Names, docs};
-use crate::method::Scheme;
 use crate::program::{Function, Input, Module, RecordKind, Role, Term};
+use crate::scheme::Scheme;
 
 /// The derivative of one scheme's step, to stand beside its kernel:
 ///

@@ -5,7 +5,8 @@ use quote::{ToTokens, format_ident, quote};
 
 use super::state::part_type;
 use super::{Names, docs};
-use crate::model::{StoredAs, System, plain, velocity_name};
+use crate::identifiers::{plain, velocity_name};
+use crate::model::{StoredAs, System};
 
 /// `impl HeavyTop { pub fn potential(&self, state: &HeavyTopState) -> f64 { … } }`
 pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {

@@ -6,8 +6,8 @@ use quote::{format_ident, quote};
 use super::code::{array, arrays, body, kept, record, size, term};
 use super::schemes::marker;
 use super::{Names, docs};
-use crate::method::Scheme;
 use crate::program::{Function, Input, Module, RecordKind, Role, StepProgram};
+use crate::scheme::Scheme;
 
 /// What the struct with a kernel's constants is called.
 pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {

@@ -14,8 +14,8 @@ mod tangents;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
+use crate::derivatives::Derivatives;
 use crate::diagnostics::list;
-use crate::method::linearization::Derivatives;
 use crate::model::{Role as QuantityRole, System};
 use crate::program::{Input, Program, Role, StepProgram};
 use code::free_function;

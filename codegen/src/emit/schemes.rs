@@ -4,8 +4,8 @@ use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::{Names, block};
-use crate::method::{Member, Rule, Scheme};
 use crate::program::StepProgram;
+use crate::scheme::{Member, Rule, Scheme};
 
 /// The type that stands for a scheme: `Family<Cayley, 0, 1>`.
 pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {

@@ -6,7 +6,7 @@ use syn::ext::IdentExt;
 
 use super::code::size;
 use super::{Names, docs};
-use crate::method::linearization::Derivatives;
+use crate::derivatives::Derivatives;
 use crate::model::{Role, System};
 
 /// `impl Differentiable for HeavyTop { … }`, and the index ranges of all parts within perturbations.

@@ -58,7 +58,14 @@ impl<'a> Derivative<'a> {
             Node::Number(_) => zero,
             Node::Symbol(symbol) => self.direction.get(&symbol).copied().unwrap_or(zero),
             Node::Held(inner) => {
-                let derivative = self.visit(inner);
+                let derivative = match quotient(arena.expr(inner)) {
+                    // (c/u)' = −(c/u)² u'/c, which needs no other quotient
+                    Some((number, divisor)) => {
+                        let slope = arena.expr(self.visit(divisor.id)).scale(-number.powi(-1));
+                        (slope * arena.expr(id).powi(2)).id
+                    }
+                    None => self.visit(inner),
+                };
                 arena.held(derivative)
             }
             Node::Sum(sum) => {
@@ -105,6 +112,18 @@ impl<'a> Derivative<'a> {
         };
         self.known.insert(id, derivative);
         derivative
+    }
+}
+
+/// `(c, u)` with `expr = c/u`, for a number `c`.
+fn quotient(expr: Expr<'_>) -> Option<(Number, Expr<'_>)> {
+    let (number, rest) = expr.split_number();
+    match rest.arena.node(rest.id) {
+        Node::Product(factors) => match *factors {
+            [(divisor, -1)] => Some((number, rest.arena.expr(divisor))),
+            _ => None,
+        },
+        _ => None,
     }
 }
 

@@ -25,6 +25,14 @@ impl<'a> Vector<'a> {
         Self(vec![arena.zero(); dimension])
     }
 
+    /// The components of all vectors, one after the other.
+    pub fn concat<'v>(vectors: impl IntoIterator<Item = &'v Self>) -> Self
+    where
+        'a: 'v,
+    {
+        Self(vectors.into_iter().flat_map(Self::iter).collect())
+    }
+
     /// The number of components.
     pub fn len(&self) -> usize {
         self.0.len()

@@ -3,25 +3,32 @@
 //! A group states its closed forms as symbolic expressions; everything else is derived from them. Each typed-in form is
 //! tested against its definition (power series, matrix products, differences).
 
+mod calculus;
 mod euclidean;
+mod representation;
 mod rigid;
 mod se2;
 mod se3;
 mod semidirect;
+mod side;
 mod so2;
 mod so3;
 mod su2;
 
+pub(crate) use calculus::{
+    d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
+};
 pub use euclidean::R;
+pub use representation::{Representation, Translation};
 pub use se2::SE2;
 pub use se3::SE3;
 pub use semidirect::{Element, Semidirect};
+pub use side::Side;
 pub use so2::SO2;
 pub use so3::SO3;
 pub use su2::SU2;
 
-use crate::expr::{Arena, Expr, Vector, gradient};
-use crate::model::Side;
+use crate::expr::{Expr, Vector};
 
 /// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`, `τ(−ξ) = τ(ξ)⁻¹`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -88,14 +95,14 @@ pub trait Group: Sync {
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g τ(x)`, on the other side `τ(x) g`.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
-        let turn = self.retract(retraction, x).hold();
+        let increment = self.retract(retraction, x).hold();
         let moved = match side {
-            Side::Left => self.compose(g, &turn),
-            Side::Right => self.compose(&turn, g),
+            Side::Left => self.compose(g, &increment),
+            Side::Right => self.compose(&increment, g),
         }
         .hold();
         let next = self.normalize(&moved);
-        Moved { turn, moved, next }
+        Moved { increment, moved, next }
     }
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
@@ -108,12 +115,12 @@ pub trait Group: Sync {
         momentum: Option<&Named<'_, 'a>>,
         advected: &[Named<'_, 'a>],
     ) -> Vec<(String, Expr<'a>)>;
-    /// What the unknown of a step is counted in: 2 where the retraction is a function of `η/2`, which is then the unknown.
-    fn unit(&self, _retraction: Retraction) -> i128 {
+    /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
+    fn unknown_scale(&self, _retraction: Retraction) -> i128 {
         1
     }
-    /// How many of the stored coordinates, from the first one on, make something of unit length: a turn leaves them bounded, however far it
-    /// goes.
+    /// How many of the stored coordinates, from the first one on, make something of unit length: a rotation leaves them bounded, however
+    /// far it goes.
     fn unit_coordinates(&self) -> usize {
         0
     }
@@ -129,9 +136,9 @@ pub trait Group: Sync {
 
 /// An element of a group moved along a retraction, and what it was computed from.
 pub struct Moved<'a> {
-    /// The retraction, maybe but for a factor.
-    pub turn: Vector<'a>,
-    /// The product, maybe but for a factor.
+    /// `τ(x)`, up to a scalar factor.
+    pub increment: Vector<'a>,
+    /// The product, up to a scalar factor.
     pub moved: Vector<'a>,
     /// The product, on the group.
     pub next: Vector<'a>,
@@ -187,70 +194,9 @@ pub struct Named<'n, 'a> {
     pub value: &'n Vector<'a>,
 }
 
-/// A linear space `V` on which a group's algebra acts by `ρ`. Advected parameters live in its dual.
-pub trait Representation: Sync {
-    /// The name users write.
-    fn name(&self) -> &'static str;
-    /// The type an element is stored as, within nalgebra, generic over the scalar.
-    fn type_name(&self) -> &'static str;
-    /// Suffixes of the coordinates.
-    fn coordinates(&self) -> &'static [&'static str];
-    /// Dimension of the algebra that acts.
-    fn algebra_dimension(&self) -> usize;
-    /// `ρ_x v`
-    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
-    /// The `V` part `P(x) w` of `τ(x, w)` on the semidirect product.
-    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a>;
-    /// `g v`, `g` in stored coordinates.
-    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
-    /// `τ(x)` acting on `v`.
-    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
-}
-
-/// How a retraction moves along `V` while it turns: `P(x) w = fixed + τ(x) carried`.
-///
-/// For the exponential `P(x) w = φ₁(ρ_x) w`; for Cayley `P(x) w = (1 − ρ_x/2)⁻¹ w = ½ (w + τ(x) w)`: half the way before the turn,
-/// half of it after.
-pub struct Translation<'a> {
-    /// What does not turn with the group.
-    pub fixed: Vector<'a>,
-    /// What does; a function of `w` alone.
-    pub carried: Vector<'a>,
-    /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint action
-    /// and `τ(x, w)` is the derivative of `τ` at `x` along `w`.
-    pub tangent: bool,
-}
-
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
     &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2]
-}
-
-/// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as
-/// `side` says: an element of the dual of the algebra, the same for every `τ`.
-pub(crate) fn trivialized_gradient<'a>(
-    group: &dyn Group,
-    side: Side,
-    g: &Vector<'a>,
-    df: &Vector<'a>,
-) -> Vector<'a> {
-    let arena = df.0[0].arena();
-    let delta = placeholders(arena, "d", group.dimension());
-    let moved = side.compose(group, g, &group.retract(Retraction::Exponential, &delta));
-    let symbols = delta.symbols();
-    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
-    gradient(df.dot(&moved), &symbols).substitute(&zero)
-}
-
-/// `dR τ_x y`, from its dual.
-pub(crate) fn d_right<'a>(
-    group: &dyn Group,
-    retraction: Retraction,
-    x: &Vector<'a>,
-    y: &Vector<'a>,
-) -> Vector<'a> {
-    let m = placeholders(y.0[0].arena(), "m", y.len());
-    gradient(group.d_right_dual(retraction, x, &m).dot(y), &m.symbols())
 }
 
 /// What rotations keep of vectors in a space of dimension `leading + 1`: all lengths, and the inner products with the first
@@ -264,10 +210,4 @@ pub(crate) fn inner_products<'a>(vectors: &[Named<'_, 'a>], leading: usize) -> V
         kept.extend(vectors[i + 1..].iter().map(|b| product(a, b)));
     }
     kept
-}
-
-/// Symbols to differentiate by, when a formula's argument is not itself a symbol.
-pub(crate) fn placeholders<'a>(arena: &'a Arena, name: &str, dimension: usize) -> Vector<'a> {
-    use crate::expr::Stage;
-    Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Iteration)).collect())
 }

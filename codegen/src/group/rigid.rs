@@ -1,4 +1,4 @@
-//! Rigid motions: what SE(2) and SE(3) have in common, rotations and the translations that they turn, as one group `K ⋉ V`.
+//! Rigid motions: what SE(2) and SE(3) have in common, rotations and the translations that they rotate, as one group `K ⋉ V`.
 //!
 //! * Elements `(R, p)`, `(R, p)(S, q) = (RS, p + Rq)`; algebra `(x, w)` with angular part `x` and linear part `w`, in body
 //!   coordinates: `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
@@ -8,7 +8,7 @@
 use super::{Element, Retraction, Semidirect, Translation};
 use crate::expr::Vector;
 
-/// Rotations and the space they turn.
+/// Rotations and the space they act on.
 pub(super) struct Rigid(pub(super) Semidirect);
 
 impl Rigid {
@@ -26,16 +26,18 @@ impl Rigid {
 
     pub(super) fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         let (space, x, y) = (self.0.spaces[0], self.split(x), self.split(y));
-        let linear = &space.act(&x.base, &y.spaces[0]) - &space.act(&y.base, &x.spaces[0]);
+        let linear = &space.act_infinitesimally(&x.base, &y.spaces[0])
+            - &space.act_infinitesimally(&y.base, &x.spaces[0]);
         join(self.0.group.bracket(&x.base, &y.base), &linear)
     }
 
     pub(super) fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
         let (space, x) = (self.0.spaces[0], self.split(x));
-        let turn = self.0.group.retract(retraction, &x.base);
-        let Translation { fixed, carried, .. } = space.translation(retraction, &x.base, &x.spaces[0]);
-        let translation = &fixed + &space.turn(&turn, &carried);
-        join(turn, &translation)
+        let rotation = self.0.group.retract(retraction, &x.base);
+        let Translation { body_part, rotated_part, .. } =
+            space.translation(retraction, &x.base, &x.spaces[0]);
+        let translation = &body_part + &space.act(&rotation, &rotated_part);
+        join(rotation, &translation)
     }
 
     pub(super) fn d_right_dual<'a>(
@@ -50,13 +52,13 @@ impl Rigid {
 
     pub(super) fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
         let ((r, p), (s, q)) = (self.parts(g), self.parts(h));
-        join(self.0.group.compose(&r, &s), &(&p + &self.0.spaces[0].turn(&r, &q)))
+        join(self.0.group.compose(&r, &s), &(&p + &self.0.spaces[0].act(&r, &q)))
     }
 
     pub(super) fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
         let (r, p) = self.parts(g);
         let inverse = self.0.group.inverse(&r);
-        let back = -&self.0.spaces[0].turn(&inverse, &p);
+        let back = -&self.0.spaces[0].act(&inverse, &p);
         join(inverse, &back)
     }
 
@@ -70,7 +72,7 @@ impl Rigid {
     pub(super) fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         let (r, p) = self.parts(g);
         let m = self.split(m);
-        let linear = self.0.spaces[0].turn(&r, &m.spaces[0]);
+        let linear = self.0.spaces[0].act(&r, &m.spaces[0]);
         let angular = self.0.group.to_space(&r, &m.base);
         let moment = self.0.momentum_map(0, &p, &linear);
         join(&angular + &moment, &linear)

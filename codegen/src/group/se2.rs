@@ -68,7 +68,7 @@ impl Group for SE2 {
     }
 
     fn axes(&self) -> &'static [&'static str] {
-        &["x", "y", "z"]
+        &["angular", "linear_x", "linear_y"]
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
@@ -114,7 +114,7 @@ impl Group for SE2 {
         &[&Plane(3)]
     }
 
-    /// The linear momentum is one more vector that the rotations turn: lengths and inner products.
+    /// The linear momentum is one more vector that the rotations act on: lengths and inner products.
     fn casimirs<'a>(
         &self,
         momentum: Option<&Named<'_, 'a>>,

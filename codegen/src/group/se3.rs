@@ -68,12 +68,13 @@ impl Group for SE3 {
     }
 
     fn axes(&self) -> &'static [&'static str] {
-        &["x", "y", "z", "w", "a", "b"]
+        &["angular_x", "angular_y", "angular_z", "linear_x", "linear_y", "linear_z"]
     }
 
-    fn unit(&self, retraction: Retraction) -> i128 {
-        SO3.unit(retraction)
+    fn unknown_scale(&self, retraction: Retraction) -> i128 {
+        SO3.unknown_scale(retraction)
     }
+
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         rigid().bracket(x, y)
     }
@@ -107,10 +108,10 @@ impl Group for SE3 {
     }
 
     fn representations(&self) -> &'static [&'static dyn Representation] {
-        &[&Turned]
+        &[&Directions]
     }
 
-    /// The linear momentum is one more vector that the rotations turn: lengths and inner products; without advected vectors also its
+    /// The linear momentum is one more vector that the rotations act on: lengths and inner products; without advected vectors also its
     /// product with the angular momentum.
     fn casimirs<'a>(
         &self,
@@ -151,9 +152,9 @@ static COMPONENTS: &[Component] = &[
 ];
 
 /// R³ with the rotations of the motions acting on it: directions, which translations leave alone.
-struct Turned;
+struct Directions;
 
-impl Representation for Turned {
+impl Representation for Directions {
     fn name(&self) -> &'static str {
         Space.name()
     }
@@ -170,17 +171,17 @@ impl Representation for Turned {
         6
     }
 
-    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        Space.act(&rigid().split(x).base, v)
+    fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        Space.act_infinitesimally(&rigid().split(x).base, v)
     }
 
     /// That of the rotations; but with the motions it is no tangent group.
     fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
-        Translation { tangent: false, ..Space.translation(retraction, &rigid().split(x).base, w) }
+        Translation { is_tangent_group: false, ..Space.translation(retraction, &rigid().split(x).base, w) }
     }
 
-    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        Space.turn(&Vector(g.0[..4].to_vec()), v)
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        Space.act(&Vector(g.0[..4].to_vec()), v)
     }
 
     fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {

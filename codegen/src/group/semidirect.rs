@@ -1,4 +1,4 @@
-//! Semidirect products `G ⋉ (V₁ ⊕ … ⊕ V_k)`: what advected parameters turn a group into.
+//! Semidirect products `G ⋉ (V₁ ⊕ … ⊕ V_k)`: what advected parameters make of a group.
 //!
 //! Nothing here is a closed form of any one group: logarithmic derivative and coadjoint action are derived from the
 //! group's and the representations' by differentiation.
@@ -60,13 +60,19 @@ impl Semidirect {
         x: &Vector<'a>,
         a: &[Vector<'a>],
     ) -> Vec<Vector<'a>> {
-        let transposed = |(space, a): (&&'static dyn Representation, &Vector<'a>)| {
-            let u = placeholders(a.0[0].arena(), "u", a.len());
-            let Translation { fixed, carried, .. } = space.translation(retraction, x, &u);
-            let translation = &fixed + &space.transport(retraction, x, &carried);
-            gradient(a.dot(&translation), &u.symbols())
-        };
-        self.spaces.iter().zip(a).map(transposed).collect()
+        self.spaces.iter().zip(a).map(|(space, a)| translation_dual(*space, retraction, x, a)).collect()
+    }
+
+    /// `Ad*_{τ(x)} a = a + ad*_x P(x)ᵀ a`, for an `a` of one of the spaces.
+    pub fn carry<'a>(
+        &self,
+        space: usize,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        a: &Vector<'a>,
+    ) -> Vector<'a> {
+        let mean = translation_dual(self.spaces[space], retraction, x, a);
+        a + &self.coadjoint_space(space, x, &mean)
     }
 
     /// The `g*` part of `(dR τ_(x,w))* (m, a)`.
@@ -86,20 +92,20 @@ impl Semidirect {
         let here: Vec<_> = symbols.iter().copied().zip(x.iter()).collect();
 
         let mut carried = mu.base.clone();
-        let mut turned = Vector::zeros(arena, x.len());
+        let mut by_translation = Vector::zeros(arena, x.len());
         for ((space, w), a) in self.spaces.iter().zip(w).zip(&mu.spaces) {
             let translation = space.translation(retraction, &at, w);
-            let change = if translation.tangent {
+            let change = if translation.is_tangent_group {
                 self.group.d_right_dual(retraction, &at, a).derivative_along(&symbols, w)
             } else {
-                let fixed = translation.fixed.substitute(&here);
-                carried = &carried - &momentum_map(*space, &fixed, a);
-                gradient(a.dot(&translation.fixed), &symbols)
+                let body_part = translation.body_part.substitute(&here);
+                carried = &carried - &momentum_map(*space, &body_part, a);
+                gradient(a.dot(&translation.body_part), &symbols)
             };
-            turned = &turned + &change.substitute(&here);
+            by_translation = &by_translation + &change.substitute(&here);
         }
         let carried = carried.hold().named("momentum_carried", self.group.axes());
-        &self.group.d_right_dual(retraction, x, &carried) + &turned
+        &self.group.d_right_dual(retraction, x, &carried) + &by_translation
     }
 
     /// `(dR τ_(x,w))* (m, a)`
@@ -132,16 +138,31 @@ impl Semidirect {
 
     /// The `V*` part of `ad*_(x,w) (m, a)`, which depends on `x` and `a` alone.
     pub fn coadjoint_spaces<'a>(&self, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
-        let dual = |(space, a): (&&'static dyn Representation, &Vector<'a>)| {
-            let u = placeholders(a.0[0].arena(), "u", a.len());
-            gradient(a.dot(&space.act(x, &u)), &u.symbols())
-        };
-        self.spaces.iter().zip(a).map(dual).collect()
+        a.iter().enumerate().map(|(space, a)| self.coadjoint_space(space, x, a)).collect()
     }
+
+    /// `ad*_x a` for an `a` of one of the spaces: `(ad*_x a) · u = a · ρ_x u`.
+    pub fn coadjoint_space<'a>(&self, space: usize, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
+        let u = placeholders(a.0[0].arena(), "u", a.len());
+        gradient(a.dot(&self.spaces[space].act_infinitesimally(x, &u)), &u.symbols())
+    }
+}
+
+/// `P(x)ᵀ a`
+fn translation_dual<'a>(
+    space: &dyn Representation,
+    retraction: Retraction,
+    x: &Vector<'a>,
+    a: &Vector<'a>,
+) -> Vector<'a> {
+    let u = placeholders(a.0[0].arena(), "u", a.len());
+    let Translation { body_part, rotated_part, .. } = space.translation(retraction, x, &u);
+    let translation = &body_part + &space.transport(retraction, x, &rotated_part);
+    gradient(a.dot(&translation), &u.symbols())
 }
 
 /// `J(p, a)` with `J(p, a) · y = a · ρ_y p`
 fn momentum_map<'a>(space: &dyn Representation, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
     let y = placeholders(a.0[0].arena(), "y", space.algebra_dimension());
-    gradient(a.dot(&space.act(&y, p)), &y.symbols())
+    gradient(a.dot(&space.act_infinitesimally(&y, p)), &y.symbols())
 }

@@ -168,7 +168,7 @@ impl Representation for Plane {
         self.0
     }
 
-    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         complex(x.0[0].arena().zero(), x.0[0], v)
     }
 
@@ -178,23 +178,22 @@ impl Representation for Plane {
         let squared = x * x;
         match retraction {
             Retraction::Exponential => Translation {
-                fixed: complex(squared.stumpff(1), x * squared.stumpff(2), w),
-                carried: Vector::zeros(x.arena(), 2),
-                tangent: false,
+                body_part: complex(squared.stumpff(1), x * squared.stumpff(2), w),
+                rotated_part: Vector::zeros(x.arena(), 2),
+                is_tangent_group: false,
             },
             Retraction::Cayley => {
                 let half = w.map(|component| component / 2);
-                Translation { fixed: half.clone(), carried: half, tangent: false }
+                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
             }
         }
     }
 
-    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         complex(g.0[0], g.0[1], v)
     }
 
     fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let turn = SO2.retract(retraction, &Vector(vec![x.0[0]]));
-        self.turn(&turn, v)
+        self.act(&SO2.retract(retraction, &Vector(vec![x.0[0]])), v)
     }
 }

@@ -9,10 +9,9 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Moved, Named, Representation, Retraction,
-    Translation, inner_products,
+    Side, Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
-use crate::model::Side;
 
 /// Rotations of space.
 pub struct SO3;
@@ -22,6 +21,12 @@ fn rotation_like<'a>(x: &Vector<'a>, v: &Vector<'a>, a: Expr<'a>, b: Expr<'a>) -
     let once = x.cross(v);
     let twice = x.cross(&once);
     &(v + &once.scale(a)) + &twice.scale(b)
+}
+
+/// `2/(1 + |x|²/4)`, of which the Cayley map's forms are made: kept whole with its 2, as the mean momentum of a step has it in
+/// multiples by the unknown's scale, and its derivatives have its square.
+fn cayley_factor<'a>(x: &Vector<'a>) -> Expr<'a> {
+    ((x.squared_norm().scale(Number::ratio(1, 4)) + 1).recip() * 2).hold()
 }
 
 impl Group for SO3 {
@@ -72,12 +77,13 @@ impl Group for SO3 {
         &["x", "y", "z"]
     }
 
-    fn unit(&self, retraction: Retraction) -> i128 {
+    fn unknown_scale(&self, retraction: Retraction) -> i128 {
         match retraction {
             Retraction::Exponential => 1,
             Retraction::Cayley => 2,
         }
     }
+
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }
@@ -102,8 +108,7 @@ impl Group for SO3 {
             Retraction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
             Retraction::Cayley => {
                 let half = z.arena().number(Number::ratio(1, 2));
-                let shared = (z.scale(Number::ratio(1, 4)) + 1).recip();
-                (m - &x.cross(m).scale(half)).scale(shared)
+                (m - &x.cross(m).scale(half)).scale(cayley_factor(x) / 2)
             }
         }
     }
@@ -146,23 +151,23 @@ impl Group for SO3 {
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let quarter = x.squared_norm().scale(Number::ratio(1, 4));
         let one = quarter.arena().one();
-        let (turn, inverse) = match retraction {
+        let (increment, inverse_length) = match retraction {
             Retraction::Exponential => (self.retract(retraction, x), one),
             Retraction::Cayley => {
                 let half = x.scale(one / 2);
-                (Vector([vec![one], half.0].concat()), (quarter + 1).recip())
+                (Vector([vec![one], half.0].concat()), cayley_factor(x) / 2 * (quarter + 1).sqrt())
             }
         };
-        let turn = turn.hold();
-        let moved = side.compose(self, g, &turn).hold();
+        let increment = increment.hold();
+        let moved = side.compose(self, g, &increment).hold();
         // one Newton step, as in `normalize`, for `g`
         let correction = one.scale(Number::ratio(3, 2)) - g.squared_norm().scale(Number::ratio(1, 2)).hold();
-        let next = moved.scale((inverse.sqrt() * correction.hold()).hold());
-        Moved { turn, moved, next }
+        let next = moved.scale((inverse_length * correction.hold()).hold());
+        Moved { increment, moved, next }
     }
 
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        Space.turn(g, m)
+        Space.act(g, m)
     }
 
     fn representations(&self) -> &'static [&'static dyn Representation] {
@@ -221,12 +226,12 @@ impl Representation for Space {
         3
     }
 
-    fn act<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         x.cross(v)
     }
 
     /// `R v = v + 2w u × v + 2 u × (u × v)` for the quaternion `(w, u)`.
-    fn turn<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         let (w, u) = (g.0[0], Vector(g.0[1..].to_vec()));
         let twice = u.cross(v).scale(w.arena().number(2));
         &(v + &twice.scale(w)) + &u.cross(&twice)
@@ -238,13 +243,13 @@ impl Representation for Space {
         let z = x.squared_norm();
         match retraction {
             Retraction::Exponential => Translation {
-                fixed: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
-                carried: Vector::zeros(z.arena(), 3),
-                tangent: true,
+                body_part: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
+                rotated_part: Vector::zeros(z.arena(), 3),
+                is_tangent_group: true,
             },
             Retraction::Cayley => {
                 let half = w.map(|component| component / 2);
-                Translation { fixed: half.clone(), carried: half, tangent: false }
+                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
             }
         }
     }
@@ -255,8 +260,8 @@ impl Representation for Space {
         match retraction {
             Retraction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
             Retraction::Cayley => {
-                let shared = (z.scale(Number::ratio(1, 4)) + 1).recip();
-                rotation_like(x, v, shared, shared / 2)
+                let factor = cayley_factor(x);
+                rotation_like(x, v, factor / 2, factor / 4)
             }
         }
     }

@@ -61,12 +61,13 @@ impl Group for SU2 {
         SO3.axes()
     }
 
-    fn unit(&self, retraction: Retraction) -> i128 {
+    fn unknown_scale(&self, retraction: Retraction) -> i128 {
         match retraction {
             Retraction::Exponential => 1,
             Retraction::Cayley => 4,
         }
     }
+
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }
@@ -84,7 +85,7 @@ impl Group for SU2 {
         }
     }
 
-    /// The transpose turns `a` into `−a`.
+    /// The transpose has `−a` in the place of `a`.
     fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         match retraction {
             Retraction::Exponential => SO3.d_right_dual(retraction, x, m),
@@ -92,8 +93,8 @@ impl Group for SU2 {
                 let (a, squared) = quarter(x);
                 let two = squared.arena().number(2);
                 let shared = (squared + 1).recip();
-                let turned = &m.scale(-squared + 1) - &a.cross(m).scale(two);
-                (&turned + &a.scale(a.dot(m).scale(2))).scale(shared * shared)
+                let rotated = &m.scale(-squared + 1) - &a.cross(m).scale(two);
+                (&rotated + &a.scale(a.dot(m).scale(2))).scale(shared * shared)
             }
         }
     }
@@ -118,7 +119,7 @@ impl Group for SU2 {
         SO3.to_space(g, m)
     }
 
-    /// None: the Cayley map of the quaternions turns space otherwise than that of the rotation matrices does.
+    /// None: the Cayley map of the quaternions rotates space otherwise than that of the rotation matrices does.
     fn representations(&self) -> &'static [&'static dyn Representation] {
         &[]
     }

@@ -1,9 +1,10 @@
 //! The derivative of one step as straight-line code: what it is made of, then the linear maps themselves.
 
 use super::{Code, Inputs, Placement, Returned, record, returned};
+use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Expr, Symbol, Vector};
 use crate::method::Step;
-use crate::method::linearization::{Derivatives, Linearization, Matrices};
+use crate::method::linearization::{Linearization, Matrices};
 use crate::program::{Input, Module, RecordKind, Role};
 
 /// The derivative of a step at one point as code: of the linear maps those that are wanted.

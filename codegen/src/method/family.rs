@@ -17,7 +17,7 @@
 //! `1 − s`, and the order is 1 but for `s = ½`.
 //!
 //! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum `−m`: `η` changes
-//! its sign in all that is linear in `m`, and turns stand on the other side of `g`.
+//! its sign in all that is linear in `m`, and increments stand on the other side of `g`.
 //!
 //! Four facts shape what is emitted:
 //!
@@ -26,29 +26,41 @@
 //!   and keeps the Casimirs whatever residual the solver leaves.
 //! * `ā` depends on the group's part `y` of `η` alone. Where `h = ½ μ·𝕀⁻¹μ + V`, so does `v = ∂V/∂a(ā)`, and `μ̄ = 𝕀 y / t` in
 //!   forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)` remain. Any other energy has
-//!   `μ̄` as a second unknown, as far as [`elimination`](super::elimination) does not find it.
+//!   `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
-use super::elimination::{Eliminated, Equation, eliminate};
-use super::{Member, Step, Turn, step_symbol};
-use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
+use super::names::ValueNames;
+use super::presolve::{Equation, Presolved, presolve};
+use super::{Increment, Step, step_symbol};
+use crate::expr::{Arena, Expr, Matrix, Number, Stage, Symbol, Vector, gradient};
 use crate::group::{Element, Retraction};
-use crate::model::{Factor, Hamiltonian, System, plain};
+use crate::model::{Factor, FactorPart, Hamiltonian, Slot, System};
+use crate::scheme::Member;
+
+/// A member of the family for a system.
+struct Family<'s, 'a> {
+    system: &'s System<'a>,
+    retraction: Retraction,
+    /// `t`
+    step: Expr<'a>,
+    /// `s`, the share of the step before the intermediate point.
+    early: Expr<'a>,
+    /// `1 − s`, the share behind it.
+    late: Expr<'a>,
+}
 
 /// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
-struct Motion<'a> {
-    /// What names of its values begin with.
-    prefix: String,
-    /// What the unknown is called.
-    name: &'static str,
-    /// What the name of a value begins with that has the unit for a factor.
-    times: &'static str,
-    /// What it is counted in.
-    unit: Expr<'a>,
-    /// The unknown, `y` in these units: symbols.
+struct Motion<'s, 'a> {
+    factor: &'s Factor<'a>,
+    names: ValueNames<'s, 'a>,
+    /// The number `k` for which the unknown is `y/k`.
+    unknown_scale: Expr<'a>,
+    /// The unknown: symbols.
     x: Vector<'a>,
     /// The group's part of `η`.
     y: Vector<'a>,
+    /// `s y`
+    y_early: Vector<'a>,
     /// `(1−s) y`
     y_late: Vector<'a>,
     /// Stands for `μ̄` in the energy's derivatives, where they need it.
@@ -59,329 +71,331 @@ struct Motion<'a> {
     g_bar: Vector<'a>,
 }
 
+/// The intermediate point, for all factors together.
+struct Intermediate<'a> {
+    /// `m̄` as the energy and the forces see it.
+    momentum: Vector<'a>,
+    /// What configurations, momenta, velocities, advected parameters and the time are there.
+    values: Vec<(Symbol, Expr<'a>)>,
+}
+
+/// What a factor's part of the step comes to.
+struct Arrival<'a> {
+    /// `μ̄`, times the unknown's scale.
+    scaled_mean: Vector<'a>,
+    /// The state after the step.
+    next: FactorPart<'a>,
+}
+
 /// The step of a member of the family.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
     let s = member.s();
-    let t = step_symbol(arena);
+    let h = step_symbol(arena);
     let (early, late) = (arena.number(s), arena.number(Number::ONE + -s));
+    let family = Family { system, retraction, step: h, early, late };
 
-    let motions: Vec<Motion<'a>> =
-        system.factors.iter().map(|factor| Motion::new(system, factor, retraction, early, late)).collect();
-    let y = Vector(motions.iter().flat_map(|motion| motion.y.0.clone()).collect());
-    // what is made of the unknown and multiplied by it again has its factor
-    let doubled = |element: Element<'a>, unit: Expr<'a>| element.scale(unit).hold().scale(unit.recip());
+    let motions: Vec<Motion<'_, 'a>> =
+        system.factors.iter().map(|factor| Motion::new(&family, factor)).collect();
+    let intermediate = family.intermediate(&motions);
+    let arrivals: Vec<Arrival<'a>> =
+        motions.iter().map(|motion| family.arrival(motion, &intermediate)).collect();
+    let Presolved { equations, found } = presolve(family.equations(&motions, &arrivals, &intermediate));
 
-    // everything that the energy and the forces are functions of, at the intermediate point
-    let momentum_mean = match &system.hamiltonian {
-        Hamiltonian::Mechanical { inertia, .. } => inertia.scale(t.recip()).times(&y),
-        Hamiltonian::General(_) => Vector(motions.iter().flat_map(|motion| motion.mean.0.clone()).collect()),
-    };
-    let velocity = y.scale(t.recip());
-    let intermediate = at_intermediate_point(system, &motions, &momentum_mean, &velocity, t * early);
-    let energy = system.potential();
-
-    let mut rights = Vec::new();
-    let mut nexts = Vec::new();
-    for (factor, motion) in system.factors.iter().zip(&motions) {
-        let Motion { prefix, unit, x, y, y_late, .. } = motion;
-        let algebra = &factor.algebra;
-        let axes = algebra.group.axes();
-        let w: Vec<Vector<'a>> = factor
-            .advected
-            .iter()
-            .map(|a| gradient(energy, &a.value.symbols()).substitute(&intermediate).scale(t))
-            .collect();
-        for ((advected, space), w) in factor.advected.iter().zip(&algebra.spaces).zip(&w) {
-            w.named(&format!("{}_kick", advected.name), space.coordinates());
-        }
-        let kick = system
-            .kick(factor)
-            .map(|kick| kick.substitute(&intermediate).scale(t).hold().named(&format!("{prefix}kick"), axes));
-
-        let eta = Element { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
-        let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
-        let m = Element {
-            base: factor.momentum.clone(),
-            spaces: factor.advected.iter().map(|a| a.value.clone()).collect(),
-        };
-        let before = doubled(algebra.d_right_dual(retraction, &eta_early, &m), *unit);
-        let m_minus = m.plus(&algebra.coadjoint(&eta_early, &before));
-        let m_plus = match kick {
-            Some(kick) => Element {
-                base: (&m_minus.base + &kick).hold().named(&format!("{prefix}momentum_kicked"), axes),
-                spaces: m_minus.spaces.clone(),
-            },
-            None => m_minus.clone(),
-        };
-        let after = doubled(algebra.d_right_dual(retraction, &eta_late, &m_plus), *unit);
-        // in the equation it has the factor, too
-        let m_bar = after.scale(late).plus(&before.scale(early)).scale(*unit).hold();
-        let m_next = m_plus.plus(&algebra.coadjoint(&eta_late, &after));
-
-        // two turns, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
-        let moved = algebra.group.moved(system.side, retraction, &motion.g_bar, y_late);
-        moved.turn.named(&format!("{prefix}turn"), algebra.group.coordinates());
-        moved.moved.named(&format!("{}_moved", plain(&factor.name)), algebra.group.coordinates());
-        let g_next = moved.next;
-
-        x.dot(x).named(format!("{prefix}{}_squared", motion.name));
-        m_bar.base.named(&format!("{prefix}{}momentum_mean", motion.times), axes);
-        m_next.base.named(&format!("{prefix}momentum_next"), axes);
-        for ((advected, space), (mean, next)) in
-            factor.advected.iter().zip(&algebra.spaces).zip(motion.a_bar.iter().zip(&m_next.spaces))
-        {
-            mean.named(&format!("{}_mean", advected.name), space.coordinates());
-            next.named(&format!("{}_next", advected.name), space.coordinates());
-        }
-        rights.push(m_bar.base.clone());
-        nexts.push((factor, g_next, m_next));
-    }
-
-    let equations = equations(system, &motions, &rights, &momentum_mean, &intermediate, t);
-    let Eliminated { equations, found } = eliminate(equations);
-    let settled = |vector: &Vector<'a>| vector.substitute(&found);
-    let join = |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| {
-        Vector(equations.iter().flat_map(|equation| part(equation).0.clone()).collect())
-    };
-
-    let turns = system.factors.iter().zip(&motions).map(|(factor, motion)| {
-        let first = (factor.configuration.clone(), motion.y.scale(early));
-        let second = (motion.g_bar.clone(), motion.y_late.clone());
-        let turns = [(early, first), (late, second)].into_iter().filter(|(share, _)| !share.is_zero());
-        turns.map(|(_, (from, by))| Turn { from: settled(&from), by: settled(&by) }).collect()
-    });
-    let turns: Vec<Vec<Turn<'a>>> = turns.collect();
-    let turned = system.factors.iter().zip(&turns).filter(|(_, turns)| {
-        // by the unknown, not by what is known before
-        turns.iter().flat_map(|turn| turn.by.iter()).all(|x| x.stage() >= Stage::Iteration)
-    });
-    let unit: Vec<Symbol> = turned
-        .flat_map(|(factor, _)| {
-            factor.configuration.symbols().into_iter().take(factor.algebra.group.unit_coordinates())
-        })
-        .collect();
-    let edge = if early.as_number() > late.as_number() { early } else { late };
-    let domain = motions.iter().zip(&system.factors).filter_map(|(motion, factor)| {
-        let margin = factor.algebra.group.domain(retraction, &motion.y.scale(edge))?;
-        Some(margin.substitute(&found))
-    });
+    let increments: Vec<Vec<Increment<'a>>> =
+        motions.iter().map(|motion| family.increments(motion, &found)).collect();
+    let domain = motions.iter().filter_map(|motion| Some(family.domain(motion)?.substitute(&found)));
+    let domain = domain.collect();
+    let next: Vec<FactorPart<'a>> = arrivals.into_iter().map(|arrival| arrival.next).collect();
+    let join =
+        |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
     Step {
-        h: t,
+        h,
         given: [system.time_symbol(), system.control_symbols()].concat(),
-        domain: domain.collect(),
-        turns,
+        domain,
         unknown: join(|equation| &equation.unknown),
         blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
         start: join(|equation| &equation.start),
         left: join(|equation| &equation.left),
         right: join(|equation| &equation.right),
-        next: settled(&in_order(system, &nexts)),
-        bounded: system.state_symbols().iter().map(|symbol| unit.contains(symbol)).collect(),
+        next: system.join(&next).substitute(&found),
+        bounded: bounded(system, &increments),
+        increments,
     }
 }
 
-impl<'a> Motion<'a> {
-    fn new(
-        system: &System<'a>,
-        factor: &Factor<'a>,
-        retraction: Retraction,
-        early: Expr<'a>,
-        late: Expr<'a>,
-    ) -> Self {
-        let arena = early.arena();
-        let algebra = &factor.algebra;
+impl<'s, 'a> Motion<'s, 'a> {
+    fn new(family: &Family<'_, 'a>, factor: &'s Factor<'a>) -> Self {
+        let Family { system, retraction, early, late, .. } = *family;
+        let (arena, algebra) = (early.arena(), &factor.algebra);
         let group = algebra.group;
-        let prefix = match system.factors.len() {
-            1 => String::new(),
-            _ => format!("{}_", plain(&factor.name)),
-        };
-        let symbols = |name: &str| {
-            let symbol = |axis: &&str| arena.symbol(format!("{prefix}{name}_{axis}"), Stage::Iteration);
-            Vector(group.axes().iter().map(symbol).collect())
-        };
-        let unit = group.unit(retraction);
-        let (name, times) = match unit {
-            1 => ("eta", ""),
-            2 => ("half_eta", "twice_"),
-            _ => ("quarter_eta", "four_times_"),
-        };
-        let (x, mean) = (symbols(name), symbols("mu"));
-        let unit = arena.number(Number::ratio(unit, 1));
-        let y = x.scale(unit);
-        let sign = arena.number(system.side.sign());
+        let scale = group.unknown_scale(retraction);
+        let names = ValueNames::new(system, factor, scale);
+        let (x, mean) = (names.symbols(arena, names.unknown()), names.symbols(arena, "mu"));
+        let unknown_scale = arena.number(Number::ratio(scale, 1));
+        let y = x.scale(unknown_scale);
         let (y_early, y_late) = (y.scale(early), y.scale(late));
+
+        let sign = arena.number(system.side.sign());
         let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
-        let a: Vec<Vector<'a>> = factor.advected.iter().map(|a| a.value.clone()).collect();
-        let before = algebra.d_right_dual_spaces(retraction, &x_early, &a);
-        let a_minus: Vec<_> = {
-            let change = algebra.coadjoint_spaces(&x_early, &before);
-            a.iter().zip(&change).map(|(a, change)| a + change).collect()
+        let a = factor.advected_values();
+        let mean_minus = algebra.d_right_dual_spaces(retraction, &x_early, &a);
+        let change = algebra.coadjoint_spaces(&x_early, &mean_minus);
+        let a_minus: Vec<_> = a.iter().zip(&change).map(|(a, change)| a + change).collect();
+        let mean_plus = algebra.d_right_dual_spaces(retraction, &x_late, &a_minus);
+        let means = mean_plus.iter().zip(&mean_minus);
+        let a_bar = means.map(|(plus, minus)| &plus.scale(late) + &minus.scale(early)).collect();
+
+        let increment = names.group("increment_early", &group.retract(retraction, &y_early).hold());
+        let g_bar = system.side.compose(group, &factor.configuration, &increment).hold();
+        let g_bar = names.configuration("mean", &g_bar);
+        Self { factor, names, unknown_scale, x, y, y_early, y_late, mean, a_bar, g_bar }
+    }
+
+    /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by it again has that
+    /// factor.
+    fn keep_multiple(&self, element: &Element<'a>) -> Element<'a> {
+        element.scale(self.unknown_scale).hold().scale(self.unknown_scale.recip())
+    }
+
+    /// `μ̄ = …` for a general energy, which has `μ̄` as an unknown.
+    fn mean_equation(&self, arrival: &Arrival<'a>) -> Equation<'a> {
+        let mean = arrival.scaled_mean.scale(self.unknown_scale.recip());
+        Equation {
+            unknown: self.mean.clone(),
+            blocks: self.factor.algebra.group.blocks(),
+            left: self.mean.clone(),
+            right: mean.clone(),
+            solved: mean,
+            start: self.factor.momentum.clone(),
+            names: self.names.components("mu"),
+        }
+    }
+
+    /// `y = t ∂h/∂μ` for a general energy.
+    fn velocity_equation(&self, velocity: &Vector<'a>, start: &Vector<'a>) -> Equation<'a> {
+        let scaled = |vector: &Vector<'a>| vector.scale(self.unknown_scale.recip());
+        let right = scaled(velocity);
+        Equation {
+            unknown: self.x.clone(),
+            blocks: self.factor.algebra.group.blocks(),
+            left: self.x.clone(),
+            right: right.clone(),
+            solved: right,
+            start: scaled(start),
+            names: self.names.components(self.names.unknown()),
+        }
+    }
+}
+
+impl<'a> Family<'_, 'a> {
+    /// Everything that the energy and the forces are functions of.
+    fn intermediate(&self, motions: &[Motion<'_, 'a>]) -> Intermediate<'a> {
+        let Self { system, step, early, .. } = *self;
+        let y = Vector::concat(motions.iter().map(|motion| &motion.y));
+        let momentum = match &system.hamiltonian {
+            Hamiltonian::Mechanical { inertia, .. } => inertia.scale(step.recip()).times(&y),
+            Hamiltonian::General(_) => Vector::concat(motions.iter().map(|motion| &motion.mean)),
         };
-        let after = algebra.d_right_dual_spaces(retraction, &x_late, &a_minus);
-        let a_bar = after
-            .iter()
-            .zip(&before)
-            .map(|(after, before)| &after.scale(late) + &before.scale(early))
-            .collect();
-        let turn = group.retract(retraction, &y_early).hold();
-        let turn = turn.named(&format!("{prefix}turn_early"), group.coordinates());
-        let g_bar = system.side.compose(group, &factor.configuration, &turn).hold();
-        let g_bar = g_bar.named(&format!("{}_mean", plain(&factor.name)), group.coordinates());
-        Self { prefix, name, times, unit, x, y, y_late, mean, a_bar, g_bar }
-    }
-}
+        let velocity = y.scale(step.recip());
+        let later = step * early;
 
-/// What configurations, momenta, velocities, advected parameters and the time are at the intermediate point.
-fn at_intermediate_point<'a>(
-    system: &System<'a>,
-    motions: &[Motion<'a>],
-    momentum: &Vector<'a>,
-    velocity: &Vector<'a>,
-    later: Expr<'a>,
-) -> Vec<(Symbol, Expr<'a>)> {
-    let mut there = Vec::new();
-    let mut is = |what: &Vector<'a>, value: &mut dyn Iterator<Item = Expr<'a>>| {
-        there.extend(what.symbols().into_iter().zip(value));
-    };
-    let (mut momentum, mut velocity) = (momentum.iter(), velocity.iter());
-    for (factor, motion) in system.factors.iter().zip(motions) {
-        let n = factor.momentum.len();
-        is(&factor.configuration, &mut motion.g_bar.iter());
-        is(&factor.momentum, &mut momentum.by_ref().take(n));
-        is(&factor.velocity, &mut velocity.by_ref().take(n));
-        for (advected, mean) in factor.advected.iter().zip(&motion.a_bar) {
-            is(&advected.value, &mut mean.iter());
+        let mut values = Vec::new();
+        let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
+            values.extend(what.symbols().into_iter().zip(value.iter()));
+        };
+        let (momenta, velocities) = (system.split_momentum(&momentum), system.split_momentum(&velocity));
+        for (motion, (momentum, velocity)) in motions.iter().zip(momenta.iter().zip(&velocities)) {
+            let factor = motion.factor;
+            is(&factor.configuration, &motion.g_bar);
+            is(&factor.momentum, momentum);
+            is(&factor.velocity, velocity);
+            for (advected, mean) in factor.advected.iter().zip(&motion.a_bar) {
+                is(&advected.value, mean);
+            }
+        }
+        is(&Vector(vec![system.time]), &Vector(vec![system.time + later]));
+        Intermediate { momentum, values }
+    }
+
+    /// `m̄`, `m_{k+1}` and `g_{k+1}` of a factor.
+    fn arrival(&self, motion: &Motion<'_, 'a>, intermediate: &Intermediate<'a>) -> Arrival<'a> {
+        let Self { system, retraction, early, late, .. } = *self;
+        let Motion { factor, names, y, .. } = motion;
+        let (algebra, arena) = (&factor.algebra, early.arena());
+        let w = self.advected_velocity(motion, intermediate);
+        let kick = self.kick(motion, intermediate);
+
+        let eta = Element { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
+        let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
+        let m = factor.momentum_and_advected();
+        let mean_minus = motion.keep_multiple(&algebra.d_right_dual(retraction, &eta_early, &m));
+        let m_minus = m.plus(&algebra.coadjoint(&eta_early, &mean_minus));
+        let m_plus = match kick {
+            Some(kick) => Element {
+                base: names.algebra("momentum_kicked", &(&m_minus.base + &kick).hold()),
+                spaces: m_minus.spaces,
+            },
+            None => m_minus,
+        };
+        let mean_plus = motion.keep_multiple(&algebra.d_right_dual(retraction, &eta_late, &m_plus));
+        let m_bar = mean_plus.scale(late).plus(&mean_minus.scale(early));
+        let scaled_mean = m_bar.scale(motion.unknown_scale).hold().base;
+        let m_next = m_plus.plus(&algebra.coadjoint(&eta_late, &mean_plus));
+
+        // two increments, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
+        let moved = algebra.group.moved(system.side, retraction, &motion.g_bar, &motion.y_late);
+
+        names.group("increment", &moved.increment);
+        names.configuration("moved", &moved.moved);
+        names.scalar(&format!("{}_squared", names.unknown()), motion.x.dot(&motion.x));
+        names.multiple_of("momentum_mean", &scaled_mean);
+        names.algebra("momentum_next", &m_next.base);
+        names.advected("mean", &motion.a_bar);
+        names.advected("next", &m_next.spaces);
+        let next = FactorPart { configuration: moved.next, momentum: m_next.base, advected: m_next.spaces };
+        Arrival { scaled_mean, next }
+    }
+
+    /// `w = t ∂h/∂a`, the advected part of `η`.
+    fn advected_velocity(&self, motion: &Motion<'_, 'a>, there: &Intermediate<'a>) -> Vec<Vector<'a>> {
+        let energy = self.system.potential();
+        let w = motion.factor.advected.iter().map(|a| {
+            let gradient = gradient(energy, &a.value.symbols());
+            gradient.substitute(&there.values).scale(self.step)
+        });
+        let w: Vec<_> = w.collect();
+        motion.names.advected("kick", &w);
+        w
+    }
+
+    /// `−t T*L_ḡ ∂h/∂g + t F`, if anything but the bracket changes the momentum.
+    fn kick(&self, motion: &Motion<'_, 'a>, there: &Intermediate<'a>) -> Option<Vector<'a>> {
+        let kick = self.system.kick(motion.factor)?;
+        let kick = kick.substitute(&there.values).scale(self.step).hold();
+        Some(motion.names.algebra("kick", &kick))
+    }
+
+    /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
+    fn increments(&self, motion: &Motion<'_, 'a>, found: &[(Symbol, Expr<'a>)]) -> Vec<Increment<'a>> {
+        let increments = [
+            (self.early, &motion.factor.configuration, &motion.y_early),
+            (self.late, &motion.g_bar, &motion.y_late),
+        ];
+        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
+        increments
+            .map(|(_, from, by)| Increment { from: from.substitute(found), by: by.substitute(found) })
+            .collect()
+    }
+
+    /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
+    fn domain(&self, motion: &Motion<'_, 'a>) -> Option<Expr<'a>> {
+        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
+        motion.factor.algebra.group.domain(self.retraction, &motion.y.scale(longer))
+    }
+
+    /// The equations for all unknowns.
+    fn equations(
+        &self,
+        motions: &[Motion<'_, 'a>],
+        arrivals: &[Arrival<'a>],
+        intermediate: &Intermediate<'a>,
+    ) -> Vec<Equation<'a>> {
+        let system = self.system;
+        let velocity = system.velocity(&system.momentum()).scale(self.step);
+        let start = system.split_momentum(&velocity);
+        match &system.hamiltonian {
+            Hamiltonian::Mechanical { inertia, .. } => {
+                let momenta = system.split_momentum(&intermediate.momentum);
+                let sets = coupled_factors(system).into_iter();
+                let equation = |set: Vec<usize>| {
+                    self.inertial_equation(&set, inertia, motions, arrivals, &momenta, &start)
+                };
+                sets.map(equation).collect()
+            }
+            Hamiltonian::General(energy) => {
+                let velocity = gradient(*energy, &system.momentum().symbols());
+                let velocity = velocity.substitute(&intermediate.values).scale(self.step);
+                let velocities = system.split_momentum(&velocity);
+                let means =
+                    motions.iter().zip(arrivals).map(|(motion, arrival)| motion.mean_equation(arrival));
+                let means: Vec<Equation<'a>> = means.collect();
+                let velocities = motions
+                    .iter()
+                    .zip(velocities.iter().zip(&start))
+                    .map(|(motion, (velocity, start))| motion.velocity_equation(velocity, start));
+                means.into_iter().chain(velocities).collect()
+            }
         }
     }
-    is(&Vector(vec![system.time]), &mut std::iter::once(system.time + later));
-    there
-}
 
-/// `𝕀 y / t = μ̄` for each block of factors that an inertia couples; or `y = t ∂h/∂μ` and `μ̄ = …`.
-fn equations<'a>(
-    system: &System<'a>,
-    motions: &[Motion<'a>],
-    rights: &[Vector<'a>],
-    momentum_mean: &Vector<'a>,
-    intermediate: &[(Symbol, Expr<'a>)],
-    t: Expr<'a>,
-) -> Vec<Equation<'a>> {
-    let names = |motion: &Motion<'a>, what: &str, factor: &Factor<'a>| -> Vec<String> {
-        let axes = factor.algebra.group.axes().iter();
-        axes.map(|axis| format!("{}{what}_{axis}", motion.prefix)).collect()
-    };
-    let velocity = system.velocity(&system.momentum()).scale(t);
-    let offsets: Vec<usize> = system
-        .factors
-        .iter()
-        .scan(0, |offset, factor| {
-            let here = *offset;
-            *offset += factor.momentum.len();
-            Some(here)
-        })
-        .collect();
-    let slice = |vector: &Vector<'a>, factor: usize| {
-        let from = offsets[factor];
-        vector.0[from..from + system.factors[factor].momentum.len()].to_vec()
-    };
-    let collect = |factors: &[usize], part: &dyn Fn(usize) -> Vec<Expr<'a>>| {
-        Vector(factors.iter().flat_map(|&factor| part(factor)).collect())
-    };
+    /// `𝕀 y / t = μ̄` for a set of factors that an inertia couples; both sides times the unknown's scale.
+    fn inertial_equation(
+        &self,
+        set: &[usize],
+        inertia: &Matrix<'a>,
+        motions: &[Motion<'_, 'a>],
+        arrivals: &[Arrival<'a>],
+        momenta: &[Vector<'a>],
+        start: &[Vector<'a>],
+    ) -> Equation<'a> {
+        let motions = || set.iter().map(|&factor| &motions[factor]);
+        let scales = motions().flat_map(|motion| vec![motion.unknown_scale; motion.x.len()]);
+        let scales: Vec<Expr<'a>> = scales.collect();
+        let times = |of: &Vector<'a>| Vector(of.iter().zip(&scales).map(|(x, &scale)| x * scale).collect());
+        let per = |of: &Vector<'a>| Vector(of.iter().zip(&scales).map(|(x, &scale)| x / scale).collect());
+        let of_set = |of: &[Vector<'a>]| Vector::concat(set.iter().map(|&factor| &of[factor]));
 
-    let inertia = match &system.hamiltonian {
-        Hamiltonian::Mechanical { inertia, .. } => inertia,
-        Hamiltonian::General(energy) => {
-            let gradient = gradient(*energy, &system.momentum().symbols()).substitute(intermediate).scale(t);
-            let mut equations = Vec::new();
-            for (f, (factor, motion)) in system.factors.iter().zip(motions).enumerate() {
-                let mean = rights[f].scale(motion.unit.recip());
-                equations.push(Equation {
-                    unknown: motion.mean.clone(),
-                    blocks: factor.algebra.group.blocks(),
-                    left: motion.mean.clone(),
-                    right: mean.clone(),
-                    solved: mean,
-                    start: factor.momentum.clone(),
-                    names: names(motion, "mu", factor),
-                });
-            }
-            for (f, (factor, motion)) in system.factors.iter().zip(motions).enumerate() {
-                let in_units = |of: &Vector<'a>| Vector(slice(of, f)).scale(motion.unit.recip());
-                let right = in_units(&gradient);
-                equations.push(Equation {
-                    unknown: motion.x.clone(),
-                    blocks: factor.algebra.group.blocks(),
-                    left: motion.x.clone(),
-                    right: right.clone(),
-                    solved: right,
-                    start: in_units(&velocity),
-                    names: names(motion, motion.name, factor),
-                });
-            }
-            return equations;
+        let right = Vector::concat(set.iter().map(|&factor| &arrivals[factor].scaled_mean));
+        let names: Vec<String> =
+            motions().flat_map(|motion| motion.names.components(motion.names.unknown())).collect();
+        let rows: Vec<usize> = set.iter().flat_map(|&factor| self.system.momentum_range(factor)).collect();
+        let solved = inertia.block(&rows).solve_symmetric(&per(&right)).scale(self.step);
+        let left = times(&of_set(momenta));
+        for (left, name) in left.iter().zip(&names) {
+            left.named(format!("inertia_{name}"));
         }
-    };
-    blocks(system)
-        .into_iter()
-        .map(|block| {
-            let rows: Vec<usize> = block
-                .iter()
-                .flat_map(|&f| offsets[f]..offsets[f] + system.factors[f].momentum.len())
-                .collect();
-            let right = collect(&block, &|f| rights[f].0.clone());
-            let names: Vec<String> =
-                block.iter().flat_map(|&f| names(&motions[f], motions[f].name, &system.factors[f])).collect();
-            let left = collect(&block, &|f| slice(momentum_mean, f));
-            let units = collect(&block, &|f| vec![motions[f].unit; motions[f].x.len()]);
-            let times =
-                |of: &Vector<'a>| Vector(of.iter().zip(units.iter()).map(|(x, unit)| x * unit).collect());
-            let per =
-                |of: &Vector<'a>| Vector(of.iter().zip(units.iter()).map(|(x, unit)| x / unit).collect());
-            let start = collect(&block, &|f| slice(&velocity, f));
-            let solved = inertia.block(&rows).solve_symmetric(&per(&right)).scale(t);
-            let left = times(&left);
-            for (left, name) in left.iter().zip(&names) {
-                left.named(format!("inertia_{name}"));
-            }
-            Equation {
-                unknown: collect(&block, &|f| motions[f].x.0.clone()),
-                blocks: block.iter().flat_map(|&f| system.factors[f].algebra.group.blocks()).collect(),
-                left,
-                solved: per(&solved),
-                right,
-                start: per(&start),
-                names,
-            }
-        })
-        .collect()
+        Equation {
+            unknown: Vector::concat(motions().map(|motion| &motion.x)),
+            blocks: motions().flat_map(|motion| motion.factor.algebra.group.blocks()).collect(),
+            left,
+            solved: per(&solved),
+            right,
+            start: per(&of_set(start)),
+            names,
+        }
+    }
 }
 
-/// The factors, together with those that share a field of inertia with them.
-fn blocks(system: &System<'_>) -> Vec<Vec<usize>> {
-    let mut blocks: Vec<Vec<usize>> = Vec::new();
+/// The factors in sets that fields of inertia couple.
+fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
+    let mut sets: Vec<Vec<usize>> = Vec::new();
     for factor in 0..system.factors.len() {
-        if blocks.iter().any(|block| block.contains(&factor)) {
+        if sets.iter().any(|set| set.contains(&factor)) {
             continue;
         }
         let shared = system.inertias.iter().filter(|field| field.factors.contains(&factor));
-        let mut block: Vec<usize> = shared.flat_map(|field| field.factors.clone()).collect();
-        block.sort_unstable();
-        block.dedup();
-        blocks.push(block);
+        let mut set: Vec<usize> = shared.flat_map(|field| field.factors.clone()).collect();
+        set.sort_unstable();
+        set.dedup();
+        sets.push(set);
     }
-    blocks
+    sets
 }
 
-/// The next state in the order of storage.
-fn in_order<'a>(system: &System<'a>, nexts: &[(&Factor<'a>, Vector<'a>, Element<'a>)]) -> Vector<'a> {
-    let mut values: Vec<(Symbol, Expr<'a>)> = Vec::new();
-    for (factor, g, m) in nexts {
-        values.extend(factor.configuration.symbols().into_iter().zip(g.iter()));
-        values.extend(factor.momentum.symbols().into_iter().zip(m.base.iter()));
-        for (advected, next) in factor.advected.iter().zip(&m.spaces) {
-            values.extend(advected.value.symbols().into_iter().zip(next.iter()));
-        }
+/// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
+fn bounded(system: &System<'_>, increments: &[Vec<Increment<'_>>]) -> Vec<bool> {
+    let mut bounded = Vec::new();
+    for slot in system.slots() {
+        let length = slot.of(&system.state()).len();
+        let rotation = match slot {
+            Slot::Configuration(factor) => {
+                let mut by = increments[factor].iter().flat_map(|increment| increment.by.iter());
+                let unknown = by.all(|x| x.stage() >= Stage::Iteration);
+                if unknown { system.factors[factor].algebra.group.unit_coordinates() } else { 0 }
+            }
+            Slot::Momentum(_) | Slot::Advected { .. } => 0,
+        };
+        bounded.extend((0..length).map(|i| i < rotation));
     }
-    let next = |symbol: Symbol| values.iter().find(|(known, _)| *known == symbol).map(|&(_, value)| value);
-    Vector(system.state_symbols().into_iter().filter_map(next).collect())
+    bounded
 }

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! and the next state by what this makes of it. Configurations change by elements of the algebra, `g exp(δ)`, whatever they are stored as;
-//! their part of the next state follows from the turns of the step, not from its stored coordinates, so that no normalization is
+//! their part of the next state follows from the increments of the step, not from its stored coordinates, so that no normalization is
 //! differentiated:
 //!
 //! ```text
@@ -15,48 +15,14 @@
 //! τ(x) g:  δ' = δ + Ad_{g⁻¹} dL τ_x δx
 //! ```
 //!
-//! So does that of advected parameters, which these turns carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
+//! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
-use super::Step;
+use super::{Increment, Step};
+use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
-use crate::group::{Group, Retraction, d_right, placeholders};
-use crate::model::{Advected, Factor, Side, System, plain};
-
-/// Which derivatives of a step are wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Derivatives {
-    /// The matrix with respect to the state.
-    pub state: bool,
-    /// The matrix with respect to the controls.
-    pub controls: bool,
-    /// The matrix with respect to the parameters.
-    pub parameters: bool,
-    /// The product with a perturbation of all three.
-    pub tangent: bool,
-    /// The transposed product.
-    pub adjoint: bool,
-}
-
-impl Derivatives {
-    /// All of them.
-    pub const ALL: Self =
-        Self { state: true, controls: true, parameters: true, tangent: true, adjoint: true };
-
-    /// Whether there is anything to derive.
-    pub fn any(self) -> bool {
-        self != Self::default()
-    }
-
-    /// Whether the controls have a part in any of them.
-    fn of_controls(self) -> bool {
-        self.controls || self.tangent || self.adjoint
-    }
-
-    /// Whether the parameters have a part in any of them.
-    fn of_parameters(self) -> bool {
-        self.parameters || self.tangent || self.adjoint
-    }
-}
+use crate::group::{Retraction, Side, d_left, stored_perturbation, to_body};
+use crate::identifiers::plain;
+use crate::model::{FactorPart, Slot, System};
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
 pub struct Linearization<'a> {
@@ -85,47 +51,19 @@ impl<'a> Linearization<'a> {
         step: &Step<'a>,
         wanted: Derivatives,
     ) -> Self {
-        let perturbation = |of: String| arena.symbol(format!("d_{of}"), Stage::Perturbation);
-        let perturbations = |symbols: &[Symbol]| {
-            Vector(symbols.iter().map(|&symbol| perturbation(arena.symbol_info(symbol).name)).collect())
-        };
-        let rows: Vec<Row<'_, 'a>> = rows(system);
-        let state = rows.iter().flat_map(|row| match row {
-            Row::Configuration(_, factor) => {
-                let axes = factor.algebra.group.axes().iter();
-                axes.map(|axis| perturbation(format!("{}_{axis}", plain(&factor.name)))).collect()
-            }
-            Row::Momentum(symbols) => perturbations(symbols).0,
-            Row::Advected(_, factor, place) => perturbations(&factor.advected[*place].value.symbols()).0,
-        });
-        let state = Vector(state.collect());
+        let state = state_perturbations(arena, system);
         let controls = if wanted.of_controls() { system.control_symbols() } else { Vec::new() };
-        let control = perturbations(&controls);
+        let control = perturbations(arena, &controls);
         let fields = if wanted.of_parameters() { system.field_symbols() } else { Vec::new() };
-        let parameters = perturbations(&fields);
-
-        let mut direction: Vec<(Symbol, Expr<'a>)> = Vec::new();
-        let mut starts = state.0.clone().into_iter();
-        for row in &rows {
-            let perturbation = Vector(starts.by_ref().take(row.len()).collect());
-            match row {
-                Row::Configuration(_, factor) => {
-                    let stored = tangent(factor.algebra.group, &factor.configuration, &perturbation);
-                    direction.extend(factor.configuration.symbols().into_iter().zip(stored.iter()));
-                }
-                Row::Momentum(symbols) => direction.extend(symbols.iter().copied().zip(perturbation.iter())),
-                Row::Advected(_, factor, place) => {
-                    direction
-                        .extend(factor.advected[*place].value.symbols().into_iter().zip(perturbation.iter()));
-                }
-            }
-        }
+        let parameters = perturbations(arena, &fields);
+        let perturbed = system.split_tangent(&state);
+        let mut direction = state_direction(system, &perturbed);
         direction.extend(controls.into_iter().zip(control.iter()));
         direction.extend(fields.into_iter().zip(parameters.iter()));
 
-        // what the unknown does
+        // the implicit function theorem
         let symbols = step.unknown.symbols();
-        let unknown = perturbations(&symbols);
+        let unknown = perturbations(arena, &symbols);
         let residual = &step.left - &step.right;
         let mut explicit = Derivative::along(arena, &direction);
         let shift = residual.map(|component| -explicit.of(component)).hold();
@@ -138,68 +76,118 @@ impl<'a> Linearization<'a> {
             let perturbation = total.of(left);
             total.know(right, perturbation);
         }
-        let mut along = |vector: &Vector<'a>| vector.map(|component| total.of(component));
-        let stored = system.state_symbols();
-        let mut partial = Vec::new();
-        let mut starts = state.0.clone().into_iter();
-        for row in &rows {
-            let perturbation = Vector(starts.by_ref().take(row.len()).collect());
-            let turned = match row {
-                Row::Configuration(index, factor) => {
-                    let group = factor.algebra.group;
-                    step.turns[*index].iter().fold(perturbation, |perturbation, turn| {
-                        let by = along(&turn.by);
-                        match system.side {
-                            Side::Left => {
-                                let carried = group.bracket(&turn.by, &perturbation);
-                                let carried = d_left(group, retraction, &turn.by, &carried);
-                                &(&perturbation - &carried) + &d_left(group, retraction, &turn.by, &by)
-                            }
-                            Side::Right => {
-                                let inner = d_left(group, retraction, &turn.by, &by);
-                                &perturbation + &to_body(group, &turn.from, &inner)
-                            }
-                        }
-                        .hold()
-                    })
-                }
-                Row::Momentum(symbols) => {
-                    let of = |symbol: &Symbol| stored.iter().position(|known| known == symbol);
-                    let values = symbols.iter().filter_map(of).map(|k| step.next.0[k]);
-                    along(&Vector(values.collect()))
-                }
-                Row::Advected(index, factor, place) => {
-                    let algebra = &factor.algebra;
-                    let sign = arena.number(system.side.sign());
-                    let one = |a: &Vector<'a>| -> Vec<Vector<'a>> {
-                        let none = |other: &Advected<'a>| other.value.scale(arena.zero());
-                        let mut all: Vec<_> = factor.advected.iter().map(none).collect();
-                        all[*place] = a.clone();
-                        all
-                    };
-                    let carry = |x: &Vector<'a>, a: &Vector<'a>| {
-                        let mean = algebra.d_right_dual_spaces(retraction, x, &one(a));
-                        a + &algebra.coadjoint_spaces(x, &mean)[*place]
-                    };
-                    let start = (factor.advected[*place].value.clone(), perturbation);
-                    let turns = step.turns[*index].iter();
-                    let (_, perturbation) = turns.fold(start, |(a, perturbation), turn| {
-                        let x = turn.by.scale(sign);
-                        let turned = d_left(algebra.group, retraction, &x, &along(&turn.by).scale(sign));
-                        let a = carry(&x, &a).hold();
-                        let turned = &algebra.coadjoint_spaces(&turned.hold(), &one(&a))[*place];
-                        let perturbation = &carry(&x, &perturbation) + turned;
-                        (a, perturbation.hold())
-                    });
-                    perturbation
-                }
-            };
-            partial.extend(turned.0);
-        }
-        let partial = Vector(partial);
+        let mut pushforward = Pushforward { system, retraction, step, total };
+        let next = system.slots().into_iter().flat_map(|slot| pushforward.of(slot, slot.of(&perturbed)).0);
+        let partial = Vector(next.collect());
         let found: Vec<_> = unknown.symbols().into_iter().zip(solution.iter()).collect();
         let next = partial.substitute(&found);
         Self { unknown, solution, partial, state, control, parameters, next }
+    }
+}
+
+/// Symbols for the perturbations of symbols.
+fn perturbations<'a>(arena: &'a Arena, symbols: &[Symbol]) -> Vector<'a> {
+    let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name);
+    Vector(names.map(|name| perturbation(arena, &name)).collect())
+}
+
+fn perturbation<'a>(arena: &'a Arena, of: &str) -> Expr<'a> {
+    arena.symbol(format!("d_{of}"), Stage::Perturbation)
+}
+
+/// Symbols for the perturbation of the state: of configurations elements of the algebra.
+fn state_perturbations<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
+    let state = system.state();
+    let of = |slot: Slot| match slot {
+        Slot::Configuration(factor) => {
+            let factor = &system.factors[factor];
+            let axes = factor.algebra.group.axes().iter();
+            let names = axes.map(|axis| format!("{}_{axis}", plain(&factor.name)));
+            names.map(|name| perturbation(arena, &name)).collect()
+        }
+        Slot::Momentum(_) | Slot::Advected { .. } => perturbations(arena, &slot.of(&state).symbols()).0,
+    };
+    Vector(system.slots().into_iter().flat_map(of).collect())
+}
+
+/// The perturbation of every symbol of the state, stored coordinates of configurations included.
+fn state_direction<'a>(system: &System<'a>, perturbed: &[FactorPart<'a>]) -> Vec<(Symbol, Expr<'a>)> {
+    let state = system.state();
+    let of = |slot: Slot| {
+        let change = match slot {
+            Slot::Configuration(factor) => {
+                let factor = &system.factors[factor];
+                stored_perturbation(factor.algebra.group, &factor.configuration, slot.of(perturbed))
+            }
+            Slot::Momentum(_) | Slot::Advected { .. } => slot.of(perturbed).clone(),
+        };
+        slot.of(&state).symbols().into_iter().zip(change.0)
+    };
+    system.slots().into_iter().flat_map(of).collect()
+}
+
+/// What a step makes of a perturbation.
+struct Pushforward<'s, 'a> {
+    system: &'s System<'a>,
+    retraction: Retraction,
+    step: &'s Step<'a>,
+    /// The derivative along the perturbations of state, controls, parameters and unknown.
+    total: Derivative<'a>,
+}
+
+impl<'a> Pushforward<'_, 'a> {
+    /// The perturbation of a part of the next state, from that of the same part of the state.
+    fn of(&mut self, slot: Slot, perturbation: &Vector<'a>) -> Vector<'a> {
+        match slot {
+            Slot::Configuration(factor) => self.configuration(factor, perturbation.clone()),
+            Slot::Momentum(factor) => {
+                let next = self.system.split_state(&self.step.next);
+                self.along(&next[factor].momentum)
+            }
+            Slot::Advected { factor, place } => self.advected(factor, place, perturbation.clone()),
+        }
+    }
+
+    fn along(&mut self, vector: &Vector<'a>) -> Vector<'a> {
+        vector.map(|component| self.total.of(component))
+    }
+
+    /// `δ' = δ − dL τ_x [x, δ] + dL τ_x δx`, or `δ + Ad_{g⁻¹} dL τ_x δx`, for one increment after the other.
+    fn configuration(&mut self, factor: usize, perturbation: Vector<'a>) -> Vector<'a> {
+        let (group, retraction) = (self.system.factors[factor].algebra.group, self.retraction);
+        let increments = self.step.increments[factor].iter();
+        increments.fold(perturbation, |perturbation, Increment { from: g, by: x }| {
+            let dx = self.along(x);
+            let next = match self.system.side {
+                Side::Left => {
+                    let carried = d_left(group, retraction, x, &group.bracket(x, &perturbation));
+                    &(&perturbation - &carried) + &d_left(group, retraction, x, &dx)
+                }
+                Side::Right => {
+                    let inner = d_left(group, retraction, x, &dx);
+                    &perturbation + &to_body(group, g, &inner)
+                }
+            };
+            next.hold()
+        })
+    }
+
+    /// `δa' = Ad*_{τ(x)} δa + ad*_ω a'` with `a' = Ad*_{τ(x)} a`, `ω = dL τ_x δx`, for one increment after the other.
+    fn advected(&mut self, factor: usize, space: usize, perturbation: Vector<'a>) -> Vector<'a> {
+        let (increments, retraction) = (self.step.increments[factor].iter(), self.retraction);
+        let factor = &self.system.factors[factor];
+        let algebra = &factor.algebra;
+        let sign = self.step.h.arena().number(self.system.side.sign());
+        let start = (factor.advected[space].value.clone(), perturbation);
+        let (_, perturbation) = increments.fold(start, |(a, perturbation), increment| {
+            let x = increment.by.scale(sign);
+            let omega = d_left(algebra.group, retraction, &x, &self.along(&increment.by).scale(sign));
+            let a = algebra.carry(space, retraction, &x, &a).hold();
+            let bracket = algebra.coadjoint_space(space, &omega.hold(), &a);
+            let carried = algebra.carry(space, retraction, &x, &perturbation);
+            (a, (&carried + &bracket).hold())
+        });
+        perturbation
     }
 }
 
@@ -274,58 +262,4 @@ impl<'a> Linearization<'a> {
             ],
         }
     }
-}
-
-/// A part of the state, in the order of storage.
-enum Row<'s, 'a> {
-    /// The configuration of a factor, the so-and-so-many-th.
-    Configuration(usize, &'s Factor<'a>),
-    /// Its momentum.
-    Momentum(Vec<Symbol>),
-    /// One of its advected parameters.
-    Advected(usize, &'s Factor<'a>, usize),
-}
-
-impl Row<'_, '_> {
-    /// How many numbers its perturbation has.
-    fn len(&self) -> usize {
-        match self {
-            Self::Configuration(_, factor) => factor.algebra.group.dimension(),
-            Self::Momentum(symbols) => symbols.len(),
-            Self::Advected(_, factor, place) => factor.advected[*place].value.len(),
-        }
-    }
-}
-
-fn rows<'s, 'a>(system: &'s System<'a>) -> Vec<Row<'s, 'a>> {
-    let factors = system.factors.iter().enumerate();
-    let of_factors = factors.flat_map(|(index, factor)| {
-        [Row::Configuration(index, factor), Row::Momentum(factor.momentum.symbols())]
-    });
-    let advected = system.advected_places().map(|(factor, place)| {
-        let index = system.factors.iter().position(|other| std::ptr::eq(other, factor));
-        // it is one of them
-        Row::Advected(index.unwrap_or_default(), factor, place)
-    });
-    of_factors.chain(advected).collect()
-}
-
-/// `dL τ_x y = dR τ_{−x} y`
-fn d_left<'a>(group: &dyn Group, retraction: Retraction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-    d_right(group, retraction, &-x, y)
-}
-
-/// The perturbation of the stored coordinates where `g` becomes `g exp(δ)`.
-fn tangent<'a>(group: &dyn Group, g: &Vector<'a>, perturbation: &Vector<'a>) -> Vector<'a> {
-    let arena = g.0[0].arena();
-    let delta = placeholders(arena, "d", perturbation.len());
-    let moved = group.compose(g, &group.retract(Retraction::Exponential, &delta));
-    let zero: Vec<_> = delta.symbols().into_iter().map(|symbol| (symbol, arena.zero())).collect();
-    moved.derivative_along(&delta.symbols(), perturbation).substitute(&zero)
-}
-
-/// `Ad_{g⁻¹} x`, from its dual.
-fn to_body<'a>(group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
-    let m = placeholders(g.0[0].arena(), "m", x.len());
-    gradient(group.to_space(g, &m).dot(x), &m.symbols())
 }

@@ -6,13 +6,14 @@ use proc_macro2::Ident;
 use quote::format_ident;
 
 use super::{
-    Advected, Factor, ForceSource, Hamiltonian, InertiaField, InertiaShape, Parameter, Part, Role, Side,
-    Sources, StoredAs, System, plain, suffixes, velocity_name,
+    Advected, Factor, ForceSource, Hamiltonian, InertiaField, InertiaShape, Parameter, Part, Role, Sources,
+    StoredAs, System, suffixes,
 };
 use crate::check;
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Matrix, Stage, Symbol, Vector};
-use crate::group::{Group, Representation, Semidirect};
+use crate::group::{Group, Representation, Semidirect, Side};
+use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, lower_scalar, lower_vector};
 use crate::parse::{Attribute, Inertia, Item};
 

@@ -8,10 +8,10 @@ use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
 
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
+use crate::derivatives::Derivatives;
 use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::Retraction;
-use crate::method::linearization::Derivatives;
-use crate::method::{Member, Rule};
+use crate::scheme::{Member, Rule};
 
 /// A key of the attribute: how it is called and how it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -9,7 +9,7 @@ mod text;
 pub use operations::Operations;
 
 use crate::expr::{Function as Elementary, Number};
-use crate::method::Scheme;
+use crate::scheme::Scheme;
 
 /// A value with a name, within one [`Module`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

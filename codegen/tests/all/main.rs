@@ -1,7 +1,10 @@
 //! The tests of the generator from outside, in one binary: it is linked once.
 
 mod description;
+mod linear;
 mod meaning;
+mod modules;
 mod problems;
 mod program;
 mod soup;
+mod steps;

@@ -348,3 +348,61 @@ impl<'s> SemidirectMatrices<'s> {
         Matrix::of_linear(m.len(), |x| self.infinitesimal_coadjoint(x, m))
     }
 }
+
+/// A direct product of semidirect products, one for each factor of a system: columns are those of the factors, one below the other.
+pub struct ProductMatrices<'s>(Vec<SemidirectMatrices<'s>>);
+
+impl<'s> ProductMatrices<'s> {
+    /// The product of these.
+    pub fn new(algebras: impl IntoIterator<Item = &'s Semidirect>) -> Self {
+        Self(algebras.into_iter().map(SemidirectMatrices::new).collect())
+    }
+
+    /// What a column has for each factor.
+    pub fn split(&self, column: &Column) -> Vec<Column> {
+        let mut start = 0;
+        let part = |matrices: &SemidirectMatrices<'_>| {
+            start += matrices.dimension();
+            column.part(start - matrices.dimension(), matrices.dimension())
+        };
+        self.0.iter().map(part).collect()
+    }
+
+    /// What a column has for each factor: of the group's algebra, then of each space.
+    pub fn split_all(&self, column: &Column) -> Vec<Vec<Column>> {
+        let parts = self.split(column);
+        self.0.iter().zip(&parts).map(|(matrices, part)| matrices.split(part)).collect()
+    }
+
+    /// A function of two columns, factor by factor.
+    fn each(
+        &self,
+        x: &Column,
+        m: &Column,
+        f: impl Fn(&SemidirectMatrices<'s>, &Column, &Column) -> Column,
+    ) -> Column {
+        let (xs, ms) = (self.split(x), self.split(m));
+        let parts = self.0.iter().zip(xs.iter().zip(&ms)).map(|(matrices, (x, m))| f(matrices, x, m));
+        Column::stack(parts.collect::<Vec<_>>().iter())
+    }
+
+    /// `Ad*_{τ(x)} m`
+    pub fn coadjoint(&self, retraction: Retraction, x: &Column, m: &Column) -> Column {
+        self.each(x, m, |matrices, x, m| matrices.coadjoint(&matrices.retract(retraction, x), m))
+    }
+
+    /// `(dR τ_x)* m`
+    pub fn d_right_dual(&self, retraction: Retraction, x: &Column, m: &Column) -> Column {
+        self.each(x, m, |matrices, x, m| matrices.d_right_dual(retraction, x, m))
+    }
+
+    /// `ad*_x m`
+    pub fn infinitesimal_coadjoint(&self, x: &Column, m: &Column) -> Column {
+        self.each(x, m, SemidirectMatrices::infinitesimal_coadjoint)
+    }
+
+    /// The Poisson tensor `P(m)` of `m' = ad*_{dh} m = P(m) dh`.
+    pub fn poisson_tensor(&self, m: &Column) -> Matrix {
+        Matrix::of_linear(m.len(), |x| self.infinitesimal_coadjoint(x, m))
+    }
+}

@@ -59,10 +59,58 @@ pub fn rigid_bodies() -> Vec<Description> {
     ]
 }
 
+/// Systems with advected vectors on the other groups, and of several factors: of coupled energies, with an inertia for each and with one
+/// that factors share whose unknowns have different scales.
+fn other_tops() -> Vec<Description> {
+    let describe = |name, attribute, item| Description { name, attribute, item };
+    vec![
+        describe(
+            "vane",
+            quote! { group = SO2, advected(wind: R2), potential = wind.dot(&chi) + wind.x * wind.y },
+            quote! { struct Vane { #[inertia] inertia: f64, chi: Vector2<f64> } },
+        ),
+        describe(
+            "plate in the plane",
+            quote! { group = SE2, advected(gamma: R2), potential = gamma.dot(&chi) + gamma.x * gamma.y },
+            quote! { struct Plate { #[inertia] inertia: Matrix3<f64>, chi: Vector2<f64> } },
+        ),
+        describe(
+            "heavy body in a fluid",
+            quote! { group = SE3, advected(gamma: R3), potential = gamma.dot(&chi) + gamma.x * gamma.y },
+            quote! { struct Body { #[inertia] inertia: Matrix6<f64>, chi: Vector3<f64> } },
+        ),
+        describe(
+            "two tops",
+            quote! {
+                group(first: SO3, second: SO3),
+                advected(gamma: second::R3, delta: first::R3, eta: second::R3),
+                potential = gamma.dot(&chi) * delta.dot(&chi) + eta.x * delta.y
+            },
+            quote! {
+                struct Tops {
+                    #[inertia(first)] first_inertia: Vector3<f64>,
+                    #[inertia(second)] second_inertia: Matrix3<f64>,
+                    chi: Vector3<f64>
+                }
+            },
+        ),
+        describe(
+            "spin and top with one inertia",
+            quote! { group(spin: SU2, top: SO3), advected(gamma: R3), potential = gamma.dot(&chi) },
+            quote! { struct Coupled { #[inertia] inertia: Matrix6<f64>, chi: Vector3<f64> } },
+        ),
+    ]
+}
+
+/// Systems that are left-invariant, on every group that acts on a space and on products of groups.
+pub fn left_invariant() -> Vec<Description> {
+    rigid_bodies().into_iter().chain(other_tops()).collect()
+}
+
 /// One system of every kind that a step can be of: groups, sides, couplings, energies, forces, controls and time.
 pub fn all_kinds() -> Vec<Description> {
     let describe = |name, attribute, item| Description { name, attribute, item };
-    let mut all = rigid_bodies();
+    let mut all = left_invariant();
     all.extend([
         describe(
             "driven pendulum with a control",

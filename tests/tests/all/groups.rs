@@ -2,9 +2,8 @@
 
 use coadjoint_codegen::expr::{Arena, Stage, Vector, gradient};
 use coadjoint_codegen::group::{
-    Element, Group, Named, Representation, Retraction, Semidirect, Translation, catalogue,
+    Element, Group, Named, Representation, Retraction, Semidirect, Side, Translation, catalogue,
 };
-use coadjoint_codegen::model::Side;
 use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization};
 use coadjoint_tests::precise::formula::{Formula, Point, symbols};
 use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
@@ -336,7 +335,7 @@ fn spaces_are_representations() {
     for_each_space(|subject, space, residuals| {
         let (n, v) = (subject.dimension(), space.coordinates().len());
         assert_eq!(space.algebra_dimension(), n);
-        let act = Formula::new(subject.arena, [n, v], |[x, u]| space.act(&x, &u));
+        let act = Formula::new(subject.arena, [n, v], |[x, u]| space.act_infinitesimally(&x, &u));
         let bracket = Formula::new(subject.arena, [n, n], |[x, y]| subject.group.bracket(&x, &y));
         let rho = |x: &Column| Matrix::of_linear(v, |u| act.at([x, u]));
         let random = &mut Random::new(26);
@@ -358,13 +357,13 @@ fn retractions_move_spaces() {
         for retraction in Retraction::ALL {
             let transport = Formula::new(subject.arena, [n, v], |[x, u]| space.transport(retraction, &x, &u));
             let translate = Formula::new(subject.arena, [n, v], |[x, w]| {
-                let Translation { fixed, carried, .. } = space.translation(retraction, &x, &w);
-                let by_x = carried.jacobian(&x.symbols());
+                let Translation { body_part, rotated_part, .. } = space.translation(retraction, &x, &w);
+                let by_x = rotated_part.jacobian(&x.symbols());
                 assert!(
                     by_x.entries.iter().all(|entry| entry.is_zero()),
-                    "what is carried depends on w alone"
+                    "what is rotated depends on w alone"
                 );
-                &fixed + &space.transport(retraction, &x, &carried)
+                &body_part + &space.transport(retraction, &x, &rotated_part)
             });
             for x in subject.points() {
                 let rho = subject.definition.representation(space.name(), &x);
@@ -388,10 +387,10 @@ fn retractions_move_spaces() {
 }
 
 #[test]
-fn elements_turn_spaces_as_retractions_do() {
+fn elements_act_on_spaces_as_retractions_do() {
     for_each_space(|subject, space, residuals| {
         let (n, v) = (subject.coordinates(), space.coordinates().len());
-        let turn = Formula::new(subject.arena, [n, v], |[g, u]| space.turn(&g, &u));
+        let act = Formula::new(subject.arena, [n, v], |[g, u]| space.act(&g, &u));
         for retraction in Retraction::ALL {
             let retract = subject.retract(retraction);
             for x in subject.points() {
@@ -401,7 +400,7 @@ fn elements_turn_spaces_as_retractions_do() {
                     Retraction::Cayley => rho.cayley(),
                 };
                 let g = retract.at([&x]);
-                let closed = Matrix::of_linear(v, |u| turn.at([&g, u]));
+                let closed = Matrix::of_linear(v, |u| act.at([&g, u]));
                 residuals.agree("τ(x) on the space", &closed.entries(), &defined.entries(), EXACT);
             }
         }
@@ -415,14 +414,14 @@ fn a_space_said_to_be_tangent_is_the_algebra_and_moves_by_the_derivative() {
         for retraction in Retraction::ALL {
             let x = symbols(subject.arena, "x", n, Stage::Step);
             let w = symbols(subject.arena, "w", space.coordinates().len(), Stage::Step);
-            if !space.translation(retraction, &x, &w).tangent {
+            if !space.translation(retraction, &x, &w).is_tangent_group {
                 continue;
             }
             assert_eq!(w.len(), n);
-            assert_eq!(space.act(&x, &w), subject.group.bracket(&x, &w), "ρ = ad");
+            assert_eq!(space.act_infinitesimally(&x, &w), subject.group.bracket(&x, &w), "ρ = ad");
             let translate = Formula::new(subject.arena, [n, n], |[x, w]| {
-                let Translation { fixed, carried, .. } = space.translation(retraction, &x, &w);
-                &fixed + &space.transport(retraction, &x, &carried)
+                let Translation { body_part, rotated_part, .. } = space.translation(retraction, &x, &w);
+                &body_part + &space.transport(retraction, &x, &rotated_part)
             });
             let alone = subject.alone();
             for x in subject.points() {

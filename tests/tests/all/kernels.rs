@@ -3,8 +3,9 @@
 use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::kernel::{self, Inputs};
-use coadjoint_codegen::method::{Member, Step, family, step_symbol};
+use coadjoint_codegen::method::{Step, family, step_symbol};
 use coadjoint_codegen::program::{Input, Module, Role};
+use coadjoint_codegen::scheme::Member;
 use coadjoint_tests::precise::descriptions::{random_point, rigid_bodies};
 use coadjoint_tests::precise::formula::Point;
 use coadjoint_tests::precise::interpreter::{Given, Stages, call, stages};
@@ -125,7 +126,7 @@ impl RandomStep {
             right: Vector(right.to_vec()),
             given: Vector(state[STATE - 1..].to_vec()).symbols(),
             domain,
-            turns: Vec::new(),
+            increments: Vec::new(),
             bounded: Vec::new(),
             next: Vector(next.to_vec()),
         };

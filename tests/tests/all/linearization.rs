@@ -1,10 +1,12 @@
 //! The derivative of a step in closed form against differences of the step itself, with 77 digits.
 
+use coadjoint_codegen::derivatives::Derivatives;
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
-use coadjoint_codegen::method::linearization::{Derivatives, Linearization, Matrices};
-use coadjoint_codegen::method::{Member, Rule, Scheme, Step};
-use coadjoint_codegen::model::{Hamiltonian, System};
+use coadjoint_codegen::method::Step;
+use coadjoint_codegen::method::linearization::{Linearization, Matrices};
+use coadjoint_codegen::model::{Hamiltonian, Slot, System};
+use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
 use coadjoint_tests::precise::formula::{Formula, Point};
 use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
@@ -26,15 +28,12 @@ fn moved(group: &dyn Group, g: &Column, x: &Column) -> Column {
 
 /// The parts of a state, in the order of storage: symbols, and the group of those that are a configuration.
 fn parts<'a>(system: &System<'a>) -> Vec<(Vec<Symbol>, Option<&'static dyn Group>)> {
-    let mut parts = Vec::new();
-    for factor in &system.factors {
-        parts.push((factor.configuration.symbols(), Some(factor.algebra.group)));
-        parts.push((factor.momentum.symbols(), None));
-    }
-    for (factor, place) in system.advected_places() {
-        parts.push((factor.advected[place].value.symbols(), None));
-    }
-    parts
+    let state = system.state();
+    let group = |slot| match slot {
+        Slot::Configuration(factor) => Some(system.factors[factor].algebra.group),
+        Slot::Momentum(_) | Slot::Advected { .. } => None,
+    };
+    system.slots().into_iter().map(|slot| (slot.of(&state).symbols(), group(slot))).collect()
 }
 
 /// The state at a point, changed by something in tangent coordinates.
@@ -110,6 +109,11 @@ kinds! {
     heavy_top
     nonlinear_top_with_a_full_inertia
     nonlinear_top_in_two_fields
+    vane
+    plate_in_the_plane
+    heavy_body_in_a_fluid
+    two_tops
+    spin_and_top_with_one_inertia
     driven_pendulum_with_a_control
     quadrotor
     coupled_bodies

@@ -59,7 +59,7 @@ impl<'a> Element<'a> {
     fn turned(&self, vector: &Vector<'a>) -> Option<Vector<'a>> {
         let mut spaces = self.group.representations().iter();
         let space = spaces.find(|space| space.coordinates().len() == vector.len())?;
-        Some(space.turn(&self.coordinates, vector))
+        Some(space.act(&self.coordinates, vector))
     }
 
     /// `g v` or `g h`

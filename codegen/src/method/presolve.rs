@@ -1,4 +1,4 @@
-//! Which unknowns of a step's equations need no iteration.
+//! Presolving: which unknowns of a step's equations need no iteration.
 //!
 //! An equation `left(x) = right(x)` whose right side does not depend on its own unknown is solved by what it says: the step is
 //! explicit in that unknown. One that is linear in it is solved by elimination, in closed form. What is found is put into the
@@ -25,15 +25,15 @@ pub struct Equation<'a> {
 }
 
 /// What is left to iterate on, and the unknowns that are not.
-pub struct Eliminated<'a> {
+pub struct Presolved<'a> {
     /// The equations left.
     pub equations: Vec<Equation<'a>>,
     /// Values of the unknowns found, as functions of those left.
     pub found: Vec<(Symbol, Expr<'a>)>,
 }
 
-/// Solves for what can be solved for.
-pub fn eliminate(mut equations: Vec<Equation<'_>>) -> Eliminated<'_> {
+/// Solves for what can be solved for without iteration.
+pub fn presolve(mut equations: Vec<Equation<'_>>) -> Presolved<'_> {
     let mut found: Vec<(Symbol, Expr<'_>)> = Vec::new();
     loop {
         let all: Vec<Symbol> = equations.iter().flat_map(|equation| equation.unknown.symbols()).collect();
@@ -41,7 +41,7 @@ pub fn eliminate(mut equations: Vec<Equation<'_>>) -> Eliminated<'_> {
         let solution = solution.or_else(|| {
             equations.iter().enumerate().find_map(|(i, equation)| Some((i, equation.linear(&all)?)))
         });
-        let Some((i, values)) = solution else { return Eliminated { equations, found } };
+        let Some((i, values)) = solution else { return Presolved { equations, found } };
         let equation = equations.remove(i);
         let values =
             values.0.iter().zip(&equation.names).map(|(value, name)| value.hold().named(name.clone()));

@@ -1,0 +1,75 @@
+//! What follows from a group's closed forms by differentiation.
+
+use super::{Group, Retraction, Side};
+use crate::expr::{Arena, Expr, Stage, Symbol, Vector, gradient};
+
+/// `g τ(δ)`, or `τ(δ) g` as `side` says, for differentiation at `δ = 0`, where every `τ` has the same derivative.
+struct Neighbourhood<'a> {
+    /// The symbols of `δ`.
+    delta: Vec<Symbol>,
+    /// The stored coordinates.
+    element: Vector<'a>,
+    /// `δ = 0`
+    centre: Vec<(Symbol, Expr<'a>)>,
+}
+
+impl<'a> Neighbourhood<'a> {
+    fn new(group: &dyn Group, side: Side, g: &Vector<'a>) -> Self {
+        let arena = g.0[0].arena();
+        let delta = placeholders(arena, "d", group.dimension());
+        let element = side.compose(group, g, &group.retract(Retraction::Exponential, &delta));
+        let delta = delta.symbols();
+        let centre = delta.iter().map(|&symbol| (symbol, arena.zero())).collect();
+        Self { delta, element, centre }
+    }
+}
+
+/// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as
+/// `side` says: an element of the dual of the algebra, the same for every `τ`.
+pub(crate) fn trivialized_gradient<'a>(
+    group: &dyn Group,
+    side: Side,
+    g: &Vector<'a>,
+    df: &Vector<'a>,
+) -> Vector<'a> {
+    let near = Neighbourhood::new(group, side, g);
+    gradient(df.dot(&near.element), &near.delta).substitute(&near.centre)
+}
+
+/// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`.
+pub(crate) fn stored_perturbation<'a>(group: &dyn Group, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+    let near = Neighbourhood::new(group, Side::Left, g);
+    near.element.derivative_along(&near.delta, delta).substitute(&near.centre)
+}
+
+/// `dR τ_x y`, from its dual.
+pub(crate) fn d_right<'a>(
+    group: &dyn Group,
+    retraction: Retraction,
+    x: &Vector<'a>,
+    y: &Vector<'a>,
+) -> Vector<'a> {
+    let m = placeholders(y.0[0].arena(), "m", y.len());
+    gradient(group.d_right_dual(retraction, x, &m).dot(y), &m.symbols())
+}
+
+/// `dL τ_x y = dR τ_{−x} y`
+pub(crate) fn d_left<'a>(
+    group: &dyn Group,
+    retraction: Retraction,
+    x: &Vector<'a>,
+    y: &Vector<'a>,
+) -> Vector<'a> {
+    d_right(group, retraction, &-x, y)
+}
+
+/// `Ad_{g⁻¹} x`, from its dual.
+pub(crate) fn to_body<'a>(group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
+    let m = placeholders(g.0[0].arena(), "m", x.len());
+    gradient(group.to_space(g, &m).dot(x), &m.symbols())
+}
+
+/// Symbols to differentiate by, when a formula's argument is not itself a symbol.
+pub(crate) fn placeholders<'a>(arena: &'a Arena, name: &str, dimension: usize) -> Vector<'a> {
+    Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Iteration)).collect())
+}

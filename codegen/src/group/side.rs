@@ -1,0 +1,40 @@
+//! On which side a group acts.
+
+use super::Group;
+use crate::expr::Vector;
+
+/// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// In the body: `g' = g ξ`, for left-invariant energies.
+    Left,
+    /// In space: `g' = ξ g`, for right-invariant energies.
+    Right,
+}
+
+impl Side {
+    /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and momentum
+    /// `−μ`, so that in all that is linear in the momentum the velocity changes its sign.
+    pub fn sign(self) -> i64 {
+        match self {
+            Self::Left => 1,
+            Self::Right => -1,
+        }
+    }
+
+    /// `g x` or `x g`
+    pub fn compose<'a>(self, group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
+        match self {
+            Self::Left => group.compose(g, x),
+            Self::Right => group.compose(x, g),
+        }
+    }
+
+    /// `in body coordinates` or `in space coordinates`
+    pub fn coordinates(self) -> &'static str {
+        match self {
+            Self::Left => "in body coordinates",
+            Self::Right => "in space coordinates",
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! The parts of the state, and the controls, as fields of generated structs.
+
+use proc_macro2::Ident;
+
+use super::{Factor, Slot, System};
+use crate::expr::{Symbol, Vector};
+use crate::group::Side;
+use crate::parse::Shape;
+
+/// What a quantity is to its system, by the names of the runtime's `Role`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A field of the user's struct.
+    Parameter,
+    /// A factor's configuration.
+    Configuration,
+    /// A factor's momentum.
+    Momentum,
+    /// An advected parameter.
+    Advected,
+    /// A control.
+    Control,
+}
+
+/// A part of the state, or a control: one field of a generated struct.
+pub struct Part<'a> {
+    /// What it is to the system.
+    pub role: Role,
+    /// Its name.
+    pub name: Ident,
+    /// What it is stored as.
+    pub stored: StoredAs,
+    /// What the components' names add to its own.
+    pub suffixes: Vec<String>,
+    /// Its components' symbols.
+    pub symbols: Vec<Symbol>,
+    /// Its components.
+    pub value: Vector<'a>,
+    /// The first line of its documentation.
+    pub doc: String,
+}
+
+/// What a part is stored as.
+#[derive(Clone, Copy, Debug)]
+pub enum StoredAs {
+    /// A type of nalgebra's, generic over the scalar.
+    Named(&'static str),
+    /// A scalar, vector or matrix.
+    Shape(Shape),
+}
+
+impl<'a> System<'a> {
+    /// The parts of the state in the order of storage.
+    pub fn parts(&self) -> Vec<Part<'a>> {
+        let part = |slot| match slot {
+            Slot::Configuration(factor) => self.factors[factor].configuration_part(),
+            Slot::Momentum(factor) => self.factors[factor].momentum_part(self.side),
+            Slot::Advected { factor, place } => self.factors[factor].advected_part(place, self.side),
+        };
+        self.slots().into_iter().map(part).collect()
+    }
+}
+
+impl<'a> Factor<'a> {
+    fn configuration_part(&self) -> Part<'a> {
+        let group = self.algebra.group;
+        let doc = if group.is_linear() { "Position." } else { "From body to space coordinates." };
+        Part {
+            role: Role::Configuration,
+            name: self.name.clone(),
+            stored: StoredAs::Named(group.configuration_type()),
+            suffixes: owned(group.coordinates()),
+            symbols: self.configuration.symbols(),
+            value: self.configuration.clone(),
+            doc: doc.to_owned(),
+        }
+    }
+
+    fn momentum_part(&self, side: Side) -> Part<'a> {
+        let group = self.algebra.group;
+        Part {
+            role: Role::Momentum,
+            name: self.momentum_name.clone(),
+            stored: StoredAs::Named(group.momentum_type()),
+            suffixes: owned(group.axes()),
+            symbols: self.momentum.symbols(),
+            value: self.momentum.clone(),
+            doc: if group.is_linear() {
+                "Momentum.".to_owned()
+            } else {
+                format!("Momentum, {}.", side.coordinates())
+            },
+        }
+    }
+
+    fn advected_part(&self, place: usize, side: Side) -> Part<'a> {
+        let (space, advected) = (self.algebra.spaces[place], &self.advected[place]);
+        let seen = match side {
+            Side::Left => "fixed in space, seen in body coordinates",
+            Side::Right => "fixed in the body, seen in space",
+        };
+        Part {
+            role: Role::Advected,
+            name: advected.ident.clone(),
+            stored: StoredAs::Named(space.type_name()),
+            suffixes: owned(space.coordinates()),
+            symbols: advected.value.symbols(),
+            value: advected.value.clone(),
+            doc: format!("Advected parameter `{}`, {seen}.", advected.name),
+        }
+    }
+}
+
+fn owned(suffixes: &[&str]) -> Vec<String> {
+    suffixes.iter().map(|&suffix| suffix.to_owned()).collect()
+}
