@@ -4,24 +4,85 @@ use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Stage, Vector};
 use crate::geometry;
 use crate::group::{Retraction, Side};
+use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::method::linearization::Linearization;
-use crate::model::System;
-use crate::program::{Input, Module, Program, Role, StepProgram};
+use crate::model::Role as QuantityRole;
+use crate::model::{Factor, InertiaField, InertiaShape, Parameter, Part, StoredAs, System};
+use crate::program::{
+    Documentation, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
+};
 use crate::scheme::Scheme;
 
 /// What is computed for a system, but for its steps.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {
     let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system)];
     Program {
+        interface: interface(system),
         functions: functions.into_iter().flatten().collect(),
+        steps: Vec::new(),
+    }
+}
+
+/// What is to be seen of a system from outside.
+fn interface(system: &System<'_>) -> Interface {
+    let part = |part: &Part<'_>| Quantity {
+        role: part.role,
+        name: plain(&part.name),
+        components: part.suffixes.clone(),
+        stored: part.stored,
+        perturbation: match part.role {
+            QuantityRole::Configuration => {
+                let factor = system.factors.iter().find(|factor| factor.name == part.name);
+                factor.map_or(0, |factor| factor.momentum.len())
+            }
+            _ => part.symbols.len(),
+        },
+        doc: part.doc.clone(),
+    };
+    let field = |field: &Parameter| Quantity {
+        role: QuantityRole::Parameter,
+        name: plain(&field.name),
+        components: field.suffixes(),
+        stored: StoredAs::Shape(field.shape),
+        perturbation: field.symbols.len(),
+        doc: field.doc.clone(),
+    };
+    let inertia = |inertia: &InertiaField<'_>| Inertia {
+        name: plain(&inertia.name),
+        is_matrix: inertia.shape == InertiaShape::Matrix,
+        rows: inertia.matrix.rows,
+    };
+    Interface {
+        parameters: system.parameters.iter().map(field).collect(),
+        constants: system.constants.len(),
+        state: system.parts().iter().map(part).collect(),
+        controls: system.controls.iter().map(part).collect(),
+        inertias: system.inertias.iter().map(inertia).collect(),
         casimirs: system.casimirs().into_iter().map(|(name, _)| name).collect(),
         dimension: system.dimension(),
         is_autonomous: system.is_autonomous(),
         is_left_invariant: system.is_left_invariant(),
         is_forced: system.factors.iter().any(|factor| factor.force.is_some()),
-        steps: Vec::new(),
+        documentation: Documentation {
+            coordinates: system.side.coordinates(),
+            equations: system.equations(),
+            conventions: conventions(system),
+        },
     }
+}
+
+/// The conventions of each group, once.
+fn conventions(system: &System<'_>) -> Vec<String> {
+    let mut conventions: Vec<String> = Vec::new();
+    for factor in &system.factors {
+        let group = factor.algebra.group;
+        let line = format!("Conventions of {}: {}.", group.name(), group.conventions());
+        if !conventions.contains(&line) {
+            conventions.push(line);
+        }
+    }
+    conventions
 }
 
 /// The step of one scheme, and its derivative as far as it is wanted. The arena is to be its own: what is computed, and in which order, then
@@ -63,7 +124,7 @@ fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
 
 /// The momenta in space coordinates.
 fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
-    let of = |factor: &crate::model::Factor<'a>| match system.side {
+    let of = |factor: &Factor<'a>| match system.side {
         Side::Left => factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0,
         Side::Right => factor.momentum.0.clone(),
     };
@@ -72,7 +133,7 @@ fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
 
 /// What shows that inertias are positive definite.
 fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
-    let pivots = |(place, inertia): (usize, &crate::model::InertiaField<'a>)| {
+    let pivots = |(place, inertia): (usize, &InertiaField<'a>)| {
         let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());
         kernel::function(arena, Role::Pivots(place), &inertia.matrix.ldl().1, inputs)
     };

@@ -82,8 +82,9 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     }
 
     let scalar = item.scalar().name();
-    let names = Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref());
-    Some(emit::expansion(&system, program, &item.declaration, &names, wanted))
+    let names =
+        Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref(), &system);
+    Some(emit::expansion(&program, &system, &item.declaration, &names, wanted))
 }
 
 /// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its

@@ -16,6 +16,7 @@ use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
 use crate::group::{Element, EquationNames, Named, Semidirect, Side, trivialized_gradient};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::Constant;
+use crate::parse::Shape;
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
@@ -125,6 +126,8 @@ pub struct ForceSource {
 pub struct Parameter {
     /// Its name.
     pub name: Ident,
+    /// What it is stored as.
+    pub shape: Shape,
     /// The first line of its documentation.
     pub doc: String,
     /// Its components' symbols.
@@ -167,11 +170,6 @@ impl<'a> System<'a> {
     /// The dimension of the configuration.
     pub fn dimension(&self) -> usize {
         self.factors.iter().map(|factor| factor.algebra.group.dimension()).sum()
-    }
-
-    /// How many components the advected parameters have together.
-    pub fn advected_length(&self) -> usize {
-        self.factors.iter().flat_map(|factor| &factor.advected).map(|advected| advected.value.len()).sum()
     }
 
     /// The fields' symbols.

@@ -11,13 +11,16 @@ mod state;
 mod system;
 mod tangents;
 
+use std::collections::BTreeMap;
+
 use proc_macro2::{Ident, TokenStream};
-use quote::{format_ident, quote};
+use quote::{ToTokens, format_ident, quote};
 
 use crate::derivatives::Derivatives;
 use crate::diagnostics::list;
-use crate::model::{Role as QuantityRole, System};
-use crate::program::{Input, Program, Role, StepProgram};
+use crate::identifiers::plain;
+use crate::model::System;
+use crate::program::{Documentation, Input, Interface, Program, Quantity, Role, StepProgram};
 use code::free_function;
 use derivative::Lengths;
 
@@ -37,6 +40,10 @@ pub struct Names {
     pub coadjoint: TokenStream,
     /// The path of what generated code needs of it.
     pub private: TokenStream,
+    /// Constants of the user's own code that stand behind the parameters.
+    pub constants: Vec<TokenStream>,
+    /// What the user calls parameters, parts of the state and controls, at the user's tokens.
+    pub identifiers: BTreeMap<String, Ident>,
 }
 
 impl Names {
@@ -46,6 +53,7 @@ impl Names {
         visibility: syn::Visibility,
         scalar: &str,
         coadjoint: Option<&syn::Path>,
+        source: &System<'_>,
     ) -> Self {
         let coadjoint = coadjoint.map_or_else(|| quote! { ::coadjoint }, |path| quote! { #path });
         let scalar = format_ident!("{scalar}");
@@ -57,8 +65,23 @@ impl Names {
             scalar: quote! { ::core::primitive::#scalar },
             private: quote! { #coadjoint::__private },
             coadjoint,
+            constants: source.constants.iter().map(|constant| constant.tokens.to_token_stream()).collect(),
+            identifiers: identifiers(source),
         }
     }
+
+    /// What the user calls a parameter, a part of the state or a control.
+    fn of(&self, quantity: &Quantity) -> Ident {
+        let known = self.identifiers.get(&quantity.name).cloned();
+        known.unwrap_or_else(|| format_ident!("{}", quantity.name))
+    }
+}
+
+fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
+    let parameters = source.parameters.iter().map(|field| field.name.clone());
+    let parts = source.parts().into_iter().map(|part| part.name);
+    let controls = source.controls.iter().map(|part| part.name.clone());
+    parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident)).collect()
 }
 
 /// What the macro puts in the place of the annotated struct, part by part.
@@ -104,17 +127,18 @@ impl Expansion {
 
 /// Emits everything that was derived for a system.
 pub fn expansion(
-    system: &System<'_>,
-    program: Program,
+    program: &Program,
+    source: &System<'_>,
     item: &syn::ItemStruct,
     names: &Names,
     derivatives: Derivatives,
 ) -> Expansion {
-    let derived = description(system, names, &program.steps);
+    let interface = &program.interface;
+    let derived = description(program, names);
     let lengths = Lengths {
-        state: 2 * program.dimension + system.advected_length(),
-        controls: system.control_symbols().len(),
-        parameters: system.field_symbols().len(),
+        state: interface.state_perturbation(),
+        controls: interface.control_length(),
+        parameters: interface.field_length(),
     };
     let step = |program: &StepProgram| StepExpansion {
         tokens: kernel::kernel(names, program),
@@ -126,12 +150,12 @@ pub fn expansion(
     };
     Expansion {
         declaration: declaration(item, &derived),
-        state: state::state(system, names),
-        expressions: expressions::expressions(system, names),
-        system: system::system(system, &program, names),
-        geometry: geometry::geometry(&program, names),
+        state: state::state(interface, names),
+        expressions: expressions::expressions(source, names),
+        system: system::system(program, names),
+        geometry: geometry::geometry(program, names),
         tangents: if derivatives.any() {
-            tangents::tangents(system, names, derivatives)
+            tangents::tangents(interface, names, derivatives)
         } else {
             quote! {}
         },
@@ -167,35 +191,23 @@ fn declaration(item: &syn::ItemStruct, derived: &TokenStream) -> TokenStream {
 }
 
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.
-fn description(system: &System<'_>, names: &Names, steps: &[StepProgram]) -> TokenStream {
-    let casimirs = system.casimirs();
-    let casimirs =
-        if casimirs.is_empty() { String::new() } else { list(casimirs.iter().map(|(name, _)| name)) };
+fn description(program: &Program, names: &Names) -> TokenStream {
+    let Documentation { coordinates, equations, .. } = &program.interface.documentation;
     let mut lines = vec![
         String::new(),
         "# Derived".to_owned(),
         String::new(),
-        format!("State: [`{}`]. Equations of motion, {}:", names.state, system.side.coordinates()),
+        format!("State: [`{}`]. Equations of motion, {}:", names.state, coordinates),
         String::new(),
         "```text".to_owned(),
     ];
-    lines.extend(system.equations());
+    lines.extend(equations.iter().cloned());
     lines.push("```".to_owned());
     lines.push(String::new());
-    let mut invariants = Vec::new();
-    if !casimirs.is_empty() {
-        invariants.push(format!("{casimirs}, the Casimirs, up to accumulated rounding"));
-    }
-    if system.is_autonomous() {
-        invariants.push("the energy, up to a bounded error of the order of the step".to_owned());
-    }
-    if !invariants.is_empty() {
-        lines.push(format!("Invariants: {}.", invariants.join("; ")));
-        lines.push(String::new());
-    }
+    lines.extend(invariants(&program.interface));
     lines.push("What a step computes, once and for each Newton iteration:".to_owned());
     lines.push(String::new());
-    for step in steps {
+    for step in &program.steps {
         let of = |role| step.module.operations(role);
         let once = of(Role::Begin) + of(Role::Finish);
         let evaluate = step.module.function(Role::Evaluate);
@@ -212,18 +224,28 @@ fn description(system: &System<'_>, names: &Names, steps: &[StepProgram]) -> Tok
     docs::lines(lines)
 }
 
+/// What the motion keeps, as a paragraph; nothing if it keeps nothing that is known.
+fn invariants(interface: &Interface) -> Vec<String> {
+    let Interface { casimirs, is_autonomous, .. } = interface;
+    let mut invariants = Vec::new();
+    if !casimirs.is_empty() {
+        invariants.push(format!("{}, the Casimirs, up to accumulated rounding", list(casimirs)));
+    }
+    if *is_autonomous {
+        invariants.push("the energy, up to a bounded error of the order of the step".to_owned());
+    }
+    match invariants.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("Invariants: {}.", invariants.join("; ")), String::new()],
+    }
+}
+
 /// `Quantity { name: "gamma", role: Role::Advected, components: &["x", "y", "z"], doc: "…" }`
-fn quantity(
-    names: &Names,
-    name: &str,
-    role: QuantityRole,
-    suffixes: &[impl AsRef<str>],
-    doc: &str,
-) -> TokenStream {
+fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
     let private = &names.private;
+    let Quantity { name, role, components, doc, .. } = quantity;
     let role = format_ident!("{role:?}");
-    let suffixes = suffixes.iter().map(AsRef::as_ref);
     quote! {
-        #private::Quantity { name: #name, role: #private::Role::#role, components: &[#(#suffixes),*], doc: #doc }
+        #private::Quantity { name: #name, role: #private::Role::#role, components: &[#(#components),*], doc: #doc }
     }
 }

@@ -6,8 +6,9 @@ use syn::ext::IdentExt;
 
 use super::code::size;
 use super::{Names, docs, quantity};
-use crate::model::{Part, StoredAs, System};
+use crate::model::{Role, StoredAs};
 use crate::parse::Shape;
+use crate::program::{Interface, Quantity};
 
 /// The state of a system, and its controls if it has any:
 ///
@@ -15,24 +16,16 @@ use crate::parse::Shape;
 /// pub struct HeavyTopState { pub attitude: UnitQuaternion<f64>, pub momentum: Vector3<f64>, pub gamma: Vector3<f64> }
 /// impl State for HeavyTopState { … }
 /// ```
-pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
+pub(super) fn state(interface: &Interface, names: &Names) -> TokenStream {
     let Names { state, scalar, .. } = names;
-    let mut conventions: Vec<String> = Vec::new();
-    for factor in &system.factors {
-        let group = factor.algebra.group;
-        let line = format!("Conventions of {}: {}.", group.name(), group.conventions());
-        if !conventions.contains(&line) {
-            conventions.push(line);
-        }
-    }
     let mut lines = vec![
         format!("The state of a [`{}`]: configuration, momentum and advected parameters.", names.system),
         String::new(),
     ];
-    lines.extend(conventions);
-    let parts = system.parts();
-    let deviations = system.factors.iter().map(|factor| {
-        let (name, size) = (&factor.name, size(factor.configuration.len()));
+    lines.extend(interface.documentation.conventions.iter().cloned());
+    let configurations = interface.state.iter().filter(|part| part.role == Role::Configuration);
+    let deviations = configurations.map(|part| {
+        let (name, size) = (names.of(part), size(part.components.len()));
         quote! { __Stored::<_, #size>::deviation(&self.#name, 0.0) }
     });
     let deviation = quote! {
@@ -48,8 +41,9 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
             largest
         }
     };
-    let state = record(state, &lines, &parts, format_ident!("State"), &quote! {}, &deviation, names);
-    if system.controls.is_empty() {
+    let state =
+        record(state, &lines, &interface.state, format_ident!("State"), &quote! {}, &deviation, names);
+    if interface.controls.is_empty() {
         return state;
     }
     let lines =
@@ -58,7 +52,7 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
     let control = record(
         &names.control,
         &lines,
-        &system.controls,
+        &interface.controls,
         format_ident!("Control"),
         &default,
         &quote! {},
@@ -71,7 +65,7 @@ pub(super) fn state(system: &System<'_>, names: &Names) -> TokenStream {
 fn record(
     name: &Ident,
     doc: &[String],
-    parts: &[Part<'_>],
+    parts: &[Quantity],
     of: Ident,
     derived: &TokenStream,
     rest: &TokenStream,
@@ -79,18 +73,13 @@ fn record(
 ) -> TokenStream {
     let Names { private, visibility, scalar, .. } = names;
     let fields = parts.iter().map(|part| {
-        let (name, ty, doc) = (&part.name, part_type(part.stored, names), docs::line(&part.doc));
+        let (name, ty, doc) = (names.of(part), part_type(part.stored, names), docs::line(&part.doc));
         quote! { #doc pub #name: #ty }
     });
     let doc = docs::lines(doc);
-    let count: usize = parts.iter().map(|part| part.symbols.len()).sum();
-    let size = size(count);
-    let conversion =
-        arrays(&parts.iter().map(|part| (part.name.clone(), part.symbols.len())).collect::<Vec<_>>());
-    let Conversion { take, elements, give } = conversion;
-    let quantities = parts
-        .iter()
-        .map(|part| quantity(names, &part.name.unraw().to_string(), part.role, &part.suffixes, &part.doc));
+    let size = size(parts.iter().map(|part| part.components.len()).sum());
+    let Conversion { take, elements, give } = arrays(parts, names);
+    let quantities = parts.iter().map(|part| quantity(names, part));
     let serialization = serialization(name, parts, names);
     quote! {
         #doc
@@ -132,10 +121,10 @@ fn record(
 
 /// Serde's traits for a struct of parts, by a macro of the runtime that knows whether its feature `serde` is on: what is generated is a
 /// function of the description alone.
-fn serialization(name: &Ident, parts: &[Part<'_>], names: &Names) -> TokenStream {
+fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream {
     let Names { coadjoint, private, .. } = names;
     let fields = parts.iter().map(|part| {
-        let (name, ty) = (&part.name, part_type(part.stored, names));
+        let (name, ty) = (names.of(part), part_type(part.stored, names));
         quote! { #name: #ty }
     });
     // serde's derive macros want paths as strings
@@ -181,13 +170,14 @@ pub(super) struct Conversion {
 }
 
 /// The conversion for fields of these names and numbers of scalars. Paths are given by the caller's `use` of `Stored`.
-pub(super) fn arrays(fields: &[(Ident, usize)]) -> Conversion {
+pub(super) fn arrays(quantities: &[Quantity], names: &Names) -> Conversion {
     let mut conversion = Conversion { take: Vec::new(), elements: Vec::new(), give: Vec::new() };
     let mut count = 0..;
-    for (name, size) in fields {
+    for quantity in quantities {
+        let name = names.of(quantity);
         let elements: Vec<Ident> = count
             .by_ref()
-            .take(*size)
+            .take(quantity.components.len())
             .map(|n| Ident::new(&format!("x{n}"), proc_macro2::Span::mixed_site()))
             .collect();
         conversion.take.push(quote! { let [#(#elements),*] = __Stored::to_array(&self.#name); });

@@ -7,11 +7,10 @@ use syn::ext::IdentExt;
 use super::code::size;
 use super::state::{Conversion, arrays};
 use super::{Names, function, quantity};
-use crate::model::{InertiaShape, Role as QuantityRole, System};
-use crate::program::{Program, Role};
+use crate::program::{Interface, Program, Role};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
-pub(super) fn system(system: &System<'_>, program: &Program, names: &Names) -> TokenStream {
+pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
     let Names { private, system: name, .. } = names;
     let functions = [
         ("energy", Role::Energy),
@@ -20,12 +19,13 @@ pub(super) fn system(system: &System<'_>, program: &Program, names: &Names) -> T
         ("spatial_momentum", Role::SpatialMomentum),
     ];
     let functions = functions.map(|(name, role)| function(program, private, role, name));
-    let pivots = (0..system.inertias.len()).map(|place| {
+    let interface = &program.interface;
+    let pivots = (0..interface.inertias.len()).map(|place| {
         let role = Role::Pivots(place);
         function(program, private, role, &role.name())
     });
-    let (types, parameters) = (types(system, program, names), parameters(system, names));
-    let (validate, evaluations) = (validate(system, names), evaluations(program, names));
+    let (types, parameters) = (types(interface, names), parameters(interface, names));
+    let (validate, evaluations) = (validate(interface, names), evaluations(interface, names));
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
         const _: () = {
@@ -46,26 +46,27 @@ pub(super) fn system(system: &System<'_>, program: &Program, names: &Names) -> T
 }
 
 /// The associated types and constants.
-fn types(system: &System<'_>, program: &Program, names: &Names) -> TokenStream {
+fn types(interface: &Interface, names: &Names) -> TokenStream {
     let Names { private, system: name, state, control, scalar, .. } = names;
     let text = name.unraw().to_string();
-    let parameters = size(system.parameter_symbols().len());
-    let state_size = size(system.state_symbols().len());
-    let control_size = size(system.control_symbols().len());
-    let control = match system.controls.is_empty() {
+    let Interface { casimirs, is_autonomous, is_left_invariant, is_forced, .. } = interface;
+    let [parameters, state_size, control_size, casimir_count, dimension] = [
+        interface.parameter_length(),
+        interface.state_length(),
+        interface.control_length(),
+        casimirs.len(),
+        interface.dimension,
+    ]
+    .map(size);
+    let control = match interface.controls.is_empty() {
         true => quote! { #private::NoControl<#scalar> },
         false => quote! { #control },
     };
-    let Program { casimirs, dimension, is_autonomous, is_left_invariant, is_forced, .. } = program;
     let standard = match is_left_invariant {
         true => quote! { #private::Family<R, 0, 1> },
         false => quote! { #private::StormerVerlet<R> },
     };
-    let (casimir_count, dimension) = (size(casimirs.len()), size(*dimension));
-    let quantities = system.parameters.iter().map(|field| {
-        let name = field.name.unraw().to_string();
-        quantity(names, &name, QuantityRole::Parameter, &field.suffixes(), &field.doc)
-    });
+    let quantities = interface.parameters.iter().map(|field| quantity(names, field));
     quote! {
         type Scalar = #scalar;
         type State = #state;
@@ -87,14 +88,11 @@ fn types(system: &System<'_>, program: &Program, names: &Names) -> TokenStream {
 }
 
 /// The parameters as a flat array and back.
-fn parameters(system: &System<'_>, names: &Names) -> TokenStream {
-    let scalar = &names.scalar;
-    let fields: Vec<_> =
-        system.parameters.iter().map(|field| (field.name.clone(), field.symbols.len())).collect();
-    let Conversion { take, elements, give } = arrays(&fields);
-    let constants = system.constants.iter().map(|constant| &constant.tokens);
-    let unused = vec![quote! { _ }; system.constants.len()];
-    let size = size(system.parameter_symbols().len());
+fn parameters(interface: &Interface, names: &Names) -> TokenStream {
+    let Names { scalar, constants, .. } = names;
+    let Conversion { take, elements, give } = arrays(&interface.parameters, names);
+    let unused = vec![quote! { _ }; interface.constants];
+    let size = size(interface.parameter_length());
     quote! {
         fn to_parameters(&self) -> [#scalar; #size] {
             #(#take)*
@@ -109,16 +107,17 @@ fn parameters(system: &System<'_>, names: &Names) -> TokenStream {
 }
 
 /// Finite parameters, symmetric and positive definite inertias.
-fn validate(system: &System<'_>, names: &Names) -> TokenStream {
+fn validate(interface: &Interface, names: &Names) -> TokenStream {
     let private = &names.private;
-    let finite = system.parameters.iter().map(|field| {
-        let (field, text, size) = (&field.name, field.name.unraw().to_string(), size(field.symbols.len()));
-        quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#field))?; }
+    let finite = interface.parameters.iter().map(|field| {
+        let (ident, text, size) = (names.of(field), &field.name, size(field.components.len()));
+        quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#ident))?; }
     });
-    let definite = system.inertias.iter().enumerate().map(|(place, inertia)| {
-        let (name, text) = (&inertia.name, inertia.name.unraw().to_string());
-        let rows = size(inertia.matrix.rows);
-        let symmetric = (inertia.shape == InertiaShape::Matrix).then(|| {
+    let definite = interface.inertias.iter().enumerate().map(|(place, inertia)| {
+        let text = &inertia.name;
+        let name = names.identifiers.get(text);
+        let rows = size(inertia.rows);
+        let symmetric = inertia.is_matrix.then(|| {
             quote! {
                 #private::require_symmetric(
                     #text,
@@ -143,9 +142,9 @@ fn validate(system: &System<'_>, names: &Names) -> TokenStream {
 }
 
 /// What is computed of a state.
-fn evaluations(program: &Program, names: &Names) -> TokenStream {
+fn evaluations(interface: &Interface, names: &Names) -> TokenStream {
     let Names { private, state, scalar, .. } = names;
-    let (casimirs, dimension) = (size(program.casimirs.len()), size(program.dimension));
+    let (casimirs, dimension) = (size(interface.casimirs.len()), size(interface.dimension));
     let momentum = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
     let at = |time: TokenStream| {
         quote! { &self.to_parameters(), &#private::State::to_components(state), #time }

@@ -1,55 +1,21 @@
 //! What perturbations of a system's state, controls and parameters are: their types, and where their parts stand in them.
 
+use std::collections::BTreeSet;
+
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
-use syn::ext::IdentExt;
 
 use super::code::size;
 use super::{Names, docs};
 use crate::derivatives::Derivatives;
-use crate::model::{Role, System};
+use crate::program::Interface;
 
 /// `impl Differentiable for HeavyTop { … }`, and the index ranges of all parts within perturbations.
-pub(super) fn tangents(system: &System<'_>, names: &Names, wanted: Derivatives) -> TokenStream {
+pub(super) fn tangents(interface: &Interface, names: &Names, wanted: Derivatives) -> TokenStream {
     let Names { private, coadjoint, system: name, scalar, visibility, .. } = names;
-    let mut places = Vec::new();
-    let mut taken = std::collections::BTreeSet::new();
-    let mut place = |of: &str, field: &Ident, from: usize, length: usize| {
-        let text = field.unraw().to_string();
-        let mut constant = text.to_uppercase();
-        // fields may differ by their cases alone
-        while !taken.insert(constant.clone()) {
-            constant.push('_');
-        }
-        let constant = Ident::new(&constant, field.span());
-        let doc = docs::line(&format!("`{text}` in {of}."));
-        let (from, length) = (size(from), size(length));
-        places.push(quote! { #doc pub const #constant: #coadjoint::derivative::IndexRange<#from, #length> = #coadjoint::derivative::IndexRange; });
-    };
-    let mut state = 0;
-    for part in system.parts() {
-        let length = match part.role {
-            Role::Configuration => system
-                .factors
-                .iter()
-                .find(|factor| factor.name == part.name)
-                .map_or(0, |factor| factor.algebra.group.dimension()),
-            _ => part.symbols.len(),
-        };
-        place("perturbations of the state", &part.name, state, length);
-        state += length;
-    }
-    let mut control = 0;
-    for part in &system.controls {
-        place("perturbations of the controls", &part.name, control, part.symbols.len());
-        control += part.symbols.len();
-    }
-    let mut parameters = 0;
-    for field in &system.parameters {
-        place("perturbations of the parameters", &field.name, parameters, field.symbols.len());
-        parameters += field.symbols.len();
-    }
-    let [state, control, parameters] = [state, control, parameters].map(size);
+    let places = index_ranges(interface, names);
+    let [state, control, parameters] =
+        [interface.state_perturbation(), interface.control_length(), interface.field_length()].map(size);
     let wanted = [
         ("WrtState", wanted.state),
         ("WrtControl", wanted.controls),
@@ -90,4 +56,33 @@ pub(super) fn tangents(system: &System<'_>, names: &Names, wanted: Derivatives) 
         #(#[automatically_derived]
         impl #private::Derives<#coadjoint::derivative::#wanted> for #name {})*
     }
+}
+
+/// A constant for each quantity: where it stands within the perturbations.
+fn index_ranges(interface: &Interface, names: &Names) -> Vec<TokenStream> {
+    let coadjoint = &names.coadjoint;
+    let mut taken = BTreeSet::new();
+    let mut ranges = Vec::new();
+    let all = [
+        ("perturbations of the state", &interface.state),
+        ("perturbations of the controls", &interface.controls),
+        ("perturbations of the parameters", &interface.parameters),
+    ];
+    for (of, quantities) in all {
+        let mut from = 0;
+        for quantity in quantities {
+            let mut constant = quantity.name.to_uppercase();
+            // fields may differ by their cases alone
+            while !taken.insert(constant.clone()) {
+                constant.push('_');
+            }
+            let constant = Ident::new(&constant, names.of(quantity).span());
+            let doc = docs::line(&format!("`{}` in {of}.", quantity.name));
+            let (first, length) = (size(from), size(quantity.perturbation));
+            let ty = quote! { #coadjoint::derivative::IndexRange };
+            ranges.push(quote! { #doc pub const #constant: #ty<#first, #length> = #ty; });
+            from += quantity.perturbation;
+        }
+    }
+    ranges
 }

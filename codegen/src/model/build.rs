@@ -34,7 +34,8 @@ impl<'a> System<'a> {
             let symbols: Vec<Symbol> =
                 value.scalars().iter().filter_map(|scalar| scalar.as_symbol()).collect();
             let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
-            parameters.push(Parameter { name: field.name.clone(), doc: field.doc.clone(), symbols, names });
+            let (name, doc) = (field.name.clone(), field.doc.clone());
+            parameters.push(Parameter { name, shape: field.shape, doc, symbols, names });
             if let Some(mark) = &field.inertia {
                 marked.push((field.name.clone(), mark, value.clone()));
             }

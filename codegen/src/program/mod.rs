@@ -3,9 +3,11 @@
 //! Everything is decided here but spelling: which values have names, what is stored between functions, how sums associate, where a product
 //! is added in one operation. An emitter gives words to it, an interpreter numbers.
 
+mod interface;
 mod operations;
 mod text;
 
+pub use interface::{Documentation, Inertia, Interface, Quantity};
 pub use operations::Operations;
 
 use crate::expr::{Function as Elementary, Number};
@@ -18,20 +20,12 @@ pub struct Value(pub(crate) usize);
 /// All that is computed for a system.
 #[derive(Clone, Debug)]
 pub struct Program {
+    /// What is to be seen of it from outside.
+    pub interface: Interface,
     /// Its functions, each a module of its own.
     pub functions: Vec<Module>,
     /// Its steps.
     pub steps: Vec<StepProgram>,
-    /// What the Casimirs are called.
-    pub casimirs: Vec<String>,
-    /// The dimension of the configuration.
-    pub dimension: usize,
-    /// Whether the energy is an invariant of the motion.
-    pub is_autonomous: bool,
-    /// Whether nothing but momentum and advected parameters has a part in the motion.
-    pub is_left_invariant: bool,
-    /// Whether forces act.
-    pub is_forced: bool,
 }
 
 /// The step of one scheme.

@@ -17,6 +17,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("geometry", &["expr", "group", "identifiers", "model"]),
     ("method", &["derivatives", "expr", "geometry", "group", "identifiers", "model", "scheme"]),
     ("parse", &["derivatives", "diagnostics", "group", "scheme"]),
+    ("program", &["expr", "model", "scheme"]),
+    // it gives words to what was derived: neither groups nor methods nor differentiation
+    ("emit", &["derivatives", "diagnostics", "expr", "identifiers", "model", "parse", "program", "scheme"]),
 ];
 
 fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
@@ -94,6 +97,23 @@ fn modules_use_what_they_may() {
         let beyond: Vec<&String> =
             uses[*module].iter().filter(|name| !allowed.contains(&name.as_str())).collect();
         assert!(beyond.is_empty(), "`{module}` uses {beyond:?}");
+    }
+}
+
+/// Of expressions emission knows the constants alone, and of the model what quantities are called.
+#[test]
+fn emission_derives_nothing() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/emit");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a source");
+        for used in text.lines().filter(|line| line.starts_with("use crate::expr")) {
+            assert_eq!(used, "use crate::expr::Number;", "{}", file.display());
+        }
+        for derived in [".algebra", "gradient", "Arena", ".jacobian(", ".equations()", ".casimirs()"] {
+            assert!(!text.contains(derived), "{} derives: `{derived}`", file.display());
+        }
     }
 }
 
