@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// For each top-level module those that it names.
 type Uses = BTreeMap<String, BTreeSet<String>>;
 
-/// What a module may use at most, for those that stand on little: mathematics knows neither syntax nor code.
+/// What a module may use at most: mathematics knows neither syntax nor code, and emission no mathematics.
 const MAY_USE: &[(&str, &[&str])] = &[
     ("derivatives", &[]),
     ("diagnostics", &[]),
@@ -17,6 +17,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("geometry", &["expr", "group", "identifiers", "model"]),
     ("method", &["derivatives", "expr", "geometry", "group", "identifiers", "model", "scheme"]),
     ("parse", &["derivatives", "diagnostics", "group", "scheme"]),
+    ("program", &["expr", "scheme"]),
+    ("emit", &["derivatives", "diagnostics", "expr", "identifiers", "model", "parse", "program", "scheme"]),
 ];
 
 fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
