@@ -4,7 +4,7 @@
 //! the change of each momentum and advected parameter.
 
 use crate::expr::{Arena, Stage, Symbol, Vector, gradient};
-use crate::group::{Element, Retraction, trivialized_gradient};
+use crate::group::{Retraction, SemidirectVector, trivialized_gradient};
 use crate::identifiers::plain;
 use crate::model::{Factor, FactorPart, Slot, System};
 
@@ -72,7 +72,7 @@ pub fn differential<'a>(system: &System<'a>) -> Vector<'a> {
 pub fn hamiltonian_vector<'a>(arena: &'a Arena, system: &System<'a>, covector: &Vector<'a>) -> Vector<'a> {
     let sign = arena.number(system.side.sign());
     let of = |(factor, dh): (&Factor<'a>, FactorPart<'a>)| {
-        let velocity = Element { base: dh.momentum.clone(), spaces: dh.advected }.scale(sign);
+        let velocity = SemidirectVector { base: dh.momentum.clone(), spaces: dh.advected }.scale(sign);
         let change = factor.algebra.coadjoint(&velocity, &factor.momentum_and_advected());
         FactorPart {
             configuration: dh.momentum,

@@ -13,7 +13,7 @@ use proc_macro2::Ident;
 use quote::ToTokens;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{Element, EquationNames, Named, Semidirect, Side, trivialized_gradient};
+use crate::group::{EquationNames, Named, Semidirect, SemidirectVector, Side, trivialized_gradient};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::Constant;
 use crate::parse::Shape;
@@ -73,8 +73,8 @@ impl<'a> Factor<'a> {
     }
 
     /// `(μ, a)`, an element of the dual of the semidirect algebra.
-    pub fn momentum_and_advected(&self) -> Element<'a> {
-        Element { base: self.momentum.clone(), spaces: self.advected_values() }
+    pub fn momentum_and_advected(&self) -> SemidirectVector<'a> {
+        SemidirectVector { base: self.momentum.clone(), spaces: self.advected_values() }
     }
 }
 

@@ -22,7 +22,7 @@ pub use euclidean::R;
 pub use representation::{Representation, Translation};
 pub use se2::SE2;
 pub use se3::SE3;
-pub use semidirect::{Element, Semidirect};
+pub use semidirect::{Semidirect, SemidirectVector};
 pub use side::Side;
 pub use so2::SO2;
 pub use so3::SO3;

@@ -5,7 +5,7 @@
 //! * `τ(x, w) = (τ(x), P(x) w)`: `P = φ₁(ρ_x)` for the exponential, `(1 − ρ_x/2)⁻¹` for Cayley. The logarithmic derivatives are
 //!   those that [`Semidirect`] derives.
 
-use super::{Element, Retraction, Semidirect, Translation};
+use super::{Retraction, Semidirect, SemidirectVector, Translation};
 use crate::expr::Vector;
 
 /// Rotations and the space they act on.
@@ -13,9 +13,9 @@ pub(super) struct Rigid(pub(super) Semidirect);
 
 impl Rigid {
     /// The angular and the linear part.
-    pub(super) fn split<'a>(&self, x: &Vector<'a>) -> Element<'a> {
+    pub(super) fn split<'a>(&self, x: &Vector<'a>) -> SemidirectVector<'a> {
         let (angular, linear) = x.0.split_at(self.0.group.dimension());
-        Element { base: Vector(angular.to_vec()), spaces: vec![Vector(linear.to_vec())] }
+        SemidirectVector { base: Vector(angular.to_vec()), spaces: vec![Vector(linear.to_vec())] }
     }
 
     /// The rotation and the translation.

@@ -22,14 +22,14 @@ pub struct Semidirect {
 
 /// An element of the semidirect algebra `(x, w₁, …)` or of its dual `(m, a₁, …)`.
 #[derive(Clone)]
-pub struct Element<'a> {
+pub struct SemidirectVector<'a> {
     /// `x` or `m`
     pub base: Vector<'a>,
     /// `w₁, …` or `a₁, …`
     pub spaces: Vec<Vector<'a>>,
 }
 
-impl<'a> Element<'a> {
+impl<'a> SemidirectVector<'a> {
     /// `factor · self`
     pub fn scale(&self, factor: Expr<'a>) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Semidirect {
         retraction: Retraction,
         x: &Vector<'a>,
         w: &[Vector<'a>],
-        mu: &Element<'a>,
+        mu: &SemidirectVector<'a>,
     ) -> Vector<'a> {
         let arena = mu.base.0[0].arena();
         let at = placeholders(arena, "x", x.len());
@@ -112,10 +112,10 @@ impl Semidirect {
     pub fn d_right_dual<'a>(
         &self,
         retraction: Retraction,
-        xi: &Element<'a>,
-        mu: &Element<'a>,
-    ) -> Element<'a> {
-        Element {
+        xi: &SemidirectVector<'a>,
+        mu: &SemidirectVector<'a>,
+    ) -> SemidirectVector<'a> {
+        SemidirectVector {
             base: self.d_right_dual_base(retraction, &xi.base, &xi.spaces, mu),
             spaces: self.d_right_dual_spaces(retraction, &xi.base, &mu.spaces),
         }
@@ -127,13 +127,17 @@ impl Semidirect {
     }
 
     /// `ad*_(x,w) (m, a)`: the dual of the bracket `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
-    pub fn coadjoint<'a>(&self, xi: &Element<'a>, mu: &Element<'a>) -> Element<'a> {
+    pub fn coadjoint<'a>(
+        &self,
+        xi: &SemidirectVector<'a>,
+        mu: &SemidirectVector<'a>,
+    ) -> SemidirectVector<'a> {
         let y = placeholders(mu.base.0[0].arena(), "y", xi.base.len());
         let mut base = gradient(mu.base.dot(&self.group.bracket(&xi.base, &y)), &y.symbols());
         for ((space, w), a) in self.spaces.iter().zip(&xi.spaces).zip(&mu.spaces) {
             base = &base - &momentum_map(*space, w, a);
         }
-        Element { base, spaces: self.coadjoint_spaces(&xi.base, &mu.spaces) }
+        SemidirectVector { base, spaces: self.coadjoint_spaces(&xi.base, &mu.spaces) }
     }
 
     /// The `V*` part of `ad*_(x,w) (m, a)`, which depends on `x` and `a` alone.

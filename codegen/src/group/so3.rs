@@ -23,10 +23,25 @@ fn rotation_like<'a>(x: &Vector<'a>, v: &Vector<'a>, a: Expr<'a>, b: Expr<'a>) -
     &(v + &once.scale(a)) + &twice.scale(b)
 }
 
-/// `2/(1 + |x|²/4)`, of which the Cayley map's forms are made: kept whole with its 2, as the mean momentum of a step has it in
-/// multiples by the unknown's scale, and its derivatives have its square.
+/// `1 + |x|²/4`
+fn cayley_norm<'a>(x: &Vector<'a>) -> Expr<'a> {
+    x.squared_norm().scale(Number::ratio(1, 4)) + 1
+}
+
+/// `2/(1 + |x|²/4)`: kept whole with its 2, as the mean momentum of a step has it in multiples by the unknown's scale, and as derivatives
+/// have its square.
+fn twice_cayley_factor<'a>(x: &Vector<'a>) -> Expr<'a> {
+    (cayley_norm(x).recip() * 2).hold()
+}
+
+/// `1/(1 + |x|²/4)`
 fn cayley_factor<'a>(x: &Vector<'a>) -> Expr<'a> {
-    ((x.squared_norm().scale(Number::ratio(1, 4)) + 1).recip() * 2).hold()
+    (twice_cayley_factor(x) / 2).hold()
+}
+
+/// `1/√(1 + |x|²/4)`
+fn cayley_root<'a>(x: &Vector<'a>) -> Expr<'a> {
+    cayley_factor(x) * cayley_norm(x).sqrt()
 }
 
 impl Group for SO3 {
@@ -89,11 +104,13 @@ impl Group for SO3 {
     }
 
     fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        let quarter = x.squared_norm().scale(Number::ratio(1, 4));
         let (w, half) = match retraction {
-            Retraction::Exponential => (quarter.stumpff(0), quarter.stumpff(1) / 2),
+            Retraction::Exponential => {
+                let quarter = x.squared_norm().scale(Number::ratio(1, 4));
+                (quarter.stumpff(0), quarter.stumpff(1) / 2)
+            }
             Retraction::Cayley => {
-                let w = (quarter + 1).recip().sqrt();
+                let w = cayley_root(x);
                 (w, w / 2)
             }
         };
@@ -108,7 +125,7 @@ impl Group for SO3 {
             Retraction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
             Retraction::Cayley => {
                 let half = z.arena().number(Number::ratio(1, 2));
-                (m - &x.cross(m).scale(half)).scale(cayley_factor(x) / 2)
+                (m - &x.cross(m).scale(half)).scale(twice_cayley_factor(x) / 2)
             }
         }
     }
@@ -149,13 +166,12 @@ impl Group for SO3 {
     /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to the product's:
     /// the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
-        let quarter = x.squared_norm().scale(Number::ratio(1, 4));
-        let one = quarter.arena().one();
+        let one = x.0[0].arena().one();
         let (increment, inverse_length) = match retraction {
             Retraction::Exponential => (self.retract(retraction, x), one),
             Retraction::Cayley => {
                 let half = x.scale(one / 2);
-                (Vector([vec![one], half.0].concat()), cayley_factor(x) / 2 * (quarter + 1).sqrt())
+                (Vector([vec![one], half.0].concat()), cayley_root(x))
             }
         };
         let increment = increment.hold();
@@ -261,7 +277,7 @@ impl Representation for Space {
             Retraction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
             Retraction::Cayley => {
                 let factor = cayley_factor(x);
-                rotation_like(x, v, factor / 2, factor / 4)
+                rotation_like(x, v, factor, factor / 2)
             }
         }
     }

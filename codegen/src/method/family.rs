@@ -33,7 +33,7 @@ use super::names::ValueNames;
 use super::presolve::{Equation, Presolved, presolve};
 use super::{Increment, Step, step_symbol};
 use crate::expr::{Arena, Expr, Matrix, Number, Stage, Symbol, Vector, gradient};
-use crate::group::{Element, Retraction};
+use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Factor, FactorPart, Hamiltonian, Slot, System};
 use crate::scheme::Member;
 
@@ -153,7 +153,7 @@ impl<'s, 'a> Motion<'s, 'a> {
 
     /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by it again has that
     /// factor.
-    fn keep_multiple(&self, element: &Element<'a>) -> Element<'a> {
+    fn keep_multiple(&self, element: &SemidirectVector<'a>) -> SemidirectVector<'a> {
         element.scale(self.unknown_scale).hold().scale(self.unknown_scale.recip())
     }
 
@@ -225,13 +225,13 @@ impl<'a> Family<'_, 'a> {
         let w = self.advected_velocity(motion, intermediate);
         let kick = self.kick(motion, intermediate);
 
-        let eta = Element { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
+        let eta = SemidirectVector { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
         let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
         let m = factor.momentum_and_advected();
         let mean_minus = motion.keep_multiple(&algebra.d_right_dual(retraction, &eta_early, &m));
         let m_minus = m.plus(&algebra.coadjoint(&eta_early, &mean_minus));
         let m_plus = match kick {
-            Some(kick) => Element {
+            Some(kick) => SemidirectVector {
                 base: names.algebra("momentum_kicked", &(&m_minus.base + &kick).hold()),
                 spaces: m_minus.spaces,
             },

@@ -2,7 +2,7 @@
 
 use coadjoint_codegen::expr::{Arena, Stage, Vector, gradient};
 use coadjoint_codegen::group::{
-    Element, Group, Named, Representation, Retraction, Semidirect, Side, Translation, catalogue,
+    Group, Named, Representation, Retraction, Semidirect, SemidirectVector, Side, Translation, catalogue,
 };
 use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization};
 use coadjoint_tests::precise::formula::{Formula, Point, symbols};
@@ -446,17 +446,17 @@ fn semidirect_products(most: usize) -> Vec<Semidirect> {
 }
 
 /// The element with these components.
-fn element<'a>(algebra: &Semidirect, components: &Vector<'a>) -> Element<'a> {
+fn element<'a>(algebra: &Semidirect, components: &Vector<'a>) -> SemidirectVector<'a> {
     let mut rest = components.0.clone();
     let mut take = |count: usize| Vector(rest.drain(..count).collect());
-    Element {
+    SemidirectVector {
         base: take(algebra.group.dimension()),
         spaces: algebra.spaces.iter().map(|space| take(space.coordinates().len())).collect(),
     }
 }
 
 /// The components of an element.
-fn components<'a>(element: &Element<'a>) -> Vector<'a> {
+fn components<'a>(element: &SemidirectVector<'a>) -> Vector<'a> {
     let spaces = element.spaces.iter().flat_map(|space| space.0.clone());
     Vector(element.base.0.iter().copied().chain(spaces).collect())
 }
