@@ -7,9 +7,12 @@ mod expressions;
 mod geometry;
 mod kernel;
 mod schemes;
+mod stand_in;
 mod state;
 mod system;
 mod tangents;
+
+pub(crate) use stand_in::stand_in;
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};

@@ -77,6 +77,10 @@ pub trait Group: Sync {
     fn blocks(&self) -> Vec<usize> {
         vec![self.dimension()]
     }
+    /// The names of the blocks of coordinates, where a momentum is made of several: angular and linear.
+    fn parts(&self) -> &'static [&'static str] {
+        &[]
+    }
     /// Suffixes of the algebra's coordinates.
     fn axes(&self) -> &'static [&'static str];
     /// The bracket `[x, y]`.

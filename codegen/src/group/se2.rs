@@ -67,6 +67,10 @@ impl Group for SE2 {
         vec![1, 2]
     }
 
+    fn parts(&self) -> &'static [&'static str] {
+        &["angular", "linear"]
+    }
+
     fn axes(&self) -> &'static [&'static str] {
         &["angular", "linear_x", "linear_y"]
     }

@@ -67,6 +67,10 @@ impl Group for SE3 {
         vec![3, 3]
     }
 
+    fn parts(&self) -> &'static [&'static str] {
+        &["angular", "linear"]
+    }
+
     fn axes(&self) -> &'static [&'static str] {
         &["angular_x", "angular_y", "angular_z", "linear_x", "linear_y", "linear_z"]
     }

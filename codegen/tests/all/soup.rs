@@ -222,15 +222,15 @@ fn read(attribute: TokenStream, item: TokenStream) {
     let attribute = Attribute::parse(attribute, &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
-        check::structure(&attribute, &item, &mut diagnostics);
-        System::build(&Arena::new(), &attribute, &item, &mut diagnostics);
+        let description = check::resolve(&attribute, &item, &mut diagnostics);
+        System::build(&Arena::new(), &description, &mut diagnostics);
     }
     if let Some(potential) = &attribute.potential {
         let (arena, mut scope) = (Arena::new(), Scope::new());
         define(&mut scope, &arena);
         lower_scalar("the potential", potential, &mut scope, &arena, &mut diagnostics);
     }
-    diagnostics.into_compile_errors();
+    diagnostics.into_tokens();
 }
 
 fn define<'a>(scope: &mut Scope<'a>, arena: &'a Arena) {
