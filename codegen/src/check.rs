@@ -67,7 +67,8 @@ pub struct Inertia {
     pub field: usize,
     /// How it is given.
     pub shape: InertiaShape,
-    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia.
+    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
+    /// Hamiltonian.
     pub blocks: Vec<Vec<usize>>,
 }
 

@@ -134,7 +134,8 @@ pub fn suggestion(written: &str, known: &[&str]) -> String {
 
 /// The known name that `written` is most likely a slip of, if any is near enough. Of equally near ones the first.
 pub fn nearest<'n>(written: &str, known: &[&'n str]) -> Option<&'n str> {
-    let allowed = (written.chars().count() / 4).min(3);
+    let length = written.chars().count();
+    let allowed = if length < 4 { 0 } else { (length / 3).min(3) };
     let folded = written.to_lowercase();
     // names that differ in their numbers are different things
     let digits = |name: &str| name.chars().filter(char::is_ascii_digit).collect::<String>();
@@ -177,6 +178,7 @@ mod tests {
         assert_eq!(nearest("gama", &known), Some("gamma"));
         assert_eq!(nearest("wieght", &known), Some("weight"));
         assert_eq!(nearest("Chi", &known), Some("chi"));
+        assert_eq!(nearest("advect", &["advected", "potential"]), Some("advected"));
         assert_eq!(nearest("x", &known), None);
         assert_eq!(nearest("mass", &known), None);
         assert_eq!(nearest("", &known), None);
@@ -185,6 +187,16 @@ mod tests {
     #[test]
     fn a_single_letter_is_not_a_slip_of_another() {
         assert_eq!(nearest("a", &["b", "x"]), None);
+    }
+
+    #[test]
+    fn what_is_short_or_has_another_number_is_no_slip() {
+        let groups = ["R1", "R2", "SO2", "SO3", "SE3"];
+        for written in ["SO4", "S2", "R20", "SO33", "SL3", "SO"] {
+            assert_eq!(nearest(written, &groups), None, "{written}");
+        }
+        assert_eq!(nearest("so3", &groups), Some("SO3"));
+        assert_eq!(nearest("Vector4", &["Vector3"]), None);
     }
 
     #[test]

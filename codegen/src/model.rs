@@ -156,7 +156,8 @@ pub struct InertiaField<'a> {
     pub name: Ident,
     /// How it is given.
     pub shape: InertiaShape,
-    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia.
+    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
+    /// general Hamiltonian.
     pub blocks: Vec<Vec<usize>>,
     /// As a matrix.
     pub matrix: Matrix<'a>,

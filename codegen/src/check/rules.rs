@@ -136,11 +136,17 @@ impl<'d> Subject<'d> {
         if !self.attribute.has(HAMILTONIAN) {
             self.check_coverage(diagnostics);
         }
-        if !self.groups_are_known() {
-            return Vec::new();
-        }
         let fields = self.item.fields.iter().enumerate();
-        fields.filter_map(|(index, field)| self.inertia(index, field, diagnostics)).collect()
+        let marked = fields.filter_map(|(index, field)| Some((index, field, field.inertia.as_ref()?)));
+        let inertias = marked.filter_map(|(index, field, mark)| {
+            let (shape, n) = inertia_shape(field.shape);
+            let blocks = match self.attribute.has(HAMILTONIAN) {
+                true => square(field, n, diagnostics).map(|()| Vec::new()),
+                false => self.inertia_blocks(field, mark, n, diagnostics),
+            };
+            Some(Inertia { field: index, shape, blocks: blocks? })
+        });
+        inertias.collect()
     }
 
     /// `#[inertia(…)]` names factors.
@@ -165,7 +171,10 @@ impl<'d> Subject<'d> {
             diagnostics.push(&self.item.name, message);
             return;
         }
-        if self.factors.len() <= 1 {
+        if !self.groups_are_known() {
+            return;
+        }
+        if self.factors.len() == 1 {
             if marks.len() > 1 {
                 let names = list(marks.iter().map(|(name, _)| name.to_string()));
                 for (_, mark) in marks {
@@ -200,25 +209,27 @@ impl<'d> Subject<'d> {
     }
 
     /// An inertia is a scalar, the diagonal of a matrix, or a matrix, of the dimension of the factors that it is for; or, for several factors
-    /// with the same group, of the dimension of each.
-    fn inertia(&self, index: usize, field: &Field, diagnostics: &mut Diagnostics) -> Option<Inertia> {
-        let factors = self.marked_factors(field.inertia.as_ref()?);
+    /// with the same group, of the dimension of each. `n` is its own, if it has one.
+    fn inertia_blocks(
+        &self,
+        field: &Field,
+        mark: &parse::Inertia,
+        n: Option<usize>,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<Vec<usize>>> {
+        if !self.groups_are_known() {
+            return None;
+        }
+        let factors = self.marked_factors(mark);
         let groups: Vec<&dyn Group> = factors.iter().map(|&factor| self.factors[factor].group).collect();
         let (first, others) = groups.split_first()?;
         let joint: usize = groups.iter().map(|group| group.dimension()).sum();
         let alike = !others.is_empty() && others.iter().all(|group| group.name() == first.name());
-        let (shape, n) = match field.shape {
-            Shape::Scalar => (InertiaShape::Scalar, joint),
-            Shape::Vector(n) => (InertiaShape::Diagonal, n),
-            Shape::Matrix(rows, columns) if rows == columns => (InertiaShape::Matrix, rows),
-            Shape::Matrix(..) => (InertiaShape::Matrix, 0),
-        };
-        if n == joint {
-            return Some(Inertia { field: index, shape, blocks: vec![factors] });
+        if n == Some(joint) || field.shape == Shape::Scalar {
+            return Some(vec![factors]);
         }
-        if alike && n == first.dimension() {
-            let blocks = factors.into_iter().map(|factor| vec![factor]).collect();
-            return Some(Inertia { field: index, shape, blocks });
+        if alike && n == Some(first.dimension()) {
+            return Some(factors.into_iter().map(|factor| vec![factor]).collect());
         }
         let names = list(groups.iter().map(|group| group.name()));
         let (has, moments) = match groups.len() {
@@ -408,6 +419,26 @@ impl<'d> Subject<'d> {
         names.extend(unknown.flat_map(|factor| unknown_factor(factor.name.as_ref())));
         names
     }
+}
+
+/// How an inertia of that shape is given, and of what dimension it is: `None` for a scalar, which is of any, and for what is not square.
+fn inertia_shape(shape: Shape) -> (InertiaShape, Option<usize>) {
+    match shape {
+        Shape::Scalar => (InertiaShape::Scalar, None),
+        Shape::Vector(n) => (InertiaShape::Diagonal, Some(n)),
+        Shape::Matrix(rows, columns) => (InertiaShape::Matrix, (rows == columns).then_some(rows)),
+    }
+}
+
+/// An inertia beside a Hamiltonian is anything that can be positive definite.
+fn square(field: &Field, n: Option<usize>, diagnostics: &mut Diagnostics) -> Option<()> {
+    if n.is_some() || field.shape == Shape::Scalar {
+        return Some(());
+    }
+    let found = field.shape.describe();
+    diagnostics
+        .push(&field.ty, format!("an inertia is a scalar, a vector or a square matrix, but this is {found}"));
+    None
 }
 
 /// What a factor is called, or may be called if it has no name of its own, whose group is not known.

@@ -2,16 +2,16 @@
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
+use syn::parse_quote;
 
 use crate::diagnostics::Diagnostics;
 use crate::parse::{Attribute, CONTROL, DERIVATIVES, without_helpers};
 
-/// Aliases of a type that is itself the error, under all the names that users write: rustc takes whatever is done with such a type without
-/// further complaint. The struct is there too, out of sight, for what else there is to say about it.
-/// Of an item without a name to stand in for, the item as it is.
+/// The struct, of a type that has the first of the errors as an argument, and aliases of a type that does not exist under all other names that
+/// users write: rustc takes what is done with such types without further complaint. An item that is no plain struct is left as it is.
 pub(crate) fn stand_in(item: TokenStream, attribute: &Attribute, diagnostics: Diagnostics) -> TokenStream {
     let mut errors = diagnostics.into_compile_errors();
-    let item = match without_helpers(item.clone()) {
+    let mut item = match without_helpers(item.clone()) {
         Some(read) if read.generics.params.is_empty() && !errors.is_empty() => read,
         read => {
             let item = read.map_or(item, |read| quote! { #read });
@@ -19,7 +19,11 @@ pub(crate) fn stand_in(item: TokenStream, attribute: &Attribute, diagnostics: Di
         }
     };
     let first = errors.remove(0);
-    let (name, visibility) = (&item.ident, &item.vis);
+    let (name, visibility) = (item.ident.clone(), item.vis.clone());
+    let hidden = format_ident!("__{name}");
+    item.ident = hidden.clone();
+    // a constant, which need not be used
+    item.generics.params.push(parse_quote! { const ERROR: ::core::primitive::usize });
     let mut others: Vec<Ident> = vec![format_ident!("{name}State")];
     if attribute.has(CONTROL) {
         others.push(format_ident!("{name}Control"));
@@ -28,9 +32,9 @@ pub(crate) fn stand_in(item: TokenStream, attribute: &Attribute, diagnostics: Di
         others.push(format_ident!("{name}Indices"));
     }
     quote! {
-        const _: () = { #item };
-        #visibility type #name = #first;
-        #(#visibility type #others = #name;)*
+        #item
+        #visibility type #name = #hidden<{ #first }>;
+        #(#visibility type #others = <#name as ::core::iter::IntoIterator>::Item;)*
         #(#errors)*
     }
 }

@@ -258,30 +258,28 @@ fn inertias<'a>(
     values: &[Value<'a>],
 ) -> Vec<InertiaField<'a>> {
     let fields = description.inertias.iter().map(|inertia| {
-        let block = inertia.blocks.first().into_iter().flatten();
-        let dimension = block.map(|&factor| factors[factor].momentum.len()).sum();
+        let block = inertia.blocks.first();
+        let of_block = |block: &Vec<usize>| block.iter().map(|&factor| factors[factor].momentum.len()).sum();
         InertiaField {
             name: description.parameters[inertia.field].name.clone(),
             shape: inertia.shape,
             blocks: inertia.blocks.clone(),
-            matrix: inertia_matrix(dimension, inertia.shape, &values[inertia.field]),
+            matrix: inertia_matrix(inertia.shape, &values[inertia.field], block.map_or(1, of_block)),
         }
     });
     fields.collect()
 }
 
-/// The inertia as a matrix; of a matrix given by the user the lower triangle counts.
-fn inertia_matrix<'a>(dimension: usize, shape: InertiaShape, value: &Value<'a>) -> Matrix<'a> {
+/// The inertia as a matrix; of a matrix given by the user the lower triangle counts, and a scalar stands for one of `rows` rows.
+fn inertia_matrix<'a>(shape: InertiaShape, value: &Value<'a>, rows: usize) -> Matrix<'a> {
     let scalars = value.scalars();
     match shape {
-        InertiaShape::Scalar => Matrix::diagonal(&Vector(vec![scalars[0]; dimension])),
+        InertiaShape::Scalar => Matrix::diagonal(&Vector(vec![scalars[0]; rows])),
         InertiaShape::Diagonal => Matrix::diagonal(&Vector(scalars)),
         InertiaShape::Matrix => {
-            let lower = |k: usize| {
-                let (i, j) = (k / dimension, k % dimension);
-                scalars[i.max(j) * dimension + i.min(j)]
-            };
-            Matrix::new(dimension, dimension, (0..dimension * dimension).map(lower).collect())
+            let n = scalars.len().isqrt();
+            let lower = |k: usize| scalars[(k / n).max(k % n) * n + (k / n).min(k % n)];
+            Matrix::new(n, n, (0..n * n).map(lower).collect())
         }
     }
 }

@@ -491,6 +491,11 @@ fn the_potential_is_looked_at_whatever_else_is_wrong() {
         &[("SO4", "there is no group"), ("wieght", "there is no `wieght` here; did you mean `weight`?")],
     );
     breaks(
+        "group(a: SO4, b: SO3), potential = a * b_momentum",
+        "struct Body { #[inertia(a)] j: f64, #[inertia(b)] k: f64 }",
+        &[("SO4", "there is no group"), ("b_momentum", "a potential does not depend on the momentum")],
+    );
+    breaks(
         "group = SO3, advected(gamma: R3), potential = weight * gamma",
         "struct Body { weight: f64 }",
         &[
@@ -594,9 +599,18 @@ fn inertias_beside_a_hamiltonian() {
         &[],
     );
     breaks(
-        "group = SO3, hamiltonian = momentum.x * j.x",
-        "struct Body { #[inertia] j: Vector2<f64> }",
-        &[("Vector2<f64>", "`SO3` has dimension 3, so its inertia is a vector of 3")],
+        "group = SO3, hamiltonian = momentum.x * j.m11",
+        "struct Body { #[inertia] j: Matrix2x3<f64> }",
+        &[(
+            "Matrix2x3<f64>",
+            "an inertia is a scalar, a vector or a square matrix, but this is a 2×3 matrix",
+        )],
+    );
+    // of the angular part alone
+    breaks(
+        "group = SE3, hamiltonian = (j.try_inverse().unwrap() * angular_momentum).dot(&angular_momentum) + linear_momentum.norm()",
+        "struct Body { #[inertia] j: Matrix3<f64> }",
+        &[],
     );
 }
 
