@@ -11,6 +11,7 @@ use super::{
     Semidirect, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
+use crate::identifiers::part_name;
 
 /// Rigid motions of the plane.
 pub struct SE2;
@@ -126,7 +127,7 @@ impl Group for SE2 {
     ) -> Vec<(String, Expr<'a>)> {
         let Some(momentum) = momentum else { return inner_products(advected, 1) };
         let parts = rigid().split(momentum.value);
-        let name = format!("{}.linear", momentum.name);
+        let name = part_name(momentum.name, "linear");
         let linear = Named { name: &name, value: &parts.spaces[0] };
         let mut vectors = vec![linear];
         vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));

@@ -11,6 +11,7 @@ use super::{
     Semidirect, Translation, inner_products,
 };
 use crate::expr::{Expr, Vector};
+use crate::identifiers::part_name;
 
 /// Rigid motions of space.
 pub struct SE3;
@@ -124,14 +125,13 @@ impl Group for SE3 {
     ) -> Vec<(String, Expr<'a>)> {
         let Some(momentum) = momentum else { return inner_products(advected, 2) };
         let parts = rigid().split(momentum.value);
-        let name = format!("{}.linear", momentum.name);
+        let [angular, name] = ["angular", "linear"].map(|part| part_name(momentum.name, part));
         let linear = Named { name: &name, value: &parts.spaces[0] };
         let mut vectors = vec![linear];
         vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));
         let mut casimirs = inner_products(&vectors, 2);
         if advected.is_empty() {
-            casimirs
-                .push((format!("{0}.angular·{0}.linear", momentum.name), parts.base.dot(&parts.spaces[0])));
+            casimirs.push((format!("{angular}·{name}"), parts.base.dot(&parts.spaces[0])));
         }
         casimirs
     }
