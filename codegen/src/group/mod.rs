@@ -112,6 +112,10 @@ pub trait Group: Sync {
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
     /// The linear spaces the group acts on.
     fn representations(&self) -> &'static [&'static dyn Representation];
+    /// What elements do to vectors in a user's expressions, as those of the type they are stored as do.
+    fn actions(&self) -> &'static [&'static dyn Representation] {
+        self.representations()
+    }
     /// The Casimirs of the Lie–Poisson bracket on `(g ⋉ V₁ ⊕ … )*`, with names; `momentum` and the advected parameters come with
     /// their names. Without a `momentum`, which a potential on the group or a force changes, those of the advected parameters alone.
     fn casimirs<'a>(

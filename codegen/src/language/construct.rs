@@ -11,7 +11,7 @@ use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
 use crate::parse::{ScalarType, Shape, of_segment};
 
 /// The constructors of vectors and matrices.
-const CONSTRUCTORS: &[&str] = &[
+pub(super) const CONSTRUCTORS: &[&str] = &[
     "new",
     "zeros",
     "repeat",
@@ -26,7 +26,7 @@ const CONSTRUCTORS: &[&str] = &[
 ];
 
 /// The constructors of points.
-const POINTS: &[&str] = &["new", "from", "origin"];
+pub(super) const POINTS: &[&str] = &["new", "from", "origin"];
 
 /// The dimension of nalgebra's points of that name.
 fn point(name: &str) -> Option<usize> {

@@ -12,10 +12,12 @@ mod literal;
 mod lowering;
 mod methods;
 mod operators;
+mod reference;
 mod sanity;
 mod scope;
 mod value;
 
+pub use reference::reference;
 pub use scope::{Constant, Scope};
 pub use value::{Element, Value};
 

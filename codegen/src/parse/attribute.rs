@@ -47,7 +47,7 @@ pub const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(st
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-const KEYS: [Key; 11] = [
+pub const KEYS: [Key; 11] = [
     GROUP,
     ADVECTED,
     POTENTIAL,

@@ -58,6 +58,20 @@ struct Plate {
     drag: f64,
 }
 
+/// Vectors and points as unit quaternions turn them, of rotations and of spins.
+#[lie_poisson_system(
+    group(body: SO3, spin: SU2),
+    retractions(Cayley),
+    potential = body.transform_point(&Point3::from(arm)).x * spin.inverse_transform_vector(&arm).y
+        + (spin * arm).dot(&(body.inverse_transform_point(&Point3::from(arm)) - Point3::origin()))
+        + (spin * Point3::new(1.0, 2.0, 3.0)).coords.dot(&spin.transform_vector(&arm)),
+)]
+struct Turned {
+    #[inertia(body, spin)]
+    inertia: f64,
+    arm: Vector3<f64>,
+}
+
 /// A full matrix of four rows, inverted.
 #[lie_poisson_system(
     group = R4,
@@ -115,6 +129,15 @@ fn energies_have_the_value_that_nalgebra_gives_them() {
         };
         close(plate().energy(&state), plate().hamiltonian(&state));
 
+        let turned = Turned { inertia: 2.0, arm: linear };
+        let state = TurnedState {
+            body: random.rotation(),
+            body_momentum: Vector3::zeros(),
+            spin: random.rotation(),
+            spin_momentum: Vector3::zeros(),
+        };
+        close(turned.energy(&state), turned.potential(&state));
+
         let all = [angular.x, angular.y, angular.z, linear.x];
         let state =
             ChainState { position: vector![linear.y, linear.z, flat.x, flat.y], momentum: all.into() };
@@ -165,6 +188,45 @@ fn an_inertia_beside_a_hamiltonian_must_be_positive_definite() {
     assert_eq!(error, ParameterError::NotPositiveDefinite { name: "masses", index: 0, pivot: -2.0 });
     // what is not marked may be anything
     assert_eq!(Vehicle { mass: -1.0, stiffness: 0.0, ..vehicle() }.validate(), Ok(()));
+}
+
+/// An inverse that is not there is no panic of a step: it fails as any whose state is not finite, and leaves the state as it was.
+#[test]
+fn a_step_that_meets_a_singular_matrix_fails() {
+    #[lie_poisson_system(
+        group = R2,
+        retractions(Cayley),
+        hamiltonian = momentum.dot(&(coupling.try_inverse().unwrap() * momentum)) / 2.0,
+    )]
+    struct Coupled {
+        coupling: Matrix2<f64>,
+    }
+    let start = CoupledState { position: Vector2::x(), momentum: Vector2::y() };
+    for (coupling, works) in [(matrix![1.0, 2.0; 2.0, 4.0], false), (matrix![1.0, 2.0; 2.0, 5.0], true)] {
+        let mut state = start;
+        let step = Coupled { coupling }
+            .stepper::<Cayley>(0.1)
+            .and_then(|mut stepper| Ok(stepper.step(&mut state).is_ok()));
+        assert_eq!(step.is_ok_and(|taken| taken), works);
+        assert_eq!(state == start, !works);
+    }
+}
+
+/// The orders that the guide names: in flat arrays the real part is first, in JSON last.
+#[test]
+fn a_quaternion_has_two_orders() {
+    let rotation = UnitQuaternion::new_unchecked(Quaternion::new(0.5, 0.1, 0.7, 0.5));
+    let pose = Isometry3::from_parts(vector![1.0, 2.0, 3.0].into(), rotation);
+    let state = VehicleState { pose, momentum: Vector6::from_fn(|i, _| 4.0 + i as f64) };
+    let flat = [0.5, 0.1, 0.7, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+    assert_eq!(state.to_components(), flat);
+    let text = serde_json::to_string(&state).expect("to JSON");
+    let expected = r#"{"pose":{"rotation":[0.1,0.7,0.5,0.5],"translation":[1.0,2.0,3.0]},"momentum":[4.0,5.0,6.0,7.0,8.0,9.0]}"#;
+    assert_eq!(text, expected);
+    assert_eq!(
+        Plate { masses: matrix![1.0, 2.0; 3.0, 4.0], ..plate() }.to_parameters()[1..5],
+        [1.0, 2.0, 3.0, 4.0]
+    );
 }
 
 /// Two bodies alike that pull at each other: one inertia for both, and one for each.

@@ -7,27 +7,27 @@ use crate::expr::Vector;
 
 const fn method(
     name: &'static str,
-    arguments: usize,
+    arguments: &'static [&'static str],
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 ) -> Method {
     Method { name, arguments, apply }
 }
 
 pub(super) static METHODS: &[Method] = &[
-    method("inverse", 0, |call| Some(inverse(call)?.into_value())),
-    method("transform_point", 1, |call| {
+    method("inverse", &[], |call| Some(inverse(call)?.into_value())),
+    method("transform_point", &["&p"], |call| {
         let element = receiver(call)?;
         moved(call, &element)
     }),
-    method("inverse_transform_point", 1, |call| {
+    method("inverse_transform_point", &["&p"], |call| {
         let element = inverse(call)?;
         moved(call, &element)
     }),
-    method("transform_vector", 1, |call| {
+    method("transform_vector", &["&v"], |call| {
         let element = receiver(call)?;
         transformed(call, &element)
     }),
-    method("inverse_transform_vector", 1, |call| {
+    method("inverse_transform_vector", &["&v"], |call| {
         let element = inverse(call)?;
         transformed(call, &element)
     }),
@@ -86,7 +86,7 @@ impl<'a> Element<'a> {
 
     /// The vector as the group acts on it, if it acts on such vectors.
     fn turned(&self, vector: &Vector<'a>) -> Option<Vector<'a>> {
-        let mut spaces = self.group.representations().iter();
+        let mut spaces = self.group.actions().iter();
         let space = spaces.find(|space| space.coordinates().len() == vector.len())?;
         Some(space.act(&self.coordinates, vector))
     }

@@ -14,8 +14,8 @@ use crate::expr::{Arena, Expr as Symbolic, Matrix};
 /// A method that has a symbolic meaning.
 pub(super) struct Method {
     name: &'static str,
-    /// How many arguments it takes beside the receiver.
-    arguments: usize,
+    /// The arguments that it takes beside the receiver, as a reader would call them.
+    arguments: &'static [&'static str],
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 }
 
@@ -27,6 +27,21 @@ struct Call<'c, 'a> {
     receiver: &'c Value<'a>,
     arguments: &'c [(Value<'a>, &'c Expr)],
 }
+
+impl Method {
+    /// As it is called: `dot(&other)`.
+    pub(super) fn call(&self) -> String {
+        format!("{}({})", self.name, self.arguments.join(", "))
+    }
+}
+
+/// The methods of each kind of value, for documentation.
+pub(super) static ALL: [(&str, &[Method]); 4] = [
+    ("numbers", scalar::METHODS),
+    ("vectors", tensor::VECTOR_METHODS),
+    ("matrices", tensor::MATRIX_METHODS),
+    ("configurations", element::METHODS),
+];
 
 impl<'a> Lowering<'a, '_> {
     /// `receiver.method(arguments)`
@@ -79,8 +94,8 @@ impl<'a> Lowering<'a, '_> {
         let Some(known) = methods.iter().find(|known| known.name == name) else {
             return self.unknown(method, receiver, methods);
         };
-        if arguments.len() != known.arguments {
-            let takes = count(known.arguments, "argument");
+        if arguments.len() != known.arguments.len() {
+            let takes = count(known.arguments.len(), "argument");
             let message = format!("`{name}` takes {takes}, not {}", arguments.len());
             return self.fail(method, message);
         }
@@ -176,7 +191,7 @@ fn size(argument: &GenericArgument) -> Option<i64> {
 }
 
 /// Methods that Rust or nalgebra have and whose derivatives jump.
-const NOT_SMOOTH: &[&str] = &[
+pub(super) const NOT_SMOOTH: &[&str] = &[
     "abs",
     "amax",
     "amin",
