@@ -44,7 +44,7 @@ impl Diagnostics {
         self.errors.push(error);
     }
 
-    /// A remark at a name. `what` is an identifier that says in a word or two what is the matter; `lints` are the attributes that the user set
+    /// A remark at a name. `what` is the name of a constant that says in a word or two what is the matter; `lints` are the attributes that the user set
     /// there to allow or deny lints.
     pub fn warn(&mut self, at: &Ident, what: &'static str, message: String, lints: Vec<syn::Attribute>) {
         self.warnings.push(Warning { at: at.clone(), what, message, lints });
@@ -98,7 +98,6 @@ impl Warning {
             #(#lints)*
             const _: () = {
                 #[deprecated(note = #message)]
-                #[allow(non_upper_case_globals)]
                 const #declared: () = ();
                 #used
             };

@@ -33,7 +33,7 @@ use proc_macro::TokenStream;
 /// `validate`.
 ///
 /// Mistakes are errors at your own tokens, all at once. A field, inertia or control that nothing depends on is a warning,
-/// `parameter_without_effect` or `control_without_effect`, which `#[allow(deprecated)]` on the field or the struct silences.
+/// `PARAMETER_WITHOUT_EFFECT` or `CONTROL_WITHOUT_EFFECT`, which `#[allow(deprecated)]` on the field or the struct silences.
 #[proc_macro_attribute]
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_poisson_system(attribute.into(), item.into()).into()

@@ -111,35 +111,8 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
     let timed = mentions(expression.to_token_stream(), "t");
     let time_argument = timed.then(|| quote! { t: #scalar, });
 
-    let used = |name: &str| mentions(expression.to_token_stream(), name);
-    let time = if timed {
-        quote! { t }
-    } else {
-        quote! { 0.0 }
-    };
-    let velocity = quote! { #private::System::velocity_at(self, #state, #time) };
-    let (mut velocities, mut momentum_parts) = (TokenStream::new(), TokenStream::new());
-    let mut row = 0;
-    for factor in &system.factors {
-        let rows = row..row + factor.momentum.len();
-        let velocity_name = velocity_name(&factor.momentum_name);
-        let momentum = &factor.momentum_name;
-        for (part, range) in parts(factor.algebra.group) {
-            momentum_parts.extend(binding(
-                &part_name(&plain(momentum), part),
-                &quote! { #momentum },
-                range.clone(),
-                used,
-            ));
-            let range = rows.start + range.start..rows.start + range.end;
-            velocities
-                .extend(binding(&part_name(&velocity_name, part), &velocity, range, used).filter(|_| force));
-        }
-        if force && used(&velocity_name) {
-            velocities.extend(rows_of(&velocity_name, &velocity, rows.clone()));
-        }
-        row = rows.end;
-    }
+    let velocities = force.then(|| velocities(system, expression, timed, &state, private));
+    let momentum_parts = momentum_parts(system, expression);
     // as a statement, so that syn puts parentheses around a block in front of an operator
     let value = syn::Stmt::Expr(expression.clone(), None);
     let value = if has_meaning {
@@ -164,14 +137,57 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
     }
 }
 
+/// Variables for the velocities, and for their parts, that an expression names.
+fn velocities(
+    system: &System<'_>,
+    expression: &syn::Expr,
+    timed: bool,
+    state: &Ident,
+    private: &TokenStream,
+) -> TokenStream {
+    let time = if timed {
+        quote! { t }
+    } else {
+        quote! { 0.0 }
+    };
+    let all = quote! { #private::System::velocity_at(self, #state, #time) };
+    let (mut variables, mut row) = (TokenStream::new(), 0);
+    for factor in &system.factors {
+        let name = velocity_name(&factor.momentum_name);
+        for (part, range) in parts(factor.algebra.group) {
+            let range = row + range.start..row + range.end;
+            variables.extend(binding(&part_name(&name, part), &all, range, expression));
+        }
+        let rows = row..row + factor.momentum.len();
+        row = rows.end;
+        if mentions(expression.to_token_stream(), &name) {
+            variables.extend(rows_of(&name, &all, rows));
+        }
+    }
+    variables
+}
+
+/// Variables for the parts of momenta that an expression names.
+fn momentum_parts(system: &System<'_>, expression: &syn::Expr) -> TokenStream {
+    let of = |factor: &Factor<'_>| {
+        let name = factor.momentum_name.clone();
+        let whole = quote! { #name };
+        let parts = parts(factor.algebra.group).into_iter();
+        parts.filter_map(move |(part, range)| {
+            binding(&part_name(&plain(&name), part), &whole, range, expression)
+        })
+    };
+    system.factors.iter().flat_map(of).collect()
+}
+
 /// `let angular_momentum = …;` where the name is used: some rows of a vector, or its one component.
 fn binding(
     name: &str,
     whole: &TokenStream,
     rows: Range<usize>,
-    used: impl Fn(&str) -> bool,
+    expression: &syn::Expr,
 ) -> Option<TokenStream> {
-    if !used(name) {
+    if !mentions(expression.to_token_stream(), name) {
         return None;
     }
     if rows.len() > 1 {

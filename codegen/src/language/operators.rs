@@ -114,10 +114,10 @@ impl<'a> Lowering<'a, '_> {
                 None => None,
             },
         };
-        if let (Operation::Multiply, Value::Element(pose), Value::Vector(_)) = (operation, &left, &right)
+        if let (Operation::Multiply, Value::Element(pose), Value::Vector(vector)) = (operation, &left, &right)
             && pose.moves_points()
         {
-            return self.fail(operator, ONLY_ROTATES);
+            return self.fail(operator, only_rotates(vector.len()));
         }
         if result.is_none() {
             let message = operation.mismatch(&left, &right) + &hint(operation, &left, &right);
@@ -222,9 +222,13 @@ fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> O
     }
 }
 
-/// nalgebra takes a vector for a direction, which an isometry rotates and does not move.
-const ONLY_ROTATES: &str = "`*` only rotates a vector, as in nalgebra; write `pose.transform_vector(&v)` if that is meant, or \
-                            `pose.transform_point(&Point3::from(v))` for the place where a point of the body is";
+/// What to say of a rigid motion times a vector: nalgebra takes it for a direction, which is turned and not moved.
+fn only_rotates(dimension: usize) -> String {
+    format!(
+        "`*` only turns a vector, as in nalgebra; write `pose.transform_vector(&v)` if that is meant, or \
+         `pose.transform_point(&Point{dimension}::from(v))` for the place of a point of the body"
+    )
+}
 
 /// What may have been meant instead.
 fn hint(operation: Operation, left: &Value<'_>, right: &Value<'_>) -> String {

@@ -42,31 +42,16 @@ impl<'a> System<'a> {
         scope.define("t", Value::Scalar(time));
 
         let mut sources = Sources::default();
-        let mut lower = |what: &str, source: Option<&syn::Expr>, scope: &mut Scope<'a>| {
-            let source = source?;
-            let value = lower_scalar(what, source, scope, arena, diagnostics);
-            Some((Source { value: source.clone(), has_meaning: value.is_some() }, value))
-        };
-        scope.forbid(forbidden.to_potentials());
-        let potential = lower("the potential", description.potential, &mut scope);
-        scope.forbid(forbidden.to_hamiltonians());
-        let hamiltonian = lower("the Hamiltonian", description.hamiltonian, &mut scope);
-        scope.forbid(Vec::new());
+        let energies = energies(arena, description, &forbidden, &mut sources, &mut scope, diagnostics);
         forces(arena, description, &mut factors, &mut sources, &mut scope, diagnostics);
-
         let inertias = inertias(description, &factors, &values);
-        let (potential, potential_value) = potential.unzip();
-        let (hamiltonian, hamiltonian_value) = hamiltonian.unzip();
-        let or_zero = |value: Option<Option<Expr<'a>>>| value.flatten().unwrap_or_else(|| arena.zero());
-        let energy = match description.hamiltonian {
-            Some(_) => Hamiltonian::General(or_zero(hamiltonian_value)),
+        let hamiltonian = match description.hamiltonian {
+            Some(_) => Hamiltonian::General(energies.hamiltonian),
             None => Hamiltonian::Mechanical {
                 inertia: joint_inertia(arena, &factors, &inertias),
-                potential: or_zero(potential_value),
+                potential: energies.potential,
             },
         };
-        sources.potential = potential;
-        sources.hamiltonian = hamiltonian;
         if description.is_sound() && diagnostics.len() == before {
             warn_of_unused(description, &scope, diagnostics);
         }
@@ -77,7 +62,7 @@ impl<'a> System<'a> {
             controls,
             time,
             side: description.side,
-            hamiltonian: energy,
+            hamiltonian,
             inertias,
             sources,
             advected,
@@ -230,6 +215,36 @@ fn control<'a>(
     }
 }
 
+/// What the user's energies mean; zero for one that is not there or has no meaning.
+struct Energies<'a> {
+    potential: Expr<'a>,
+    hamiltonian: Expr<'a>,
+}
+
+fn energies<'a>(
+    arena: &'a Arena,
+    description: &Description<'_>,
+    forbidden: &Forbidden,
+    sources: &mut Sources,
+    scope: &mut Scope<'a>,
+    diagnostics: &mut Diagnostics,
+) -> Energies<'a> {
+    let mut lower = |what: &str, source: Option<&syn::Expr>, forbidden: Vec<(String, String)>| {
+        let source = source?;
+        scope.forbid(forbidden);
+        let value = lower_scalar(what, source, scope, arena, diagnostics);
+        scope.forbid(Vec::new());
+        Some((Source { value: source.clone(), has_meaning: value.is_some() }, value))
+    };
+    let potential = lower("the potential", description.potential, forbidden.to_potentials());
+    let hamiltonian = lower("the Hamiltonian", description.hamiltonian, forbidden.to_hamiltonians());
+    let (potential, potential_value) = potential.unzip();
+    let (hamiltonian, hamiltonian_value) = hamiltonian.unzip();
+    (sources.potential, sources.hamiltonian) = (potential, hamiltonian);
+    let or_zero = |value: Option<Option<Expr<'a>>>| value.flatten().unwrap_or_else(|| arena.zero());
+    Energies { potential: or_zero(potential_value), hamiltonian: or_zero(hamiltonian_value) }
+}
+
 /// The forces, each on its factor.
 fn forces<'a>(
     arena: &'a Arena,
@@ -319,12 +334,12 @@ fn warn_of_unused(description: &Description<'_>, scope: &Scope<'_>, diagnostics:
             false => format!("the parameter `{}` is in no energy and no force", field.name),
         };
         let lints = description.lints.iter().chain(&field.lints).cloned().collect();
-        diagnostics.warn(&field.name, "parameter_without_effect", message, lints);
+        diagnostics.warn(&field.name, "PARAMETER_WITHOUT_EFFECT", message, lints);
     }
     for control in description.controls {
         if !scope.is_used(&plain(&control.name)) {
             let message = format!("the control `{}` is in no force", control.name);
-            diagnostics.warn(&control.name, "control_without_effect", message, description.lints.to_vec());
+            diagnostics.warn(&control.name, "CONTROL_WITHOUT_EFFECT", message, description.lints.to_vec());
         }
     }
 }

@@ -683,6 +683,11 @@ fn parts_of_momenta() {
             "this force must be a vector of 3, or its parts `(angular, linear)`, but this is a scalar",
         )],
     );
+}
+
+#[test]
+fn parts_of_momenta_are_names_like_others() {
+    let body = "struct Body { #[inertia] j: f64 }";
     breaks(
         "group = SE3, potential = linear_momentum.x + angular_velocity.x",
         body,
@@ -722,7 +727,7 @@ fn points() {
         body,
         &[(
             "*",
-            "`*` only rotates a vector, as in nalgebra; write `pose.transform_vector(&v)` if that is meant, or",
+            "`*` only turns a vector, as in nalgebra; write `pose.transform_vector(&v)` if that is meant, or",
         )],
     );
     breaks(

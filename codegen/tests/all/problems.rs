@@ -221,7 +221,7 @@ fn methods() {
         "chi.cos()",
         &[(
             "cos",
-            "a vector of 3 has no method `cos` here; it is one of numbers, such as the component `.x`: write `.x.cos(…)`",
+            "a vector of 3 has no method `cos` here; it is one of numbers, such as the component `.x`: write `.x.cos()`",
         )],
     );
 }

@@ -168,15 +168,16 @@ impl<'a> Lowering<'a, '_> {
             names.extend(components.filter(|component| component.called).map(|component| component.name));
         }
         let what = receiver.describe();
-        let rest = match (nearest(&name, &names), receiver) {
-            (Some(near), _) => format!("; did you mean `{near}`?"),
-            (None, Value::Vector(_)) if scalar::METHODS.iter().any(|known| known.name == name) => {
-                format!("; it is one of numbers, such as the component `.x`: write `.x.{name}(…)`")
+        let of_numbers = scalar::METHODS.iter().find(|known| known.name == name);
+        let rest = match (nearest(&name, &names), receiver, of_numbers) {
+            (Some(near), ..) => format!("; did you mean `{near}`?"),
+            (None, Value::Vector(_), Some(known)) => {
+                format!("; it is one of numbers, such as the component `.x`: write `.x.{}`", known.call())
             }
-            (None, Value::Vector(_) | Value::Matrix(_)) if name.starts_with("fixed_") => {
+            (None, Value::Vector(_) | Value::Matrix(_), _) if name.starts_with("fixed_") => {
                 "; write `fixed_rows::<3>(0)` for three rows from the first on".to_owned()
             }
-            (None, _) => format!(". Its methods are {}", list(names)),
+            _ => format!(". Its methods are {}", list(names)),
         };
         self.fail(method, format!("{what} has no method `{name}` here{rest}"))
     }
