@@ -57,3 +57,16 @@ fn turn(body: &Body) -> f64 {
     body.stepper::<Cayley>(0.1).unwrap();
     body.potential(&state) + body.force(&state).norm() + body.weight
 }
+
+// nor does a mistake in another key, or in a field
+#[lie_poisson_system(group = SE3, methods(Midpiont), hamiltonian = , force = angular_velocity)]
+struct Hull {
+    inertia: f64,
+    name: String,
+}
+
+fn sail(hull: Hull, state: &mut HullState) -> f64 {
+    let copy = Hull { inertia: 1.0, ..hull };
+    copy.stepper::<Midpoint>(0.1).unwrap().step(state).unwrap();
+    copy.hamiltonian(state) + state.momentum.norm() + copy.inertia
+}

@@ -225,7 +225,7 @@ fn cofactor<'a>(matrix: &Matrix<'a>, row: usize, column: usize) -> Expr<'a> {
     let kept = |without: usize| (0..n).filter(move |&k| k != without);
     let entries = kept(row).flat_map(|i| kept(column).map(move |j| matrix.at(i, j))).collect();
     let minor = expand(&Matrix::new(n - 1, n - 1, entries), 0, &(0..n - 1).collect::<Vec<_>>());
-    if (row + column) % 2 == 0 { minor } else { -minor }
+    if (row + column).is_multiple_of(2) { minor } else { -minor }
 }
 
 fn row<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
