@@ -1,6 +1,10 @@
 //! Every construct of the language against Rust and nalgebra themselves: the same tokens are compiled by rustc and
 //! lowered by us, and both values must agree.
-#![allow(clippy::all, reason = "expressions are written in all the ways users write them")]
+#![allow(
+    clippy::all,
+    clippy::unwrap_used,
+    reason = "expressions are written in all the ways users write them"
+)]
 
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Node, Stage};

@@ -1,5 +1,6 @@
 //! What expressions mean in whole systems: rustc compiles the user's text with nalgebra's types, the generator derives from it, and both must
 //! have the same value.
+#![allow(clippy::unwrap_used, reason = "an inverse in an expression is taken as users take it")]
 
 use std::f64::consts::PI;
 
