@@ -8,7 +8,6 @@ use syn::ext::IdentExt;
 
 use crate::diagnostics::Diagnostics;
 use crate::group::{Group, Representation, Side};
-use crate::model::InertiaShape;
 use crate::parse::{self, Attribute, Field, Item};
 
 /// A description, resolved: parts refer to each other by index.
@@ -70,6 +69,17 @@ pub struct Inertia {
     /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
     /// Hamiltonian.
     pub blocks: Vec<Vec<usize>>,
+}
+
+/// How an inertia is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InertiaShape {
+    /// One number: isotropic.
+    Scalar,
+    /// Principal moments.
+    Diagonal,
+    /// A symmetric matrix.
+    Matrix,
 }
 
 /// A force.

@@ -13,10 +13,3 @@ pub(crate) fn velocity_name(momentum: &Ident) -> String {
     let name = plain(momentum);
     format!("{}velocity", name.strip_suffix("momentum").unwrap_or_default())
 }
-
-/// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
-pub(crate) fn part_name(whole: &str, part: &str) -> String {
-    let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
-    let (factor, quantity) = whole.split_at(at);
-    format!("{factor}{part}_{quantity}")
-}

@@ -8,6 +8,7 @@ pub(crate) use build::parts;
 
 use std::cell::OnceCell;
 
+pub use crate::check::InertiaShape;
 pub use layout::{FactorPart, Slot};
 pub use part::{Part, Role, StoredAs};
 
@@ -161,17 +162,6 @@ pub struct InertiaField<'a> {
     pub blocks: Vec<Vec<usize>>,
     /// As a matrix.
     pub matrix: Matrix<'a>,
-}
-
-/// How an inertia is given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InertiaShape {
-    /// One number: isotropic.
-    Scalar,
-    /// Principal moments.
-    Diagonal,
-    /// A symmetric matrix.
-    Matrix,
 }
 
 impl<'a> System<'a> {

@@ -4,11 +4,10 @@ use proc_macro2::Span;
 use quote::format_ident;
 use syn::Ident;
 
-use super::{Advected, Factor, Force, Inertia, momentum_name};
+use super::{Advected, Factor, Force, Inertia, InertiaShape, momentum_name};
 use crate::diagnostics::{Diagnostics, list, suggestion};
-use crate::group::{self, Group, Representation};
-use crate::identifiers::{part_name, plain, velocity_name};
-use crate::model::InertiaShape;
+use crate::group::{self, Group, Representation, part_name};
+use crate::identifiers::{plain, velocity_name};
 use crate::parse::{self, Attribute, Field, GROUP, HAMILTONIAN, Item, Shape};
 use crate::scheme::Rule;
 

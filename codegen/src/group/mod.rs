@@ -202,6 +202,13 @@ pub struct Named<'n, 'a> {
     pub value: &'n Vector<'a>,
 }
 
+/// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
+pub(crate) fn part_name(whole: &str, part: &str) -> String {
+    let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
+    let (factor, quantity) = whole.split_at(at);
+    format!("{factor}{part}_{quantity}")
+}
+
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
     &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2]

@@ -8,10 +8,9 @@ use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, inner_products,
+    Semidirect, inner_products, part_name,
 };
 use crate::expr::{Expr, Number, Vector};
-use crate::identifiers::part_name;
 
 /// Rigid motions of the plane.
 pub struct SE2;

@@ -8,10 +8,9 @@ use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, Translation, inner_products,
+    Semidirect, Translation, inner_products, part_name,
 };
 use crate::expr::{Expr, Vector};
-use crate::identifiers::part_name;
 
 /// Rigid motions of space.
 pub struct SE3;

@@ -2,8 +2,7 @@
 
 use super::construct::{CONSTRUCTORS, POINTS};
 use super::methods::{self, NOT_SMOOTH};
-use crate::group::{Group, catalogue};
-use crate::identifiers::part_name;
+use crate::group::{Group, catalogue, part_name};
 use crate::parse::KEYS;
 
 /// What can be written in a description, in Markdown: keys, groups with the order of what they store, and all that has a meaning in an

@@ -9,8 +9,8 @@ use super::{
 use crate::check::{self, Description};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
-use crate::group::{Group, Semidirect};
-use crate::identifiers::{part_name, plain, velocity_name};
+use crate::group::{Group, Semidirect, part_name};
+use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, lower_force, lower_scalar};
 use crate::parse::Control;
 
