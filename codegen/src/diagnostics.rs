@@ -2,8 +2,8 @@
 
 use std::fmt::Display;
 
-use proc_macro2::{Span, TokenStream};
-use quote::ToTokens;
+use proc_macro2::{Ident, Span, TokenStream};
+use quote::{ToTokens, quote};
 
 /// Gathers problems. Phases go on after a problem as long as they can say something useful, and the generator stops
 /// between phases if anything was found.
@@ -11,6 +11,16 @@ use quote::ToTokens;
 #[must_use = "problems that are never looked at are never reported"]
 pub struct Diagnostics {
     errors: Vec<syn::Error>,
+    warnings: Vec<Warning>,
+}
+
+/// Something that is no error, at the name that it is about.
+#[derive(Debug)]
+struct Warning {
+    at: Ident,
+    what: &'static str,
+    message: String,
+    lints: Vec<syn::Attribute>,
 }
 
 impl Diagnostics {
@@ -34,7 +44,18 @@ impl Diagnostics {
         self.errors.push(error);
     }
 
-    /// Whether nothing was found.
+    /// A remark at a name. `what` is the name of a constant that says in a word or two what is the matter; `lints` are the attributes that the user set
+    /// there to allow or deny lints.
+    pub fn warn(&mut self, at: &Ident, what: &'static str, message: String, lints: Vec<syn::Attribute>) {
+        self.warnings.push(Warning { at: at.clone(), what, message, lints });
+    }
+
+    /// The warnings, each as the name that it is about and its message.
+    pub fn warnings(&self) -> impl Iterator<Item = (String, &str)> {
+        self.warnings.iter().map(|warning| (warning.at.to_string(), warning.message.as_str()))
+    }
+
+    /// Whether nothing is wrong.
     pub fn is_empty(&self) -> bool {
         self.errors.is_empty()
     }
@@ -53,9 +74,34 @@ impl Diagnostics {
         self.errors.into_iter().reduce(combine).map_or(Ok(()), Err)
     }
 
-    /// The problems as `compile_error!` invocations; nothing if there are none.
-    pub fn into_compile_errors(self) -> TokenStream {
-        self.finish().err().map(|error| error.to_compile_error()).unwrap_or_default()
+    /// The problems as items; if there are none, the warnings.
+    pub fn into_tokens(self) -> TokenStream {
+        if self.errors.is_empty() {
+            return self.warnings.iter().map(Warning::to_tokens).collect();
+        }
+        self.into_compile_errors().into_iter().collect()
+    }
+
+    /// The problems as invocations of `compile_error!`, each of which can stand for an item or a type.
+    pub fn into_compile_errors(self) -> Vec<TokenStream> {
+        self.errors.into_iter().flatten().map(|error| error.to_compile_error()).collect()
+    }
+}
+
+impl Warning {
+    /// The use of something deprecated, at the user's tokens: the one lint of rustc that a macro can give a message.
+    fn to_tokens(&self) -> TokenStream {
+        let Self { at, what, message, lints } = self;
+        let declared = Ident::new(what, Span::mixed_site());
+        let used = Ident::new(what, declared.span().located_at(at.span()));
+        quote! {
+            #(#lints)*
+            const _: () = {
+                #[deprecated(note = #message)]
+                const #declared: () = ();
+                #used
+            };
+        }
     }
 }
 
@@ -87,10 +133,14 @@ pub fn suggestion(written: &str, known: &[&str]) -> String {
 
 /// The known name that `written` is most likely a slip of, if any is near enough. Of equally near ones the first.
 pub fn nearest<'n>(written: &str, known: &[&'n str]) -> Option<&'n str> {
-    let allowed = written.chars().count().div_ceil(3).min(3);
+    let length = written.chars().count();
+    let allowed = if length < 4 { 0 } else { (length / 3).min(3) };
     let folded = written.to_lowercase();
+    // names that differ in their numbers are different things
+    let digits = |name: &str| name.chars().filter(char::is_ascii_digit).collect::<String>();
     known
         .iter()
+        .filter(|name| digits(name) == digits(written))
         .map(|&name| (edits(&folded, &name.to_lowercase()), name))
         .filter(|&(distance, name)| distance <= allowed && distance < name.chars().count())
         .min_by_key(|&(distance, _)| distance)
@@ -127,6 +177,7 @@ mod tests {
         assert_eq!(nearest("gama", &known), Some("gamma"));
         assert_eq!(nearest("wieght", &known), Some("weight"));
         assert_eq!(nearest("Chi", &known), Some("chi"));
+        assert_eq!(nearest("advect", &["advected", "potential"]), Some("advected"));
         assert_eq!(nearest("x", &known), None);
         assert_eq!(nearest("mass", &known), None);
         assert_eq!(nearest("", &known), None);
@@ -135,6 +186,16 @@ mod tests {
     #[test]
     fn a_single_letter_is_not_a_slip_of_another() {
         assert_eq!(nearest("a", &["b", "x"]), None);
+    }
+
+    #[test]
+    fn what_is_short_or_has_another_number_is_no_slip() {
+        let groups = ["R1", "R2", "SO2", "SO3", "SE3"];
+        for written in ["SO4", "S2", "R20", "SO33", "SL3", "SO"] {
+            assert_eq!(nearest(written, &groups), None, "{written}");
+        }
+        assert_eq!(nearest("so3", &groups), Some("SO3"));
+        assert_eq!(nearest("Vector4", &["Vector3"]), None);
     }
 
     #[test]

@@ -38,14 +38,18 @@ use parse::{Attribute, Item};
 use scheme::{Member, Rule, Scheme};
 
 /// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the user's
-/// tokens, beside as much of the expansion as can be made, so that one mistake does not bring others with it.
+/// tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that one mistake does not bring
+/// others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
-    let fallback = item.clone();
-    let expansion = derive(attribute, item, &mut diagnostics)
-        .map_or_else(|| parse::without_helpers(fallback), Expansion::into_tokens);
-    let errors = diagnostics.into_compile_errors();
-    quote! { #expansion #errors }
+    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    match derive(&attribute, item.clone(), &mut diagnostics) {
+        Some(expansion) => {
+            let (expansion, messages) = (expansion.into_tokens(), diagnostics.into_tokens());
+            quote! { #expansion #messages }
+        }
+        None => emit::stand_in(item, &attribute, diagnostics),
+    }
 }
 
 /// The expansion of a description without problems, part by part.
@@ -54,30 +58,25 @@ pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStr
 /// All problems of the description, each at its tokens.
 pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansion> {
     let mut diagnostics = Diagnostics::new();
-    let expansion = derive(attribute, item, &mut diagnostics);
+    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let expansion = derive(&attribute, item, &mut diagnostics);
     diagnostics.finish()?;
     expansion.ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand"))
 }
 
 /// From tokens to the expansion, by the stages named above.
-fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Expansion> {
-    let attribute = Attribute::parse(attribute, diagnostics);
-    let before = diagnostics.len();
+fn derive(attribute: &Attribute, item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Expansion> {
     let item = Item::parse(item, diagnostics)?;
-    check::structure(&attribute, &item, diagnostics);
-    let sound = diagnostics.len() == before;
-
+    let description = check::resolve(attribute, &item, diagnostics);
     let arena = Arena::new();
     // expressions are looked at even if they cannot be used, for the sake of their problems
-    let system = System::build(&arena, &attribute, &item, diagnostics);
-    // of a description that does not fit together nothing can be emitted that would compile
-    let system = system.filter(|_| sound)?;
+    let system = System::build(&arena, &description, diagnostics)?;
     let mut program = derivation::program(&arena, &system);
     let wanted = attribute.derivatives;
-    for (scheme, aliases) in schemes(&system, &attribute) {
+    for (scheme, aliases) in schemes(&system, attribute) {
         // each from a system of its own: what else is asked for has no part in it
         let arena = Arena::new();
-        let system = System::build(&arena, &attribute, &item, &mut Diagnostics::new())?;
+        let system = System::build(&arena, &description, &mut Diagnostics::new())?;
         program.steps.push(derivation::step(&arena, &system, scheme, aliases, wanted));
     }
 

@@ -4,8 +4,11 @@ mod build;
 mod layout;
 mod part;
 
+pub(crate) use build::parts;
+
 use std::cell::OnceCell;
 
+pub use crate::check::InertiaShape;
 pub use layout::{FactorPart, Slot};
 pub use part::{Part, Role, StoredAs};
 
@@ -15,7 +18,7 @@ use quote::ToTokens;
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
 use crate::group::{EquationNames, Named, Semidirect, SemidirectVector, Side, trivialized_gradient};
 use crate::identifiers::{plain, velocity_name};
-use crate::language::Constant;
+use crate::language::{Constant, ForceForm};
 use crate::parse::Shape;
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
@@ -36,7 +39,7 @@ pub struct System<'a> {
     pub side: Side,
     /// The energy.
     pub hamiltonian: Hamiltonian<'a>,
-    /// The fields marked as inertia.
+    /// The fields marked as inertia, which a general Hamiltonian uses as it likes.
     pub inertias: Vec<InertiaField<'a>>,
     /// What the user wrote.
     pub sources: Sources,
@@ -101,15 +104,23 @@ pub enum Hamiltonian<'a> {
     General(Expr<'a>),
 }
 
-/// The user's expressions, where they have a meaning.
+/// The user's expressions.
 #[derive(Default)]
 pub struct Sources {
     /// The potential.
-    pub potential: Option<syn::Expr>,
+    pub potential: Option<Source>,
     /// The Hamiltonian.
-    pub hamiltonian: Option<syn::Expr>,
+    pub hamiltonian: Option<Source>,
     /// The forces.
     pub forces: Vec<ForceSource>,
+}
+
+/// An energy as the user wrote it.
+pub struct Source {
+    /// The expression.
+    pub value: syn::Expr,
+    /// Whether it has a meaning; if not, that was reported.
+    pub has_meaning: bool,
 }
 
 /// A force as the user wrote it.
@@ -118,8 +129,8 @@ pub struct ForceSource {
     pub factor: usize,
     /// The expression.
     pub value: syn::Expr,
-    /// Whether it is a scalar, which stands for a vector of one component.
-    pub scalar: bool,
+    /// How it is written; `None` if it has no meaning, which was reported.
+    pub form: Option<ForceForm>,
 }
 
 /// A field of the struct.
@@ -149,21 +160,11 @@ pub struct InertiaField<'a> {
     pub name: Ident,
     /// How it is given.
     pub shape: InertiaShape,
-    /// The factors it is for.
-    pub factors: Vec<usize>,
+    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
+    /// general Hamiltonian.
+    pub blocks: Vec<Vec<usize>>,
     /// As a matrix.
     pub matrix: Matrix<'a>,
-}
-
-/// How an inertia is given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum InertiaShape {
-    /// One number: isotropic.
-    Scalar,
-    /// Principal moments.
-    Diagonal,
-    /// A symmetric matrix.
-    Matrix,
 }
 
 impl<'a> System<'a> {
@@ -314,10 +315,14 @@ impl<'a> System<'a> {
                 }
             }
             Hamiltonian::Mechanical { .. } => {
-                for field in &self.inertias {
+                let blocks = self
+                    .inertias
+                    .iter()
+                    .flat_map(|field| field.blocks.iter().map(move |block| (field, block)));
+                for (field, block) in blocks {
                     let names = |name: &dyn Fn(&Factor<'a>) -> String| {
                         let names: Vec<String> =
-                            field.factors.iter().map(|&factor| name(&self.factors[factor])).collect();
+                            block.iter().map(|&factor| name(&self.factors[factor])).collect();
                         if names.len() == 1 { names.concat() } else { format!("({})", names.join(", ")) }
                     };
                     lines.push(format!(

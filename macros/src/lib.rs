@@ -2,9 +2,8 @@
 
 use proc_macro::TokenStream;
 
-/// Derives a structure-preserving stepper from the description of a mechanical system.
-///
-/// It stands above a struct whose fields are the parameters, before any `#[derive(…)]`, and takes these keys, of which only `group` must be there:
+/// The description of a mechanical system stands above a struct whose fields are the parameters, before any `#[derive(…)]`, and takes these
+/// keys, of which only `group` must be there:
 ///
 /// | key | meaning |
 /// |---|---|
@@ -12,9 +11,9 @@ use proc_macro::TokenStream;
 /// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own |
 /// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates |
 /// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |
-/// | `hamiltonian = …` | any smooth energy, in place of inertia and potential |
+/// | `hamiltonian = …` | any smooth energy, in the momentum too, in place of inertia and potential |
 /// | `control(moment: R3, thrust: f64)` | what acts from outside, held over each step |
-/// | `force = moment`, `force(attitude = moment)` | what changes the momentum beside the energy |
+/// | `force = moment`, `force(attitude = moment)` | what changes the momentum beside the energy; of rigid motions also a pair, `(moment, push)` |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
 /// | `methods(Midpoint, Family(1, 4), TangentLift)` | schemes to generate beside the standard ones |
 /// | `retractions(Cayley)` | the retractions to generate steps with; without it both, `Exponential` and `Cayley` |
@@ -22,8 +21,19 @@ use proc_macro::TokenStream;
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
 ///
 /// `#[inertia]` on a field, or `#[inertia(attitude)]` for some of the factors: a number, principal moments, or a symmetric positive definite
-/// matrix. Beside the struct there are then its state, `…State`, its controls, `…Control`, and implementations of `coadjoint`'s traits.
-/// Expressions are ordinary Rust; the guide in `coadjoint`'s documentation has a page for each notion.
+/// matrix. One field for several factors is their joint inertia, or that of each if it is only as long as one and all move on the same group.
+/// Beside `hamiltonian` it is a parameter that is checked to be positive definite.
+///
+/// Expressions are ordinary Rust in the fields, the configuration (`attitude`, `position`, `angle`, `pose`, `spin`, or the names of factors), the
+/// momentum (`momentum`, `attitude_momentum`; of rigid motions `angular_momentum` and `linear_momentum`), advected parameters and the time `t`; in
+/// forces also velocities and controls. `coadjoint::guide::language` lists all that has a meaning in them.
+///
+/// Beside the struct there are then its state, `…State`, its controls, `…Control`, indices of components for derivatives, `…Indices`, methods for
+/// your expressions, `potential`, `hamiltonian` and `force`, and implementations of `coadjoint`'s traits, with `stepper`, `energy`, `casimirs` and
+/// `validate`.
+///
+/// Mistakes are errors at your own tokens, all at once. A field, inertia or control that nothing depends on is a warning,
+/// `PARAMETER_WITHOUT_EFFECT` or `CONTROL_WITHOUT_EFFECT`, which `#[allow(deprecated)]` on the field or the struct silences.
 #[proc_macro_attribute]
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_poisson_system(attribute.into(), item.into()).into()

@@ -1,7 +1,7 @@
 //! A guide, one page for each notion. Every example is compiled and run by the tests.
 //!
 //! 1. [From nothing to a system of one's own](beginning), in ten minutes
-//! 2. [Describing a system](describing)
+//! 2. [Describing a system](describing), and [all that may be written there](language)
 //! 3. [Choosing retraction and method](choosing)
 //! 4. [Forces and controls](forces)
 //! 5. [Running](running): to a time, on from there, with observers, from a snapshot
@@ -140,12 +140,59 @@ pub mod describing {
     //! # let _ = state;
     //! ```
     //!
-    //! **The inertia** is one field, or one for each factor (`#[inertia(first)]`), or one matrix for several
-    //! (`#[inertia(first, second)]`): a number, the principal moments, or a symmetric positive definite matrix.
+    //! **The inertia** is one field, or one for each factor (`#[inertia(first)]`), or one for several (`#[inertia(first, second)]`): a
+    //! number, the principal moments, or a symmetric positive definite matrix. A field for several factors is their joint inertia, and as long as
+    //! all of them together. If it is only as long as each, and they all move on the same group, it is the inertia of each: `Vector3` for two
+    //! bodies alike.
     //!
     //! **The potential** is an expression or block in the fields, the configuration (`attitude * v`, `attitude.inverse() * v`,
     //! `position.x`, `angle.cos_angle()`, `pose.translation.vector`) and the time `t`. It is ordinary Rust, and also emitted as a method,
-    //! so that rustc checks its types at your own tokens.
+    //! so that rustc checks its types at your own tokens. [All that has a meaning](super::language) is listed; a field or control that is used
+    //! nowhere is warned of, which `#[allow(deprecated)]` on it or on the struct silences.
+    //!
+    //! **Rigid motions.** The momentum of `SE3` and `SE2` is the angular part, then the linear one, in the body. Expressions have the parts by name,
+    //! `angular_momentum` and `linear_momentum`, in forces also `angular_velocity` and `linear_velocity`; a force may be a pair. A point of the
+    //! body is moved by `pose.transform_point`; a vector is only turned.
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! /// A buoy on an elastic rope, in water that resists.
+    //! #[lie_poisson_system(
+    //!     group = SE3,
+    //!     potential = {
+    //!         let rope = pose.transform_point(&Point3::from(eye)) - Point3::origin();
+    //!         0.5 * stiffness * rope.norm_squared() - lift * pose.translation.z
+    //!     },
+    //!     force = (-drag * angular_momentum, -drag * linear_momentum),
+    //! )]
+    //! struct Buoy {
+    //!     #[inertia]
+    //!     inertia: Vector6<f64>,
+    //!     /// Where the rope is tied, in the body.
+    //!     eye: Vector3<f64>,
+    //!     stiffness: f64,
+    //!     lift: f64,
+    //!     drag: f64,
+    //! }
+    //!
+    //! let buoy = Buoy {
+    //!     inertia: vector![0.1, 0.1, 0.2, 1.0, 1.0, 1.0],
+    //!     eye: vector![0.0, 0.0, -0.5],
+    //!     stiffness: 20.0,
+    //!     lift: 10.0,
+    //!     drag: 1.0,
+    //! };
+    //! let mut state = BuoyState { pose: Isometry3::rotation(0.3 * Vector3::x()), momentum: Vector6::zeros() };
+    //! let mut stepper = buoy.stepper::<Exponential>(0.01)?;
+    //! for _ in 0..5_000 {
+    //!     stepper.step(&mut state)?;
+    //! }
+    //! // at rest above where the rope is held, upright
+    //! let rest = vector![0.0, 0.0, 1.0];
+    //! assert!((state.pose.translation.vector - rest).norm() < 1e-6 && state.pose.rotation.angle() < 1e-6);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
     //!
     //! **Advected parameters** are vectors fixed in space and seen from the body, as the vertical of a heavy top. Where an energy
     //! depends on the configuration only through such vectors, declare them rather than reading the attitude: the system is then
@@ -169,7 +216,8 @@ pub mod describing {
     //! assert!((top.casimirs(&state)[0] - 1.0).abs() < 1e-15);
     //! ```
     //!
-    //! **Any other Hamiltonian** is written out, in the momentum too, and takes the place of inertia and potential:
+    //! **Any other Hamiltonian** is written out, in the momentum too, and takes the place of inertia and potential. A field marked `#[inertia]` is
+    //! then a parameter like any other, but checked to be positive, or a symmetric positive definite matrix, of whatever size:
     //!
     //! ```
     //! use coadjoint::prelude::*;
@@ -179,16 +227,17 @@ pub mod describing {
     //!     group = SO3,
     //!     hamiltonian = {
     //!         let body = momentum - rotor;
-    //!         body.dot(&body.component_div(&inertia)) / 2.0
+    //!         body.dot(&(inertia.try_inverse().unwrap() * body)) / 2.0
     //!     },
     //! )]
     //! struct Gyrostat {
-    //!     inertia: Vector3<f64>,
+    //!     #[inertia]
+    //!     inertia: Matrix3<f64>,
     //!     /// Angular momentum of the rotor, in the body.
     //!     rotor: Vector3<f64>,
     //! }
     //!
-    //! let gyrostat = Gyrostat { inertia: vector![1.0, 2.0, 2.5], rotor: vector![0.0, 0.0, 0.4] };
+    //! let gyrostat = Gyrostat { inertia: matrix![1.0, 0.1, 0.0; 0.1, 2.0, 0.2; 0.0, 0.2, 2.5], rotor: vector![0.0, 0.0, 0.4] };
     //! let mut state = GyrostatState { attitude: UnitQuaternion::identity(), momentum: vector![0.5, 0.1, 0.9] };
     //! let energy = gyrostat.energy(&state);
     //! let mut stepper = gyrostat.stepper::<Exponential>(0.05)?;
@@ -242,6 +291,12 @@ pub mod describing {
     //!
     //! In a crate that does not depend on serde itself, its traits are `coadjoint::serde::{Deserialize, Serialize}`, and the struct says
     //! `#[serde(crate = "coadjoint::serde")]`.
+}
+
+pub mod language {
+    //! All that may be written in a description. What it is for is in [describing](super::describing).
+    //!
+    #![doc = include_str!("guide/language.md")]
 }
 
 pub mod choosing {

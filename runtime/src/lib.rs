@@ -100,6 +100,29 @@ mod test_system;
 
 #[cfg(feature = "std")]
 pub use certify::certify;
+/// Derives a structure-preserving stepper from the description of a mechanical system.
+///
+/// ```
+/// use coadjoint::prelude::*;
+///
+/// /// A pendulum with a motor in its bearing.
+/// #[lie_poisson_system(group = SO2, potential = -weight * angle.cos_angle(), control(motor: R1), force = motor)]
+/// struct Pendulum {
+///     #[inertia]
+///     inertia: f64,
+///     weight: f64,
+/// }
+///
+/// let pendulum = Pendulum { inertia: 1.0, weight: 9.81 };
+/// let mut state = PendulumState { angle: UnitComplex::new(0.5), momentum: vector![0.0] };
+/// let mut stepper = pendulum.stepper::<Exponential>(0.01)?;
+/// stepper.step_with(&mut state, &PendulumControl { motor: vector![0.2] })?;
+/// assert!(state.momentum.x < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// The guide explains how to [describe](guide::describing) a system and lists [all that may be written](guide::language); the steps are taken
+/// by a [`Stepper`], with one of the schemes that [choosing](guide::choosing) compares.
 pub use coadjoint_macros::lie_poisson_system;
 #[cfg(feature = "std")]
 pub use compensated::Compensated;

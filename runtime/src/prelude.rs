@@ -17,6 +17,6 @@ pub use crate::stepper::Stepper;
 pub use crate::system::{Control as _, NoControl, State as _, System as _};
 pub use crate::{matrix, vector};
 pub use nalgebra::{
-    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix6, Quaternion, Rotation3, UnitComplex,
-    UnitQuaternion, Vector1, Vector2, Vector3, Vector4, Vector5, Vector6,
+    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix4, Matrix6, Point2, Point3, Quaternion, Rotation3,
+    UnitComplex, UnitQuaternion, Vector1, Vector2, Vector3, Vector4, Vector5, Vector6,
 };

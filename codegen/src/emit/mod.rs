@@ -7,9 +7,12 @@ mod expressions;
 mod geometry;
 mod kernel;
 mod schemes;
+mod stand_in;
 mod state;
 mod system;
 mod tangents;
+
+pub(crate) use stand_in::stand_in;
 
 use std::collections::BTreeMap;
 

@@ -77,6 +77,10 @@ pub trait Group: Sync {
     fn blocks(&self) -> Vec<usize> {
         vec![self.dimension()]
     }
+    /// The names of the blocks of coordinates, where a momentum is made of several: angular and linear.
+    fn parts(&self) -> &'static [&'static str] {
+        &[]
+    }
     /// Suffixes of the algebra's coordinates.
     fn axes(&self) -> &'static [&'static str];
     /// The bracket `[x, y]`.
@@ -108,6 +112,10 @@ pub trait Group: Sync {
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
     /// The linear spaces the group acts on.
     fn representations(&self) -> &'static [&'static dyn Representation];
+    /// What elements do to vectors in a user's expressions, as those of the type they are stored as do.
+    fn actions(&self) -> &'static [&'static dyn Representation] {
+        self.representations()
+    }
     /// The Casimirs of the Lie–Poisson bracket on `(g ⋉ V₁ ⊕ … )*`, with names; `momentum` and the advected parameters come with
     /// their names. Without a `momentum`, which a potential on the group or a force changes, those of the advected parameters alone.
     fn casimirs<'a>(
@@ -192,6 +200,13 @@ pub struct Named<'n, 'a> {
     pub name: &'n str,
     /// The vector.
     pub value: &'n Vector<'a>,
+}
+
+/// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
+pub(crate) fn part_name(whole: &str, part: &str) -> String {
+    let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
+    let (factor, quantity) = whole.split_at(at);
+    format!("{factor}{part}_{quantity}")
 }
 
 /// The groups a description may name.

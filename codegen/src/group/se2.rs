@@ -8,7 +8,7 @@ use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, inner_products,
+    Semidirect, inner_products, part_name,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -67,6 +67,10 @@ impl Group for SE2 {
         vec![1, 2]
     }
 
+    fn parts(&self) -> &'static [&'static str] {
+        &["angular", "linear"]
+    }
+
     fn axes(&self) -> &'static [&'static str] {
         &["angular", "linear_x", "linear_y"]
     }
@@ -122,7 +126,7 @@ impl Group for SE2 {
     ) -> Vec<(String, Expr<'a>)> {
         let Some(momentum) = momentum else { return inner_products(advected, 1) };
         let parts = rigid().split(momentum.value);
-        let name = format!("{}.linear", momentum.name);
+        let name = part_name(momentum.name, "linear");
         let linear = Named { name: &name, value: &parts.spaces[0] };
         let mut vectors = vec![linear];
         vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));

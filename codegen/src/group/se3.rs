@@ -8,7 +8,7 @@ use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, Translation, inner_products,
+    Semidirect, Translation, inner_products, part_name,
 };
 use crate::expr::{Expr, Vector};
 
@@ -67,6 +67,10 @@ impl Group for SE3 {
         vec![3, 3]
     }
 
+    fn parts(&self) -> &'static [&'static str] {
+        &["angular", "linear"]
+    }
+
     fn axes(&self) -> &'static [&'static str] {
         &["angular_x", "angular_y", "angular_z", "linear_x", "linear_y", "linear_z"]
     }
@@ -120,14 +124,13 @@ impl Group for SE3 {
     ) -> Vec<(String, Expr<'a>)> {
         let Some(momentum) = momentum else { return inner_products(advected, 2) };
         let parts = rigid().split(momentum.value);
-        let name = format!("{}.linear", momentum.name);
+        let [angular, name] = ["angular", "linear"].map(|part| part_name(momentum.name, part));
         let linear = Named { name: &name, value: &parts.spaces[0] };
         let mut vectors = vec![linear];
         vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));
         let mut casimirs = inner_products(&vectors, 2);
         if advected.is_empty() {
-            casimirs
-                .push((format!("{0}.angular·{0}.linear", momentum.name), parts.base.dot(&parts.spaces[0])));
+            casimirs.push((format!("{angular}·{name}"), parts.base.dot(&parts.spaces[0])));
         }
         casimirs
     }

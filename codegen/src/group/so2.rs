@@ -140,10 +140,11 @@ impl Group for SO2 {
     }
 }
 
-/// The fields of a complex number, and nalgebra's methods for cosine and sine.
+/// The fields of a complex number, and nalgebra's methods for the angle, which is above −π and at most π, its cosine and sine.
 static COMPONENTS: &[Component] = &[
     Component { name: "re", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
     Component { name: "im", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
+    Component { name: "angle", called: true, of: |g| ComponentValue::Scalar(g.0[1].atan2(g.0[0])) },
     Component { name: "cos_angle", called: true, of: |g| ComponentValue::Scalar(g.0[0]) },
     Component { name: "sin_angle", called: true, of: |g| ComponentValue::Scalar(g.0[1]) },
 ];

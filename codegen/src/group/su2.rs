@@ -124,6 +124,11 @@ impl Group for SU2 {
         &[]
     }
 
+    /// Those of the rotations that they cover.
+    fn actions(&self) -> &'static [&'static dyn Representation] {
+        SO3.representations()
+    }
+
     fn casimirs<'a>(
         &self,
         momentum: Option<&Named<'_, 'a>>,

@@ -23,6 +23,10 @@ impl<'a> Lowering<'a, '_> {
                         None => self.fail(name, element.no_component(&written)),
                     };
                 }
+                let base = match (base, written.as_str()) {
+                    (Value::Point(point), "coords") => return Some(Value::Vector(point)),
+                    (base, _) => base,
+                };
                 // nalgebra's translations are vectors with a name for it
                 if let (Value::Vector(_), "vector") = (&base, written.as_str()) {
                     return Some(base);
@@ -99,7 +103,7 @@ fn names(value: &Value<'_>) -> Vec<(String, (usize, usize))> {
         COMPONENTS.iter().take(n).enumerate().map(|(i, name)| ((*name).to_owned(), place(i))).collect()
     };
     match value {
-        Value::Vector(vector) => named(vector.len(), |i| (i, 0)),
+        Value::Vector(vector) | Value::Point(vector) => named(vector.len(), |i| (i, 0)),
         Value::Matrix(matrix) if matrix.rows == 1 => named(matrix.columns, |j| (0, j)),
         Value::Matrix(matrix) if matrix.rows.max(matrix.columns) <= COMPONENTS.len() => {
             let places = (0..matrix.rows * matrix.columns).map(|k| (k / matrix.columns, k % matrix.columns));
@@ -110,5 +114,8 @@ fn names(value: &Value<'_>) -> Vec<(String, (usize, usize))> {
 }
 
 fn at<'a>(value: &Value<'a>, (i, j): (usize, usize)) -> Option<Value<'a>> {
-    value.as_matrix().map(|matrix| Value::Scalar(matrix.at(i, j)))
+    match value {
+        Value::Point(point) => Some(Value::Scalar(point.0[i])),
+        _ => value.as_matrix().map(|matrix| Value::Scalar(matrix.at(i, j))),
+    }
 }

@@ -11,7 +11,7 @@ use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
 use crate::parse::{ScalarType, Shape, of_segment};
 
 /// The constructors of vectors and matrices.
-const CONSTRUCTORS: &[&str] = &[
+pub(super) const CONSTRUCTORS: &[&str] = &[
     "new",
     "zeros",
     "repeat",
@@ -24,6 +24,18 @@ const CONSTRUCTORS: &[&str] = &[
     "z",
     "w",
 ];
+
+/// The constructors of points.
+pub(super) const POINTS: &[&str] = &["new", "from", "origin"];
+
+/// The dimension of nalgebra's points of that name.
+fn point(name: &str) -> Option<usize> {
+    match name {
+        "Point2" => Some(2),
+        "Point3" => Some(3),
+        _ => None,
+    }
+}
 
 /// The rows of `matrix![…]`, or the one row of `vector![…]`.
 struct Rows(Vec<Punctuated<Expr, Token![,]>>);
@@ -61,6 +73,10 @@ impl<'a> Lowering<'a, '_> {
         };
         let name = &name.ident;
         let owner_name = owner.ident.to_string();
+        if let Some(n) = point(&owner_name).filter(|_| function.qself.is_none()) {
+            let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
+            return self.point(name, &owner_name, n, &arguments);
+        }
         let scalar = ScalarType::named(&owner_name).is_some();
         let shape = Shape::named(&owner_name).or_else(|| of_segment(owner).map(|(shape, _)| shape));
         let (Some(shape), None) = (if scalar { Some(Shape::Scalar) } else { shape }, &function.qself) else {
@@ -174,6 +190,34 @@ impl<'a> Lowering<'a, '_> {
                 _ => self
                     .fail(name, format!("there is no `{owner}::{what}` here; known: {}", list(CONSTRUCTORS))),
             },
+        }
+    }
+
+    /// `Point3::from(v)`, `Point3::new(x, y, z)`, `Point3::origin()`
+    fn point(
+        &mut self,
+        name: &Ident,
+        owner: &str,
+        n: usize,
+        arguments: &[(Value<'a>, &Expr)],
+    ) -> Option<Value<'a>> {
+        match (name.to_string().as_str(), arguments) {
+            ("from", [(Value::Vector(vector), _)]) if vector.len() == n => Some(Value::Point(vector.clone())),
+            ("from", [(other, expr)]) => {
+                let message =
+                    format!("`{owner}::from` takes a vector of {n}, but this is {}", other.describe());
+                self.fail(expr, message)
+            }
+            ("new", _) if arguments.len() == n => Some(Value::Point(Vector(self.scalars(arguments)?))),
+            ("new", _) => {
+                let takes = count(n, "argument");
+                self.fail(name, format!("`{owner}::new` takes {takes}, not {}", arguments.len()))
+            }
+            ("origin", []) => Some(Value::Point(Vector::zeros(self.arena, n))),
+            _ => self.fail(
+                name,
+                format!("there is no `{owner}::{name}` here{}", suggestion(&name.to_string(), POINTS)),
+            ),
         }
     }
 

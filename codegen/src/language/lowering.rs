@@ -98,7 +98,8 @@ impl<'a, 's> Lowering<'a, 's> {
         if let Some(value) = local {
             return value.clone();
         }
-        if let Some(message) = self.scope.withheld(&name) {
+        self.scope.mark_used(&name);
+        if let Some(message) = self.scope.forbidden(&name) {
             let message = message.to_owned();
             return self.fail(ident, message);
         }

@@ -12,10 +12,12 @@ mod literal;
 mod lowering;
 mod methods;
 mod operators;
+mod reference;
 mod sanity;
 mod scope;
 mod value;
 
+pub use reference::reference;
 pub use scope::{Constant, Scope};
 pub use value::{Element, Value};
 
@@ -23,6 +25,7 @@ use lowering::Lowering;
 
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Vector};
+use crate::group::Group;
 
 /// The symbolic meaning of an expression. All problems in it are reported; `None` if there were any, or if it uses a name
 /// that is in error itself.
@@ -56,33 +59,64 @@ pub fn lower_scalar<'a>(
     scalar
 }
 
-/// The symbolic meaning of an expression that must be a vector of so many components, if that is known; a scalar stands for a
-/// vector of one, which the answer says. `what` says in messages what it is for: `this force`.
-pub fn lower_vector<'a>(
-    what: &str,
+/// How a user writes a force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForceForm {
+    /// A vector.
+    Vector,
+    /// A number, which stands for a vector of one component.
+    Scalar,
+    /// A tuple of its parts, such as `(moment, push)` for a rigid body.
+    Parts,
+}
+
+/// The symbolic meaning of a force on a factor with this group, if that is known, and how it is written.
+pub fn lower_force<'a>(
     expr: &syn::Expr,
-    dimension: Option<usize>,
+    group: Option<&dyn Group>,
     scope: &mut Scope<'a>,
     arena: &'a Arena,
     diagnostics: &mut Diagnostics,
-) -> Option<(Vector<'a>, bool)> {
+) -> Option<(Vector<'a>, ForceForm)> {
     let value = lower(expr, scope, arena, diagnostics)?;
-    let scalar = value.as_scalar(arena).is_some();
-    let vector = match &value {
-        Value::Vector(vector) => Some(vector.clone()),
-        _ => value.as_scalar(arena).map(|scalar| Vector(vec![scalar])),
+    let (components, form) = match &value {
+        Value::Vector(vector) => (Some(vector.0.clone()), ForceForm::Vector),
+        Value::Tuple(values) => {
+            let parts = group.and_then(|group| parts(values, group, arena));
+            (parts, ForceForm::Parts)
+        }
+        _ => (value.as_scalar(arena).map(|scalar| vec![scalar]), ForceForm::Scalar),
     };
-    let fits = vector.filter(|vector| dimension.is_none_or(|dimension| vector.len() == dimension));
+    let fits =
+        components.filter(|components| group.is_none_or(|group| components.len() == group.dimension()));
     if fits.is_none() {
-        let expected = match dimension {
-            Some(1) => "a scalar or a vector of 1".to_owned(),
-            Some(n) => format!("a vector of {n}"),
+        let expected = match group.map(|group| (group.dimension(), group.parts())) {
+            Some((1, _)) => "a scalar or a vector of 1".to_owned(),
+            Some((n, [])) => format!("a vector of {n}"),
+            Some((n, parts)) => format!("a vector of {n}, or its parts `({})`", parts.join(", ")),
             None => "a vector".to_owned(),
         };
         let found = value.describe();
-        diagnostics.push(result(expr), format!("{what} must be {expected}, but this is {found}"));
+        diagnostics.push(result(expr), format!("this force must be {expected}, but this is {found}"));
     }
-    fits.map(|vector| (vector, scalar))
+    fits.map(|components| (Vector(components), form))
+}
+
+/// The components of a force written as its parts, if these fit.
+fn parts<'a>(values: &[Value<'a>], group: &dyn Group, arena: &'a Arena) -> Option<Vec<Expr<'a>>> {
+    let blocks = group.blocks();
+    if group.parts().len() != values.len() {
+        return None;
+    }
+    let mut components = Vec::new();
+    for (value, length) in values.iter().zip(blocks) {
+        match value {
+            Value::Vector(vector) if vector.len() == length && length > 1 => components.extend(vector.iter()),
+            _ if length == 1 => components.push(value.as_scalar(arena)?),
+            _ => return None,
+        }
+    }
+    Some(components)
 }
 
 /// The part of an expression that gives it its type.

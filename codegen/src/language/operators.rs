@@ -114,6 +114,11 @@ impl<'a> Lowering<'a, '_> {
                 None => None,
             },
         };
+        if let (Operation::Multiply, Value::Element(pose), Value::Vector(vector)) = (operation, &left, &right)
+            && pose.moves_points()
+        {
+            return self.fail(operator, only_rotates(vector.len()));
+        }
         if result.is_none() {
             let message = operation.mismatch(&left, &right) + &hint(operation, &left, &right);
             return self.fail(operator, message);
@@ -176,7 +181,7 @@ impl<'a> Lowering<'a, '_> {
             Value::Scalar(scalar) => Some(Value::Scalar(-scalar)),
             Value::Vector(vector) => Some(Value::Vector(-&vector)),
             Value::Matrix(matrix) => Some(Value::Matrix(matrix.map(|entry| -entry))),
-            Value::Tuple(_) | Value::Element(_) => {
+            Value::Tuple(_) | Value::Element(_) | Value::Point(_) | Value::Optional(_) => {
                 self.fail(sign, format!("{} has no negative", value.describe()))
             }
         }
@@ -204,8 +209,25 @@ fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> O
         {
             Some(Value::Matrix(left.zip(right, |a, b| operation.scalars(a, b))))
         }
+        (Value::Point(point), Value::Vector(vector)) if point.len() == vector.len() => {
+            let entries = point.iter().zip(vector.iter()).map(|(a, b)| operation.scalars(a, b));
+            Some(Value::Point(Vector(entries.collect())))
+        }
+        (Value::Point(left), Value::Point(right))
+            if left.len() == right.len() && operation == Operation::Subtract =>
+        {
+            Some(Value::Vector(left - right))
+        }
         _ => None,
     }
+}
+
+/// What to say of a rigid motion times a vector: nalgebra takes it for a direction, which is turned and not moved.
+fn only_rotates(dimension: usize) -> String {
+    format!(
+        "`*` only turns a vector, as in nalgebra; write `pose.transform_vector(&v)` if that is meant, or \
+         `pose.transform_point(&Point{dimension}::from(v))` for the place of a point of the body"
+    )
 }
 
 /// What may have been meant instead.

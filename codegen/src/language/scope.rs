@@ -10,8 +10,10 @@ use crate::expr::{Arena, Expr, Stage};
 pub struct Scope<'a> {
     /// `None` for a name whose declaration was in error: using it is no further error.
     names: Vec<(String, Option<Value<'a>>)>,
+    /// The names that expressions were found to use.
+    used: Vec<String>,
     /// Names that the next expression may not use, with what to say to it.
-    withheld: Vec<(String, String)>,
+    forbidden: Vec<(String, String)>,
     /// In the order in which they were met.
     pub constants: Vec<Constant<'a>>,
 }
@@ -44,14 +46,26 @@ impl<'a> Scope<'a> {
         self.names.push((name.into(), None));
     }
 
-    /// Withholds names from the expressions that follow, with messages for those that use them; the first message on a name counts.
-    pub fn withhold(&mut self, names: Vec<(String, String)>) {
-        self.withheld = names;
+    /// Forbids names to the expressions that follow, with messages for those that use them; the first message on a name counts.
+    pub fn forbid(&mut self, names: Vec<(String, String)>) {
+        self.forbidden = names;
     }
 
-    /// What to say to an expression that uses a name withheld from it.
-    pub(super) fn withheld(&self, name: &str) -> Option<&str> {
-        self.withheld.iter().find(|(withheld, _)| withheld == name).map(|(_, message)| message.as_str())
+    /// What to say to an expression that uses a name forbidden to it.
+    pub(super) fn forbidden(&self, name: &str) -> Option<&str> {
+        self.forbidden.iter().find(|(forbidden, _)| forbidden == name).map(|(_, message)| message.as_str())
+    }
+
+    /// Takes note that an expression uses a name.
+    pub(super) fn mark_used(&mut self, name: &str) {
+        if !self.is_used(name) {
+            self.used.push(name.to_owned());
+        }
+    }
+
+    /// Whether an expression was found to use a name.
+    pub fn is_used(&self, name: &str) -> bool {
+        self.used.iter().any(|used| used == name)
     }
 
     /// The value of a name, or `None` within if it is not known because of an error that was reported.
@@ -61,7 +75,7 @@ impl<'a> Scope<'a> {
 
     /// All names, in the order in which they were defined.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.names.iter().map(|(name, _)| name.as_str()).filter(|name| self.withheld(name).is_none())
+        self.names.iter().map(|(name, _)| name.as_str()).filter(|name| self.forbidden(name).is_none())
     }
 
     /// The symbol of a constant, the same one each time it is named by the same path.

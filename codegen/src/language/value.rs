@@ -21,6 +21,10 @@ pub enum Value<'a> {
     Tuple(Vec<Value<'a>>),
     /// A configuration.
     Element(Element<'a>),
+    /// A point of space: a place, where a vector is a direction and a length.
+    Point(Vector<'a>),
+    /// What is not there for every argument, such as the inverse of a matrix.
+    Optional(Box<Value<'a>>),
 }
 
 /// An element of a group that is not a vector space.
@@ -69,6 +73,14 @@ impl<'a> Value<'a> {
         }
     }
 
+    /// Some components of a vector: one of them is a number.
+    pub fn of_part(components: &[Expr<'a>]) -> Self {
+        match components {
+            [one] => Self::Scalar(*one),
+            several => Self::Vector(Vector(several.to_vec())),
+        }
+    }
+
     /// What was taken from an element of a group.
     pub fn of_component(component: ComponentValue<'a>) -> Self {
         match component {
@@ -107,7 +119,7 @@ impl<'a> Value<'a> {
             Self::Integer(_) | Self::Scalar(_) => Some(Shape::Scalar),
             Self::Vector(vector) => Some(Shape::Vector(vector.len())),
             Self::Matrix(matrix) => Some(Shape::Matrix(matrix.rows, matrix.columns)),
-            Self::Tuple(_) | Self::Element(_) => None,
+            Self::Tuple(_) | Self::Element(_) | Self::Point(_) | Self::Optional(_) => None,
         }
     }
 
@@ -117,6 +129,8 @@ impl<'a> Value<'a> {
             Self::Integer(_) => "an integer".to_owned(),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
             Self::Element(element) => format!("an element of {}", element.group.name()),
+            Self::Point(point) => format!("a point in {} dimensions", point.len()),
+            Self::Optional(value) => format!("an option of {}", value.describe()),
             _ => self.shape().map(Shape::describe).unwrap_or_default(),
         }
     }
@@ -130,6 +144,8 @@ impl<'a> Value<'a> {
             Self::Matrix(matrix) => matrix.entries.clone(),
             Self::Tuple(values) => values.iter().flat_map(Self::scalars).collect(),
             Self::Element(element) => element.coordinates.0.clone(),
+            Self::Point(point) => point.0.clone(),
+            Self::Optional(value) => value.scalars(),
         }
     }
 }

@@ -366,15 +366,16 @@ impl<'a> Family<'_, 'a> {
     }
 }
 
-/// The factors in sets that fields of inertia couple.
+/// The factors in sets that a joint inertia couples.
 fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
     let mut sets: Vec<Vec<usize>> = Vec::new();
     for factor in 0..system.factors.len() {
         if sets.iter().any(|set| set.contains(&factor)) {
             continue;
         }
-        let shared = system.inertias.iter().filter(|field| field.factors.contains(&factor));
-        let mut set: Vec<usize> = shared.flat_map(|field| field.factors.clone()).collect();
+        let all = system.inertias.iter().flat_map(|field| &field.blocks);
+        let shared = all.filter(|block| block.contains(&factor));
+        let mut set: Vec<usize> = shared.flatten().copied().collect();
         set.sort_unstable();
         set.dedup();
         sets.push(set);

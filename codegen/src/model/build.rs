@@ -1,323 +1,346 @@
-//! From a description to a [`System`]: names get meanings, expressions are lowered, and their problems reported.
+//! From a resolved description to a [`System`]: names get meanings, expressions are lowered, and their problems reported.
 
 use std::cell::OnceCell;
 
-use proc_macro2::Ident;
-use quote::format_ident;
-
 use super::{
-    Advected, Factor, ForceSource, Hamiltonian, InertiaField, InertiaShape, Parameter, Part, Role, Sources,
-    StoredAs, System, suffixes,
+    Advected, Factor, ForceSource, Hamiltonian, InertiaField, InertiaShape, Parameter, Part, Role, Source,
+    Sources, StoredAs, System, suffixes,
 };
-use crate::check;
+use crate::check::{self, Description};
 use crate::diagnostics::Diagnostics;
-use crate::expr::{Arena, Matrix, Stage, Symbol, Vector};
-use crate::group::{Group, Representation, Semidirect, Side};
+use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
+use crate::group::{Group, Semidirect, part_name};
 use crate::identifiers::{plain, velocity_name};
-use crate::language::{Scope, Value, lower_scalar, lower_vector};
-use crate::parse::{Attribute, Inertia, Item};
+use crate::language::{Scope, Value, lower_force, lower_scalar};
+use crate::parse::Control;
 
 impl<'a> System<'a> {
-    /// The system that a description describes; problems in its expressions are reported. `None` if its structure, whose problems
-    /// [`check::structure`] reports, has none: then the expressions were looked at all the same.
+    /// The system that a description describes; problems in its expressions are reported, and what they concern is left out. `None` if the
+    /// description is not [sound](Description::is_sound): then its expressions were looked at all the same.
     pub fn build(
         arena: &'a Arena,
-        attribute: &Attribute,
-        item: &Item,
+        description: &Description<'_>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Self> {
+        let before = diagnostics.len();
         let mut scope = Scope::new();
-        let mut parameters = Vec::new();
-        let mut marked = Vec::new();
-        for field in &item.fields {
-            let value = Value::symbols(arena, &plain(&field.name), field.shape, Stage::Parameters);
-            let symbols: Vec<Symbol> =
-                value.scalars().iter().filter_map(|scalar| scalar.as_symbol()).collect();
-            let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
-            let (name, doc) = (field.name.clone(), field.doc.clone());
-            parameters.push(Parameter { name, shape: field.shape, doc, symbols, names });
-            if let Some(mark) = &field.inertia {
-                marked.push((field.name.clone(), mark, value.clone()));
-            }
-            scope.define(plain(&field.name), value);
-        }
-        for unreadable in &item.unreadable {
-            scope.define_unknown(plain(&unreadable.name));
-        }
-
-        let mut names = Names::default();
-        let (mut factors, whole) = factors(arena, attribute, &mut scope, &mut names);
-        let advected = advected(arena, attribute, &mut factors, &mut scope);
-        let controls = controls(arena, attribute, &mut scope, &mut names);
+        description.unknown.iter().for_each(|name| scope.define_unknown(name));
+        let (parameters, values) = parameters(arena, description, &mut scope);
+        let mut forbidden = Forbidden::default();
+        let mut factors: Vec<Factor<'a>> = description
+            .factors
+            .iter()
+            .map(|declared| factor(arena, declared, &mut scope, &mut forbidden))
+            .collect();
+        let advected = advected(arena, description, &mut factors, &mut scope);
+        let controls = description
+            .controls
+            .iter()
+            .map(|declared| control(arena, declared, &mut scope, &mut forbidden))
+            .collect();
         let time = arena.symbol("t", Stage::Step);
         scope.define("t", Value::Scalar(time));
 
-        let mut lower = |what: &str, source: &Option<syn::Expr>, scope: &mut Scope<'a>| {
-            source.as_ref().and_then(|source| lower_scalar(what, source, scope, arena, diagnostics))
+        let mut sources = Sources::default();
+        let energies = energies(arena, description, &forbidden, &mut sources, &mut scope, diagnostics);
+        forces(arena, description, &mut factors, &mut sources, &mut scope, diagnostics);
+        let inertias = inertias(description, &factors, &values);
+        let hamiltonian = match description.hamiltonian {
+            Some(_) => Hamiltonian::General(energies.hamiltonian),
+            None => Hamiltonian::Mechanical {
+                inertia: joint_inertia(arena, &factors, &inertias),
+                potential: energies.potential,
+            },
         };
-        scope.withhold(names.withheld_from_potentials());
-        let potential = lower("the potential", &attribute.potential, &mut scope);
-        scope.withhold(names.withheld_from_hamiltonians());
-        let hamiltonian = lower("the Hamiltonian", &attribute.hamiltonian, &mut scope);
-        scope.withhold(Vec::new());
-        // what has no meaning, which was reported, is not shown to rustc
-        let mut sources = Sources {
-            potential: attribute.potential.clone().filter(|_| potential.is_some()),
-            hamiltonian: attribute.hamiltonian.clone().filter(|_| hamiltonian.is_some()),
-            forces: Vec::new(),
-        };
-        for force in &attribute.forces {
-            let target = factors.iter().position(|factor: &Option<Factor<'a>>| {
-                factor.as_ref().is_some_and(|factor| {
-                    force.factor.as_ref().map_or(attribute.factors.len() == 1, |name| *name == factor.name)
-                })
-            });
-            let dimension = target
-                .and_then(|target| factors[target].as_ref())
-                .map(|factor| factor.algebra.group.dimension());
-            let value = lower_vector("this force", &force.value, dimension, &mut scope, arena, diagnostics);
-            if let (Some(target), Some((value, scalar))) = (target, value)
-                && let Some(factor) = &mut factors[target]
-            {
-                factor.force = Some(value);
-                sources.forces.push(ForceSource { factor: target, value: force.value.clone(), scalar });
-            }
+        if description.is_sound() && diagnostics.len() == before {
+            warn_of_unused(description, &scope, diagnostics);
         }
-        if !whole {
-            return None;
-        }
-        let factors: Vec<Factor<'a>> = factors.into_iter().collect::<Option<_>>()?;
-        let advected = advected.into_iter().collect::<Option<_>>()?;
-        let (hamiltonian, inertias) = match &attribute.hamiltonian {
-            Some(_) => (Hamiltonian::General(hamiltonian.unwrap_or_else(|| arena.zero())), Vec::new()),
-            None => {
-                let (inertia, fields) = inertia(arena, &factors, marked)?;
-                let potential = potential.unwrap_or_else(|| arena.zero());
-                (Hamiltonian::Mechanical { inertia, potential }, fields)
-            }
-        };
-        Some(Self {
+        let system = Self {
             factors,
             parameters,
             constants: scope.constants,
             controls,
             time,
-            side: if attribute.right { Side::Right } else { Side::Left },
+            side: description.side,
             hamiltonian,
             inertias,
             sources,
             advected,
-        })
+        };
+        description.is_sound().then_some(system)
     }
+}
+
+/// The fields, and their values.
+fn parameters<'a>(
+    arena: &'a Arena,
+    description: &Description<'_>,
+    scope: &mut Scope<'a>,
+) -> (Vec<Parameter>, Vec<Value<'a>>) {
+    let fields = description.parameters.iter().map(|field| {
+        let value = Value::symbols(arena, &plain(&field.name), field.shape, Stage::Parameters);
+        let symbols: Vec<Symbol> = value.scalars().iter().filter_map(|scalar| scalar.as_symbol()).collect();
+        let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
+        scope.define(plain(&field.name), value.clone());
+        let (name, doc) = (field.name.clone(), field.doc.clone());
+        (Parameter { name, shape: field.shape, doc, symbols, names }, value)
+    });
+    fields.unzip()
 }
 
 /// The names that not every expression may use.
 #[derive(Default)]
-struct Names {
-    momenta: Vec<Ident>,
+struct Forbidden {
+    momenta: Vec<String>,
+    /// With the momenta in which an energy is to be written instead.
+    velocities: Vec<(String, String)>,
     controls: Vec<String>,
 }
 
-impl Names {
-    fn withheld_from_hamiltonians(&self) -> Vec<(String, String)> {
+impl Forbidden {
+    fn to_hamiltonians(&self) -> Vec<(String, String)> {
         let controls = self.controls.iter().map(|name| {
             let message = "an energy does not depend on controls; they act through `force`";
             (name.clone(), message.to_owned())
         });
-        let velocities = self.momenta.iter().map(|momentum| {
+        let velocities = self.velocities.iter().map(|(velocity, momentum)| {
             let message = format!("an energy is a function of the momentum; write it in `{momentum}`");
-            (velocity_name(momentum), message)
+            (velocity.clone(), message)
         });
         controls.chain(velocities).collect()
     }
 
-    fn withheld_from_potentials(&self) -> Vec<(String, String)> {
-        let momenta = self.momenta.iter().flat_map(|momentum| {
-            let message = |what: &str| {
-                format!("a potential does not depend on the {what}; an energy that does is written `hamiltonian = …`")
-            };
-            [(plain(momentum), message("momentum")), (velocity_name(momentum), message("velocity"))]
-        });
+    fn to_potentials(&self) -> Vec<(String, String)> {
+        let message = |what: &str| {
+            format!(
+                "a potential does not depend on the {what}; an energy that does is written `hamiltonian = …`"
+            )
+        };
+        let momenta = self.momenta.iter().map(|momentum| (momentum.clone(), message("momentum")));
+        let velocities = self.velocities.iter().map(|(velocity, _)| (velocity.clone(), message("velocity")));
         // the first word on a name counts
-        momenta.chain(self.withheld_from_hamiltonians()).collect()
+        momenta.chain(velocities).chain(self.to_hamiltonians()).collect()
     }
 }
 
-/// The factors, `None` in place of those whose group is not known; and whether there are any.
-fn factors<'a>(
+/// A factor, with its configuration, momentum and velocity in scope, and with the parts of the latter.
+fn factor<'a>(
     arena: &'a Arena,
-    attribute: &Attribute,
+    declared: &check::Factor,
     scope: &mut Scope<'a>,
-    names: &mut Names,
-) -> (Vec<Option<Factor<'a>>>, bool) {
-    let mut factors = Vec::new();
-    if attribute.factors.is_empty() {
-        define_unknown(scope, None);
-    }
-    for declared in &attribute.factors {
-        let Some(group) = check::group(&declared.group) else {
-            define_unknown(scope, declared.name.as_ref());
-            factors.push(None);
-            continue;
-        };
-        let name = check::factor_name(declared, group);
-        let momentum_name = check::momentum_name(declared);
-        let symbols = |name: &Ident, suffixes: &[&str]| {
-            let symbol = |suffix: &&str| arena.symbol(format!("{}_{suffix}", plain(name)), Stage::Step);
-            Vector(suffixes.iter().map(symbol).collect())
-        };
-        let configuration = symbols(&name, group.coordinates());
-        let momentum = symbols(&momentum_name, group.axes());
-        scope.define(plain(&name), Value::element(group, configuration.clone()));
-        scope.define(plain(&momentum_name), Value::Vector(momentum.clone()));
-        let velocity_name = velocity_name(&momentum_name);
-        let velocity = symbols(&format_ident!("{velocity_name}"), group.axes());
-        scope.define(velocity_name, Value::Vector(velocity.clone()));
-        names.momenta.push(momentum_name.clone());
-        factors.push(Some(Factor {
-            name,
-            momentum_name,
-            algebra: Semidirect { group, spaces: Vec::new() },
-            configuration,
-            momentum,
-            velocity,
-            advected: Vec::new(),
-            force: None,
-            kick: OnceCell::new(),
-        }));
-    }
-    let whole = !factors.is_empty();
-    (factors, whole)
-}
-
-/// Defines what a factor is called, or may be called if it has no name of its own, whose group is not known: using these names is
-/// no further error.
-fn define_unknown(scope: &mut Scope<'_>, factor: Option<&Ident>) {
-    let momentum = match factor {
-        Some(name) => {
-            scope.define_unknown(plain(name));
-            format!("{}_momentum", plain(name))
-        }
-        None => {
-            for group in crate::group::catalogue() {
-                scope.define_unknown(group.configuration_name());
-            }
-            "momentum".to_owned()
-        }
+    forbidden: &mut Forbidden,
+) -> Factor<'a> {
+    let check::Factor { name, momentum_name, group } = declared;
+    let symbols = |name: &str, suffixes: &[&str]| {
+        let symbol = |suffix: &&str| arena.symbol(format!("{name}_{suffix}"), Stage::Step);
+        Vector(suffixes.iter().map(symbol).collect())
     };
-    scope.define_unknown(momentum.replace("momentum", "velocity"));
-    scope.define_unknown(momentum);
+    let configuration = symbols(&plain(name), group.coordinates());
+    scope.define(plain(name), Value::element(*group, configuration.clone()));
+    let (momentum_text, velocity_text) = (plain(momentum_name), velocity_name(momentum_name));
+    let momentum = symbols(&momentum_text, group.axes());
+    let velocity = symbols(&velocity_text, group.axes());
+    for (part, range) in parts(*group) {
+        let value = |whole: &Vector<'a>| Value::of_part(&whole.0[range.clone()]);
+        let (of_momentum, of_velocity) = (part_name(&momentum_text, part), part_name(&velocity_text, part));
+        scope.define(&of_momentum, value(&momentum));
+        scope.define(&of_velocity, value(&velocity));
+        forbidden.velocities.push((of_velocity, of_momentum.clone()));
+        forbidden.momenta.push(of_momentum);
+    }
+    scope.define(&momentum_text, Value::Vector(momentum.clone()));
+    scope.define(&velocity_text, Value::Vector(velocity.clone()));
+    forbidden.velocities.push((velocity_text, momentum_text.clone()));
+    forbidden.momenta.push(momentum_text);
+    Factor {
+        name: name.clone(),
+        momentum_name: momentum_name.clone(),
+        algebra: Semidirect { group: *group, spaces: Vec::new() },
+        configuration,
+        momentum,
+        velocity,
+        advected: Vec::new(),
+        force: None,
+        kick: OnceCell::new(),
+    }
 }
 
-/// Gives the advected parameters to the factors that act on them; `None` in place of those on which none does.
+/// The named parts of a momentum, and where they are in it.
+pub(crate) fn parts(group: &dyn Group) -> Vec<(&'static str, std::ops::Range<usize>)> {
+    let blocks = group.blocks();
+    let start = |part: usize| blocks[..part].iter().sum::<usize>();
+    let range = |part: usize| start(part)..start(part) + blocks[part];
+    group.parts().iter().enumerate().map(|(part, &name)| (name, range(part))).collect()
+}
+
+/// Gives the advected parameters to the factors that act on them.
 fn advected<'a>(
     arena: &'a Arena,
-    attribute: &Attribute,
-    factors: &mut [Option<Factor<'a>>],
+    description: &Description<'_>,
+    factors: &mut [Factor<'a>],
     scope: &mut Scope<'a>,
-) -> Vec<Option<(usize, usize)>> {
-    let mut places = Vec::new();
-    for declared in &attribute.advected {
-        let (name, wanted) = (plain(&declared.name), declared.space.to_string());
-        let acting = factors.iter_mut().enumerate().find_map(|(index, factor)| {
-            let factor = factor.as_mut()?;
-            let meant = declared.factor.as_ref().is_none_or(|name| *name == factor.name);
-            let space = representation(factor.algebra.group, &wanted).filter(|_| meant)?;
-            Some((index, factor, space))
-        });
-        let Some((index, factor, space)) = acting else {
-            scope.define_unknown(name);
-            places.push(None);
-            continue;
-        };
+) -> Vec<(usize, usize)> {
+    let places = description.advected.iter().map(|declared| {
+        let name = plain(declared.name);
         let symbol = |suffix: &&str| arena.symbol(format!("{name}_{suffix}"), Stage::Step);
-        let value = Vector(space.coordinates().iter().map(symbol).collect());
+        let value = Vector(declared.space.coordinates().iter().map(symbol).collect());
         scope.define(&name, Value::Vector(value.clone()));
-        places.push(Some((index, factor.advected.len())));
-        factor.algebra.spaces.push(space);
+        let factor = &mut factors[declared.factor];
+        factor.algebra.spaces.push(declared.space);
         factor.advected.push(Advected { ident: declared.name.clone(), name, value });
-    }
-    places
+        (declared.factor, factor.advected.len() - 1)
+    });
+    places.collect()
 }
 
-fn controls<'a>(
+fn control<'a>(
     arena: &'a Arena,
-    attribute: &Attribute,
+    control: &Control,
     scope: &mut Scope<'a>,
-    names: &mut Names,
-) -> Vec<Part<'a>> {
-    let mut parts = Vec::new();
-    for control in &attribute.controls {
-        let value = Value::symbols(arena, &plain(&control.name), control.shape, Stage::Step);
-        let scalars = Vector(value.scalars());
-        let components: Vec<String> =
-            scalars.symbols().iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
-        names.controls.push(plain(&control.name));
-        scope.define(plain(&control.name), value);
-        parts.push(Part {
-            role: Role::Control,
-            name: control.name.clone(),
-            stored: StoredAs::Shape(control.shape),
-            suffixes: suffixes(&control.name, &components),
-            symbols: scalars.symbols(),
-            value: scalars,
-            doc: format!("Control `{}`, held constant over a step.", plain(&control.name)),
-        });
+    forbidden: &mut Forbidden,
+) -> Part<'a> {
+    let value = Value::symbols(arena, &plain(&control.name), control.shape, Stage::Step);
+    let scalars = Vector(value.scalars());
+    let components: Vec<String> =
+        scalars.symbols().iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
+    forbidden.controls.push(plain(&control.name));
+    scope.define(plain(&control.name), value);
+    Part {
+        role: Role::Control,
+        name: control.name.clone(),
+        stored: StoredAs::Shape(control.shape),
+        suffixes: suffixes(&control.name, &components),
+        symbols: scalars.symbols(),
+        value: scalars,
+        doc: format!("Control `{}`, held constant over a step.", plain(&control.name)),
     }
-    parts
 }
 
-/// The inertia of all factors together, and the fields that hold it.
-fn inertia<'a>(
+/// What the user's energies mean; zero for one that is not there or has no meaning.
+struct Energies<'a> {
+    potential: Expr<'a>,
+    hamiltonian: Expr<'a>,
+}
+
+fn energies<'a>(
     arena: &'a Arena,
+    description: &Description<'_>,
+    forbidden: &Forbidden,
+    sources: &mut Sources,
+    scope: &mut Scope<'a>,
+    diagnostics: &mut Diagnostics,
+) -> Energies<'a> {
+    let mut lower = |what: &str, source: Option<&syn::Expr>, forbidden: Vec<(String, String)>| {
+        let source = source?;
+        scope.forbid(forbidden);
+        let value = lower_scalar(what, source, scope, arena, diagnostics);
+        scope.forbid(Vec::new());
+        Some((Source { value: source.clone(), has_meaning: value.is_some() }, value))
+    };
+    let potential = lower("the potential", description.potential, forbidden.to_potentials());
+    let hamiltonian = lower("the Hamiltonian", description.hamiltonian, forbidden.to_hamiltonians());
+    let (potential, potential_value) = potential.unzip();
+    let (hamiltonian, hamiltonian_value) = hamiltonian.unzip();
+    (sources.potential, sources.hamiltonian) = (potential, hamiltonian);
+    let or_zero = |value: Option<Option<Expr<'a>>>| value.flatten().unwrap_or_else(|| arena.zero());
+    Energies { potential: or_zero(potential_value), hamiltonian: or_zero(hamiltonian_value) }
+}
+
+/// The forces, each on its factor.
+fn forces<'a>(
+    arena: &'a Arena,
+    description: &Description<'_>,
+    factors: &mut [Factor<'a>],
+    sources: &mut Sources,
+    scope: &mut Scope<'a>,
+    diagnostics: &mut Diagnostics,
+) {
+    for force in &description.forces {
+        let group = force.factor.map(|factor| factors[factor].algebra.group);
+        let value = lower_force(force.value, group, scope, arena, diagnostics);
+        let Some(factor) = force.factor else { continue };
+        let (value, form) = value.unzip();
+        sources.forces.push(ForceSource { factor, value: force.value.clone(), form });
+        // of a force in error, whatever it is
+        factors[factor].force =
+            Some(value.unwrap_or_else(|| Vector::zeros(arena, factors[factor].momentum.len())));
+    }
+}
+
+/// The fields marked as inertia, as matrices.
+fn inertias<'a>(
+    description: &Description<'_>,
     factors: &[Factor<'a>],
-    marked: Vec<(Ident, &Inertia, Value<'a>)>,
-) -> Option<(Matrix<'a>, Vec<InertiaField<'a>>)> {
-    let dimensions: Vec<usize> = factors.iter().map(|factor| factor.algebra.group.dimension()).collect();
+    values: &[Value<'a>],
+) -> Vec<InertiaField<'a>> {
+    let fields = description.inertias.iter().map(|inertia| {
+        let block = inertia.blocks.first();
+        let of_block = |block: &Vec<usize>| block.iter().map(|&factor| factors[factor].momentum.len()).sum();
+        InertiaField {
+            name: description.parameters[inertia.field].name.clone(),
+            shape: inertia.shape,
+            blocks: inertia.blocks.clone(),
+            matrix: inertia_matrix(inertia.shape, &values[inertia.field], block.map_or(1, of_block)),
+        }
+    });
+    fields.collect()
+}
+
+/// The inertia as a matrix; of a matrix given by the user the lower triangle counts, and a scalar stands for one of `rows` rows.
+fn inertia_matrix<'a>(shape: InertiaShape, value: &Value<'a>, rows: usize) -> Matrix<'a> {
+    let scalars = value.scalars();
+    match shape {
+        InertiaShape::Scalar => Matrix::diagonal(&Vector(vec![scalars[0]; rows])),
+        InertiaShape::Diagonal => Matrix::diagonal(&Vector(scalars)),
+        InertiaShape::Matrix => {
+            let n = scalars.len().isqrt();
+            let lower = |k: usize| scalars[(k / n).max(k % n) * n + (k / n).min(k % n)];
+            Matrix::new(n, n, (0..n * n).map(lower).collect())
+        }
+    }
+}
+
+/// The inertia of all factors together.
+fn joint_inertia<'a>(arena: &'a Arena, factors: &[Factor<'a>], fields: &[InertiaField<'a>]) -> Matrix<'a> {
+    let dimensions: Vec<usize> = factors.iter().map(|factor| factor.momentum.len()).collect();
     let offset = |factor: usize| dimensions[..factor].iter().sum::<usize>();
     let total: usize = dimensions.iter().sum();
     let mut entries = vec![arena.zero(); total * total];
-    let mut fields = Vec::new();
-    for (name, mark, value) in marked {
-        let targets: Vec<usize> = if mark.factors.is_empty() {
-            (0..factors.len()).collect()
-        } else {
-            let place = |name: &Ident| factors.iter().position(|factor| factor.name == *name);
-            mark.factors.iter().map(place).collect::<Option<_>>()?
-        };
+    let blocks = fields.iter().flat_map(|field| field.blocks.iter().map(move |block| (field, block)));
+    for (field, block) in blocks {
         // rows of the field's matrix as rows of the whole
         let rows: Vec<usize> =
-            targets.iter().flat_map(|&factor| offset(factor)..offset(factor) + dimensions[factor]).collect();
-        let (matrix, shape) = inertia_matrix(rows.len(), &value)?;
+            block.iter().flat_map(|&factor| offset(factor)..offset(factor) + dimensions[factor]).collect();
         for (i, &row) in rows.iter().enumerate() {
             for (j, &column) in rows.iter().enumerate() {
-                entries[row * total + column] = matrix.at(i, j);
+                entries[row * total + column] = field.matrix.at(i, j);
             }
         }
-        fields.push(InertiaField { name, shape, factors: targets, matrix });
     }
-    (!fields.is_empty()).then(|| (Matrix::new(total, total, entries), fields))
+    Matrix::new(total, total, entries)
 }
 
-fn representation(group: &dyn Group, name: &str) -> Option<&'static dyn Representation> {
-    group.representations().iter().copied().find(|space| space.name() == name)
-}
-
-/// The inertia as a matrix; of a matrix given by the user the lower triangle counts.
-fn inertia_matrix<'a>(dimension: usize, value: &Value<'a>) -> Option<(Matrix<'a>, InertiaShape)> {
-    match value {
-        Value::Scalar(scalar) => {
-            Some((Matrix::diagonal(&Vector(vec![*scalar; dimension])), InertiaShape::Scalar))
+/// Warns of fields and controls that nothing depends on.
+fn warn_of_unused(description: &Description<'_>, scope: &Scope<'_>, diagnostics: &mut Diagnostics) {
+    let general = description.hamiltonian.is_some();
+    for (index, field) in description.parameters.iter().enumerate() {
+        let is_inertia = description.inertias.iter().any(|inertia| inertia.field == index);
+        if scope.is_used(&plain(&field.name)) || is_inertia && !general {
+            continue;
         }
-        Value::Vector(moments) if moments.len() == dimension => {
-            Some((Matrix::diagonal(moments), InertiaShape::Diagonal))
+        let message = match is_inertia {
+            true => {
+                format!("the inertia `{}` is not in the Hamiltonian, which is the whole energy", field.name)
+            }
+            false => format!("the parameter `{}` is in no energy and no force", field.name),
+        };
+        let lints = description.lints.iter().chain(&field.lints).cloned().collect();
+        diagnostics.warn(&field.name, "PARAMETER_WITHOUT_EFFECT", message, lints);
+    }
+    for control in description.controls {
+        if !scope.is_used(&plain(&control.name)) {
+            let message = format!("the control `{}` is in no force", control.name);
+            diagnostics.warn(&control.name, "CONTROL_WITHOUT_EFFECT", message, description.lints.to_vec());
         }
-        Value::Matrix(matrix) if (matrix.rows, matrix.columns) == (dimension, dimension) => {
-            let lower =
-                |k: usize| matrix.at((k / dimension).max(k % dimension), (k / dimension).min(k % dimension));
-            let entries = (0..dimension * dimension).map(lower).collect();
-            Some((Matrix::new(dimension, dimension, entries), InertiaShape::Matrix))
-        }
-        _ => None,
     }
 }

@@ -42,12 +42,12 @@ pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
 /// The retractions to generate steps with, where not with all.
 pub(super) const RETRACTIONS: Key = Key { name: "retractions", example: "retractions(Cayley)" };
 /// Which derivatives of the steps are generated.
-pub(super) const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(state)" };
+pub const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(state)" };
 /// Where the runtime crate is found.
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-const KEYS: [Key; 11] = [
+pub const KEYS: [Key; 11] = [
     GROUP,
     ADVECTED,
     POTENTIAL,
@@ -86,6 +86,10 @@ pub struct Attribute {
     pub derivatives: Derivatives,
     /// `crate = …`
     pub krate: Option<syn::Path>,
+    /// The names of factors, advected parameters and controls whose declarations could not be read, with the keys where they are.
+    pub unreadable: Vec<(Key, Ident)>,
+    /// Whether there were problems.
+    faulty: bool,
     /// The keys that were there, whether or not their values could be read.
     given: Vec<Key>,
 }
@@ -133,6 +137,13 @@ pub struct Force {
 impl Attribute {
     /// Reads the tokens between the parentheses of the attribute.
     pub fn parse(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Self {
+        let before = diagnostics.len();
+        let mut attribute = Self::read(tokens, diagnostics);
+        attribute.faulty = diagnostics.len() > before;
+        attribute
+    }
+
+    fn read(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Self {
         let mut attribute = Self::default();
         if let Some((span, message)) = nesting::excess(&tokens) {
             diagnostics.push_at(span, message);
@@ -155,6 +166,11 @@ impl Attribute {
     /// Whether the key was written, even if its value could not be read.
     pub fn has(&self, key: Key) -> bool {
         self.given.contains(&key)
+    }
+
+    /// Whether all of it could be read.
+    pub fn is_sound(&self) -> bool {
+        !self.faulty
     }
 
     /// The retractions to generate steps with.
@@ -189,15 +205,22 @@ impl Attribute {
         let target = if again { &mut ignored } else { self };
         let value = input.fork();
         let read = match known {
-            GROUP => factors(&value, &key, diagnostics).map(|factors| target.factors = factors),
-            ADVECTED => declarations(&value, &key, known, diagnostics, advected, |advected| &advected.name)
-                .map(|list| target.advected = list),
+            GROUP => factors(&value, &key, diagnostics, &mut target.unreadable)
+                .map(|factors| target.factors = factors),
+            ADVECTED => {
+                let name = |advected: &Advected| Some(advected.name.clone());
+                entries(&value, (&key, known), diagnostics, &mut target.unreadable, advected, name)
+                    .map(|list| target.advected = list)
+            }
             POTENTIAL => equals(&value, known, diagnostics).map(|potential| target.potential = potential),
             HAMILTONIAN => {
                 equals(&value, known, diagnostics).map(|hamiltonian| target.hamiltonian = hamiltonian)
             }
-            CONTROL => declarations(&value, &key, known, diagnostics, control, |control| &control.name)
-                .map(|list| target.controls = list),
+            CONTROL => {
+                let name = |control: &Control| Some(control.name.clone());
+                entries(&value, (&key, known), diagnostics, &mut target.unreadable, control, name)
+                    .map(|list| target.controls = list)
+            }
             FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
             INVARIANCE => invariance(&value, diagnostics).map(|right| target.right = right),
             METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
@@ -226,7 +249,8 @@ fn retractions(
             syn::Error::new_spanned(&name, format!("there is no retraction `{name}`{guess}"))
         })
     };
-    let named = entries(input, key, RETRACTIONS, diagnostics, retraction, |(name, _)| Some(name.clone()))?;
+    let name = |(name, _): &(Ident, Retraction)| Some(name.clone());
+    let named = entries(input, (key, RETRACTIONS), diagnostics, &mut Vec::new(), retraction, name)?;
     // in the order in which they always come
     let is_named = |retraction: &Retraction| named.iter().any(|(_, known)| known == retraction);
     Ok(Retraction::ALL.into_iter().filter(is_named).collect())
@@ -256,7 +280,8 @@ fn derivatives(
         let guess = suggestion(&name.to_string(), &NAMES);
         Err(syn::Error::new_spanned(&name, format!("there are no derivatives `{name}`{guess}")))
     };
-    let named = entries(input, key, DERIVATIVES, diagnostics, name, |name| Some(name.clone()))?;
+    let of = |name: &Ident| Some(name.clone());
+    let named = entries(input, (key, DERIVATIVES), diagnostics, &mut Vec::new(), name, of)?;
     let is_named = |name: &str| named.iter().any(|known| known == name);
     let [state, controls, parameters, tangent, adjoint] = NAMES.map(is_named);
     // the derivatives of composed steps by anything lead through the states between
@@ -282,10 +307,15 @@ fn equals<T: syn::parse::Parse>(
 }
 
 /// `= SO3` or `(attitude: SO3, position: R3)`
-fn factors(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Factor>> {
+fn factors(
+    input: ParseStream<'_>,
+    key: &Ident,
+    diagnostics: &mut Diagnostics,
+    unreadable: &mut Vec<(Key, Ident)>,
+) -> syn::Result<Vec<Factor>> {
     if input.peek(token::Paren) {
         let name = |factor: &Factor| factor.name.clone();
-        return entries(input, key, GROUP, diagnostics, factor, name);
+        return entries(input, (key, GROUP), diagnostics, unreadable, factor, name);
     }
     let name: Option<Ident> =
         equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
@@ -337,7 +367,8 @@ fn declared_name(input: ParseStream<'_>, example: &str, what: &str, needs: &str)
 /// `= expr` or `(attitude = expr, …)`
 fn forces(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Force>> {
     if input.peek(token::Paren) {
-        return entries(input, key, FORCE, diagnostics, force, |force| force.factor.clone());
+        let name = |force: &Force| force.factor.clone();
+        return entries(input, (key, FORCE), diagnostics, &mut Vec::new(), force, name);
     }
     let value = equals(input, FORCE, diagnostics)?;
     Ok(value.map(|value| Force { factor: None, value }).into_iter().collect())
@@ -367,7 +398,7 @@ fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
 
 /// `(Midpoint, SymplecticEulerB, Family(1, 4))`
 fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Rule>> {
-    let named = entries(input, key, METHODS, diagnostics, method, |_| None)?;
+    let named = entries(input, (key, METHODS), diagnostics, &mut Vec::new(), method, |_| None)?;
     let mut members = Vec::new();
     for member in named {
         if !members.contains(&member) {
@@ -409,7 +440,7 @@ fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
             "StormerVerlet" | "RightLift" => {
                 format!("leave out `{name}`: the steps that it is made of are generated without it")
             }
-            _ if guess.ends_with('?') => format!("there is no method `{name}`{guess} There are {all}"),
+            _ if guess.ends_with('?') => format!("there is no method `{name}`{guess}"),
             _ => format!("there is no method `{name}`; there are {all}"),
         };
         syn::Error::new_spanned(&name, message)
@@ -441,24 +472,12 @@ fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
     syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, CRATE))
 }
 
-/// `(name: Type, …)`
-fn declarations<T>(
-    input: ParseStream<'_>,
-    key: &Ident,
-    known: Key,
-    diagnostics: &mut Diagnostics,
-    parse: fn(ParseStream<'_>) -> syn::Result<T>,
-    name: fn(&T) -> &Ident,
-) -> syn::Result<Vec<T>> {
-    entries(input, key, known, diagnostics, parse, |entry| Some(name(entry).clone()))
-}
-
-/// Entries between parentheses, of which no two have the same name.
+/// Entries between parentheses, of which no two have the same name; the names of those that cannot be read are added to `unreadable`.
 fn entries<T>(
     input: ParseStream<'_>,
-    key: &Ident,
-    known: Key,
+    (key, known): (&Ident, Key),
     diagnostics: &mut Diagnostics,
+    unreadable: &mut Vec<(Key, Ident)>,
     parse: fn(ParseStream<'_>) -> syn::Result<T>,
     name: impl Fn(&T) -> Option<Ident>,
 ) -> syn::Result<Vec<T>> {
@@ -481,6 +500,9 @@ fn entries<T>(
             }
             _ => list.push(entry),
         });
+        if read.is_err() {
+            unreadable.extend(content.fork().parse::<Ident>().map(|name| (known, name)));
+        }
         finish_entry(&content, &ahead, read, diagnostics);
     }
     Ok(list)

@@ -22,10 +22,14 @@ pub struct Item {
     pub visibility: Visibility,
     /// Its doc comment, line by line.
     pub docs: Vec<String>,
+    /// Its attributes that set the levels of lints.
+    pub lints: Vec<syn::Attribute>,
     /// The fields that could be read, in the order written.
     pub fields: Vec<Field>,
     /// The fields that could not, which is reported: expressions may name them all the same.
     pub unreadable: Vec<Unreadable>,
+    /// Whether there were no problems.
+    pub sound: bool,
 }
 
 /// A parameter.
@@ -43,6 +47,8 @@ pub struct Field {
     pub doc: String,
     /// Its type as written.
     pub ty: Type,
+    /// Its attributes that set the levels of lints.
+    pub lints: Vec<syn::Attribute>,
 }
 
 /// The mark `#[inertia]`, or `#[inertia(attitude, position)]` with the factors it is for.
@@ -66,6 +72,7 @@ pub struct Unreadable {
 impl Item {
     /// Reads the annotated item. `None` if there is nothing in it to go on with.
     pub fn parse(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Option<Self> {
+        let before = diagnostics.len();
         let mut declaration = declaration(tokens, diagnostics)?;
         generics(&declaration, diagnostics);
         conditions(&declaration, diagnostics);
@@ -91,7 +98,8 @@ impl Item {
                 Some((shape, scalar)) => {
                     let doc =
                         docs(&field.attrs).into_iter().find(|line| !line.is_empty()).unwrap_or_default();
-                    fields.push(Field { name, shape, scalar, inertia, doc, ty: field.ty.clone() });
+                    let (ty, lints) = (field.ty.clone(), lints(&field.attrs));
+                    fields.push(Field { name, shape, scalar, inertia, doc, ty, lints });
                 }
                 None => {
                     diagnostics.push(&field.ty, format!("`{name}` cannot be of this type; {SUPPORTED}"));
@@ -105,9 +113,11 @@ impl Item {
             name: declaration.ident.clone(),
             visibility: declaration.vis.clone(),
             docs: docs(&declaration.attrs),
+            lints: lints(&declaration.attrs),
             declaration,
             fields,
             unreadable,
+            sound: diagnostics.len() == before,
         })
     }
 }
@@ -123,19 +133,15 @@ impl Item {
 const SUPPORTED: &str = "a parameter is `f64`, `f32`, or a vector or matrix of them: `Vector1<f64>` to `Vector6<f64>`, \
                          `SVector<f64, N>`, `Matrix1<f64>` to `Matrix6<f64>` or `SMatrix<f64, R, C>`";
 
-/// The item without our helper attributes, for emission where no [`Item`] could be made of it, so that a mistake brings
-/// no complaints about unknown attributes with it.
-pub fn without_helpers(tokens: TokenStream) -> TokenStream {
+/// The struct without our helper attributes, for emission where no [`Item`] could be made of it, so that a mistake brings
+/// no complaints about unknown attributes with it. `None` if it is no struct.
+pub fn without_helpers(tokens: TokenStream) -> Option<ItemStruct> {
     if nesting::excess(&tokens).is_some() {
-        return tokens;
+        return None;
     }
-    match syn::parse2::<ItemStruct>(tokens.clone()) {
-        Ok(mut item) => {
-            item.fields.iter_mut().for_each(|field| field.attrs.retain(|attribute| !is_inertia(attribute)));
-            quote::quote!(#item)
-        }
-        Err(_) => tokens,
-    }
+    let mut item = syn::parse2::<ItemStruct>(tokens).ok()?;
+    item.fields.iter_mut().for_each(|field| field.attrs.retain(|attribute| !is_inertia(attribute)));
+    Some(item)
 }
 
 fn declaration(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Option<ItemStruct> {
@@ -227,6 +233,13 @@ fn one_scalar_type(fields: &[Field], diagnostics: &mut Diagnostics) {
         );
         diagnostics.push(&field.ty, message);
     }
+}
+
+/// The attributes that set the levels of lints.
+fn lints(attributes: &[syn::Attribute]) -> Vec<syn::Attribute> {
+    let levels = ["allow", "warn", "deny", "forbid"];
+    let sets = |attribute: &&syn::Attribute| levels.iter().any(|level| attribute.path().is_ident(level));
+    attributes.iter().filter(sets).cloned().collect()
 }
 
 /// The lines of a doc comment, without the space after `///`.

@@ -6,5 +6,6 @@ mod meaning;
 mod modules;
 mod problems;
 mod program;
+mod reference;
 mod soup;
 mod steps;

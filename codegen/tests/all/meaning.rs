@@ -1,14 +1,18 @@
 //! Every construct of the language against Rust and nalgebra themselves: the same tokens are compiled by rustc and
 //! lowered by us, and both values must agree.
-#![allow(clippy::all, reason = "expressions are written in all the ways users write them")]
+#![allow(
+    clippy::all,
+    clippy::unwrap_used,
+    reason = "expressions are written in all the ways users write them"
+)]
 
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Node, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
 use coadjoint_codegen::parse::Shape;
 use nalgebra::{
-    Matrix2, Matrix2x3, Matrix3, Matrix4, RowVector3, SMatrix, SVector, Vector1, Vector2, Vector3, Vector4,
-    matrix, vector,
+    Matrix2, Matrix2x3, Matrix3, Matrix4, Point2, Point3, RowVector3, SMatrix, SVector, Vector1, Vector2,
+    Vector3, Vector4, matrix, vector,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -266,6 +270,35 @@ fn matrices() {
         agrees!(all; m.component_mul(&n) + m.component_div(&n));
         agrees!(all; m.scale(a) - m.unscale(b));
         agrees!(all; m * n * v + n * (m * w));
+        agrees!(all; m.fixed_rows::<2>(1) * v);
+        agrees!(all; m.fixed_columns::<1>(2).dot(&v) + v.fixed_rows::<2>(1).norm());
+        agrees!(all; k.fixed_view::<2, 3>(1, 0) * v);
+        agrees!(all; v.fixed_rows::<2>(0).into_owned() + p);
+        agrees!(all; 2.0 * v.fixed_rows::<2>(1) - p);
+    });
+}
+
+#[test]
+fn inverses() {
+    for_values!(all, { a, b, v, m, n, k, q }, {
+        agrees!(all; Matrix2::new(a, 0.5, -b, 2.0).try_inverse().unwrap());
+        agrees!(all; (m + Matrix3::identity()).try_inverse().unwrap());
+        agrees!(all; (m - n * 2.0 + Matrix3::from_diagonal_element(5.0)).try_inverse().expect("it is regular") * v);
+        agrees!(all; (k + Matrix4::from_diagonal_element(3.0)).try_inverse().unwrap());
+        agrees!(all; q.dot(&((k - Matrix4::from_diagonal(&q) * 4.0).try_inverse().unwrap() * q)));
+        agrees!(all; Matrix3::<f64>::identity().try_inverse().unwrap().trace() + a);
+    });
+}
+
+#[test]
+fn points() {
+    for_values!(all, { a, p, v, w }, {
+        agrees!(all; Point3::from(v).coords);
+        agrees!(all; Point3::from(v) - Point3::from(w));
+        agrees!(all; (Point3::from(v) + w).coords);
+        agrees!(all; (Point3::from(v) - w).z + Point2::from(p).y);
+        agrees!(all; nalgebra::Point3::new(a, 1.0, 2.0 * a).coords.dot(&v));
+        agrees!(all; Point3::<f64>::origin() - Point3::from(v));
     });
 }
 

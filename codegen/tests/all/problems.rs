@@ -214,6 +214,66 @@ fn methods() {
     complains("2.sqrt()", &[("sqrt", "methods of integers are not supported; write the number as a float")]);
     complains("a.sin_cos().sin()", &[("sin", "a tuple of 2 has no methods")]);
     complains("m.trace::<f64>()", &[("::<f64>", "leave out the types")]);
+    // a suggestion takes the place of the list, and no number is a slip of another
+    assert!(!problems("chi.dott(&gamma)")[0].1.contains("Its methods"));
+    complains("Vector2::z().x", &[("z", "there is no `Vector2::z` here")]);
+    complains(
+        "chi.cos()",
+        &[(
+            "cos",
+            "a vector of 3 has no method `cos` here; it is one of numbers, such as the component `.x`: write `.x.cos()`",
+        )],
+    );
+}
+
+#[test]
+fn inverses() {
+    complains(
+        "big.try_inverse().unwrap().trace()",
+        &[("try_inverse", "inverses are supported up to 4 rows")],
+    );
+    complains(
+        "r.try_inverse().unwrap().trace()",
+        &[("try_inverse", "`try_inverse` is for square matrices; this is a 2×3 matrix")],
+    );
+    complains("(m - m).try_inverse().unwrap().trace()", &[("try_inverse", "this matrix is singular")]);
+    complains(
+        "matrix![a, a; a, a].try_inverse().unwrap().trace()",
+        &[("try_inverse", "this matrix is singular")],
+    );
+    complains(
+        "m.try_inverse().trace()",
+        &[("trace", "an option of a 3×3 matrix is taken with `.unwrap()` or `.expect(\"…\")`")],
+    );
+    complains(
+        "m.try_inverse()",
+        &[("m.try_inverse()", "the potential must be a scalar, but this is an option of a 3×3 matrix")],
+    );
+    complains(
+        "(m.try_inverse() * chi).x",
+        &[("*", "an option of a 3×3 matrix cannot be multiplied by a vector of 3")],
+    );
+    complains("m.try_inverse().expect().trace()", &[("expect", "`expect` takes a message")]);
+    complains("m.try_inverse().unwrap(1).trace()", &[("unwrap", "`unwrap` takes no argument")]);
+}
+
+#[test]
+fn blocks_of_matrices() {
+    complains(
+        "chi.fixed_rows(0).norm()",
+        &[("fixed_rows", "a vector of 3 has no method `fixed_rows` here; write `fixed_rows::<3>(0)`")],
+    );
+    complains("chi.fixed_rows::<2>(2).norm()", &[("fixed_rows", "this goes beyond a vector of 3")]);
+    complains("chi.fixed_rows::<2>(-1).norm()", &[("fixed_rows", "this goes beyond a vector of 3")]);
+    complains("chi.fixed_rows::<0>(0).norm()", &[("fixed_rows", "this goes beyond a vector of 3")]);
+    complains(
+        "chi.fixed_rows::<9223372036854775807>(9223372036854775807).norm()",
+        &[("fixed_rows", "this goes beyond a vector of 3")],
+    );
+    complains("chi.fixed_rows::<N>(0).norm()", &[("fixed_rows", "write `fixed_rows::<R>(i)`")]);
+    complains("m.fixed_view::<2, 2>(0).norm()", &[("fixed_view", "write `fixed_rows::<R>(i)`")]);
+    complains("m.fixed_columns::<4>(0).norm()", &[("fixed_columns", "this goes beyond a 3×3 matrix")]);
+    complains("a.fixed_rows::<1>(0)", &[("::<1>", "leave out the types")]);
 }
 
 #[test]

@@ -194,8 +194,18 @@ impl Random {
             }
             4 => format!("(-{})", e(self)),
             5 => {
-                let unary =
-                    ["sqrt", "sin", "ln", "norm", "normalize", "transpose", "trace", "determinant", "recip"];
+                let unary = [
+                    "sqrt",
+                    "sin",
+                    "ln",
+                    "norm",
+                    "normalize",
+                    "transpose",
+                    "trace",
+                    "determinant",
+                    "recip",
+                    "try_inverse().unwrap",
+                ];
                 format!("{}.{}()", e(self), self.choose(&unary))
             }
             6 => {
@@ -205,11 +215,13 @@ impl Random {
             }
             7 => format!("{}.{}", e(self), self.choose(&["x", "z", "w", "m12", "0", "1", "q"])),
             8 => format!("{}[{}]", e(self), e(self)),
+            9 if self.lt(2) == 0 => format!("{}.fixed_view::<2, 1>({}, {})", e(self), e(self), e(self)),
             9 => format!("{}[({}, {})]", e(self), e(self), e(self)),
             10 => format!("{{ let b = {}; {} }}", e(self), e(self)),
             11 => format!("{{ let (b, c) = {}.sin_cos(); {} }}", e(self), e(self)),
             12 => format!("Vector3::new({}, {}, {})", e(self), e(self), e(self)),
             13 => format!("vector![{}, {}]", e(self), e(self)),
+            14 if self.lt(2) == 0 => format!("(Point3::from({}) - Point3::origin())", e(self)),
             14 => format!("matrix![{}, {}; {}, {}]", e(self), e(self), e(self), e(self)),
             _ => format!("f64::{}({})", self.choose(&["from", "sin", "powi", "abs"]), e(self)),
         }
@@ -222,15 +234,15 @@ fn read(attribute: TokenStream, item: TokenStream) {
     let attribute = Attribute::parse(attribute, &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
-        check::structure(&attribute, &item, &mut diagnostics);
-        System::build(&Arena::new(), &attribute, &item, &mut diagnostics);
+        let description = check::resolve(&attribute, &item, &mut diagnostics);
+        System::build(&Arena::new(), &description, &mut diagnostics);
     }
     if let Some(potential) = &attribute.potential {
         let (arena, mut scope) = (Arena::new(), Scope::new());
         define(&mut scope, &arena);
         lower_scalar("the potential", potential, &mut scope, &arena, &mut diagnostics);
     }
-    diagnostics.into_compile_errors();
+    diagnostics.into_tokens();
 }
 
 fn define<'a>(scope: &mut Scope<'a>, arena: &'a Arena) {

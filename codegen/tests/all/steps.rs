@@ -1,6 +1,7 @@
 //! What the steps of the family say of themselves beside their equations: where they are defined, what stays bounded, which rules are one
 //! map; and what documentation says of the motion.
 
+use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::Arena;
@@ -22,7 +23,8 @@ fn system<'a>(arena: &'a Arena, attribute: &str, item: &str) -> System<'a> {
     let mut diagnostics = Diagnostics::new();
     let attribute = Attribute::parse(tokens(attribute), &mut diagnostics);
     let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
-    let system = System::build(arena, &attribute, &item, &mut diagnostics);
+    let description = check::resolve(&attribute, &item, &mut diagnostics);
+    let system = System::build(arena, &description, &mut diagnostics);
     diagnostics.finish().expect("a sound description");
     system.expect("a system")
 }

@@ -1,5 +1,6 @@
 //! Symbolic systems to test with: as users describe them, with numbers for their symbols.
 
+use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
@@ -176,8 +177,10 @@ impl Description {
     pub fn system<'a>(&self, arena: &'a Arena) -> System<'a> {
         let mut diagnostics = Diagnostics::new();
         let attribute = Attribute::parse(self.attribute.clone(), &mut diagnostics);
-        let system = Item::parse(self.item.clone(), &mut diagnostics)
-            .and_then(|item| System::build(arena, &attribute, &item, &mut diagnostics));
+        let system = Item::parse(self.item.clone(), &mut diagnostics).and_then(|item| {
+            let description = check::resolve(&attribute, &item, &mut diagnostics);
+            System::build(arena, &description, &mut diagnostics)
+        });
         diagnostics.finish().expect("the descriptions have no problems");
         system.expect("a description without problems is a system")
     }

@@ -381,6 +381,7 @@ mod fields {
         derivatives,
     )]
     #[derive(Clone, Debug)]
+    #[allow(deprecated)]
     pub struct Clashing {
         #[inertia]
         pub constants: Vector3<f64>,
@@ -500,6 +501,7 @@ pub mod strict {
         /// Of the field.
         pub strength: f64,
         /// Not used at all.
+        #[allow(deprecated)]
         pub unused: f64,
     }
 
@@ -684,8 +686,10 @@ mod attributes {
         #[serde(default)]
         pub chi: Vector3<f64>,
         /// One entry.
+        #[allow(deprecated)]
         pub single_entry: SMatrix<f64, 1, 1>,
         /// Long.
+        #[allow(deprecated)]
         pub long: SVector<f64, 7>,
     }
 
@@ -758,6 +762,7 @@ mod potentials {
                     advected($gamma: R3, $beta: R3),
                     potential = $potential,
                 )]
+                #[allow(deprecated)]
                 pub(super) struct Tested {
                     #[inertia]
                     inertia: f64,

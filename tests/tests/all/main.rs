@@ -14,6 +14,7 @@ mod groups;
 pub mod hygiene;
 mod invariants;
 mod kernels;
+mod language;
 mod lie_poisson;
 mod linearization;
 mod longrun;

@@ -7,19 +7,27 @@ use crate::expr::Vector;
 
 const fn method(
     name: &'static str,
-    arguments: usize,
+    arguments: &'static [&'static str],
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 ) -> Method {
     Method { name, arguments, apply }
 }
 
 pub(super) static METHODS: &[Method] = &[
-    method("inverse", 0, |call| Some(inverse(call)?.into_value())),
-    method("transform_vector", 1, |call| {
+    method("inverse", &[], |call| Some(inverse(call)?.into_value())),
+    method("transform_point", &["&p"], |call| {
+        let element = receiver(call)?;
+        moved(call, &element)
+    }),
+    method("inverse_transform_point", &["&p"], |call| {
+        let element = inverse(call)?;
+        moved(call, &element)
+    }),
+    method("transform_vector", &["&v"], |call| {
         let element = receiver(call)?;
         transformed(call, &element)
     }),
-    method("inverse_transform_vector", 1, |call| {
+    method("inverse_transform_vector", &["&v"], |call| {
         let element = inverse(call)?;
         transformed(call, &element)
     }),
@@ -39,15 +47,36 @@ fn inverse<'a>(call: &Call<'_, 'a>) -> Option<Element<'a>> {
 
 fn transformed<'a>(call: &mut Call<'_, 'a>, element: &Element<'a>) -> Option<Value<'a>> {
     let (value, expr) = &call.arguments[0];
-    match value {
-        Value::Vector(vector) if element.turned(vector).is_some() => {
-            element.turned(vector).map(Value::Vector)
-        }
-        other => {
-            let message = format!("{} does not transform {}", call.receiver.describe(), other.describe());
-            call.fail(expr, message)
-        }
+    let turned = match value {
+        Value::Vector(vector) => element.turned(vector),
+        _ => None,
+    };
+    match turned {
+        Some(vector) => Some(Value::Vector(vector)),
+        None => call.fail(expr, no_transform(call, value)),
     }
+}
+
+fn moved<'a>(call: &mut Call<'_, 'a>, element: &Element<'a>) -> Option<Value<'a>> {
+    let (value, expr) = &call.arguments[0];
+    let moved = match value {
+        Value::Point(point) => element.moved(point),
+        _ => None,
+    };
+    match moved {
+        Some(point) => Some(Value::Point(point)),
+        None => call.fail(expr, no_transform(call, value)),
+    }
+}
+
+/// Says that an element does not act on a value as the method wants.
+fn no_transform(call: &Call<'_, '_>, value: &Value<'_>) -> String {
+    let hint = match (value, call.method.to_string().ends_with("point")) {
+        (Value::Vector(vector), true) => format!("; the point is `Point{}::from(v)`", vector.len()),
+        (Value::Point(_), false) => "; the vector to it is `p.coords`".to_owned(),
+        _ => String::new(),
+    };
+    format!("`{}` of {} does not take {}{hint}", call.method, call.receiver.describe(), value.describe())
 }
 
 impl<'a> Element<'a> {
@@ -57,15 +86,35 @@ impl<'a> Element<'a> {
 
     /// The vector as the group acts on it, if it acts on such vectors.
     fn turned(&self, vector: &Vector<'a>) -> Option<Vector<'a>> {
-        let mut spaces = self.group.representations().iter();
+        let mut spaces = self.group.actions().iter();
         let space = spaces.find(|space| space.coordinates().len() == vector.len())?;
         Some(space.act(&self.coordinates, vector))
     }
 
-    /// `g v` or `g h`
+    /// The translation, of a rigid motion.
+    fn translation(&self) -> Option<Vector<'a>> {
+        match self.component("translation", false) {
+            Some(Value::Vector(translation)) => Some(translation),
+            _ => None,
+        }
+    }
+
+    /// Whether points are moved otherwise than vectors.
+    pub(in crate::language) fn moves_points(&self) -> bool {
+        self.translation().is_some()
+    }
+
+    /// Where the group takes a point, if it acts on such points.
+    fn moved(&self, point: &Vector<'a>) -> Option<Vector<'a>> {
+        let turned = self.turned(point)?;
+        Some(self.translation().map_or(turned.clone(), |translation| &turned + &translation))
+    }
+
+    /// `g p` or `g h`, and `g v` where it is all that the group does to a vector
     pub(in crate::language) fn times(&self, right: &Value<'a>) -> Option<Value<'a>> {
         match right {
-            Value::Vector(vector) => self.turned(vector).map(Value::Vector),
+            Value::Vector(vector) if !self.moves_points() => self.turned(vector).map(Value::Vector),
+            Value::Point(point) => self.moved(point).map(Value::Point),
             Value::Element(other) if other.group.name() == self.group.name() => {
                 let coordinates = self.group.compose(&self.coordinates, &other.coordinates);
                 Some(Self { group: self.group, coordinates }.into_value())

@@ -4,7 +4,7 @@ mod element;
 mod scalar;
 mod tensor;
 
-use syn::{Expr, ExprMethodCall, Ident};
+use syn::{AngleBracketedGenericArguments, Expr, ExprLit, ExprMethodCall, GenericArgument, Ident, Lit};
 
 use super::lowering::Lowering;
 use super::value::Value;
@@ -14,8 +14,8 @@ use crate::expr::{Arena, Expr as Symbolic, Matrix};
 /// A method that has a symbolic meaning.
 pub(super) struct Method {
     name: &'static str,
-    /// How many arguments it takes beside the receiver.
-    arguments: usize,
+    /// The arguments that it takes beside the receiver, as a reader would call them.
+    arguments: &'static [&'static str],
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 }
 
@@ -28,13 +28,31 @@ struct Call<'c, 'a> {
     arguments: &'c [(Value<'a>, &'c Expr)],
 }
 
+impl Method {
+    /// As it is called: `dot(&other)`.
+    pub(super) fn call(&self) -> String {
+        format!("{}({})", self.name, self.arguments.join(", "))
+    }
+}
+
+/// The methods of each kind of value, for documentation.
+pub(super) static ALL: [(&str, &[Method]); 4] = [
+    ("numbers", scalar::METHODS),
+    ("vectors", tensor::VECTOR_METHODS),
+    ("matrices", tensor::MATRIX_METHODS),
+    ("configurations", element::METHODS),
+];
+
 impl<'a> Lowering<'a, '_> {
     /// `receiver.method(arguments)`
     pub(super) fn method_call(&mut self, call: &ExprMethodCall) -> Option<Value<'a>> {
         let receiver = self.lower(&call.receiver);
+        if let Some(Value::Optional(value)) = receiver {
+            return self.unwrapped(call, *value);
+        }
         let arguments = self.all(&call.args);
         if let Some(turbofish) = &call.turbofish {
-            return self.fail(turbofish, "leave out the types");
+            return self.block_of_matrix(&call.method, turbofish, &receiver?, &arguments?);
         }
         let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
         self.method(&call.method, &receiver?, &arguments)
@@ -48,7 +66,9 @@ impl<'a> Lowering<'a, '_> {
         arguments: &[(Value<'a>, &Expr)],
     ) -> Option<Value<'a>> {
         let name = method.to_string();
-        if name == "clone" && arguments.is_empty() {
+        let owned = matches!(receiver, Value::Vector(_) | Value::Matrix(_))
+            && (name == "into_owned" || name == "clone_owned");
+        if (name == "clone" || owned) && arguments.is_empty() {
             return Some(receiver.clone());
         }
         let methods: &[Method] = match receiver {
@@ -67,18 +87,74 @@ impl<'a> Lowering<'a, '_> {
                 }
                 element::METHODS
             }
-            Value::Tuple(_) => return self.fail(method, format!("{} has no methods", receiver.describe())),
+            Value::Tuple(_) | Value::Point(_) | Value::Optional(_) => {
+                return self.fail(method, format!("{} has no methods", receiver.describe()));
+            }
         };
         let Some(known) = methods.iter().find(|known| known.name == name) else {
             return self.unknown(method, receiver, methods);
         };
-        if arguments.len() != known.arguments {
-            let takes = count(known.arguments, "argument");
+        if arguments.len() != known.arguments.len() {
+            let takes = count(known.arguments.len(), "argument");
             let message = format!("`{name}` takes {takes}, not {}", arguments.len());
             return self.fail(method, message);
         }
         let (arena, diagnostics) = (self.arena, &mut *self.diagnostics);
         (known.apply)(&mut Call { arena, diagnostics, method, receiver, arguments })
+    }
+
+    /// `.unwrap()` and `.expect("…")`: what is not there is a number that is not finite, which a step refuses.
+    fn unwrapped(&mut self, call: &ExprMethodCall, value: Value<'a>) -> Option<Value<'a>> {
+        let (method, arguments) = (&call.method, call.args.len());
+        match (method.to_string().as_str(), arguments) {
+            ("unwrap", 0) | ("expect", 1) => Some(value),
+            (known @ ("unwrap" | "expect"), _) => {
+                let takes = if known == "unwrap" { "no argument" } else { "a message" };
+                self.fail(method, format!("`{method}` takes {takes}"))
+            }
+            _ => {
+                let what = value.describe();
+                self.fail(
+                    method,
+                    format!("an option of {what} is taken with `.unwrap()` or `.expect(\"…\")`"),
+                )
+            }
+        }
+    }
+
+    /// `.fixed_rows::<R>(i)`, `.fixed_columns::<C>(j)`, `.fixed_view::<R, C>(i, j)`
+    fn block_of_matrix(
+        &mut self,
+        method: &Ident,
+        turbofish: &AngleBracketedGenericArguments,
+        receiver: &Value<'a>,
+        arguments: &[Value<'a>],
+    ) -> Option<Value<'a>> {
+        let sizes: Option<Vec<i64>> = turbofish.args.iter().map(size).collect();
+        let Some(matrix) = receiver.as_matrix() else { return self.fail(turbofish, "leave out the types") };
+        let (whole_rows, whole_columns) = (matrix.rows as i64, matrix.columns as i64);
+        let (rows, columns) = match (method.to_string().as_str(), sizes.as_deref(), arguments) {
+            ("fixed_rows", Some(&[rows]), &[Value::Integer(i)]) => ((i, rows), (0, whole_columns)),
+            ("fixed_columns", Some(&[columns]), &[Value::Integer(j)]) => ((0, whole_rows), (j, columns)),
+            ("fixed_view", Some(&[rows, columns]), &[Value::Integer(i), Value::Integer(j)]) => {
+                ((i, rows), (j, columns))
+            }
+            ("fixed_rows" | "fixed_columns" | "fixed_view", _, _) => {
+                let message = "write `fixed_rows::<R>(i)`, `fixed_columns::<C>(j)` or `fixed_view::<R, C>(i, j)`, with integers";
+                return self.fail(method, message);
+            }
+            _ => return self.fail(turbofish, "leave out the types"),
+        };
+        let within = |(start, length): (i64, i64), bound: i64| {
+            let end = start.checked_add(length)?;
+            (start >= 0 && length > 0 && end <= bound).then_some(start as usize..end as usize)
+        };
+        let (Some(rows), Some(columns)) = (within(rows, whole_rows), within(columns, whole_columns)) else {
+            return self.fail(method, format!("this goes beyond {}", receiver.describe()));
+        };
+        let entries =
+            rows.clone().flat_map(|i| columns.clone().map(move |j| (i, j))).map(|(i, j)| matrix.at(i, j));
+        Some(Value::of_matrix(Matrix::new(rows.len(), columns.len(), entries.collect())))
     }
 
     fn unknown(&mut self, method: &Ident, receiver: &Value<'a>, methods: &[Method]) -> Option<Value<'a>> {
@@ -91,18 +167,32 @@ impl<'a> Lowering<'a, '_> {
             let components = element.group.components().iter();
             names.extend(components.filter(|component| component.called).map(|component| component.name));
         }
-        let guess = match nearest(&name, &names) {
-            Some(near) => format!("; did you mean `{near}`?"),
-            None => ".".to_owned(),
+        let what = receiver.describe();
+        let of_numbers = scalar::METHODS.iter().find(|known| known.name == name);
+        let rest = match (nearest(&name, &names), receiver, of_numbers) {
+            (Some(near), ..) => format!("; did you mean `{near}`?"),
+            (None, Value::Vector(_), Some(known)) => {
+                format!("; it is one of numbers, such as the component `.x`: write `.x.{}`", known.call())
+            }
+            (None, Value::Vector(_) | Value::Matrix(_), _) if name.starts_with("fixed_") => {
+                "; write `fixed_rows::<3>(0)` for three rows from the first on".to_owned()
+            }
+            _ => format!(". Its methods are {}", list(names)),
         };
-        let (what, known) = (receiver.describe(), list(names));
-        let message = format!("{what} has no method `{name}` here{guess} Its methods are {known}");
-        self.fail(method, message)
+        self.fail(method, format!("{what} has no method `{name}` here{rest}"))
+    }
+}
+
+/// The integer in a generic argument.
+fn size(argument: &GenericArgument) -> Option<i64> {
+    match argument {
+        GenericArgument::Const(Expr::Lit(ExprLit { lit: Lit::Int(size), .. })) => size.base10_parse().ok(),
+        _ => None,
     }
 }
 
 /// Methods that Rust or nalgebra have and whose derivatives jump.
-const NOT_SMOOTH: &[&str] = &[
+pub(super) const NOT_SMOOTH: &[&str] = &[
     "abs",
     "amax",
     "amin",

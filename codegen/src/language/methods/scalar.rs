@@ -7,32 +7,32 @@ use crate::expr::{Expr, Function, Number};
 
 const fn method(
     name: &'static str,
-    arguments: usize,
+    arguments: &'static [&'static str],
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 ) -> Method {
     Method { name, arguments, apply }
 }
 
 pub(super) static METHODS: &[Method] = &[
-    method("sqrt", 0, |call| elementary(call, Function::Sqrt)),
-    method("powi", 1, powi),
-    method("powf", 1, powf),
-    method("recip", 0, recip),
-    method("exp", 0, |call| elementary(call, Function::Exp)),
-    method("ln", 0, |call| elementary(call, Function::Ln)),
-    method("sin", 0, |call| elementary(call, Function::Sin)),
-    method("cos", 0, |call| elementary(call, Function::Cos)),
-    method("sin_cos", 0, sin_cos),
-    method("tan", 0, |call| elementary(call, Function::Tan)),
-    method("asin", 0, |call| elementary(call, Function::Asin)),
-    method("acos", 0, |call| elementary(call, Function::Acos)),
-    method("atan", 0, |call| elementary(call, Function::Atan)),
-    method("atan2", 1, |call| Some(Value::Scalar(receiver(call)?.atan2(call.scalar(0)?)))),
-    method("sinh", 0, |call| elementary(call, Function::Sinh)),
-    method("cosh", 0, |call| elementary(call, Function::Cosh)),
-    method("tanh", 0, |call| elementary(call, Function::Tanh)),
-    method("hypot", 1, hypot),
-    method("mul_add", 2, mul_add),
+    method("sqrt", &[], |call| elementary(call, Function::Sqrt)),
+    method("powi", &["n"], powi),
+    method("powf", &["x"], powf),
+    method("recip", &[], recip),
+    method("exp", &[], |call| elementary(call, Function::Exp)),
+    method("ln", &[], |call| elementary(call, Function::Ln)),
+    method("sin", &[], |call| elementary(call, Function::Sin)),
+    method("cos", &[], |call| elementary(call, Function::Cos)),
+    method("sin_cos", &[], sin_cos),
+    method("tan", &[], |call| elementary(call, Function::Tan)),
+    method("asin", &[], |call| elementary(call, Function::Asin)),
+    method("acos", &[], |call| elementary(call, Function::Acos)),
+    method("atan", &[], |call| elementary(call, Function::Atan)),
+    method("atan2", &["x"], |call| Some(Value::Scalar(receiver(call)?.atan2(call.scalar(0)?)))),
+    method("sinh", &[], |call| elementary(call, Function::Sinh)),
+    method("cosh", &[], |call| elementary(call, Function::Cosh)),
+    method("tanh", &[], |call| elementary(call, Function::Tanh)),
+    method("hypot", &["x"], hypot),
+    method("mul_add", &["a", "b"], mul_add),
 ];
 
 fn receiver<'a>(call: &Call<'_, 'a>) -> Option<Expr<'a>> {

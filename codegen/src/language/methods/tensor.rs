@@ -7,46 +7,47 @@ use crate::expr::{Expr, Matrix, Vector};
 
 const fn method(
     name: &'static str,
-    arguments: usize,
+    arguments: &'static [&'static str],
     apply: for<'a> fn(&mut Call<'_, 'a>) -> Option<Value<'a>>,
 ) -> Method {
     Method { name, arguments, apply }
 }
 
 pub(super) static VECTOR_METHODS: &[Method] = &[
-    method("dot", 1, dot),
-    method("cross", 1, cross),
-    method("norm", 0, norm),
-    method("norm_squared", 0, norm_squared),
-    method("magnitude", 0, norm),
-    method("magnitude_squared", 0, norm_squared),
-    method("normalize", 0, normalize),
-    method("component_mul", 1, component_mul),
-    method("component_div", 1, component_div),
-    method("sum", 0, sum),
-    method("scale", 1, scale),
-    method("unscale", 1, unscale),
-    method("transpose", 0, transpose),
-    method("tr_mul", 1, tr_mul),
-    method("cross_matrix", 0, cross_matrix),
+    method("dot", &["&other"], dot),
+    method("cross", &["&other"], cross),
+    method("norm", &[], norm),
+    method("norm_squared", &[], norm_squared),
+    method("magnitude", &[], norm),
+    method("magnitude_squared", &[], norm_squared),
+    method("normalize", &[], normalize),
+    method("component_mul", &["&other"], component_mul),
+    method("component_div", &["&other"], component_div),
+    method("sum", &[], sum),
+    method("scale", &["factor"], scale),
+    method("unscale", &["divisor"], unscale),
+    method("transpose", &[], transpose),
+    method("tr_mul", &["&other"], tr_mul),
+    method("cross_matrix", &[], cross_matrix),
 ];
 
 pub(super) static MATRIX_METHODS: &[Method] = &[
-    method("transpose", 0, transpose),
-    method("tr_mul", 1, tr_mul),
-    method("trace", 0, trace),
-    method("determinant", 0, determinant),
-    method("diagonal", 0, diagonal),
-    method("row", 1, row),
-    method("column", 1, column),
-    method("dot", 1, dot),
-    method("norm", 0, norm),
-    method("norm_squared", 0, norm_squared),
-    method("component_mul", 1, component_mul),
-    method("component_div", 1, component_div),
-    method("sum", 0, sum),
-    method("scale", 1, scale),
-    method("unscale", 1, unscale),
+    method("transpose", &[], transpose),
+    method("tr_mul", &["&other"], tr_mul),
+    method("trace", &[], trace),
+    method("determinant", &[], determinant),
+    method("try_inverse", &[], try_inverse),
+    method("diagonal", &[], diagonal),
+    method("row", &["i"], row),
+    method("column", &["j"], column),
+    method("dot", &["&other"], dot),
+    method("norm", &[], norm),
+    method("norm_squared", &[], norm_squared),
+    method("component_mul", &["&other"], component_mul),
+    method("component_div", &["&other"], component_div),
+    method("sum", &[], sum),
+    method("scale", &["factor"], scale),
+    method("unscale", &["divisor"], unscale),
 ];
 
 fn entries<'a>(call: &Call<'_, 'a>) -> Option<Vector<'a>> {
@@ -198,6 +199,33 @@ fn expand<'a>(matrix: &Matrix<'a>, row: usize, columns: &[usize]) -> Expr<'a> {
         let minor = matrix.at(row, column) * expand(matrix, row + 1, &rest);
         if k % 2 == 0 { sum + minor } else { sum - minor }
     })
+}
+
+/// The inverse by cofactors, as nalgebra computes it: the adjugate over the determinant. Where the determinant is zero, the entries are not
+/// finite.
+fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
+    let matrix = square(call)?;
+    let n = matrix.rows;
+    if n > LARGEST_DETERMINANT {
+        let message = format!("inverses are supported up to {LARGEST_DETERMINANT} rows");
+        return call.fail(call.method, message);
+    }
+    let adjugate = Matrix::new(n, n, (0..n * n).map(|k| cofactor(&matrix, k % n, k / n)).collect());
+    let determinant = matrix.row(0).dot(&adjugate.column(0));
+    if determinant.is_zero() {
+        return call.fail(call.method, "this matrix is singular".to_owned());
+    }
+    Some(Value::Optional(Box::new(Value::of_matrix(adjugate.scale(determinant.recip())))))
+}
+
+/// The determinant of what is left of a matrix without a row and a column, with the sign that belongs to their place. Smaller minors that
+/// several cofactors have in common are one expression.
+fn cofactor<'a>(matrix: &Matrix<'a>, row: usize, column: usize) -> Expr<'a> {
+    let n = matrix.rows;
+    let kept = |without: usize| (0..n).filter(move |&k| k != without);
+    let entries = kept(row).flat_map(|i| kept(column).map(move |j| matrix.at(i, j))).collect();
+    let minor = expand(&Matrix::new(n - 1, n - 1, entries), 0, &(0..n - 1).collect::<Vec<_>>());
+    if (row + column).is_multiple_of(2) { minor } else { -minor }
 }
 
 fn row<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {

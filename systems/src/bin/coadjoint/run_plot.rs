@@ -101,8 +101,8 @@ impl RunPlot {
 
 /// Casimirs in the letters of the literature, which are also shorter.
 pub(crate) fn symbols(name: &str) -> String {
-    name.replace("momentum.angular", "Π")
-        .replace("momentum.linear", "P")
+    name.replace("angular_momentum", "Π")
+        .replace("linear_momentum", "P")
         .replace("attitude_momentum", "Π")
         .replace("rotor_momentum", "ℓ")
         .replace("momentum", "Π")

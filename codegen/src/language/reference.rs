@@ -1,0 +1,148 @@
+//! The language as a page of documentation, made from the tables that the generator itself works with.
+
+use super::construct::{CONSTRUCTORS, POINTS};
+use super::methods::{self, NOT_SMOOTH};
+use crate::group::{Group, catalogue, part_name};
+use crate::parse::KEYS;
+
+/// What can be written in a description, in Markdown: keys, groups with the order of what they store, and all that has a meaning in an
+/// expression.
+pub fn reference() -> String {
+    let sections = [keys(), groups(), expressions(), methods(), types()];
+    let page = sections.concat();
+    // one line end at the end
+    format!("{}\n", page.trim_end())
+}
+
+/// Names as code, with commas.
+fn codes<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
+    let codes: Vec<String> = names.into_iter().map(|name| format!("`{}`", name.as_ref())).collect();
+    codes.join(", ")
+}
+
+fn keys() -> String {
+    let rows = KEYS.map(|key| format!("| `{}` | `{}` |\n", key.name, key.example));
+    format!("# Keys\n\n| key | for example |\n|---|---|\n{}\n", rows.concat())
+}
+
+fn groups() -> String {
+    let rows: Vec<String> = catalogue().iter().map(|group| group_row(*group)).collect();
+    let taken = merged(components);
+    let parts = merged(parts);
+    let conventions = merged(|group| Some(group.conventions().to_owned()));
+    format!(
+        "# Groups\n\n\
+         The order is that of `to_components`, of flat arrays and of tables: the configuration of each factor, then its momentum, then all \
+         advected parameters.\n\n\
+         | group | field of the state | stored as, in this order | momentum, in this order | acts on |\n|---|---|---|---|---|\n{}\n\
+         {}\n{QUATERNIONS}\n\n{}\n{}\n",
+        rows.concat(),
+        conventions,
+        parts,
+        taken,
+    )
+}
+
+/// A line for each text, with the groups that it is true of.
+fn merged(text: impl Fn(&dyn Group) -> Option<String>) -> String {
+    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    for group in catalogue() {
+        let Some(text) = text(*group) else { continue };
+        match lines.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, groups)) => groups.push(group.name()),
+            None => lines.push((text, vec![group.name()])),
+        }
+    }
+    lines.into_iter().map(|(text, groups)| format!("* {}: {text}.\n", codes(groups))).collect()
+}
+
+/// The two orders of a quaternion, side by side.
+const QUATERNIONS: &str = "**A quaternion has two orders.** `to_components`, and all arrays and tables of this crate, begin with the real part: \
+    `w, x, y, z`. What serde writes is nalgebra's own order, with the real part at the end: `x, y, z, w`; an isometry has `rotation` and \
+    `translation` by name. The components of a vector space are written as they are, and those of a matrix by columns; in \
+    `to_components` a matrix goes by rows.";
+
+fn group_row(group: &dyn Group) -> String {
+    let spaces = group.representations().iter().map(|space| space.name());
+    format!(
+        "| `{}` | `{}` | `{}`: {} | `{}`: {} | {} |\n",
+        group.name(),
+        group.configuration_name(),
+        group.configuration_type(),
+        group.coordinates().join(", "),
+        group.momentum_type(),
+        group.axes().join(", "),
+        codes(spaces),
+    )
+}
+
+/// The parts of a momentum that have names.
+fn parts(group: &dyn Group) -> Option<String> {
+    let [first, second] = group.parts() else { return None };
+    let name = |quantity: &str| [first, second].map(|part| part_name(quantity, part));
+    Some(format!(
+        "the momentum has the parts {}, the velocity {}, of a factor `hull` {} and so on; a part of one component is a number. A force may be \
+         a pair of parts, `({first}, {second})`",
+        codes(name("momentum")),
+        codes(name("velocity")),
+        codes(name("hull_momentum")),
+    ))
+}
+
+/// What an expression can take from a configuration.
+fn components(group: &dyn Group) -> Option<String> {
+    let written = |called: bool| {
+        let all = group.components().iter().filter(move |component| component.called == called);
+        all.map(
+            move |component| if called { format!("{}()", component.name) } else { component.name.to_owned() },
+        )
+    };
+    let all: Vec<String> = written(false).chain(written(true)).collect();
+    (!all.is_empty()).then(|| format!("an element has {}", codes(all)))
+}
+
+fn expressions() -> String {
+    format!(
+        "# Expressions\n\n\
+         * Names: fields, factors, momenta, velocities (in forces), advected parameters, controls (in forces), the time `t`, and constants of \
+         your own, `GRAVITY` or `std::f64::consts::PI`.\n\
+         * `+ - * /`, signs, parentheses, references, blocks with `let`, `integer as f64`, `f64::from(integer)`.\n\
+         * Components: `v.x`, `v[0]`, `m.m12`, `m[(0, 1)]`; a matrix is indexed by rows and columns, with one index by columns.\n\
+         * `g * v` and `g * h` for an element `g` of a group; of rigid motions `g * p` for a point `p`, while a vector is turned by \
+         `transform_vector`.\n\
+         * Constructors: `vector![x, y]`, `matrix![a, b; c, d]`, and of the types of nalgebra {}.\n\
+         * Points: {} of `Point2` and `Point3`; `p - q` is a vector, `p + v` a point, `p.coords` the vector to it.\n\
+         * Parts of vectors and matrices: `fixed_rows::<R>(i)`, `fixed_columns::<C>(j)`, `fixed_view::<R, C>(i, j)`.\n\
+         * `try_inverse()` of a matrix of up to four rows, taken with `.unwrap()` or `.expect(\"…\")`: by cofactors, over the determinant. A step \
+         that meets a singular matrix fails as one whose state is not finite; the method that is emitted for your text panics as `unwrap` \
+         says.\n\
+         * `angle()` of `SO2` is above −π and at most π: an energy of it jumps at half a turn, unless its derivative is the same on both \
+         sides.\n\
+         * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders too.\n\n",
+        codes(CONSTRUCTORS),
+        codes(POINTS),
+        codes(NOT_SMOOTH),
+    )
+}
+
+fn methods() -> String {
+    let rows = methods::ALL.map(|(what, methods)| {
+        format!("| {what} | {} |\n", codes(methods.iter().map(methods::Method::call)))
+    });
+    format!(
+        "# Methods\n\n\
+         Each means what it means in Rust and nalgebra, and may be written as a function: `f64::sin(x)`, `Vector3::dot(&v, &w)`. `clone()`, and of \
+         vectors and matrices `into_owned()` and `clone_owned()`, change nothing.\n\n\
+         | of | methods |\n|---|---|\n{}\n",
+        rows.concat()
+    )
+}
+
+fn types() -> String {
+    "# Types\n\n\
+     * Of a field: `f64` or `f32`, one of them for all; `Vector1` to `Vector6`, `RowVector1` to `RowVector6`, `Matrix1` to `Matrix6`, \
+     `Matrix2x3` and so on, `SVector<f64, N>`, `SMatrix<f64, R, C>` with up to 32 rows and columns.\n\
+     * Of a control: the same, or `R1` to `R6` for a vector.\n\
+     * Of an advected parameter: a space that a factor acts on, `gamma: R3`, or `gamma: attitude::R3` where several do.\n"
+        .to_owned()
+}
