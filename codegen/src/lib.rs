@@ -10,17 +10,20 @@
 //! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a global,
 //! and no order of a hash map reaches the output.
 
+mod bounds;
 pub mod check;
 mod derivation;
 pub mod derivatives;
 pub mod diagnostics;
 pub mod emit;
+mod equations;
 pub mod expr;
 pub mod geometry;
 pub mod group;
 mod identifiers;
 pub mod kernel;
 pub mod language;
+mod limits;
 pub mod method;
 pub mod model;
 pub mod parse;
@@ -65,20 +68,25 @@ fn derive(attribute: TokenStream, item: TokenStream, diagnostics: &mut Diagnosti
     let before = diagnostics.len();
     let item = Item::parse(item, diagnostics)?;
     check::structure(&attribute, &item, diagnostics);
+    bounds::sizes(&attribute, &item, diagnostics);
     let sound = diagnostics.len() == before;
 
-    let arena = Arena::new();
+    let arena = Arena::limited(limits::DERIVATION);
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &attribute, &item, diagnostics);
     // of a description that does not fit together nothing can be emitted that would compile
     let system = system.filter(|_| sound)?;
     let mut program = derivation::program(&arena, &system);
+    bounds::derived(&arena, &attribute, &item, diagnostics)?;
     let wanted = attribute.derivatives;
+    let mut work = arena.work();
     for (scheme, aliases) in schemes(&system, &attribute) {
         // each from a system of its own: what else is asked for has no part in it
-        let arena = Arena::new();
+        let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &attribute, &item, &mut Diagnostics::new())?;
         program.steps.push(derivation::step(&arena, &system, scheme, aliases, wanted));
+        bounds::derived(&arena, &attribute, &item, diagnostics)?;
+        work += arena.work();
     }
 
     let scalar = item.scalar().name();

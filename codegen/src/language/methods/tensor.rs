@@ -4,6 +4,7 @@ use super::super::operators::scaled;
 use super::super::value::Value;
 use super::{Call, Method};
 use crate::expr::{Expr, Matrix, Vector};
+use crate::limits::DETERMINANT;
 
 const fn method(
     name: &'static str,
@@ -175,13 +176,10 @@ fn diagonal<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     Some(Value::Vector(Vector((0..length).map(|i| matrix.at(i, i)).collect())))
 }
 
-/// The largest matrix whose determinant is written out: it has `n!` terms.
-const LARGEST_DETERMINANT: usize = 4;
-
 fn determinant<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let matrix = square(call)?;
-    if matrix.rows > LARGEST_DETERMINANT {
-        let message = format!("determinants are supported up to {LARGEST_DETERMINANT} rows");
+    if matrix.rows > DETERMINANT {
+        let message = format!("determinants are supported up to {DETERMINANT} rows");
         return call.fail(call.method, message);
     }
     Some(Value::Scalar(expand(&matrix, 0, &(0..matrix.columns).collect::<Vec<_>>())))
