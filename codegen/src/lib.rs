@@ -10,17 +10,20 @@
 //! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a global,
 //! and no order of a hash map reaches the output.
 
+mod bounds;
 pub mod check;
 mod derivation;
 pub mod derivatives;
 pub mod diagnostics;
 pub mod emit;
+mod equations;
 pub mod expr;
 pub mod geometry;
 pub mod group;
 mod identifiers;
 pub mod kernel;
 pub mod language;
+mod limits;
 pub mod method;
 pub mod model;
 pub mod parse;
@@ -68,16 +71,21 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansio
 fn derive(attribute: &Attribute, item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Expansion> {
     let item = Item::parse(item, diagnostics)?;
     let description = check::resolve(attribute, &item, diagnostics);
-    let arena = Arena::new();
+    bounds::sizes(&description, diagnostics)?;
+    let arena = Arena::limited(limits::DERIVATION);
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &description, diagnostics)?;
     let mut program = derivation::program(&arena, &system);
+    bounds::derived(&arena, attribute, &item, diagnostics)?;
     let wanted = attribute.derivatives;
+    let mut work = arena.work();
     for (scheme, aliases) in schemes(&system, attribute) {
         // each from a system of its own: what else is asked for has no part in it
-        let arena = Arena::new();
+        let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
         program.steps.push(derivation::step(&arena, &system, scheme, aliases, wanted));
+        bounds::derived(&arena, attribute, &item, diagnostics)?;
+        work += arena.work();
     }
 
     let scalar = item.scalar().name();

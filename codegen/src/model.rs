@@ -13,11 +13,10 @@ pub use layout::{FactorPart, Slot};
 pub use part::{Part, Role, StoredAs};
 
 use proc_macro2::Ident;
-use quote::ToTokens;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{EquationNames, Named, Semidirect, SemidirectVector, Side, trivialized_gradient};
-use crate::identifiers::{plain, velocity_name};
+use crate::group::{Named, Semidirect, SemidirectVector, Side, trivialized_gradient};
+use crate::identifiers::plain;
 use crate::language::{Constant, ForceForm};
 use crate::parse::Shape;
 
@@ -287,105 +286,6 @@ impl<'a> System<'a> {
             casimirs.extend(factor.algebra.group.casimirs((!moved).then_some(&momentum), &advected));
         }
         casimirs
-    }
-
-    /// A formula's text with the paths of the user's constants in the place of the symbols that stand for them.
-    fn in_users_words(&self, formula: &str) -> String {
-        self.constants.iter().fold(formula.to_owned(), |text, constant| {
-            let path = constant.tokens.to_token_stream().to_string().replace(' ', "");
-            text.replace(&constant.name, &path)
-        })
-    }
-
-    /// The equations of motion as text.
-    pub fn equations(&self) -> Vec<String> {
-        let energy = match &self.hamiltonian {
-            Hamiltonian::Mechanical { .. } => "V",
-            Hamiltonian::General(_) => "h",
-        };
-        let mut lines = Vec::new();
-        match &self.hamiltonian {
-            Hamiltonian::General(_) => {
-                for factor in &self.factors {
-                    lines.push(format!(
-                        "{} = ∂h/∂{}",
-                        velocity_name(&factor.momentum_name),
-                        plain(&factor.momentum_name)
-                    ));
-                }
-            }
-            Hamiltonian::Mechanical { .. } => {
-                let blocks = self
-                    .inertias
-                    .iter()
-                    .flat_map(|field| field.blocks.iter().map(move |block| (field, block)));
-                for (field, block) in blocks {
-                    let names = |name: &dyn Fn(&Factor<'a>) -> String| {
-                        let names: Vec<String> =
-                            block.iter().map(|&factor| name(&self.factors[factor])).collect();
-                        if names.len() == 1 { names.concat() } else { format!("({})", names.join(", ")) }
-                    };
-                    lines.push(format!(
-                        "{} = {}⁻¹ {}",
-                        names(&|factor| velocity_name(&factor.momentum_name)),
-                        plain(&field.name),
-                        names(&|factor| plain(&factor.momentum_name))
-                    ));
-                }
-            }
-        }
-        for factor in &self.factors {
-            let advected: Vec<&str> = factor.advected.iter().map(|a| a.name.as_str()).collect();
-            let (name, momentum) = (plain(&factor.name), plain(&factor.momentum_name));
-            let equations = factor.algebra.group.equations(&EquationNames {
-                configuration: &name,
-                momentum: &momentum,
-                velocity: &velocity_name(&factor.momentum_name),
-                advected: &advected,
-            });
-            let mut change = equations.momentum.join(" + ").replace("∂V", &format!("∂{energy}"));
-            let mut equations = equations;
-            if self.side == Side::Right && !factor.algebra.group.is_linear() {
-                // inversion changes the sign of the velocity
-                let velocity = velocity_name(&factor.momentum_name);
-                equations.configuration = format!("{name}' = hat({velocity}) {name}");
-                change = format!("−({change})");
-                for line in &mut equations.advected {
-                    if let Some((left, right)) = line.split_once(" = ") {
-                        *line = format!("{left} = −({right})");
-                    }
-                }
-            }
-            if self.depends_on_configuration(factor) {
-                change = if change.is_empty() {
-                    format!("−∂{energy}/∂{name}")
-                } else {
-                    format!("{change} − ∂{energy}/∂{name}")
-                };
-            }
-            if factor.force.is_some() {
-                change = if change.is_empty() { "force".to_owned() } else { format!("{change} + force") };
-            }
-            if change.is_empty() {
-                change = "0".to_owned();
-            }
-            lines.push(equations.configuration);
-            lines.push(format!("{momentum}' = {change}"));
-            lines.extend(equations.advected);
-        }
-        for factor in &self.factors {
-            for advected in &factor.advected {
-                let symbols = advected.value.symbols();
-                for (symbol, component) in symbols.iter().zip(gradient(self.potential(), &symbols).iter()) {
-                    let symbol = component.arena().symbol_info(*symbol).name;
-                    lines.push(format!(
-                        "∂{energy}/∂{symbol} = {}",
-                        self.in_users_words(&component.to_string())
-                    ));
-                }
-            }
-        }
-        lines
     }
 }
 

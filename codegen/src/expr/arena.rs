@@ -5,7 +5,7 @@
 //! Equal expressions built in any order are therefore the same node, and a subexpression that occurs twice is stored
 //! once. Nothing is ever multiplied out.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -108,6 +108,17 @@ impl Node {
     }
 }
 
+impl Node {
+    /// Whether its own constants are neither infinite nor not a number.
+    fn is_finite(&self) -> bool {
+        match self {
+            Self::Number(number) => number.is_finite(),
+            Self::Sum(sum) => sum.constant.is_finite() && sum.terms.iter().all(|(_, c)| c.is_finite()),
+            _ => true,
+        }
+    }
+}
+
 /// A symbol's name and stage.
 #[derive(Clone, Debug)]
 pub struct SymbolInfo {
@@ -128,15 +139,51 @@ struct Store {
 }
 
 /// Where expressions live.
-#[derive(Default)]
 pub struct Arena {
     store: RefCell<Store>,
+    /// How many operands the sums and products have that were made, whether they were new or not.
+    work: Cell<usize>,
+    limit: usize,
+    /// Whether all constants are finite.
+    finite: Cell<bool>,
+}
+
+impl Default for Arena {
+    fn default() -> Self {
+        Self::limited(usize::MAX)
+    }
 }
 
 impl Arena {
     /// An empty arena.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// An empty arena in which the sums and products that are made may have so many operands. Once they have more, the arena is exhausted:
+    /// everything made from then on is the constant 0, so that whatever goes on soon comes to its end.
+    pub fn limited(limit: usize) -> Self {
+        Self { store: RefCell::default(), work: Cell::new(0), limit, finite: Cell::new(true) }
+    }
+
+    /// How many operands the sums and products have that were made.
+    pub fn work(&self) -> usize {
+        self.work.get()
+    }
+
+    /// Whether more was made than the limit allows. What was made is of no use then.
+    pub fn is_exhausted(&self) -> bool {
+        self.work.get() > self.limit
+    }
+
+    /// Whether no constant that was made is infinite or not a number.
+    pub fn is_finite(&self) -> bool {
+        self.finite.get()
+    }
+
+    /// Takes note of work.
+    pub(crate) fn charge(&self, operands: usize) {
+        self.work.set(self.work.get().saturating_add(operands));
     }
 
     /// A node.
@@ -149,10 +196,18 @@ impl Arena {
         self.store.borrow().symbols[symbol.0 as usize].clone()
     }
 
+    /// What is made in an exhausted arena.
+    fn exhausted(&self) -> Id {
+        self.intern(Node::Number(Number::ZERO))
+    }
+
     fn intern(&self, node: Node) -> Id {
         let mut store = self.store.borrow_mut();
         if let Some(&id) = store.index.get(&node) {
             return id;
+        }
+        if !node.is_finite() {
+            self.finite.set(false);
         }
         let id = Id(store.nodes.len() as u32);
         store.nodes.push(node.clone());
@@ -194,10 +249,15 @@ impl Arena {
     pub(crate) fn sum(&self, mut constant: Number, addends: impl IntoIterator<Item = (Id, Number)>) -> Id {
         let mut terms: Vec<(Id, Number)> = Vec::new();
         for (id, coefficient) in addends {
+            self.charge(1);
+            if self.is_exhausted() {
+                return self.exhausted();
+            }
             match self.node(id) {
                 Node::Number(number) => constant = constant + coefficient * number,
                 // a scaled term, or a sum added or subtracted as it is; a sum scaled otherwise stays factored
                 Node::Sum(sum) if sum.is_scaled_term() || coefficient.abs().is_one() => {
+                    self.charge(sum.terms.len());
                     constant = constant + coefficient * sum.constant;
                     terms.extend(sum.terms.iter().map(|&(id, c)| (id, coefficient * c)));
                 }
@@ -229,11 +289,18 @@ impl Arena {
         let mut collected: Vec<(Id, i32)> = Vec::new();
         let mut pending: Vec<(Id, i32)> = factors.into_iter().collect();
         while let Some((id, exponent)) = pending.pop() {
+            self.charge(1);
+            if self.is_exhausted() {
+                return self.exhausted();
+            }
             match self.node(id) {
                 _ if exponent == 0 => {}
                 Node::Number(number) => coefficient = coefficient * number.powi(exponent),
-                Node::Product(inner) => pending.extend(inner.iter().map(|&(id, e)| (id, e * exponent))),
+                Node::Product(inner) => {
+                    pending.extend(inner.iter().map(|&(id, e)| (id, e.saturating_mul(exponent))))
+                }
                 Node::Sum(sum) => {
+                    self.charge(sum.terms.len());
                     // scale and sign go outside, so that 2x, (a − b) and (b − a) are known for what they are
                     let content = sum.content();
                     if content.is_one() {
@@ -257,7 +324,7 @@ impl Arena {
         let mut merged: Vec<(Id, i32)> = Vec::with_capacity(collected.len());
         for (id, exponent) in collected {
             match merged.last_mut() {
-                Some((last, total)) if *last == id => *total += exponent,
+                Some((last, total)) if *last == id => *total = total.saturating_add(exponent),
                 _ => merged.push((id, exponent)),
             }
         }
@@ -279,6 +346,10 @@ impl Arena {
 
     /// `function(argument)`, folded where the value is exactly known.
     pub(crate) fn function(&self, function: Function, argument: Id) -> Id {
+        self.charge(1);
+        if self.is_exhausted() {
+            return self.exhausted();
+        }
         if let Node::Number(number) = self.node(argument)
             && let Some(value) = function.exact(number)
         {
@@ -298,6 +369,34 @@ impl Arena {
             }
             _ => self.intern(Node::Power(base, exponent)),
         }
+    }
+
+    /// The nodes that some are made of, and these themselves, in the order in which a walk along the operands is done with them: operands
+    /// before what is made of them. What `skipped` admits is left out, with all that only it is made of.
+    ///
+    /// Whoever goes through a graph goes through this list: a graph may be deeper than any stack.
+    pub fn post_order(&self, from: impl IntoIterator<Item = Id>, skipped: impl Fn(Id) -> bool) -> Vec<Id> {
+        let store = self.store.borrow();
+        let operands = |id: Id| store.nodes[id.0 as usize].operands().into_iter();
+        let mut seen = FxHashSet::default();
+        let mut order = Vec::new();
+        let mut open: Vec<(Id, std::vec::IntoIter<Id>)> = Vec::new();
+        for root in from {
+            if !skipped(root) && seen.insert(root) {
+                open.push((root, operands(root)));
+            }
+            while let Some((id, rest)) = open.last_mut() {
+                match rest.next() {
+                    Some(next) if !skipped(next) && seen.insert(next) => open.push((next, operands(next))),
+                    Some(_) => {}
+                    None => {
+                        order.push(*id);
+                        open.pop();
+                    }
+                }
+            }
+        }
+        order
     }
 
     /// The role names that were given, in that order.

@@ -48,70 +48,108 @@ impl<'a> Derivative<'a> {
         self.arena.expr(id)
     }
 
-    fn visit(&mut self, id: Id) -> Id {
-        if let Some(&known) = self.known.get(&id) {
-            return known;
+    /// Walks along the operands with a stack of its own. A product's terms are made as soon as the derivative of their factor is known.
+    fn visit(&mut self, root: Id) -> Id {
+        let zero = self.arena.zero().id;
+        let mut open = vec![Visit::of(self.arena, root)];
+        while let Some(visit) = open.last_mut() {
+            let next = visit.operands.get(visit.done).copied();
+            match next {
+                _ if self.known.contains_key(&visit.id) => drop(open.pop()),
+                Some(operand) => match self.known.get(&operand) {
+                    Some(&inner) => {
+                        if let Node::Product(factors) = &visit.node
+                            && inner != zero
+                        {
+                            visit.terms.push(self.term(factors, visit.done, inner));
+                        }
+                        visit.done += 1;
+                    }
+                    None => open.push(Visit::of(self.arena, operand)),
+                },
+                None => {
+                    let derivative = self.derivative(visit, zero);
+                    self.known.insert(visit.id, derivative);
+                    open.pop();
+                }
+            }
         }
+        self.known[&root]
+    }
+
+    /// A product with a factor replaced by its derivative.
+    fn term(&self, factors: &[(Id, i32)], place: usize, inner: Id) -> (Id, Number) {
+        let exponent = factors[place].1;
+        let mut rest = factors.to_vec();
+        rest[place].1 -= 1;
+        rest.push((inner, 1));
+        (self.arena.product(Number::from(i64::from(exponent)), rest), Number::ONE)
+    }
+
+    /// The derivative of a node, when those of its operands are known.
+    fn derivative(&self, visit: &Visit, zero: Id) -> Id {
         let arena = self.arena;
-        let zero = arena.zero().id;
-        let derivative = match arena.node(id) {
+        let known = |operand: Id| self.known[&operand];
+        match &visit.node {
             Node::Number(_) => zero,
-            Node::Symbol(symbol) => self.direction.get(&symbol).copied().unwrap_or(zero),
-            Node::Held(inner) => {
-                let derivative = match quotient(arena.expr(inner)) {
-                    // (c/u)' = −(c/u)² u'/c, which needs no other quotient
-                    Some((number, divisor)) => {
-                        let slope = arena.expr(self.visit(divisor.id)).scale(-number.powi(-1));
-                        (slope * arena.expr(id).powi(2)).id
-                    }
-                    None => self.visit(inner),
-                };
-                arena.held(derivative)
-            }
+            Node::Symbol(symbol) => self.direction.get(symbol).copied().unwrap_or(zero),
+            Node::Held(inner) => match quotient(arena.expr(*inner)) {
+                // (c/u)' = −(c/u)² u'/c, which needs no other quotient
+                Some((number, divisor)) => {
+                    let slope = arena.expr(known(divisor.id)).scale(-number.powi(-1));
+                    arena.held((slope * arena.expr(visit.id).powi(2)).id)
+                }
+                None => arena.held(known(*inner)),
+            },
             Node::Sum(sum) => {
-                let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (self.visit(term), c)).collect();
+                let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (known(term), c)).collect();
                 arena.sum(Number::ZERO, terms)
             }
-            Node::Product(factors) => {
-                let mut terms = Vec::new();
-                for (i, &(factor, exponent)) in factors.iter().enumerate() {
-                    let inner = self.visit(factor);
-                    if inner == zero {
-                        continue;
-                    }
-                    let mut rest = factors.to_vec();
-                    rest[i].1 -= 1;
-                    rest.push((inner, 1));
-                    terms.push((arena.product(Number::from(i64::from(exponent)), rest), Number::ONE));
-                }
-                arena.sum(Number::ZERO, terms)
-            }
+            Node::Product(_) => arena.sum(Number::ZERO, visit.terms.iter().copied()),
+            Node::Function(_, argument) if known(*argument) == zero => zero,
             Node::Function(function, argument) => {
-                let inner = self.visit(argument);
-                if inner == zero {
-                    zero
-                } else {
-                    (function.derivative(arena.expr(argument)) * arena.expr(inner)).id
-                }
+                (function.derivative(arena.expr(*argument)) * arena.expr(known(*argument))).id
             }
             Node::Power(base, exponent) => {
                 // d(b^e) = e b^(e−1) db + ln(b) b^e de
-                let (b, e) = (arena.expr(base), arena.expr(exponent));
-                let (db, de) = (arena.expr(self.visit(base)), arena.expr(self.visit(exponent)));
+                let (b, e) = (arena.expr(*base), arena.expr(*exponent));
+                let (db, de) = (arena.expr(known(*base)), arena.expr(known(*exponent)));
                 let mut total = e * b.pow(e - 1) * db;
                 if !de.is_zero() {
-                    total = total + b.apply(Function::Ln) * arena.expr(id) * de;
+                    total = total + b.apply(Function::Ln) * arena.expr(visit.id) * de;
                 }
                 total.id
             }
             Node::Atan2(y, x) => {
-                let (dy, dx) = (arena.expr(self.visit(y)), arena.expr(self.visit(x)));
-                let (y, x) = (arena.expr(y), arena.expr(x));
+                let (dy, dx) = (arena.expr(known(*y)), arena.expr(known(*x)));
+                let (y, x) = (arena.expr(*y), arena.expr(*x));
                 ((x * dy - y * dx) / (x * x + y * y)).id
             }
+        }
+    }
+}
+
+/// A node whose derivative is under way.
+struct Visit {
+    id: Id,
+    node: Node,
+    /// Those whose derivatives are needed.
+    operands: Vec<Id>,
+    /// How many operands' derivatives are known.
+    done: usize,
+    /// Of a product's derivative.
+    terms: Vec<(Id, Number)>,
+}
+
+impl Visit {
+    fn of(arena: &Arena, id: Id) -> Self {
+        let node = arena.node(id);
+        let divisor = match node {
+            Node::Held(inner) => quotient(arena.expr(inner)).map(|(_, divisor)| divisor.id),
+            _ => None,
         };
-        self.known.insert(id, derivative);
-        derivative
+        let operands = divisor.map_or_else(|| node.operands(), |divisor| vec![divisor]);
+        Self { id, operands, node, done: 0, terms: Vec::new() }
     }
 }
 
@@ -209,15 +247,7 @@ pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
 
 /// The nodes an expression is made of, youngest first.
 fn reachable(expr: Expr<'_>) -> Vec<Id> {
-    let mut seen = rustc_hash::FxHashSet::default();
-    let mut pending = vec![expr.id];
-    let mut nodes = Vec::new();
-    while let Some(id) = pending.pop() {
-        if seen.insert(id) {
-            nodes.push(id);
-            pending.extend(expr.arena.node(id).operands());
-        }
-    }
+    let mut nodes = expr.arena.post_order([expr.id], |_| false);
     nodes.sort_by_key(|&id| std::cmp::Reverse(id));
     nodes
 }
@@ -242,19 +272,18 @@ impl<'a> Substitution<'a> {
         self.arena.expr(id)
     }
 
-    fn visit(&mut self, id: Id) -> Id {
-        if let Some(&known) = self.known.get(&id) {
-            return known;
-        }
+    fn visit(&mut self, root: Id) -> Id {
         let arena = self.arena;
-        let result = match arena.node(id) {
-            Node::Symbol(symbol) => self.replacements.get(&symbol).copied().unwrap_or(id),
-            _ => arena.rebuild(id, |operand| self.visit(operand)),
-        };
-        if result != id {
-            arena.pass_role(id, result);
+        for id in arena.post_order([root], |id| self.known.contains_key(&id)) {
+            let result = match arena.node(id) {
+                Node::Symbol(symbol) => self.replacements.get(&symbol).copied().unwrap_or(id),
+                _ => arena.rebuild(id, |operand| self.known[&operand]),
+            };
+            if result != id {
+                arena.pass_role(id, result);
+            }
+            self.known.insert(id, result);
         }
-        self.known.insert(id, result);
-        result
+        self.known[&root]
     }
 }

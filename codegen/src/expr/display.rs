@@ -1,8 +1,18 @@
-//! Expressions as text, for the intermediate representation and for messages.
+//! Expressions as text, for documentation and messages.
 
 use std::fmt;
 
-use super::arena::{Expr, Node};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::arena::{Arena, Expr, Id, Node};
+use super::number::Number;
+
+/// How many nodes `Display` writes of an expression before it leaves out the rest. Written as a tree, an expression can be exponentially
+/// longer than its graph; [`Formulas`] writes large ones.
+const DISPLAYED: usize = 1_000;
+
+/// A subexpression of less than so many leaves is repeated rather than named.
+const WORTH_A_NAME: usize = 5;
 
 /// How tightly the surroundings bind.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
@@ -12,89 +22,208 @@ enum Binding {
     Power,
 }
 
-impl fmt::Display for Expr<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write(*self, f, Binding::Sum)
+/// What is still to be written.
+enum Piece {
+    Text(String),
+    Node(Id, Binding),
+}
+
+impl Piece {
+    fn text(text: &str) -> Self {
+        Self::Text(text.to_owned())
     }
 }
 
-fn write(expr: Expr<'_>, f: &mut fmt::Formatter<'_>, around: Binding) -> fmt::Result {
-    let arena = expr.arena;
-    let parenthesized =
-        |f: &mut fmt::Formatter<'_>, needed: bool, inner: &dyn Fn(&mut fmt::Formatter<'_>) -> fmt::Result| {
-            if needed {
-                f.write_str("(")?;
-            }
-            inner(f)?;
-            if needed { f.write_str(")") } else { Ok(()) }
-        };
-    match arena.node(expr.id) {
-        Node::Number(number) => {
-            let needed = around > Binding::Sum && (number.is_negative() || number.to_string().contains('/'));
-            parenthesized(f, needed, &|f| write!(f, "{number}"))
-        }
-        Node::Symbol(symbol) => f.write_str(&arena.symbol_info(symbol).name),
-        Node::Sum(sum) => {
-            let lone = sum.is_scaled_term();
-            let needed = around > if lone { Binding::Product } else { Binding::Sum }
-                || (lone && around > Binding::Sum && sum.terms[0].1.is_negative());
-            parenthesized(f, needed, &|f| {
-                for (i, &(id, coefficient)) in sum.terms.iter().enumerate() {
-                    match (i, coefficient.is_negative()) {
-                        (0, false) => {}
-                        (0, true) => f.write_str("-")?,
-                        (_, false) => f.write_str(" + ")?,
-                        (_, true) => f.write_str(" - ")?,
-                    }
-                    let magnitude = coefficient.abs();
-                    if !magnitude.is_one() {
-                        write!(f, "{magnitude} ")?;
-                    }
-                    write(arena.expr(id), f, Binding::Product)?;
-                }
-                if sum.constant.is_zero() {
-                    Ok(())
-                } else if sum.constant.is_negative() {
-                    write!(f, " - {}", sum.constant.abs())
+impl fmt::Display for Expr<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write(self.arena, self.id, &FxHashMap::default(), DISPLAYED, f)
+    }
+}
+
+/// Writes a node with `names` in the place of those that have one, and `…` after so many nodes. Without recursion, for a chain of calls can
+/// be long.
+fn write(
+    arena: &Arena,
+    id: Id,
+    names: &FxHashMap<Id, String>,
+    limit: usize,
+    out: &mut dyn fmt::Write,
+) -> fmt::Result {
+    let mut pending = pieces(arena, id, Binding::Sum);
+    pending.reverse();
+    let mut written = 0;
+    while let Some(piece) = pending.pop() {
+        match piece {
+            Piece::Text(text) => out.write_str(&text)?,
+            Piece::Node(id, around) => {
+                written += 1;
+                if let Some(name) = names.get(&id) {
+                    out.write_str(name)?;
+                } else if written > limit {
+                    out.write_str("…")?;
                 } else {
-                    write!(f, " + {}", sum.constant)
+                    pending.extend(pieces(arena, id, around).into_iter().rev());
                 }
-            })
+            }
         }
-        Node::Product(factors) => parenthesized(f, around > Binding::Product, &|f| {
+    }
+    Ok(())
+}
+
+/// A node's text, with places for its operands.
+fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let parenthesized = match arena.node(id) {
+        Node::Number(number) => {
+            let text = number.to_string();
+            let needed = around > Binding::Sum && (number.is_negative() || text.contains('/'));
+            pieces.push(Piece::Text(text));
+            needed
+        }
+        Node::Symbol(symbol) => {
+            pieces.push(Piece::Text(arena.symbol_info(symbol).name));
+            false
+        }
+        Node::Sum(sum) => {
+            for (i, &(id, coefficient)) in sum.terms.iter().enumerate() {
+                addend(i, coefficient, &mut pieces);
+                pieces.push(Piece::Node(id, Binding::Product));
+            }
+            if !sum.constant.is_zero() {
+                let sign = if sum.constant.is_negative() { " - " } else { " + " };
+                pieces.push(Piece::Text(format!("{sign}{}", sum.constant.abs())));
+            }
+            let lone = sum.is_scaled_term();
+            around > if lone { Binding::Product } else { Binding::Sum }
+                || (lone && around > Binding::Sum && sum.terms[0].1.is_negative())
+        }
+        Node::Product(factors) => {
             for (i, &(id, exponent)) in factors.iter().enumerate() {
                 if i > 0 {
-                    f.write_str(" ")?;
+                    pieces.push(Piece::text(" "));
                 }
-                write(arena.expr(id), f, Binding::Power)?;
+                pieces.push(Piece::Node(id, Binding::Power));
                 if exponent != 1 {
-                    write!(f, "^{exponent}")?;
+                    pieces.push(Piece::Text(format!("^{exponent}")));
                 }
             }
-            Ok(())
-        }),
+            around > Binding::Product
+        }
         Node::Held(inner) => {
-            f.write_str("[")?;
-            write(arena.expr(inner), f, Binding::Sum)?;
-            f.write_str("]")
+            pieces.extend([Piece::text("["), Piece::Node(inner, Binding::Sum), Piece::text("]")]);
+            false
         }
         Node::Function(function, argument) => {
-            write!(f, "{}(", function.name())?;
-            write(arena.expr(argument), f, Binding::Sum)?;
-            f.write_str(")")
+            pieces.push(Piece::Text(format!("{}(", function.name())));
+            pieces.extend([Piece::Node(argument, Binding::Sum), Piece::text(")")]);
+            false
         }
         Node::Power(base, exponent) => {
-            write(arena.expr(base), f, Binding::Power)?;
-            f.write_str("^(")?;
-            write(arena.expr(exponent), f, Binding::Sum)?;
-            f.write_str(")")
+            pieces.extend([Piece::Node(base, Binding::Power), Piece::text("^(")]);
+            pieces.extend([Piece::Node(exponent, Binding::Sum), Piece::text(")")]);
+            false
         }
         Node::Atan2(y, x) => {
-            f.write_str("atan2(")?;
-            write(arena.expr(y), f, Binding::Sum)?;
-            f.write_str(", ")?;
-            write(arena.expr(x), f, Binding::Sum)?;
-            f.write_str(")")
+            pieces.extend([Piece::text("atan2("), Piece::Node(y, Binding::Sum), Piece::text(", ")]);
+            pieces.extend([Piece::Node(x, Binding::Sum), Piece::text(")")]);
+            false
         }
+    };
+    if parenthesized {
+        pieces.insert(0, Piece::text("("));
+        pieces.push(Piece::text(")"));
+    }
+    pieces
+}
+
+/// The sign and the magnitude before a sum's term.
+fn addend(place: usize, coefficient: Number, pieces: &mut Vec<Piece>) {
+    pieces.push(Piece::text(match (place, coefficient.is_negative()) {
+        (0, false) => "",
+        (0, true) => "-",
+        (_, false) => " + ",
+        (_, true) => " - ",
+    }));
+    let magnitude = coefficient.abs();
+    if !magnitude.is_one() {
+        pieces.push(Piece::Text(format!("{magnitude} ")));
+    }
+}
+
+/// Equations as text of the length of their graph: what occurs more than once gets a line and a name of its own, `s1`, `s2`, …
+pub struct Formulas<'a> {
+    arena: &'a Arena,
+    names: FxHashMap<Id, String>,
+    equations: Vec<(String, Id)>,
+}
+
+impl<'a> Formulas<'a> {
+    /// No equations yet. Each of `names` is what a symbol is called in the place of its own name.
+    pub fn new(arena: &'a Arena, names: impl IntoIterator<Item = (Expr<'a>, String)>) -> Self {
+        let names = names.into_iter().map(|(symbol, name)| (symbol.id, name)).collect();
+        Self { arena, names, equations: Vec::new() }
+    }
+
+    /// Adds `name = expr`.
+    pub fn push(&mut self, name: String, expr: Expr<'a>) {
+        self.equations.push((name, expr.id));
+    }
+
+    /// The lines, each name before it is used; `None` if they have more than so many bytes together.
+    pub fn lines(mut self, longest: usize) -> Option<Vec<String>> {
+        let definitions = self.name_what_is_shared();
+        let mut lines = Vec::new();
+        let mut length = 0;
+        let equations = std::mem::take(&mut self.equations).into_iter().map(|(name, id)| {
+            let known = self.names.get(&id).cloned();
+            (name, id, known)
+        });
+        let definitions = definitions.into_iter().map(|(name, id)| (name, id, None));
+        for (name, id, known) in definitions.chain(equations) {
+            let line = format!("{name} = {}", known.unwrap_or_else(|| self.text(id, longest)));
+            length += line.len();
+            if length > longest {
+                return None;
+            }
+            lines.push(line);
+        }
+        Some(lines)
+    }
+
+    /// A node's formula, even if the node has a name; of a longer one the beginning.
+    fn text(&self, id: Id, longest: usize) -> String {
+        let mut text = String::new();
+        let written = write(self.arena, id, &self.names, longest, &mut text);
+        debug_assert!(written.is_ok(), "a string takes everything");
+        text
+    }
+
+    /// Gives names to what is used more than once, each before it is used, and returns them.
+    fn name_what_is_shared(&mut self) -> Vec<(String, Id)> {
+        let outputs: Vec<Id> = self.equations.iter().map(|&(_, id)| id).collect();
+        let nodes = self.arena.post_order(outputs.iter().copied(), |_| false);
+        let mut uses: FxHashMap<Id, usize> = FxHashMap::default();
+        let operands = nodes.iter().flat_map(|&id| self.arena.node(id).operands());
+        operands.chain(outputs).for_each(|id| *uses.entry(id).or_default() += 1);
+        let symbols = nodes.iter().filter_map(|&id| self.arena.expr(id).as_symbol());
+        let mut taken: FxHashSet<String> =
+            symbols.map(|symbol| self.arena.symbol_info(symbol).name).collect();
+        taken.extend(self.names.values().cloned());
+
+        let mut free = (1..).map(|i| format!("s{i}")).filter(|name| !taken.contains(name));
+        let mut leaves: FxHashMap<Id, usize> = FxHashMap::default();
+        let mut definitions = Vec::new();
+        for id in nodes {
+            let operands = self.arena.node(id).operands();
+            let mut count = operands.iter().map(|operand| leaves[operand]).sum::<usize>().max(1);
+            if count >= WORTH_A_NAME && uses[&id] > 1 {
+                let name = free.next().unwrap_or_default();
+                self.names.insert(id, name.clone());
+                definitions.push((name, id));
+                count = 1;
+            }
+            leaves.insert(id, count);
+        }
+        definitions
     }
 }

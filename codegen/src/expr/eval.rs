@@ -1,4 +1,4 @@
-//! Evaluation over any number type: the plain oracle that generated code is tested against.
+//! Evaluation over any number type: the reference that generated code is tested against.
 
 use rustc_hash::FxHashMap;
 
@@ -46,26 +46,32 @@ struct Evaluation<'f, V> {
 
 impl<V: Value> Evaluation<'_, V> {
     fn visit(&mut self, expr: Expr<'_>) -> V {
-        if let Some(known) = self.known.get(&expr.id) {
-            return known.clone();
-        }
         let arena = expr.arena;
-        let value = match arena.node(expr.id) {
+        for id in arena.post_order([expr.id], |id| self.known.contains_key(&id)) {
+            let value = self.value(arena.node(id));
+            self.known.insert(id, value);
+        }
+        self.known[&expr.id].clone()
+    }
+
+    /// The value of a node, when those of its operands are known.
+    fn value(&self, node: Node) -> V {
+        let known = |id: Id| &self.known[&id];
+        match node {
             Node::Number(number) => V::number(number),
             Node::Symbol(symbol) => (self.symbols)(symbol),
-            Node::Sum(sum) => sum.terms.iter().fold(V::number(sum.constant), |total, &(id, c)| {
-                total.add(&V::number(c).mul(&self.visit(arena.expr(id))))
-            }),
-            Node::Product(factors) => factors.iter().fold(V::number(Number::ONE), |total, &(id, e)| {
-                total.mul(&self.visit(arena.expr(id)).powi(e))
-            }),
-            Node::Held(x) => self.visit(arena.expr(x)),
-            Node::Function(function, x) => self.visit(arena.expr(x)).apply(function),
-            Node::Power(b, e) => self.visit(arena.expr(b)).power(&self.visit(arena.expr(e))),
-            Node::Atan2(y, x) => self.visit(arena.expr(y)).atan2(&self.visit(arena.expr(x))),
-        };
-        self.known.insert(expr.id, value.clone());
-        value
+            Node::Sum(sum) => sum
+                .terms
+                .iter()
+                .fold(V::number(sum.constant), |total, &(id, c)| total.add(&V::number(c).mul(known(id)))),
+            Node::Product(factors) => {
+                factors.iter().fold(V::number(Number::ONE), |total, &(id, e)| total.mul(&known(id).powi(e)))
+            }
+            Node::Held(x) => known(x).clone(),
+            Node::Function(function, x) => known(x).apply(function),
+            Node::Power(b, e) => known(b).power(known(e)),
+            Node::Atan2(y, x) => known(y).atan2(known(x)),
+        }
     }
 }
 
@@ -97,7 +103,7 @@ impl Value for f64 {
             Function::Cosh => self.cosh(),
             Function::Tanh => self.tanh(),
             Function::Stumpff(k) => {
-                // the definition; good for moderate arguments, which is all the oracle is asked for
+                // the definition; good for moderate arguments, which is all the reference is asked for
                 let mut term = (1..=k).fold(1.0, |f, i| f / f64::from(i));
                 let mut total = term;
                 for j in 1..200u32 {

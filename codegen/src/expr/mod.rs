@@ -9,6 +9,7 @@ mod number;
 
 pub use arena::{Arena, Expr, Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use diff::{Derivative, Substitution, gradient};
+pub use display::Formulas;
 pub use eval::Value;
 pub use linear::{Matrix, Vector};
 pub use number::Number;

@@ -39,7 +39,7 @@ impl Number {
 
     /// The ratio, if it is worth keeping exact.
     fn exact(ratio: Ratio<i128>) -> Option<Self> {
-        let part = |number: i128| i64::try_from(number).ok().filter(|number| number.abs() <= EXACT);
+        let part = |number: i128| i64::try_from(number).ok().filter(|&number| is_small(number));
         Some(Self::Rational(Ratio::new_raw(part(*ratio.numer())?, part(*ratio.denom())?)))
     }
 
@@ -62,7 +62,7 @@ impl Number {
         let (whole, fraction) = mantissa.split_once('.').unwrap_or((mantissa, ""));
         let rounded = || literal.parse::<f64>().ok().map(Self::rounded);
         let Ok(digits) = format!("{whole}{fraction}").parse::<i128>() else { return rounded() };
-        let power = exponent - i32::try_from(fraction.len()).ok()?;
+        let power = exponent.checked_sub(i32::try_from(fraction.len()).ok()?)?;
         let Some(scale) = 10i128.checked_pow(power.unsigned_abs()) else { return rounded() };
         let exact = if power >= 0 {
             digits.checked_mul(scale).map(Ratio::from_integer)
@@ -77,6 +77,14 @@ impl Number {
         match self {
             Self::Rational(r) => *r.numer() as f64 / *r.denom() as f64,
             Self::Float(x) => x,
+        }
+    }
+
+    /// Whether it is neither infinite nor not a number.
+    pub fn is_finite(self) -> bool {
+        match self {
+            Self::Rational(_) => true,
+            Self::Float(x) => x.is_finite(),
         }
     }
 
@@ -138,12 +146,10 @@ impl Number {
             && !(self.is_zero() && exponent < 0)
         {
             let base = wide(&if exponent < 0 { r.recip() } else { r });
-            let mut power = Some(Ratio::from_integer(1));
-            for _ in 0..exponent.unsigned_abs() {
-                power = power.and_then(|p: Ratio<i128>| p.checked_mul(&base));
-            }
-            if let Some(power) = power {
-                return Self::from_ratio(power);
+            let power = |part: &i128| part.checked_pow(exponent.unsigned_abs());
+            // powers of numbers without a common divisor have none
+            if let (Some(numerator), Some(denominator)) = (power(base.numer()), power(base.denom())) {
+                return Self::from_ratio(Ratio::new_raw(numerator, denominator));
             }
         }
         Self::rounded(self.to_f64().powi(exponent))
@@ -176,7 +182,7 @@ impl Number {
     ) -> Self {
         // nearly all are whole, and need no common divisor
         if let (Some(a), Some(b)) = (self.whole(), other.whole())
-            && let Some(result) = whole(a, b).filter(|result| result.abs() <= EXACT)
+            && let Some(result) = whole(a, b).filter(|&result| is_small(result))
         {
             return Self::Rational(Ratio::new_raw(result, 1));
         }
@@ -187,6 +193,11 @@ impl Number {
         }
         Self::rounded(rounded(self.to_f64(), other.to_f64()))
     }
+}
+
+/// Whether a numerator or denominator is worth keeping.
+fn is_small(number: i64) -> bool {
+    number.unsigned_abs() <= EXACT.unsigned_abs()
 }
 
 /// With room for what is computed of it.

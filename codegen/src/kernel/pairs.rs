@@ -15,7 +15,7 @@ impl Plan<'_> {
     pub(super) fn eliminate_common_pairs(&mut self) {
         let mut index = PairIndex::default();
         for (place, operation) in self.operations.iter().enumerate() {
-            index.count(place, operation);
+            index.count(place, operation, &|_| true);
         }
         while let Some(pair) = index.most_frequent() {
             let before = self.operations.len();
@@ -24,13 +24,16 @@ impl Plan<'_> {
                 Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
             };
             if self.operations.len() > before {
-                index.count(before, &self.operations[before]);
+                index.count(before, &self.operations[before], &|_| true);
             }
+            // no other pairs come or go
+            let [a, b] = pair.operands();
+            let changed = |op: Op| op == a || op == b || op == shared;
             for holder in index.holders(&pair) {
                 if holder != shared.0 as usize {
-                    index.forget(holder, &self.operations[holder]);
+                    index.forget(holder, &self.operations[holder], &changed);
                     while pair.replace(&mut self.operations[holder], shared) {}
-                    index.count(holder, &self.operations[holder]);
+                    index.count(holder, &self.operations[holder], &changed);
                 }
             }
         }
@@ -47,17 +50,18 @@ struct PairIndex {
 }
 
 impl PairIndex {
-    fn count(&mut self, index: usize, operation: &Operation) {
+    /// Takes note of the pairs of an operation that hold one of some operands.
+    fn count(&mut self, index: usize, operation: &Operation, held: &dyn Fn(Op) -> bool) {
         let long = operation.operands().len() > 2;
-        for pair in Pair::all(operation) {
+        for pair in Pair::all(operation, held) {
             self.change(pair, |holders| {
                 holders.insert(index, long);
             });
         }
     }
 
-    fn forget(&mut self, index: usize, operation: &Operation) {
-        for pair in Pair::all(operation) {
+    fn forget(&mut self, index: usize, operation: &Operation, held: &dyn Fn(Op) -> bool) {
+        for pair in Pair::all(operation, held) {
             self.change(pair, |holders| {
                 holders.remove(&index);
             });
@@ -95,8 +99,14 @@ impl Pair {
         Self::Addends(a.min(b), a.max(b), m != n)
     }
 
-    /// The pairs of an operation's operands, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
-    fn all(operation: &Operation) -> Vec<Self> {
+    fn operands(self) -> [Op; 2] {
+        match self {
+            Self::Factors(a, b) | Self::Addends(a, b, _) => [a, b],
+        }
+    }
+
+    /// The pairs of an operation's operands with at least one that is `held`, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
+    fn all(operation: &Operation, held: &dyn Fn(Op) -> bool) -> Vec<Self> {
         let mut pairs: Vec<Self> = Vec::new();
         if operation.operands().len() > LONGEST {
             return pairs;
@@ -104,12 +114,14 @@ impl Pair {
         match operation {
             Operation::Product(factors) => {
                 for (i, &a) in factors.iter().enumerate() {
-                    pairs.extend(factors[i + 1..].iter().map(|&b| Self::Factors(a.min(b), a.max(b))));
+                    let rest = factors[i + 1..].iter().filter(|&&b| held(a) || held(b));
+                    pairs.extend(rest.map(|&b| Self::Factors(a.min(b), a.max(b))));
                 }
             }
             Operation::Sum(addends) => {
                 for (i, &a) in addends.iter().enumerate() {
-                    pairs.extend(addends[i + 1..].iter().map(|&b| Self::of_addends(a, b)));
+                    let rest = addends[i + 1..].iter().filter(|b| held(a.1) || held(b.1));
+                    pairs.extend(rest.map(|&b| Self::of_addends(a, b)));
                 }
             }
             _ => {}
@@ -121,7 +133,9 @@ impl Pair {
 
     /// Where two addends make the pair. An operand may occur more than once, so places count, not operands.
     fn places(&self, addends: &[(bool, Op)]) -> Option<(usize, usize)> {
-        let mut places = (0..addends.len()).flat_map(|i| (i + 1..addends.len()).map(move |j| (i, j)));
+        let [a, b] = self.operands();
+        let first = (0..addends.len()).filter(|&i| addends[i].1 == a || addends[i].1 == b);
+        let mut places = first.flat_map(|i| (i + 1..addends.len()).map(move |j| (i, j)));
         places.find(|&(i, j)| Self::of_addends(addends[i], addends[j]) == *self)
     }
 

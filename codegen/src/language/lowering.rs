@@ -10,9 +10,7 @@ use super::scope::Scope;
 use super::value::Value;
 use crate::diagnostics::{Diagnostics, suggestion};
 use crate::expr::Arena;
-
-/// How deeply constructs may nest. A sum or product of many terms is one construct.
-const DEPTH: usize = 128;
+use crate::limits;
 
 /// What is at hand while an expression is lowered.
 pub(super) struct Lowering<'a, 's> {
@@ -21,28 +19,41 @@ pub(super) struct Lowering<'a, 's> {
     scope: &'s mut Scope<'a>,
     /// The variables of the blocks around, innermost last; `None` for one whose value was in error.
     pub(super) locals: Vec<(String, Option<Value<'a>>)>,
-    depth: usize,
+    /// Whether it was said that there is too much to compute.
+    exhausted: bool,
 }
 
 impl<'a, 's> Lowering<'a, 's> {
     pub(super) fn new(scope: &'s mut Scope<'a>, arena: &'a Arena, diagnostics: &'s mut Diagnostics) -> Self {
-        Self { arena, diagnostics, scope, locals: Vec::new(), depth: 0 }
+        Self { arena, diagnostics, scope, locals: Vec::new(), exhausted: false }
     }
 
     /// The value of an expression. `None` if there is a problem in it, which was reported.
     pub(super) fn lower(&mut self, expr: &Expr) -> Option<Value<'a>> {
-        if self.depth == DEPTH {
-            return self.fail(expr, "this is nested too deeply; split the expression with `let`");
+        if self.exhausted || self.diagnostics.len() >= limits::PROBLEMS {
+            return None;
         }
-        self.depth += 1;
-        let value = self.construct(expr);
-        self.depth -= 1;
-        self.checked(value?, expr)
+        let value = self.construct(expr)?;
+        self.checked(value, expr)
     }
 
     /// The value unless it is beyond reason.
     pub(super) fn checked(&mut self, value: Value<'a>, tokens: impl ToTokens) -> Option<Value<'a>> {
-        match value.scalars().into_iter().find_map(sanity::problem) {
+        let scalars = value.scalars();
+        self.arena.charge(scalars.len());
+        if self.arena.work() > limits::READING {
+            if self.exhausted {
+                return None;
+            }
+            self.exhausted = true;
+            let message = format!(
+                "up to here, expressions make sums and products of more than {} operands, and derivatives make \
+                 many more of them; simplify them, or give numbers that do not change as parameters",
+                limits::READING
+            );
+            return self.fail(tokens, message);
+        }
+        match scalars.into_iter().find_map(sanity::problem) {
             Some(problem) => self.fail(tokens, problem),
             None => Some(value),
         }

@@ -1,9 +1,7 @@
-//! Bounds on what a computed value may look like, whatever construct it comes from.
+//! What a computed value may look like, whatever construct it comes from.
 
 use crate::expr::{Expr, Node, Number};
-
-/// The largest exponent that anything may be raised to.
-pub(super) const EXPONENT: u32 = 1024;
+use crate::limits::EXPONENT;
 
 /// What is wrong with a value, if anything is.
 ///
@@ -26,7 +24,7 @@ pub(super) fn problem(scalar: Expr<'_>) -> Option<String> {
 }
 
 fn not_finite(number: Number) -> Option<String> {
-    (!number.to_f64().is_finite()).then(|| "this constant is too large or not a number".to_owned())
+    (!number.is_finite()).then(|| "this constant is too large or not a number".to_owned())
 }
 
 fn too_high<Factor>(factors: &[(Factor, i32)]) -> Option<String> {

@@ -11,6 +11,7 @@ use super::shape::{self, ScalarType, Shape};
 use crate::derivatives::Derivatives;
 use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::Retraction;
+use crate::limits;
 use crate::scheme::{Member, Rule};
 
 /// A key of the attribute: how it is called and how it is written.
@@ -340,7 +341,8 @@ fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
     let content;
     parenthesized!(content in input);
     match content.parse::<LitInt>() {
-        Ok(size) if content.is_empty() && size.suffix().is_empty() => {
+        // syn takes a sign for a part of the literal
+        Ok(size) if content.is_empty() && size.suffix().is_empty() && size.base10_parse::<u32>().is_ok() => {
             Ok(Ident::new(&format!("{name}{}", size.base10_digits()), name.span()))
         }
         _ => Err(syn::Error::new_spanned(
@@ -404,6 +406,10 @@ fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -
         if !members.contains(&member) {
             members.push(member);
         }
+    }
+    if members.len() > limits::METHODS {
+        let message = format!("a system may have {} methods at most", limits::METHODS);
+        return Err(syn::Error::new_spanned(key, message));
     }
     Ok(members)
 }

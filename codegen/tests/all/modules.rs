@@ -12,11 +12,12 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("diagnostics", &[]),
     ("expr", &[]),
     ("identifiers", &[]),
+    ("limits", &[]),
     ("group", &["expr"]),
     ("scheme", &["expr", "group"]),
     ("geometry", &["expr", "group", "identifiers", "model"]),
     ("method", &["derivatives", "expr", "geometry", "group", "identifiers", "model", "scheme"]),
-    ("parse", &["derivatives", "diagnostics", "group", "scheme"]),
+    ("parse", &["derivatives", "diagnostics", "group", "limits", "scheme"]),
     ("program", &["expr", "model", "scheme"]),
     // it gives words to what was derived: neither groups nor methods nor differentiation
     ("emit", &["derivatives", "diagnostics", "expr", "identifiers", "model", "parse", "program", "scheme"]),

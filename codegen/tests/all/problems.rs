@@ -385,11 +385,3 @@ fn problems_know_their_line_and_column() {
     let (start, end) = (error.span().start(), error.span().end());
     assert_eq!((start.line, start.column, end.line, end.column), (3, 8, 3, 15));
 }
-
-#[test]
-fn deep_nesting_is_an_error() {
-    let chain = format!("a{}", ".sin()".repeat(300));
-    let found = problems(&chain);
-    assert_eq!(found.len(), 1);
-    assert!(found[0].1.starts_with("this is nested too deeply; split the expression with `let`"));
-}

@@ -1,9 +1,9 @@
 //! Methods of scalars, as `f64` has them.
 
-use super::super::sanity;
 use super::super::value::Value;
 use super::{Call, Method};
 use crate::expr::{Expr, Function, Number};
+use crate::limits;
 
 const fn method(
     name: &'static str,
@@ -72,7 +72,7 @@ fn powf<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     if value.fract() == 0.0 && value.abs() <= f64::from(i32::MAX) {
         return integer_power(call, value as i64);
     }
-    if value.abs() > f64::from(sanity::EXPONENT) {
+    if value.abs() > f64::from(limits::EXPONENT) {
         return too_high(call);
     }
     if base.as_number().is_some_and(|base| base.is_negative() || base.is_zero()) {
@@ -84,7 +84,7 @@ fn powf<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>> {
     let base = receiver(call)?;
     match i32::try_from(exponent) {
-        Ok(exponent) if exponent.unsigned_abs() <= sanity::EXPONENT => {
+        Ok(exponent) if exponent.unsigned_abs() <= limits::EXPONENT => {
             if base.is_zero() && exponent < 0 {
                 return call.fail(call.method, "this divides by zero".to_owned());
             }
@@ -95,7 +95,7 @@ fn integer_power<'a>(call: &mut Call<'_, 'a>, exponent: i64) -> Option<Value<'a>
 }
 
 fn too_high<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
-    let message = format!("this exponent is too large; the largest is {}", sanity::EXPONENT);
+    let message = format!("this exponent is too large; the largest is {}", limits::EXPONENT);
     call.fail(call.arguments[0].1, message)
 }
 

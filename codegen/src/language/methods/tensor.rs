@@ -4,6 +4,7 @@ use super::super::operators::scaled;
 use super::super::value::Value;
 use super::{Call, Method};
 use crate::expr::{Expr, Matrix, Vector};
+use crate::limits::DETERMINANT;
 
 const fn method(
     name: &'static str,
@@ -176,13 +177,10 @@ fn diagonal<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     Some(Value::Vector(Vector((0..length).map(|i| matrix.at(i, i)).collect())))
 }
 
-/// The largest matrix whose determinant is written out: it has `n!` terms.
-const LARGEST_DETERMINANT: usize = 4;
-
 fn determinant<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let matrix = square(call)?;
-    if matrix.rows > LARGEST_DETERMINANT {
-        let message = format!("determinants are supported up to {LARGEST_DETERMINANT} rows");
+    if matrix.rows > DETERMINANT {
+        let message = format!("determinants are supported up to {DETERMINANT} rows");
         return call.fail(call.method, message);
     }
     Some(Value::Scalar(expand(&matrix, 0, &(0..matrix.columns).collect::<Vec<_>>())))
@@ -206,8 +204,8 @@ fn expand<'a>(matrix: &Matrix<'a>, row: usize, columns: &[usize]) -> Expr<'a> {
 fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let matrix = square(call)?;
     let n = matrix.rows;
-    if n > LARGEST_DETERMINANT {
-        let message = format!("inverses are supported up to {LARGEST_DETERMINANT} rows");
+    if n > DETERMINANT {
+        let message = format!("inverses are supported up to {DETERMINANT} rows");
         return call.fail(call.method, message);
     }
     let adjugate = Matrix::new(n, n, (0..n * n).map(|k| cofactor(&matrix, k % n, k / n)).collect());

@@ -1,0 +1,275 @@
+//! Whatever is described, the answer comes soon: code or an error at its tokens, and documentation of the length of the formulas' graph.
+
+use coadjoint_codegen::expand;
+use coadjoint_codegen::expr::{Arena, Function, Number, Stage};
+use proc_macro2::{TokenStream, TokenTree};
+
+/// Tokens, and what is wrong with them.
+type Problem = (String, String);
+
+/// What a thread has if nobody asks for more.
+const STACK: usize = 2 << 20;
+
+/// What the generator says to a description.
+fn answer(attribute: String, item: String) -> Result<String, Vec<Problem>> {
+    let run = move || {
+        let tokens =
+            |text: &str| text.parse::<TokenStream>().unwrap_or_else(|error| panic!("{error}: {text}"));
+        let expansion = expand(tokens(&attribute), tokens(&item)).map_err(|errors| {
+            let at = |error: &syn::Error| error.span().source_text().unwrap_or_default();
+            errors.into_iter().map(|error| (at(&error), error.to_string())).collect::<Vec<_>>()
+        })?;
+        Ok(expansion.into_tokens().to_string())
+    };
+    let thread =
+        std::thread::Builder::new().stack_size(STACK).spawn(run).expect("there is memory for a stack");
+    thread.join().expect("the generator does not panic")
+}
+
+/// To a heavy top with this potential.
+fn of_potential(potential: &str) -> Result<String, Vec<Problem>> {
+    let attribute = format!("group = SO3, advected(gamma: R3), potential = {potential}");
+    let item = "struct Top { #[inertia] inertia: Vector3<f64>, chi: Vector3<f64>, w: f64, x: f64, y: f64 }";
+    answer(attribute, item.to_owned())
+}
+
+fn code(potential: &str) -> String {
+    of_potential(potential).unwrap_or_else(|problems| panic!("{problems:?}"))
+}
+
+/// The one problem with a potential.
+fn problem(potential: &str) -> Problem {
+    let problems = of_potential(potential).expect_err("there is a problem");
+    <[Problem; 1]>::try_from(problems)
+        .unwrap_or_else(|problems| panic!("{problems:?}"))
+        .into_iter()
+        .collect::<Vec<_>>()
+        .remove(0)
+}
+
+/// The documentation of the items in some code, line by line.
+fn documentation(code: &str) -> Vec<String> {
+    let tokens: TokenStream = code.parse().expect("code is made of tokens");
+    let line = |token: TokenTree| match token {
+        TokenTree::Group(group) => syn::parse2::<syn::MetaNameValue>(group.stream()).ok(),
+        _ => None,
+    };
+    let text = |line: syn::MetaNameValue| match line.value {
+        syn::Expr::Lit(syn::ExprLit { lit: syn::Lit::Str(text), .. }) => Some(text.value().trim().to_owned()),
+        _ => None,
+    };
+    tokens.into_iter().filter_map(line).filter(|line| line.path.is_ident("doc")).filter_map(text).collect()
+}
+
+/// Statements again and again.
+fn block(first: &str, again: &str, times: usize, last: &str) -> String {
+    format!("{{ {first} {} {last} }}", again.repeat(times))
+}
+
+/// Documentation gets longer by the same with each statement: written as a tree, it would get several times as long.
+fn documentation_grows_linearly(text: impl Fn(usize) -> String) {
+    let length = |times| documentation(&code(&text(times))).iter().map(String::len).sum::<usize>();
+    let [few, more, many] = [2, 4, 6].map(length);
+    assert!(few < more && more < many, "{few}, {more}, {many}");
+    assert!(many - more < 2 * (more - few), "{few}, {more}, {many}");
+}
+
+#[test]
+fn documentation_names_what_occurs_again() {
+    documentation_grows_linearly(|times| {
+        block("let v = gamma;", "let v = v.cross(&chi).normalize();", times, "v.dot(&chi)")
+    });
+    documentation_grows_linearly(|times| {
+        block("let a = gamma.x;", "let a = 3.9 * a * (1.0 - a);", times, "a")
+    });
+    documentation_grows_linearly(|times| block("let a = gamma.x;", "let a = a.sin() * a.cos();", times, "a"));
+}
+
+#[test]
+fn documentation_reads_like_formulas() {
+    let lines = documentation(&code("w * (gamma.x * gamma.y + gamma.z * x * y).sin()"));
+    let of_energy: Vec<&str> = lines
+        .iter()
+        .map(String::as_str)
+        .filter(|line| line.starts_with("∂V") || line.starts_with('s'))
+        .collect();
+    assert_eq!(
+        of_energy,
+        [
+            "s1 = cos(gamma_x gamma_y + x y gamma_z)",
+            "∂V/∂gamma_x = w gamma_y s1",
+            "∂V/∂gamma_y = w gamma_x s1",
+            "∂V/∂gamma_z = w x y s1",
+        ]
+    );
+}
+
+#[test]
+fn constants_are_written_by_their_paths() {
+    let lines = documentation(&code("GRAVITY * gamma.x + G * gamma.y + <f64 as A>::B * gamma.z"));
+    for line in ["∂V/∂gamma_x = GRAVITY", "∂V/∂gamma_y = G", "∂V/∂gamma_z = <f64 as A>::B"] {
+        assert!(lines.iter().any(|known| known == line), "{line} is not in {lines:?}");
+    }
+}
+
+#[test]
+fn very_long_documentation_is_left_out() {
+    let term = |i| format!("let a = a + (gamma.x * {i}.5).sin() * (gamma.y * {i}.5).cos();");
+    let terms: Vec<String> = (0..200).map(term).collect();
+    let lines = documentation(&code(&format!("{{ let a = 0.0; {} a }}", terms.concat())));
+    assert!(
+        lines.iter().any(|line| line == "The derivatives of V are too long for this place."),
+        "{lines:?}"
+    );
+    assert!(lines.iter().all(|line| line.len() < 1_000));
+}
+
+/// Text of an expression is short even where its tree is exponentially larger than its graph.
+#[test]
+fn messages_show_no_trees() {
+    let arena = Arena::new();
+    let x = arena.symbol("x", Stage::Step);
+    let text = (0..60).fold(x, |x, _| x.apply(Function::Sin) * x).to_string();
+    assert!(text.len() < 20_000, "{}", text.len());
+    assert!(text.contains('…'));
+}
+
+#[test]
+fn long_computations() {
+    code(&block("let v = gamma;", "let v = v.cross(&chi).normalize();", 6, "v.dot(&chi)"));
+    code(&block("let a = gamma.x;", "let a = 3.9 * a * (1.0 - a);", 14, "a"));
+    code(&block("let a = gamma.x;", "let a = a.sin() * a.cos();", 16, "a"));
+    code("((1.0 + w + gamma.x).powi(1024) + gamma.y).powi(1024)");
+}
+
+#[test]
+fn long_chains() {
+    code(&format!("w{}", " + gamma.x * gamma.y".repeat(200)));
+    code(&format!("gamma.x{}", ".powi(2)".repeat(5)));
+    let chains = [
+        format!("gamma.x{}", " + gamma.x".repeat(2_000)),
+        format!("gamma.x{}", ".sin()".repeat(3_000)),
+        format!("gamma.x{}", " as f64".repeat(300)),
+        format!("gamma{}", "[0]".repeat(300)),
+        "(".repeat(20) + "gamma.x" + &(".sin()".repeat(20) + ")").repeat(20),
+    ];
+    for chain in chains {
+        let (_, message) = problem(&chain);
+        assert_eq!(
+            message, "this chain has more than 256 operators and methods; split it with `let`",
+            "{chain}"
+        );
+    }
+}
+
+/// A graph may be much deeper than an expression.
+#[test]
+fn deep_graphs() {
+    let arena = Arena::new();
+    let x = arena.symbol("x", Stage::Step);
+    let deep = (0..100_000).fold(x, |deep, _| deep.apply(Function::Sin) + x);
+    let symbol = x.as_symbol().expect("a symbol");
+    assert!(deep.substitute(&[(symbol, arena.zero())]).is_zero());
+    assert!(!deep.derivative(symbol).is_zero());
+    assert_eq!(deep.evaluate(&|_| 0.0), 0.0);
+    assert!(deep.depends_on(&[symbol]));
+    assert_eq!(deep.stage(), Stage::Step);
+    assert!(deep.to_string().contains('…'));
+}
+
+#[test]
+fn more_than_can_be_derived() {
+    let potential = block("let a = gamma.x;", "let a = a.sin();", 400, "a");
+    let (at, message) = problem(&potential);
+    assert_eq!(at, potential);
+    assert!(
+        message.starts_with("the steps of this system take sums and products of more than 5000000"),
+        "{message}"
+    );
+}
+
+#[test]
+fn more_than_can_be_read() {
+    let potential = block(
+        "let m = SMatrix::<f64, 32, 32>::repeat(gamma.x) + SMatrix::<f64, 32, 32>::identity() * w;",
+        "let m = m * m;",
+        3,
+        "m[0]",
+    );
+    let (at, message) = problem(&potential);
+    assert_eq!(at, "m * m");
+    assert!(
+        message.starts_with("up to here, expressions make sums and products of more than 200000"),
+        "{message}"
+    );
+}
+
+#[test]
+fn many_parts() {
+    let names = |f: &dyn Fn(usize) -> String| (0..100).map(f).collect::<Vec<_>>();
+    let advected = names(&|i| format!("a{i}: R3")).join(", ");
+    let potential = names(&|i| format!("let v = v + a{i}.dot(&chi);")).concat();
+    let attribute =
+        format!("group = SO3, advected({advected}), potential = {{ let v = 0.0; {potential} v }}");
+    let item = "struct A { #[inertia] inertia: Vector3<f64>, chi: Vector3<f64> }";
+    answer(attribute, item.to_owned()).unwrap_or_else(|problems| panic!("{problems:?}"));
+
+    let factors = names(&|i| format!("a{i}: SE3")).join(", ");
+    let problems = answer(format!("group({factors})"), "struct A { #[inertia] inertia: f64 }".to_owned());
+    let (at, message) = problems.expect_err("a step has 600 unknowns").remove(0);
+    assert_eq!((at.as_str(), message.as_str()), ("a10", "a system may have dimension 64 at most"));
+
+    let fields: String = (0..100).map(|i| format!("a{i}: SMatrix<f64, 32, 32>, ")).collect();
+    let problems =
+        answer("group = R3".to_owned(), format!("struct A {{ #[inertia] inertia: f64, {fields} }}"));
+    let (at, message) = problems.expect_err("there are 102,401 numbers").remove(0);
+    assert_eq!(at, "a9");
+    assert_eq!(message, "fields and controls may have 10000 numbers together at most");
+
+    let methods = names(&|i| format!("Family(1, {})", i + 2)).join(", ");
+    let problems =
+        answer(format!("group = R3, methods({methods})"), "struct A { #[inertia] inertia: f64 }".to_owned());
+    let (at, message) = problems.expect_err("there are 100 methods").remove(0);
+    assert_eq!((at.as_str(), message.as_str()), ("methods", "a system may have 16 methods at most"));
+}
+
+#[test]
+fn large_numbers() {
+    let (at, message) = problem(&format!("0.{} * gamma.x", "3".repeat(40_000)));
+    assert_eq!((at.len(), message.as_str()), (40_002, "a name or number may have 1000 characters at most"));
+    let family = |s: &str| {
+        let attribute = format!("group = SO3, methods(Family({s}))");
+        answer(attribute, "struct A { #[inertia] inertia: Vector3<f64> }".to_owned())
+    };
+    assert!(family("2147483647, 4294967295").is_ok());
+    assert!(family("4294967294, 4294967295").is_ok());
+    // the smallest integer has no magnitude among integers
+    code("gamma.x * f64::from(-9223372036854775807 - 1)");
+    code("1e300 * gamma.x.powi(1024)");
+    let (at, message) = problem("1e308 * gamma.x.powi(10)");
+    assert_eq!(at, "1e308 * gamma.x.powi(10)");
+    assert_eq!(message, "the derivatives of this have constants that are too large; choose other units");
+}
+
+#[test]
+fn numbers_do_not_overflow() {
+    let smallest = Number::from(i64::MIN);
+    assert_eq!(smallest.to_f64(), -(2f64.powi(63)));
+    let product = Number::from(1 << 31) * Number::from(-(1 << 32));
+    assert_eq!(product.to_f64(), -(2f64.powi(63)));
+    assert_eq!(Number::ratio(2, 3).powi(-3).fraction(), Some((27, 8)));
+    assert_eq!(Number::ratio(-2, 3).powi(-3).fraction(), Some((-27, 8)));
+    assert_eq!(Number::from(3).powi(i32::MIN).to_f64(), 0.0);
+    assert_eq!(Number::from(-1).powi(i32::MAX).fraction(), Some((-1, 1)));
+    assert_eq!(Number::parse("1.5e-2147483648").map(Number::to_f64), None);
+}
+
+#[test]
+fn names_of_groups_have_no_sign() {
+    let problems = answer("group = R(-3)".to_owned(), "struct A { #[inertia] inertia: f64 }".to_owned());
+    let (at, message) = problems.expect_err("no group is called `R-3`").remove(0);
+    assert_eq!(
+        (at.as_str(), message.as_str()),
+        ("R", "write the name of the group in one word, such as `R3`")
+    );
+}

@@ -1,0 +1,12 @@
+//! What the fuzz targets share: how input is read, and how it is mutated as tokens.
+
+mod description;
+mod mutation;
+
+pub use description::{Description, descriptions};
+pub use mutation::{cross, mutate};
+
+/// The description that an input is, if it is one.
+pub fn input(data: &[u8]) -> Option<Description> {
+    descriptions(std::str::from_utf8(data).ok()?).into_iter().next()
+}
