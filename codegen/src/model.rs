@@ -4,11 +4,12 @@ mod build;
 mod layout;
 mod part;
 
-pub(crate) use build::parts;
+pub(crate) use build::{NamedPart, parts};
 
 use std::cell::OnceCell;
 
 pub use crate::check::InertiaShape;
+pub use crate::language::ForceForm;
 pub use layout::{FactorPart, Slot};
 pub use part::{Part, Role, StoredAs};
 
@@ -17,7 +18,7 @@ use proc_macro2::Ident;
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
 use crate::group::{Named, Semidirect, SemidirectVector, Side, trivialized_gradient};
 use crate::identifiers::plain;
-use crate::language::{Constant, ForceForm};
+use crate::language::Constant;
 use crate::parse::Shape;
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.

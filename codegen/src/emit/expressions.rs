@@ -8,10 +8,8 @@ use quote::{ToTokens, format_ident, quote};
 use super::code::size;
 use super::state::part_type;
 use super::{Names, docs};
-use crate::group::part_name;
 use crate::identifiers::{plain, velocity_name};
-use crate::language::ForceForm;
-use crate::model::{Factor, Source, StoredAs, System, parts};
+use crate::model::{Factor, ForceForm, NamedPart, Source, StoredAs, System, parts};
 use crate::parse::Shape;
 
 /// `impl HeavyTop { pub fn potential(&self, state: &HeavyTopState) -> f64 { … } }`
@@ -155,9 +153,8 @@ fn velocities(
     let (mut variables, mut row) = (TokenStream::new(), 0);
     for factor in &system.factors {
         let name = velocity_name(&factor.momentum_name);
-        for (part, range) in parts(factor.algebra.group) {
-            let range = row + range.start..row + range.end;
-            variables.extend(binding(&part_name(&name, part), &all, range, expression));
+        for NamedPart { velocity, rows, .. } in parts(factor.algebra.group, &factor.momentum_name) {
+            variables.extend(binding(&velocity, &all, row + rows.start..row + rows.end, expression));
         }
         let rows = row..row + factor.momentum.len();
         row = rows.end;
@@ -171,12 +168,10 @@ fn velocities(
 /// Variables for the parts of momenta that an expression names.
 fn momentum_parts(system: &System<'_>, expression: &syn::Expr) -> TokenStream {
     let of = |factor: &Factor<'_>| {
-        let name = factor.momentum_name.clone();
+        let name = &factor.momentum_name;
         let whole = quote! { #name };
-        let parts = parts(factor.algebra.group).into_iter();
-        parts.filter_map(move |(part, range)| {
-            binding(&part_name(&plain(&name), part), &whole, range, expression)
-        })
+        let parts = parts(factor.algebra.group, name).into_iter();
+        parts.filter_map(move |part| binding(&part.momentum, &whole, part.rows, expression))
     };
     system.factors.iter().flat_map(of).collect()
 }

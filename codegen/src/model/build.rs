@@ -1,6 +1,9 @@
 //! From a resolved description to a [`System`]: names get meanings, expressions are lowered, and their problems reported.
 
 use std::cell::OnceCell;
+use std::ops::Range;
+
+use proc_macro2::Ident;
 
 use super::{
     Advected, Factor, ForceSource, Hamiltonian, InertiaField, InertiaShape, Parameter, Part, Role, Source,
@@ -140,13 +143,12 @@ fn factor<'a>(
     let (momentum_text, velocity_text) = (plain(momentum_name), velocity_name(momentum_name));
     let momentum = symbols(&momentum_text, group.axes());
     let velocity = symbols(&velocity_text, group.axes());
-    for (part, range) in parts(*group) {
-        let value = |whole: &Vector<'a>| Value::of_part(&whole.0[range.clone()]);
-        let (of_momentum, of_velocity) = (part_name(&momentum_text, part), part_name(&velocity_text, part));
-        scope.define(&of_momentum, value(&momentum));
-        scope.define(&of_velocity, value(&velocity));
-        forbidden.velocities.push((of_velocity, of_momentum.clone()));
-        forbidden.momenta.push(of_momentum);
+    for part in parts(*group, momentum_name) {
+        let value = |whole: &Vector<'a>| Value::of_part(&whole.0[part.rows.clone()]);
+        scope.define(&part.momentum, value(&momentum));
+        scope.define(&part.velocity, value(&velocity));
+        forbidden.velocities.push((part.velocity, part.momentum.clone()));
+        forbidden.momenta.push(part.momentum);
     }
     scope.define(&momentum_text, Value::Vector(momentum.clone()));
     scope.define(&velocity_text, Value::Vector(velocity.clone()));
@@ -165,12 +167,26 @@ fn factor<'a>(
     }
 }
 
-/// The named parts of a momentum, and where they are in it.
-pub(crate) fn parts(group: &dyn Group) -> Vec<(&'static str, std::ops::Range<usize>)> {
-    let blocks = group.blocks();
-    let start = |part: usize| blocks[..part].iter().sum::<usize>();
-    let range = |part: usize| start(part)..start(part) + blocks[part];
-    group.parts().iter().enumerate().map(|(part, &name)| (name, range(part))).collect()
+/// A part of a momentum, and of the velocity, that has a name.
+pub(crate) struct NamedPart {
+    /// What it is called of the momentum.
+    pub(crate) momentum: String,
+    /// What it is called of the velocity.
+    pub(crate) velocity: String,
+    /// Where it is in them.
+    pub(crate) rows: Range<usize>,
+}
+
+/// The named parts of a momentum of this name.
+pub(crate) fn parts(group: &dyn Group, momentum: &Ident) -> Vec<NamedPart> {
+    let (blocks, mut start) = (group.blocks(), 0);
+    let parts = group.parts().iter().zip(blocks).map(|(part, length)| {
+        let rows = start..start + length;
+        start = rows.end;
+        let named = |whole: &str| part_name(whole, part);
+        NamedPart { momentum: named(&plain(momentum)), velocity: named(&velocity_name(momentum)), rows }
+    });
+    parts.collect()
 }
 
 /// Gives the advected parameters to the factors that act on them.

@@ -1,4 +1,6 @@
-//! Potentials of all kinds, as one naturally writes them.
+//! Potentials of all kinds, as one naturally writes them, without a warning.
+
+#![deny(warnings)]
 
 use std::f64::consts;
 
@@ -59,6 +61,25 @@ struct Pair {
     mass: f64,
 }
 
+// parts of momenta, points, inverse matrices, and an inertia that is a parameter
+#[lie_poisson_system(
+    group = SE3,
+    hamiltonian = angular_momentum.dot(&(inertia.try_inverse().expect("a regular matrix") * angular_momentum)) / 2.0
+        + linear_momentum.norm_squared() / (2.0 * mass)
+        + pose.transform_point(&Point3::from(arm)).z,
+    force = (-drag * angular_velocity, -drag * linear_velocity),
+)]
+struct Hull {
+    #[inertia]
+    inertia: Matrix3<f64>,
+    mass: f64,
+    arm: Vector3<f64>,
+    drag: f64,
+    // for the picture
+    #[allow(deprecated)]
+    length: f64,
+}
+
 fn main() {
     let top = Top {
         inertia: Matrix3::from_diagonal(&vector![1.0, 2.0, 3.0]),
@@ -92,4 +113,20 @@ fn main() {
     let control = PairControl { push: vector![1.0, 2.0], gain: 3.0 };
     let push = Pair { inertia: 1.0, mass: 2.0 }.force_spot(&pair, &control, 0.5);
     assert!((push - (vector![1.0, 2.0] * 3.0 - vector![0.15, 0.2] * 0.5)).norm() < 1e-15, "{push}");
+    let hull = Hull {
+        inertia: matrix![2.0, 0.1, 0.0; 0.1, 3.0, 0.0; 0.0, 0.0, 4.0],
+        mass: 2.0,
+        arm: Vector3::x(),
+        drag: 0.5,
+        length: 3.0,
+    };
+    let state = HullState {
+        pose: Isometry3::new(vector![0.0, 0.0, 0.7], vector![0.0, 0.2, 0.0]),
+        momentum: vector![0.1, 0.2, 0.3, 0.4, 0.5, 0.6],
+    };
+    let difference = hull.energy(&state) - hull.hamiltonian(&state);
+    assert!(difference.abs() < 1e-14, "{difference}");
+    let (moment, push) = hull.force(&state);
+    assert!((push + vector![0.1, 0.125, 0.15]).norm() < 1e-15 && moment.z == -0.5 * 0.3 / 4.0, "{moment} {push}");
+    assert_eq!(hull.length, 3.0);
 }
