@@ -265,6 +265,9 @@ fn product(module: &Module, factors: &[Term]) -> TokenStream {
 
 /// `T::of(0.5)`; fractions that are not doubles are left to the compiler to round.
 fn constant(number: Number) -> TokenStream {
+    if number == Number::FOUR_PI_SQUARED {
+        return quote! { T::of(::core::f64::consts::TAU * ::core::f64::consts::TAU) };
+    }
     let value = number.to_f64();
     let float = |x: f64| {
         let literal = Literal::f64_unsuffixed(x.abs());

@@ -24,6 +24,8 @@ impl Number {
     pub const ZERO: Number = Number::Rational(Ratio::new_raw(0, 1));
     /// 1
     pub const ONE: Number = Number::Rational(Ratio::new_raw(1, 1));
+    /// `4π²`, rounded: the square of a full turn.
+    pub const FOUR_PI_SQUARED: Number = Number::Float(std::f64::consts::TAU * std::f64::consts::TAU);
     /// −1
     pub const MINUS_ONE: Number = Number::Rational(Ratio::new_raw(-1, 1));
 
@@ -268,6 +270,7 @@ impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Rational(r) => write!(f, "{r}"),
+            _ if *self == Self::FOUR_PI_SQUARED => f.write_str("4π²"),
             Self::Float(x) => write!(f, "{x:?}"),
         }
     }

@@ -91,7 +91,7 @@ impl Group for SE2 {
         match retraction {
             // dR exp is singular at a full turn
             Retraction::Exponential => {
-                let edge = x.0[0].arena().number(Number::Float(std::f64::consts::TAU.powi(2)));
+                let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
                 Some(edge - x.0[0] * x.0[0])
             }
             Retraction::Cayley => None,

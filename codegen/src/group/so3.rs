@@ -134,7 +134,7 @@ impl Group for SO3 {
         match retraction {
             // dR exp is singular where |x| = 2π
             Retraction::Exponential => {
-                let edge = x.0[0].arena().number(Number::Float(std::f64::consts::TAU.powi(2)));
+                let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
                 Some(edge - x.squared_norm())
             }
             Retraction::Cayley => None,

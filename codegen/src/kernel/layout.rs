@@ -12,6 +12,9 @@ use crate::program::{RecordKind, Statement, Term, Value};
 /// Trees of more operations than this are cut by a named value: longer lines cannot be read.
 const LARGEST_TERM: usize = 12;
 
+/// What is added to a sum in one line, at most.
+const LONGEST_SUM: usize = 8;
+
 /// Writes one function.
 pub(super) struct Layout<'l, 'a> {
     plan: &'l Plan<'a>,
@@ -67,18 +70,57 @@ impl<'l, 'a> Layout<'l, 'a> {
             let term = layout.term(signed.op);
             if signed.negative { Term::Negative(Box::new(term)) } else { term }
         };
-        let mut results: Vec<Vec<Term>> =
+        let results: Vec<Vec<Term>> =
             returned.results.iter().map(|array| array.iter().map(&mut written).collect()).collect();
-        let Self { mut statements, .. } = layout;
+        layout.lines(results, returned.record == Some(RecordKind::Iterate))
+    }
 
-        let associate = returned.record == Some(RecordKind::Iterate);
-        let all = statements.iter_mut().map(|statement| match statement {
-            Statement::Let { term, .. } | Statement::Stumpff { argument: term, .. } => term,
-        });
-        for term in all.chain(results.iter_mut().flatten()) {
-            *term = arranged(std::mem::replace(term, Term::Number(0.into())), associate);
+    /// The statements and results with sums in their last order, and the longest of them in several lines.
+    fn lines(mut self, results: Vec<Vec<Term>>, associate: bool) -> Body {
+        let mut statements = Vec::new();
+        for statement in std::mem::take(&mut self.statements) {
+            let statement = match statement {
+                Statement::Let { value, term } => {
+                    let term = self.cut(arranged(term, associate), &mut statements);
+                    Statement::Let { value, term }
+                }
+                Statement::Stumpff { values, argument } => {
+                    let argument = self.cut(arranged(argument, associate), &mut statements);
+                    Statement::Stumpff { values, argument }
+                }
+            };
+            statements.push(statement);
         }
+        let mut last = |term| self.cut(arranged(term, associate), &mut statements);
+        let results = results.into_iter().map(|array| array.into_iter().map(&mut last).collect());
+        let results = results.collect();
         Body { statements, results }
+    }
+
+    /// What is left of a sum when its beginning has lines of its own.
+    fn cut(&mut self, term: Term, statements: &mut Vec<Statement>) -> Term {
+        if let Term::Negative(x) = term {
+            return Term::Negative(Box::new(self.cut(*x, statements)));
+        }
+        let (mut sum, addends) = addends(term);
+        for (place, addend) in addends.into_iter().enumerate() {
+            if place > 0 && place % LONGEST_SUM == 0 {
+                let value = self.names.part(&mut self.locals);
+                statements.push(Statement::Let { value, term: sum });
+                sum = Term::Value(value);
+            }
+            sum = match (addend, sum) {
+                (Addend::Product { negative, a, b }, sum) => {
+                    Term::MulAdd { negative, a, b, addend: Box::new(sum) }
+                }
+                (Addend::Other(negative, term), Term::Sum(mut addends)) if place % LONGEST_SUM > 0 => {
+                    addends.push((negative, term));
+                    Term::Sum(addends)
+                }
+                (Addend::Other(negative, term), sum) => Term::Sum(vec![(false, sum), (negative, term)]),
+            };
+        }
+        sum
     }
 
     fn count_uses(&mut self, roots: Vec<Op>) {
@@ -248,5 +290,38 @@ fn product(mut factors: Vec<Term>) -> Option<Term> {
         0 => None,
         1 => factors.pop(),
         _ => Some(Term::Product(factors)),
+    }
+}
+
+/// What is added to something.
+enum Addend {
+    /// In one operation with the multiplication.
+    Product { negative: bool, a: Box<Term>, b: Box<Term> },
+    /// Anything else, or its negative.
+    Other(bool, Term),
+}
+
+/// What a sum begins with, and what is added to it from left to right.
+fn addends(term: Term) -> (Term, Vec<Addend>) {
+    let (mut addends, mut start) = (Vec::new(), term);
+    loop {
+        start = match start {
+            Term::MulAdd { negative, a, b, addend } => {
+                addends.push(Addend::Product { negative, a, b });
+                *addend
+            }
+            Term::Sum(mut terms) if terms.len() > 1 => {
+                let others = terms.split_off(1).into_iter().rev();
+                addends.extend(others.map(|(negative, term)| Addend::Other(negative, term)));
+                match terms.pop() {
+                    Some((false, first)) => first,
+                    _ => Term::Number(0.into()),
+                }
+            }
+            start => {
+                addends.reverse();
+                return (start, addends);
+            }
+        };
     }
 }

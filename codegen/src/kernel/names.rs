@@ -138,20 +138,29 @@ impl Names {
                 }
                 name
             }
-            None => {
-                let consumer = self.consumer(op);
-                let count = locals.numbered.entry(Rc::clone(&consumer)).or_default();
-                loop {
-                    *count += 1;
-                    let name = format!("{consumer}_{count}");
-                    if !(self.shared.contains(&name) || locals.used.contains(&name)) {
-                        break name;
-                    }
-                }
-            }
+            None => self.numbered(self.consumer(op), locals),
         };
         locals.used.insert(name.clone());
         self.value(name)
+    }
+
+    /// Names the beginning of a long sum.
+    pub(super) fn part(&mut self, locals: &mut Locals) -> Value {
+        let name = self.numbered("sum".into(), locals);
+        locals.used.insert(name.clone());
+        self.value(name)
+    }
+
+    /// The next free number behind a name.
+    fn numbered(&self, stem: Rc<str>, locals: &mut Locals) -> String {
+        let count = locals.numbered.entry(Rc::clone(&stem)).or_default();
+        loop {
+            *count += 1;
+            let name = format!("{stem}_{count}");
+            if !(self.shared.contains(&name) || locals.used.contains(&name)) {
+                return name;
+            }
+        }
     }
 
     /// All names, by value.

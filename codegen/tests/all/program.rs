@@ -3,7 +3,7 @@
 use coadjoint_codegen::emit::StepExpansion;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::program::{Role, Statement};
+use coadjoint_codegen::program::{Role, Statement, Term};
 
 /// The steps of a description: what stands in the attribute, and the struct.
 fn steps(attribute: &str, item: &str) -> Vec<StepExpansion> {
@@ -145,5 +145,29 @@ fn modules_name_each_value_once() {
                 }
             }
         }
+    }
+}
+
+/// A long sum of products stands in lines that can be read, and are no deeper than a parser's stack.
+#[test]
+fn long_sums_are_cut_into_lines() {
+    let terms = |count: usize| (1..=count).map(|k| format!("({k}.0 * position.x).sin()")).collect::<Vec<_>>();
+    let item = "struct Particle { #[inertia] mass: f64 }";
+    let steps = steps(&format!("group = R1, potential = {}", terms(200).join(" + ")), item);
+    for step in &steps {
+        fn depth(term: &Term) -> usize {
+            match term {
+                Term::MulAdd { addend, .. } => 1 + depth(addend),
+                _ => 0,
+            }
+        }
+        for function in &step.program.module.functions {
+            for statement in &function.statements {
+                if let Statement::Let { term, .. } = statement {
+                    assert!(depth(term) <= 8, "{}", step.program.module.term(term));
+                }
+            }
+        }
+        syn::parse2::<syn::File>(step.tokens.clone()).expect("items");
     }
 }

@@ -57,9 +57,11 @@ impl Method {
         }
     }
 
-    /// The step from which on this method's energy error is smaller than the other's.
+    /// The step from which on this method's energy error is smaller than the other's, up to where the errors of both exceed the energy: there
+    /// neither follows the motion, and chance says which is larger.
     pub(crate) fn better_from(&self, other: &Method) -> Option<f64> {
         let pairs = self.trials.iter().zip(&other.trials);
+        let pairs = pairs.filter(|(ours, theirs)| ours.energy.error.min(theirs.energy.error) < 1.0);
         let worse = pairs.clone().rfind(|(ours, theirs)| ours.energy.error >= theirs.energy.error);
         let mut better = pairs.filter(|(ours, _)| worse.is_none_or(|(worse, _)| ours.step > worse.step));
         better.next().map(|(ours, _)| ours.step)
