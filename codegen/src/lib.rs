@@ -38,6 +38,7 @@ use emit::{Expansion, Names};
 use expr::Arena;
 use model::System;
 use parse::{Attribute, Item};
+use program::Program;
 use scheme::{Member, Rule, Scheme};
 
 /// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the user's
@@ -46,7 +47,7 @@ use scheme::{Member, Rule, Scheme};
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
     let attribute = Attribute::parse(attribute, &mut diagnostics);
-    match derive(&attribute, item.clone(), &mut diagnostics) {
+    match derive(&attribute, item.clone(), &mut diagnostics, emitted) {
         Some(expansion) => {
             let (expansion, messages) = (expansion.into_tokens(), diagnostics.into_tokens());
             quote! { #expansion #messages }
@@ -62,13 +63,41 @@ pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStr
 pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansion> {
     let mut diagnostics = Diagnostics::new();
     let attribute = Attribute::parse(attribute, &mut diagnostics);
-    let expansion = derive(&attribute, item, &mut diagnostics);
+    let expansion = derive(&attribute, item, &mut diagnostics, emitted);
     diagnostics.finish()?;
-    expansion.ok_or_else(|| syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand"))
+    expansion.ok_or_else(nothing)
 }
 
-/// From tokens to the expansion, by the stages named above.
-fn derive(attribute: &Attribute, item: TokenStream, diagnostics: &mut Diagnostics) -> Option<Expansion> {
+/// What is computed for a description without problems, in no language: what an emitter of another one begins with.
+///
+/// # Errors
+/// All problems of the description, each at its tokens.
+pub fn program(attribute: TokenStream, item: TokenStream) -> syn::Result<Program> {
+    let mut diagnostics = Diagnostics::new();
+    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let program = derive(&attribute, item, &mut diagnostics, |program, _, _, _| program);
+    diagnostics.finish()?;
+    program.ok_or_else(nothing)
+}
+
+fn nothing() -> syn::Error {
+    syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand")
+}
+
+/// A program as Rust.
+fn emitted(program: Program, system: &System<'_>, attribute: &Attribute, item: &Item) -> Expansion {
+    let (name, visibility) = (item.name.clone(), item.visibility.clone());
+    let names = Names::new(name, visibility, item.scalar().name(), attribute.krate.as_ref(), system);
+    emit::expansion(&program, system, &item.declaration, &names, attribute.derivatives)
+}
+
+/// From tokens to what is made of a program, by the stages named above.
+fn derive<R>(
+    attribute: &Attribute,
+    item: TokenStream,
+    diagnostics: &mut Diagnostics,
+    emit: impl FnOnce(Program, &System<'_>, &Attribute, &Item) -> R,
+) -> Option<R> {
     let item = Item::parse(item, diagnostics)?;
     let description = check::resolve(attribute, &item, diagnostics);
     bounds::sizes(&description, diagnostics)?;
@@ -87,11 +116,7 @@ fn derive(attribute: &Attribute, item: TokenStream, diagnostics: &mut Diagnostic
         bounds::derived(&arena, attribute, &item, diagnostics)?;
         work += arena.work();
     }
-
-    let scalar = item.scalar().name();
-    let names =
-        Names::new(item.name.clone(), item.visibility.clone(), scalar, attribute.krate.as_ref(), &system);
-    Some(emit::expansion(&program, &system, &item.declaration, &names, wanted))
+    Some(emit(program, &system, attribute, &item))
 }
 
 /// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its

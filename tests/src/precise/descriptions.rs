@@ -6,6 +6,7 @@ use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::model::{Hamiltonian, InertiaShape, System};
 use coadjoint_codegen::parse::{Attribute, Item};
+use coadjoint_codegen::program::Program;
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -173,6 +174,12 @@ pub fn all_kinds() -> Vec<Description> {
 }
 
 impl Description {
+    /// What is computed for it.
+    pub fn program(&self) -> Program {
+        let program = coadjoint_codegen::program(self.attribute.clone(), self.item.clone());
+        program.expect("the descriptions have no problems")
+    }
+
     /// The symbolic system.
     pub fn system<'a>(&self, arena: &'a Arena) -> System<'a> {
         let mut diagnostics = Diagnostics::new();

@@ -1,14 +1,18 @@
 //! Straight-line code against the expressions it was made from: factoring, sharing, staging and naming change no value.
 
+use coadjoint_codegen::derivatives::Derivatives;
 use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
+use coadjoint_codegen::geometry;
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::kernel::{self, Inputs};
+use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Step, family, step_symbol};
+use coadjoint_codegen::model::{Hamiltonian, System};
 use coadjoint_codegen::program::{Input, Module, Role};
 use coadjoint_codegen::scheme::Member;
-use coadjoint_tests::precise::descriptions::{random_point, rigid_bodies};
+use coadjoint_tests::precise::descriptions::{all_kinds, random_point, rigid_bodies};
 use coadjoint_tests::precise::formula::Point;
-use coadjoint_tests::precise::interpreter::{Given, Stages, call, stages};
+use coadjoint_tests::precise::interpreter::{Given, Stages, call, linear_maps, stages};
 use coadjoint_tests::precise::matrix::{Column, jacobian};
 use coadjoint_tests::precise::real::Real;
 use coadjoint_tests::precise::trees::{Forest, for_all, forests, numbers, relative};
@@ -250,4 +254,126 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
     }
     assert_eq!(updates, 4 * rigid_bodies().len());
     println!("kernels of rigid bodies: values {:?}, corrections {:?}", worst.0, worst.1);
+}
+
+/// What functions are given of a system: all of its arrays at a point.
+fn given(system: &System<'_>, point: &Point) -> Given {
+    Given::default()
+        .with(Input::Parameters, point.get(&system.parameter_symbols()))
+        .with(Input::State, point.get(&system.state_symbols()))
+        .with(Input::Time, point.get(&system.time_symbol()))
+        .with(Input::Control, point.get(&system.control_symbols()))
+}
+
+/// Every function of a system's program, by the interpreter, against the expressions it was made from.
+#[test]
+fn functions_of_systems_compute_their_expressions() {
+    for (seed, description) in (71..).zip(all_kinds()) {
+        let (program, arena) = (description.program(), Arena::new());
+        let system = description.system(&arena);
+        let by = geometry::tangent_symbols(&arena, &system, "by");
+        let spatial =
+            Vector((0..system.dimension()).map(|i| arena.symbol(format!("s{i}"), Stage::Step)).collect());
+        let mut point = random_point(&system, seed);
+        if let Hamiltonian::General(_) = &system.hamiltonian {
+            // a mass, of which a root is taken
+            let parameters = point.get(&system.parameter_symbols());
+            let positive = parameters.0.iter().map(Real::abs).collect();
+            point.set(&system.parameter_symbols(), &Column(positive));
+        }
+        let random = &mut Random::new(seed);
+        point.set(&by.symbols(), &Column::random(by.len(), random));
+        point.set(&spatial.symbols(), &Column::random(spatial.len(), random));
+        let given = given(&system, &point)
+            .with(Input::Tangent, point.vector(&by))
+            .with(Input::SpatialMomentum, point.vector(&spatial));
+
+        let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
+        let mut expected = vec![
+            (Role::Energy, Vector(vec![system.energy()])),
+            (Role::Velocity, system.velocity(&system.momentum())),
+            (Role::Casimirs, casimirs),
+            (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
+            (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
+            (Role::Differential, geometry::differential(&system)),
+            (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
+            (Role::Force, geometry::force(&arena, &system)),
+        ];
+        let inertias = system.inertias.iter().enumerate();
+        expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
+        let is_isolated = program.function(Role::InBody).is_some();
+        let body = is_isolated.then(|| geometry::with_spatial_momentum(&system, &spatial));
+        expected.extend(body.map(|body| (Role::InBody, body)));
+        for (role, expressions) in &expected {
+            let (module, _) = program.function(*role).expect("every system has it");
+            let computed = call(module, *role, &given).expect("it is there").results;
+            assert_eq!(computed.len(), 1);
+            let difference = relative(&computed[0], &point.vector(expressions));
+            assert!(difference < Real::ten_to(-72), "{}, {role:?}: {difference:?}", description.name);
+        }
+        // the momentum in space, which goes back to the same state
+        let (module, _) = program.function(Role::SpatialMomentum).expect("every system has it");
+        let in_space = call(module, Role::SpatialMomentum, &given).expect("it is there").results.remove(0);
+        if let Some((module, _)) = program.function(Role::InBody) {
+            let given = given.clone().with(Input::SpatialMomentum, in_space);
+            let back = call(module, Role::InBody, &given).expect("it is there").results.remove(0);
+            let difference = relative(&back, &point.get(&system.state_symbols()));
+            assert!(difference < Real::ten_to(-72), "{}: {difference:?}", description.name);
+        }
+        let all = 1 + expected.len();
+        assert_eq!(program.functions.iter().map(|module| module.functions.len()).sum::<usize>(), all);
+    }
+}
+
+/// The linear maps of every derivative, by the interpreter, against the linearization that they were made from.
+#[test]
+fn derivatives_compute_their_linearization() {
+    for (seed, description) in (91..).zip(all_kinds()) {
+        for retraction in Retraction::ALL {
+            let arena = Arena::new();
+            let system = description.system(&arena);
+            let step = family::step(&arena, &system, retraction, Member::MIDPOINT);
+            let linearization = Linearization::new(&arena, &system, retraction, &step, Derivatives::ALL);
+            let inputs = Inputs::of(&system);
+            let module = kernel::derivative(&arena, &step, &linearization, Derivatives::ALL, inputs);
+            let adjoint = linearization.adjoint(&arena);
+            let changes = [&linearization.state, &linearization.control, &linearization.parameters];
+
+            let mut point = random_point(&system, seed);
+            let random = &mut Random::new(seed);
+            point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
+            for symbols in [&step.unknown, &adjoint.next].into_iter().chain(changes) {
+                point.set(&symbols.symbols(), &Column::random(symbols.len(), random));
+            }
+            let given = given(&system, &point)
+                .with(Input::StepSize, Column(vec![point.scalar(step.h)]))
+                .with(Input::Unknown, point.vector(&step.unknown))
+                .with(Input::StatePerturbation, point.vector(changes[0]))
+                .with(Input::ControlPerturbation, point.vector(changes[1]))
+                .with(Input::ParameterPerturbation, point.vector(changes[2]))
+                .with(Input::Costate, point.vector(&adjoint.next));
+
+            let Matrices { through, columns } = linearization.matrices(&arena, Derivatives::ALL);
+            let mut expected = vec![
+                (Role::Tangent, vec![linearization.next.clone()]),
+                (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
+            ];
+            expected.extend(through.map(|columns| (Role::Through, columns)));
+            let roles = [Role::WrtState, Role::WrtControl, Role::WrtParameters];
+            for (role, columns) in roles.into_iter().zip(columns) {
+                let columns = columns.map(|columns| columns.into_iter().flat_map(<[_; 2]>::from).collect());
+                expected.extend(columns.map(|columns| (role, columns)));
+            }
+            let computed = linear_maps(&module, &given);
+            assert_eq!(computed.len(), expected.len());
+            for (role, vectors) in expected {
+                let direct: Vec<Column> = vectors.iter().map(|vector| point.vector(vector)).collect();
+                let stacked = |all: &[Column]| Column::stack(all.iter().collect::<Vec<_>>());
+                let (computed, direct) = (stacked(&computed[&role]), stacked(&direct));
+                let difference = relative(&computed, &direct);
+                let what = format!("{}, {}, {role:?}", description.name, retraction.name());
+                assert!(difference < Real::ten_to(-70), "{what}: {difference:?}");
+            }
+        }
+    }
 }
