@@ -2,7 +2,7 @@
 
 use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
-use coadjoint_codegen::expr::Arena;
+use coadjoint_codegen::expr::{Arena, Matrix};
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::model::{Hamiltonian, InertiaShape, System};
 use coadjoint_codegen::parse::{Attribute, Item};
@@ -202,8 +202,21 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
         point.set(&symbols, &Column::random(symbols.len(), random));
     }
 
-    // dominated by a diagonal of distinct moments, hence positive definite
-    let Hamiltonian::Mechanical { inertia, .. } = &system.hamiltonian else { return point };
+    if let Hamiltonian::Mechanical { inertia, .. } = &system.hamiltonian {
+        positive_definite(&mut point, system, inertia);
+    }
+    for factor in &system.factors {
+        let group = factor.algebra.group;
+        let arena = Arena::new();
+        let retract = Formula::new(&arena, [group.dimension()], |[x]| group.retract(Retraction::Cayley, &x));
+        let g = retract.at([&Column::random(group.dimension(), random)]);
+        point.set(&factor.configuration.symbols(), &g);
+    }
+    point
+}
+
+/// Gives the symbols of an inertia values that are dominated by a diagonal of distinct moments.
+fn positive_definite(point: &mut Point, system: &System<'_>, inertia: &Matrix<'_>) {
     for i in 0..inertia.rows {
         for j in 0..=i {
             let symbol = inertia.at(i, j).as_symbol();
@@ -216,13 +229,4 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
             point.set(&[symbol], &Column(vec![diagonal + scattered]));
         }
     }
-
-    for factor in &system.factors {
-        let group = factor.algebra.group;
-        let arena = Arena::new();
-        let retract = Formula::new(&arena, [group.dimension()], |[x]| group.retract(Retraction::Cayley, &x));
-        let g = retract.at([&Column::random(group.dimension(), random)]);
-        point.set(&factor.configuration.symbols(), &g);
-    }
-    point
 }

@@ -205,9 +205,8 @@ fn a_step_that_meets_a_singular_matrix_fails() {
     let start = CoupledState { position: Vector2::x(), momentum: Vector2::y() };
     for (coupling, works) in [(matrix![1.0, 2.0; 2.0, 4.0], false), (matrix![1.0, 2.0; 2.0, 5.0], true)] {
         let mut state = start;
-        let step = Coupled { coupling }
-            .stepper::<Cayley>(0.1)
-            .and_then(|mut stepper| Ok(stepper.step(&mut state).is_ok()));
+        let step =
+            Coupled { coupling }.stepper::<Cayley>(0.1).map(|mut stepper| stepper.step(&mut state).is_ok());
         assert_eq!(step.is_ok_and(|taken| taken), works);
         assert_eq!(state == start, !works);
     }
