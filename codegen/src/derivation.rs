@@ -65,10 +65,18 @@ fn interface(system: &System<'_>) -> Interface {
         is_left_invariant: system.is_left_invariant(),
         is_forced: system.factors.iter().any(|factor| factor.force.is_some()),
         documentation: Documentation {
-            coordinates: system.side.coordinates(),
+            coordinates: coordinates(system),
             equations: system.equations(),
             conventions: conventions(system),
         },
+    }
+}
+
+/// In which coordinates the equations of motion are.
+fn coordinates(system: &System<'_>) -> &'static str {
+    match system.factors.iter().all(|factor| factor.algebra.group.is_linear()) {
+        true => "in Cartesian coordinates",
+        false => system.side.coordinates(),
     }
 }
 

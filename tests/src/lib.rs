@@ -8,7 +8,6 @@ pub mod systems;
 
 use coadjoint::__private::Components;
 use coadjoint::__private::Scalar;
-use proc_macro2::TokenStream;
 
 /// The array of what `value` gives for each index.
 pub fn array<T: Scalar, C: Components<T>>(mut value: impl FnMut(usize) -> T) -> C {
@@ -20,15 +19,6 @@ pub fn array<T: Scalar, C: Components<T>>(mut value: impl FnMut(usize) -> T) -> 
 /// Items as people read them. Tokens that are not items fail here, before anything is compared.
 ///
 /// # Panics
-/// If the tokens cannot be parsed.
-#[track_caller]
-pub fn pretty(tokens: TokenStream) -> String {
-    match syn::parse2::<syn::File>(tokens.clone()) {
-        Ok(file) => prettyplease::unparse(&file),
-        Err(error) => panic!("generated code cannot be parsed: {error}\n{tokens}"),
-    }
-}
-
 /// The README's worked example, which is compiled and run as a test.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]

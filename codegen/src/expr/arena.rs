@@ -6,128 +6,12 @@
 //! once. Nothing is ever multiplied out.
 
 use std::cell::{Cell, RefCell};
-use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::expression::Expr;
+use super::node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 use super::number::Number;
-
-/// A node's place in its arena. Ids grow with creation, so their order depends on the input alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Id(pub(crate) u32);
-
-/// A symbol's place in its arena.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Symbol(pub(crate) u32);
-
-/// The earliest stage at which a value is known. Later stages may use earlier ones.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Stage {
-    /// When the stepper is built.
-    Parameters,
-    /// When the state is known.
-    Step,
-    /// When Newton's unknown is known.
-    Iteration,
-    /// When the perturbations are known that a derivative is applied to.
-    Perturbation,
-}
-
-/// An elementary function of one argument.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Function {
-    /// `√x`
-    Sqrt,
-    /// `eˣ`
-    Exp,
-    /// The natural logarithm.
-    Ln,
-    /// The sine.
-    Sin,
-    /// The cosine.
-    Cos,
-    /// The tangent.
-    Tan,
-    /// The arc sine.
-    Asin,
-    /// The arc cosine.
-    Acos,
-    /// The arc tangent.
-    Atan,
-    /// The hyperbolic sine.
-    Sinh,
-    /// The hyperbolic cosine.
-    Cosh,
-    /// The hyperbolic tangent.
-    Tanh,
-    /// `c_k(z) = Σ_j (−z)^j / (k + 2j)!`
-    Stumpff(u32),
-}
-
-/// A sum's constant and its terms with their coefficients, sorted by id; at least one term.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Sum {
-    /// What is added to the terms.
-    pub constant: Number,
-    /// Terms with their coefficients, none of them zero.
-    pub terms: Rc<[(Id, Number)]>,
-}
-
-/// One node.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub enum Node {
-    /// A constant.
-    Number(Number),
-    /// A symbol.
-    Symbol(Symbol),
-    /// A sum.
-    Sum(Sum),
-    /// Factors with their exponents, sorted by id.
-    Product(Rc<[(Id, i32)]>),
-    /// A function of one argument.
-    Function(Function, Id),
-    /// `base^exponent` for an exponent that is not an integer.
-    Power(Id, Id),
-    /// `atan2(y, x)`
-    Atan2(Id, Id),
-    /// A value kept whole: the same number, but not merged into the sums and products around it.
-    Held(Id),
-}
-
-impl Node {
-    /// What the node is made of.
-    pub fn operands(&self) -> Vec<Id> {
-        match self {
-            Self::Number(_) | Self::Symbol(_) => Vec::new(),
-            Self::Sum(sum) => sum.terms.iter().map(|&(id, _)| id).collect(),
-            Self::Product(factors) => factors.iter().map(|&(id, _)| id).collect(),
-            Self::Function(_, argument) | Self::Held(argument) => vec![*argument],
-            Self::Power(base, exponent) => vec![*base, *exponent],
-            Self::Atan2(y, x) => vec![*y, *x],
-        }
-    }
-}
-
-impl Node {
-    /// Whether its own constants are neither infinite nor not a number.
-    fn is_finite(&self) -> bool {
-        match self {
-            Self::Number(number) => number.is_finite(),
-            Self::Sum(sum) => sum.constant.is_finite() && sum.terms.iter().all(|(_, c)| c.is_finite()),
-            _ => true,
-        }
-    }
-}
-
-/// A symbol's name and stage.
-#[derive(Clone, Debug)]
-pub struct SymbolInfo {
-    /// What it is called in text and, if that is free, in code.
-    pub name: String,
-    /// When its value is known.
-    pub stage: Stage,
-}
-
 #[derive(Default)]
 struct Store {
     nodes: Vec<Node>,
@@ -320,15 +204,7 @@ impl Arena {
         if coefficient.is_zero() {
             return self.intern(Node::Number(Number::ZERO));
         }
-        collected.sort_by_key(|&(id, _)| id);
-        let mut merged: Vec<(Id, i32)> = Vec::with_capacity(collected.len());
-        for (id, exponent) in collected {
-            match merged.last_mut() {
-                Some((last, total)) if *last == id => *total = total.saturating_add(exponent),
-                _ => merged.push((id, exponent)),
-            }
-        }
-        merged.retain(|&(_, exponent)| exponent != 0);
+        let merged = merged(collected);
         // merging can make a root's exponent even
         if merged
             .iter()
@@ -404,6 +280,14 @@ impl Arena {
         self.store.borrow().roles.clone()
     }
 
+    /// Gives a node a role name; the first one stays.
+    pub(super) fn name(&self, id: Id, name: String) {
+        let mut store = self.store.borrow_mut();
+        if store.named.insert(id) {
+            store.roles.push((id, name));
+        }
+    }
+
     /// Gives the role of a node to the node that takes its place.
     pub(crate) fn pass_role(&self, from: Id, to: Id) {
         let role = {
@@ -450,288 +334,16 @@ impl Arena {
     }
 }
 
-impl Sum {
-    /// `c · x` and nothing else.
-    pub fn is_scaled_term(&self) -> bool {
-        self.terms.len() == 1 && self.constant.is_zero()
-    }
-
-    /// What to pull out of the sum where it is a factor: the common magnitude of its coefficients if they have one,
-    /// and the sign of the first term.
-    pub fn content(&self) -> Number {
-        let first = self.terms[0].1;
-        let magnitude = first.abs();
-        let common = self.terms.iter().all(|(_, c)| c.abs() == magnitude)
-            && (self.constant.is_zero() || self.constant.abs() == magnitude);
-        match (common, first.is_negative()) {
-            (true, _) => first,
-            (false, true) => Number::MINUS_ONE,
-            (false, false) => Number::ONE,
+/// Factors sorted, each once, without those that cancel.
+fn merged(mut factors: Vec<(Id, i32)>) -> Vec<(Id, i32)> {
+    factors.sort_by_key(|&(id, _)| id);
+    let mut merged: Vec<(Id, i32)> = Vec::with_capacity(factors.len());
+    for (id, exponent) in factors {
+        match merged.last_mut() {
+            Some((last, total)) if *last == id => *total = total.saturating_add(exponent),
+            _ => merged.push((id, exponent)),
         }
     }
-}
-
-impl Function {
-    /// The value at `argument` where it is an exactly known rational.
-    fn exact(self, argument: Number) -> Option<Number> {
-        if let Function::Sqrt = self {
-            return argument.exact_sqrt();
-        }
-        if argument.is_zero() {
-            match self {
-                Self::Sin | Self::Tan | Self::Asin | Self::Atan | Self::Sinh | Self::Tanh => {
-                    Some(Number::ZERO)
-                }
-                Self::Exp | Self::Cos | Self::Cosh => Some(Number::ONE),
-                Self::Stumpff(k) => {
-                    Some(Number::ratio(1, (1..=i128::from(k)).try_fold(1i128, |f, i| f.checked_mul(i))?))
-                }
-                Self::Sqrt | Self::Ln | Self::Acos => None,
-            }
-        } else if argument.is_one() {
-            match self {
-                Self::Ln | Self::Acos => Some(Number::ZERO),
-                _ => None,
-            }
-        } else {
-            None
-        }
-    }
-
-    /// Its name in text and, but for Stumpff functions, in code.
-    pub fn name(self) -> String {
-        match self {
-            Self::Sqrt => "sqrt",
-            Self::Exp => "exp",
-            Self::Ln => "ln",
-            Self::Sin => "sin",
-            Self::Cos => "cos",
-            Self::Tan => "tan",
-            Self::Asin => "asin",
-            Self::Acos => "acos",
-            Self::Atan => "atan",
-            Self::Sinh => "sinh",
-            Self::Cosh => "cosh",
-            Self::Tanh => "tanh",
-            Self::Stumpff(k) => return format!("c{k}"),
-        }
-        .to_owned()
-    }
-}
-
-/// An expression: a node together with its arena, so that formulas can be written with operators.
-#[derive(Clone, Copy)]
-pub struct Expr<'a> {
-    pub(crate) arena: &'a Arena,
-    pub(crate) id: Id,
-}
-
-impl<'a> Expr<'a> {
-    /// The node.
-    pub fn id(self) -> Id {
-        self.id
-    }
-
-    /// The arena.
-    pub fn arena(self) -> &'a Arena {
-        self.arena
-    }
-
-    /// Whether it is the constant 0. Canonical form makes many zeros evident, not all.
-    pub fn is_zero(self) -> bool {
-        matches!(self.arena.node(self.id), Node::Number(number) if number.is_zero())
-    }
-
-    /// The symbol, if the expression is one.
-    pub fn as_symbol(self) -> Option<Symbol> {
-        match self.arena.node(self.id) {
-            Node::Symbol(symbol) => Some(symbol),
-            _ => None,
-        }
-    }
-
-    /// The constant, if the expression is one.
-    pub fn as_number(self) -> Option<Number> {
-        match self.arena.node(self.id) {
-            Node::Number(number) => Some(number),
-            _ => None,
-        }
-    }
-
-    /// `(c, x)` with `self = c x`, where `c` is the number that it is a multiple by.
-    pub fn split_number(self) -> (Number, Self) {
-        match self.arena.node(self.id) {
-            Node::Sum(Sum { terms, constant }) if constant.is_zero() && terms.len() == 1 => {
-                (terms[0].1, self.arena.expr(terms[0].0))
-            }
-            _ => (Number::ONE, self),
-        }
-    }
-
-    /// `self^exponent`
-    pub fn powi(self, exponent: i32) -> Self {
-        self.arena.expr(self.arena.product(Number::ONE, [(self.id, exponent)]))
-    }
-
-    /// `self^exponent`; integers and halves become products and roots.
-    pub fn pow(self, exponent: Self) -> Self {
-        self.arena.expr(self.arena.power(self.id, exponent.id))
-    }
-
-    /// `1 / self`
-    pub fn recip(self) -> Self {
-        self.powi(-1)
-    }
-
-    /// `√self`
-    pub fn sqrt(self) -> Self {
-        self.apply(Function::Sqrt)
-    }
-
-    /// `function(self)`
-    pub fn apply(self, function: Function) -> Self {
-        self.arena.expr(self.arena.function(function, self.id))
-    }
-
-    /// `c_k(self)`
-    pub fn stumpff(self, k: u32) -> Self {
-        self.apply(Function::Stumpff(k))
-    }
-
-    /// The same value kept whole. Canonical sums and products merge with what surrounds them and move constants outward; where a
-    /// formula's own grouping is the better one (the value has a meaning, or is used in several places), this keeps it.
-    pub fn hold(self) -> Self {
-        self.arena.expr(self.arena.held(self.id))
-    }
-
-    /// Gives the value a role name, which emitted code is read by. The first name stays; symbols and constants have names enough.
-    pub fn named(self, name: impl Into<String>) -> Self {
-        if self.as_symbol().is_none() && self.as_number().is_none() {
-            let mut store = self.arena.store.borrow_mut();
-            if store.named.insert(self.id) {
-                store.roles.push((self.id, name.into()));
-            }
-        }
-        self
-    }
-
-    /// The earliest stage at which its value is known.
-    pub fn stage(self) -> Stage {
-        let mut latest = Stage::Parameters;
-        let mut seen = FxHashSet::default();
-        let mut pending = vec![self.id];
-        while let Some(id) = pending.pop() {
-            if !seen.insert(id) {
-                continue;
-            }
-            match self.arena.node(id) {
-                Node::Symbol(symbol) => latest = latest.max(self.arena.symbol_info(symbol).stage),
-                node => pending.extend(node.operands()),
-            }
-        }
-        latest
-    }
-
-    /// Whether any of the symbols occurs.
-    pub fn depends_on(self, symbols: &[Symbol]) -> bool {
-        let mut seen = rustc_hash::FxHashSet::default();
-        let mut pending = vec![self.id];
-        while let Some(id) = pending.pop() {
-            if seen.insert(id) {
-                let node = self.arena.node(id);
-                if matches!(node, Node::Symbol(symbol) if symbols.contains(&symbol)) {
-                    return true;
-                }
-                pending.extend(node.operands());
-            }
-        }
-        false
-    }
-
-    /// The angle of the point `(x, self)`.
-    pub fn atan2(self, x: Self) -> Self {
-        self.arena.expr(self.arena.atan2(self.id, x.id))
-    }
-
-    /// `self · numerator / denominator`
-    pub fn scale(self, number: impl Into<Number>) -> Self {
-        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, number.into())]))
-    }
-}
-
-impl PartialEq for Expr<'_> {
-    fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.arena, other.arena) && self.id == other.id
-    }
-}
-
-impl Eq for Expr<'_> {}
-
-impl<'a> std::ops::Add for Expr<'a> {
-    type Output = Expr<'a>;
-    fn add(self, other: Self) -> Self {
-        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::ONE)]))
-    }
-}
-
-impl<'a> std::ops::Sub for Expr<'a> {
-    type Output = Expr<'a>;
-    fn sub(self, other: Self) -> Self {
-        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::MINUS_ONE)]))
-    }
-}
-
-impl<'a> std::ops::Mul for Expr<'a> {
-    type Output = Expr<'a>;
-    fn mul(self, other: Self) -> Self {
-        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, 1)]))
-    }
-}
-
-impl<'a> std::ops::Div for Expr<'a> {
-    type Output = Expr<'a>;
-    fn div(self, other: Self) -> Self {
-        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, -1)]))
-    }
-}
-
-impl<'a> std::ops::Neg for Expr<'a> {
-    type Output = Expr<'a>;
-    fn neg(self) -> Self {
-        self.scale(Number::MINUS_ONE)
-    }
-}
-
-impl<'a> std::ops::Add<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn add(self, other: i64) -> Self {
-        self + self.arena.number(other)
-    }
-}
-
-impl<'a> std::ops::Sub<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn sub(self, other: i64) -> Self {
-        self - self.arena.number(other)
-    }
-}
-
-impl<'a> std::ops::Mul<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn mul(self, other: i64) -> Self {
-        self.scale(other)
-    }
-}
-
-impl<'a> std::ops::Div<i64> for Expr<'a> {
-    type Output = Expr<'a>;
-    fn div(self, other: i64) -> Self {
-        self / self.arena.number(other)
-    }
-}
-
-impl std::fmt::Debug for Expr<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{self}")
-    }
+    merged.retain(|&(_, exponent)| exponent != 0);
+    merged
 }

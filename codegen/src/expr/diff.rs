@@ -2,8 +2,10 @@
 
 use rustc_hash::FxHashMap;
 
-use super::arena::{Arena, Expr, Function, Id, Node, Symbol};
+use super::arena::Arena;
+use super::expression::Expr;
 use super::linear::Vector;
+use super::node::{Function, Id, Node, Symbol};
 use super::number::Number;
 
 impl<'a> Expr<'a> {

@@ -4,7 +4,9 @@ use std::fmt;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::arena::{Arena, Expr, Id, Node};
+use super::arena::Arena;
+use super::expression::Expr;
+use super::node::{Id, Node, Sum};
 use super::number::Number;
 
 /// How many nodes `Display` writes of an expression before it leaves out the rest. Written as a tree, an expression can be exponentially
@@ -70,6 +72,18 @@ fn write(
     Ok(())
 }
 
+/// The terms of a sum, and its constant.
+fn addends(sum: &Sum, pieces: &mut Vec<Piece>) {
+    for (i, &(id, coefficient)) in sum.terms.iter().enumerate() {
+        addend(i, coefficient, pieces);
+        pieces.push(Piece::Node(id, Binding::Product));
+    }
+    if !sum.constant.is_zero() {
+        let sign = if sum.constant.is_negative() { " - " } else { " + " };
+        pieces.push(Piece::Text(format!("{sign}{}", sum.constant.abs())));
+    }
+}
+
 /// A node's text, with places for its operands.
 fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
     let mut pieces = Vec::new();
@@ -85,14 +99,7 @@ fn pieces(arena: &Arena, id: Id, around: Binding) -> Vec<Piece> {
             false
         }
         Node::Sum(sum) => {
-            for (i, &(id, coefficient)) in sum.terms.iter().enumerate() {
-                addend(i, coefficient, &mut pieces);
-                pieces.push(Piece::Node(id, Binding::Product));
-            }
-            if !sum.constant.is_zero() {
-                let sign = if sum.constant.is_negative() { " - " } else { " + " };
-                pieces.push(Piece::Text(format!("{sign}{}", sum.constant.abs())));
-            }
+            addends(&sum, &mut pieces);
             let lone = sum.is_scaled_term();
             around > if lone { Binding::Product } else { Binding::Sum }
                 || (lone && around > Binding::Sum && sum.terms[0].1.is_negative())

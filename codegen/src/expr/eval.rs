@@ -2,8 +2,9 @@
 
 use rustc_hash::FxHashMap;
 
-use super::arena::{Expr, Function, Id, Node, Symbol};
+use super::expression::Expr;
 use super::linear::Vector;
+use super::node::{Function, Id, Node, Symbol};
 use super::number::Number;
 
 /// A number to evaluate with: `f64`, or one of many digits.

@@ -1,8 +1,10 @@
 //! Small vectors and matrices of expressions, lowered to scalars as they are built.
 
 use super::Number;
-use super::arena::{Arena, Expr, Symbol};
+use super::arena::Arena;
 use super::diff::{Derivative, Substitution};
+use super::expression::Expr;
+use super::node::Symbol;
 
 /// A column of expressions.
 #[derive(Clone, PartialEq, Debug)]

@@ -4,12 +4,16 @@ mod arena;
 mod diff;
 mod display;
 mod eval;
+mod expression;
 mod linear;
+mod node;
 mod number;
 
-pub use arena::{Arena, Expr, Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
+pub use arena::Arena;
 pub use diff::{Derivative, Substitution, gradient};
 pub use display::Formulas;
 pub use eval::Value;
+pub use expression::Expr;
 pub use linear::{Matrix, Vector};
+pub use node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use number::Number;

@@ -4,10 +4,12 @@
 //! is added in one operation. An emitter gives words to it, an interpreter numbers.
 
 mod interface;
+mod interpreter;
 mod operations;
 mod text;
 
 pub use interface::{Documentation, Inertia, Interface, Quantity};
+pub use interpreter::{CallError, Given, Returned};
 pub use operations::Operations;
 
 use crate::expr::{Function as Elementary, Number};
@@ -66,7 +68,7 @@ pub struct Record {
 }
 
 /// What the fields of a [`Record`] depend on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RecordKind {
     /// Parameters and step size.
     Constants,
@@ -162,7 +164,7 @@ pub struct Argument {
 }
 
 /// What a function can be given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Input {
     /// The parameters.
     Parameters,

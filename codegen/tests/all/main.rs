@@ -1,12 +1,16 @@
 //! The tests of the generator from outside, in one binary: it is linked once.
 
 mod bounds;
+mod calculus;
 mod description;
 mod fuzz;
 mod linear;
+mod macro_calls;
 mod meaning;
 mod modules;
+mod oracle;
 mod problems;
 mod program;
 mod reference;
+mod snapshots;
 mod steps;

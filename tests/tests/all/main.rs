@@ -20,7 +20,6 @@ mod linearization;
 mod longrun;
 mod paper;
 mod reference;
-mod snapshots;
 mod structure;
 mod stumpff;
 mod surface;

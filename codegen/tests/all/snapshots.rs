@@ -1,13 +1,12 @@
 //! What is generated, for review: each snapshot shows a description and what becomes of it.
 //!
-//! After a change that is meant, accept with `INSTA_UPDATE=always cargo test --package coadjoint-tests --test all snapshots`,
+//! After a change that is meant, accept with `INSTA_UPDATE=always cargo test --package coadjoint-codegen --test all snapshots`,
 //! and read the difference.
 
 use coadjoint_codegen::emit::Expansion;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::program::{Module, Operations, Role};
-use coadjoint_tests::pretty;
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -51,8 +50,16 @@ fn step(description: &str, retraction: Retraction) -> TokenStream {
     step.expect("a step with this retraction").tokens
 }
 
+/// Tokens of items as formatted Rust.
+fn pretty(tokens: TokenStream) -> String {
+    match syn::parse2::<syn::File>(tokens.clone()) {
+        Ok(file) => prettyplease::unparse(&file),
+        Err(error) => panic!("generated code cannot be parsed: {error}\n{tokens}"),
+    }
+}
+
 /// Compares with the snapshot of that name.
-pub(super) fn assert_snapshot(name: &str, text: &str) {
+fn assert_snapshot(name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
@@ -96,6 +103,34 @@ fn the_heavy_top_as_a_system() {
     let Expansion { declaration, state, expressions, system, .. } = expansion(input);
     let output = pretty(quote! { #declaration #state #expressions #system });
     assert_snapshot("heavy_top_system", &beside(input, &output));
+}
+
+/// All of a small system with every key: controls, a force with a velocity in it, constants of the user's own, and what derivatives bring.
+#[test]
+fn all_of_a_driven_point() {
+    let input = "\
+/// A point on a spring in a wind, that a jet pushes.
+#[lie_poisson_system(
+    group(position: R2),
+    control(jet: f64),
+    potential = GRAVITY * mass * position.y + stiffness * position.norm_squared() / 3.0,
+    force = vector![jet - drag * position_velocity.x, wind * (2.0 * t).sin()],
+    derivatives,
+)]
+pub struct Point {
+    #[inertia]
+    mass: f64,
+    stiffness: f64,
+    drag: f64,
+    wind: f64,
+}";
+    let Expansion { declaration, state, expressions, system, geometry, tangents, steps, schemes, .. } =
+        expansion(input);
+    let step = steps.into_iter().next().expect("a step");
+    let (step, derivative) = (step.tokens, step.derivative.expect("derivatives are asked for"));
+    let all =
+        quote! { #declaration #state #expressions #system #geometry #tangents #step #derivative #schemes };
+    assert_snapshot("driven_point", &beside(input, &pretty(all)));
 }
 
 /// The intermediate representation of a small step: shorter to review than code.

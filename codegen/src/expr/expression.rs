@@ -1,0 +1,221 @@
+//! Expressions as formulas are written with them.
+
+use rustc_hash::FxHashSet;
+
+use super::arena::Arena;
+use super::node::{Function, Id, Node, Stage, Sum, Symbol};
+use super::number::Number;
+
+/// An expression: a node together with its arena, so that formulas can be written with operators.
+#[derive(Clone, Copy)]
+pub struct Expr<'a> {
+    pub(crate) arena: &'a Arena,
+    pub(crate) id: Id,
+}
+
+impl<'a> Expr<'a> {
+    /// The node.
+    pub fn id(self) -> Id {
+        self.id
+    }
+
+    /// The arena.
+    pub fn arena(self) -> &'a Arena {
+        self.arena
+    }
+
+    /// Whether it is the constant 0. Canonical form makes many zeros evident, not all.
+    pub fn is_zero(self) -> bool {
+        matches!(self.arena.node(self.id), Node::Number(number) if number.is_zero())
+    }
+
+    /// The symbol, if the expression is one.
+    pub fn as_symbol(self) -> Option<Symbol> {
+        match self.arena.node(self.id) {
+            Node::Symbol(symbol) => Some(symbol),
+            _ => None,
+        }
+    }
+
+    /// The constant, if the expression is one.
+    pub fn as_number(self) -> Option<Number> {
+        match self.arena.node(self.id) {
+            Node::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// `(c, x)` with `self = c x`, where `c` is the number that it is a multiple by.
+    pub fn split_number(self) -> (Number, Self) {
+        match self.arena.node(self.id) {
+            Node::Sum(Sum { terms, constant }) if constant.is_zero() && terms.len() == 1 => {
+                (terms[0].1, self.arena.expr(terms[0].0))
+            }
+            _ => (Number::ONE, self),
+        }
+    }
+
+    /// `self^exponent`
+    pub fn powi(self, exponent: i32) -> Self {
+        self.arena.expr(self.arena.product(Number::ONE, [(self.id, exponent)]))
+    }
+
+    /// `self^exponent`; integers and halves become products and roots.
+    pub fn pow(self, exponent: Self) -> Self {
+        self.arena.expr(self.arena.power(self.id, exponent.id))
+    }
+
+    /// `1 / self`
+    pub fn recip(self) -> Self {
+        self.powi(-1)
+    }
+
+    /// `√self`
+    pub fn sqrt(self) -> Self {
+        self.apply(Function::Sqrt)
+    }
+
+    /// `function(self)`
+    pub fn apply(self, function: Function) -> Self {
+        self.arena.expr(self.arena.function(function, self.id))
+    }
+
+    /// `c_k(self)`
+    pub fn stumpff(self, k: u32) -> Self {
+        self.apply(Function::Stumpff(k))
+    }
+
+    /// The same value kept whole. Canonical sums and products merge with what surrounds them and move constants outward; where a
+    /// formula's own grouping is the better one (the value has a meaning, or is used in several places), this keeps it.
+    pub fn hold(self) -> Self {
+        self.arena.expr(self.arena.held(self.id))
+    }
+
+    /// Gives the value a role name, which emitted code is read by. The first name stays; symbols and constants have names enough.
+    pub fn named(self, name: impl Into<String>) -> Self {
+        if self.as_symbol().is_none() && self.as_number().is_none() {
+            self.arena.name(self.id, name.into());
+        }
+        self
+    }
+
+    /// The earliest stage at which its value is known.
+    pub fn stage(self) -> Stage {
+        let mut latest = Stage::Parameters;
+        let mut seen = FxHashSet::default();
+        let mut pending = vec![self.id];
+        while let Some(id) = pending.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            match self.arena.node(id) {
+                Node::Symbol(symbol) => latest = latest.max(self.arena.symbol_info(symbol).stage),
+                node => pending.extend(node.operands()),
+            }
+        }
+        latest
+    }
+
+    /// Whether any of the symbols occurs.
+    pub fn depends_on(self, symbols: &[Symbol]) -> bool {
+        let mut seen = FxHashSet::default();
+        let mut pending = vec![self.id];
+        while let Some(id) = pending.pop() {
+            if seen.insert(id) {
+                let node = self.arena.node(id);
+                if matches!(node, Node::Symbol(symbol) if symbols.contains(&symbol)) {
+                    return true;
+                }
+                pending.extend(node.operands());
+            }
+        }
+        false
+    }
+
+    /// The angle of the point `(x, self)`.
+    pub fn atan2(self, x: Self) -> Self {
+        self.arena.expr(self.arena.atan2(self.id, x.id))
+    }
+
+    /// `self · numerator / denominator`
+    pub fn scale(self, number: impl Into<Number>) -> Self {
+        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, number.into())]))
+    }
+}
+
+impl PartialEq for Expr<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::eq(self.arena, other.arena) && self.id == other.id
+    }
+}
+
+impl Eq for Expr<'_> {}
+
+impl<'a> std::ops::Add for Expr<'a> {
+    type Output = Expr<'a>;
+    fn add(self, other: Self) -> Self {
+        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::ONE)]))
+    }
+}
+
+impl<'a> std::ops::Sub for Expr<'a> {
+    type Output = Expr<'a>;
+    fn sub(self, other: Self) -> Self {
+        self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, Number::ONE), (other.id, Number::MINUS_ONE)]))
+    }
+}
+
+impl<'a> std::ops::Mul for Expr<'a> {
+    type Output = Expr<'a>;
+    fn mul(self, other: Self) -> Self {
+        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, 1)]))
+    }
+}
+
+impl<'a> std::ops::Div for Expr<'a> {
+    type Output = Expr<'a>;
+    fn div(self, other: Self) -> Self {
+        self.arena.expr(self.arena.product(Number::ONE, [(self.id, 1), (other.id, -1)]))
+    }
+}
+
+impl<'a> std::ops::Neg for Expr<'a> {
+    type Output = Expr<'a>;
+    fn neg(self) -> Self {
+        self.scale(Number::MINUS_ONE)
+    }
+}
+
+impl<'a> std::ops::Add<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn add(self, other: i64) -> Self {
+        self + self.arena.number(other)
+    }
+}
+
+impl<'a> std::ops::Sub<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn sub(self, other: i64) -> Self {
+        self - self.arena.number(other)
+    }
+}
+
+impl<'a> std::ops::Mul<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn mul(self, other: i64) -> Self {
+        self.scale(other)
+    }
+}
+
+impl<'a> std::ops::Div<i64> for Expr<'a> {
+    type Output = Expr<'a>;
+    fn div(self, other: i64) -> Self {
+        self / self.arena.number(other)
+    }
+}
+
+impl std::fmt::Debug for Expr<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self}")
+    }
+}

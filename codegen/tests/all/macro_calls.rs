@@ -1,0 +1,132 @@
+//! The macro as rustc calls it, and what is derived by what is asked for.
+
+use coadjoint_codegen::program::{Program, Role};
+use coadjoint_codegen::{expand, lie_poisson_system, program};
+use proc_macro2::TokenStream;
+
+const TOP: &str = "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)";
+const ITEM: &str = "pub struct Top { #[inertia] inertia: Vector3<f64>, weight: f64, chi: Vector3<f64> }";
+const DRIVEN: &str = "group = SO3, control(torque: R3), force = torque";
+const BODY: &str = "struct Body { #[inertia] inertia: Vector3<f64> }";
+
+fn tokens(text: &str) -> TokenStream {
+    text.parse().expect("tokens")
+}
+
+fn derived(attribute: &str, item: &str) -> Program {
+    program(tokens(attribute), tokens(item)).unwrap_or_else(|error| panic!("{attribute}: {error}"))
+}
+
+#[test]
+fn the_macro_gives_what_is_expanded() {
+    let whole = lie_poisson_system(tokens(TOP), tokens(ITEM)).to_string();
+    let expansion = expand(tokens(TOP), tokens(ITEM)).expect("no problem");
+    assert_eq!(whole, expansion.into_tokens().to_string());
+    let items = syn::parse_str::<syn::File>(&whole).expect("items").items;
+    assert!(items.len() > 8, "{} items", items.len());
+}
+
+#[test]
+fn problems_are_compile_errors_beside_the_names_that_users_write() {
+    let whole = lie_poisson_system(tokens("group = SO3, potential = wieght"), tokens(BODY)).to_string();
+    assert!(whole.contains("compile_error") && whole.contains("wieght"), "{whole}");
+    assert!(whole.contains("BodyState"), "{whole}");
+    assert!(expand(tokens("group = SO3, potential = wieght"), tokens(BODY)).is_err());
+    assert!(program(tokens("group = SO4"), tokens(BODY)).is_err());
+}
+
+/// Each derivative brings its functions, and those that composed steps need.
+#[test]
+fn derivatives_are_those_that_are_asked_for() {
+    let all = [Role::Point, Role::Tangent, Role::Adjoint, Role::Through, Role::WrtState, Role::WrtControl];
+    let all = [&all[..], &[Role::WrtParameters]].concat();
+    for (asked, roles) in [
+        ("derivatives", all.clone()),
+        ("derivatives(state)", vec![Role::Point, Role::Through, Role::WrtState]),
+        ("derivatives(controls)", vec![Role::Point, Role::Through, Role::WrtState, Role::WrtControl]),
+        ("derivatives(parameters)", vec![Role::Point, Role::Through, Role::WrtState, Role::WrtParameters]),
+        ("derivatives(tangent)", vec![Role::Point, Role::Tangent]),
+        ("derivatives(adjoint)", vec![Role::Point, Role::Adjoint]),
+    ] {
+        let program = derived(&format!("{DRIVEN}, {asked}"), BODY);
+        for step in &program.steps {
+            let derivative = step.derivative.as_ref().expect("asked for");
+            let found: Vec<Role> = derivative.functions.iter().map(|function| function.role).collect();
+            assert_eq!(found, roles, "{asked}");
+        }
+    }
+    assert!(derived(DRIVEN, BODY).steps.iter().all(|step| step.derivative.is_none()));
+}
+
+/// What is given to each function, in the order of its arguments.
+#[test]
+fn functions_are_given_what_the_runtime_gives_them() {
+    let program = derived(&format!("{DRIVEN}, derivatives"), BODY);
+    let step = &program.steps[0];
+    let signature = |module: &coadjoint_codegen::program::Module, role: Role| {
+        let function = module.function(role).expect("it is there");
+        function
+            .arguments
+            .iter()
+            .map(|argument| format!("{:?}", argument.input))
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let of = |role| signature(&step.module, role);
+    assert_eq!(of(Role::New), "Parameters, StepSize");
+    assert_eq!(of(Role::Begin), "Record(Constants), State, Time, Control");
+    assert_eq!(of(Role::Start), "Record(Constants), State, Record(Step)");
+    assert_eq!(of(Role::Evaluate), "Record(Constants), State, Record(Step), Unknown");
+    assert_eq!(of(Role::FixedPointUpdate), "Record(Constants), State, Record(Step), Right");
+    let solved = "Record(Constants), State, Record(Step), Unknown, Residual, Record(Iterate)";
+    assert_eq!((of(Role::Correction), of(Role::Finish)), (solved.to_owned(), solved.to_owned()));
+    let derivative = step.derivative.as_ref().expect("asked for");
+    let of = |role| signature(derivative, role);
+    assert_eq!(of(Role::Point), "Parameters, StepSize, State, Time, Control, Unknown");
+    let tangent = "Record(Point), StatePerturbation, ControlPerturbation, ParameterPerturbation";
+    assert_eq!(of(Role::Tangent), tangent);
+    assert_eq!(of(Role::Adjoint), "Record(Point), Costate");
+    assert_eq!(
+        (of(Role::Through), of(Role::WrtState)),
+        ("Record(Point)".to_owned(), "Record(Point)".to_owned())
+    );
+}
+
+#[test]
+fn what_is_seen_of_a_system_is_what_was_described() {
+    let interface = derived(&format!("{TOP}, force = -momentum"), ITEM).interface;
+    let names = |quantities: &[coadjoint_codegen::program::Quantity]| {
+        quantities.iter().map(|quantity| quantity.name.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&interface.parameters), ["inertia", "weight", "chi"]);
+    assert_eq!(names(&interface.state), ["attitude", "momentum", "gamma"]);
+    assert!(interface.controls.is_empty());
+    assert_eq!(interface.parameters[0].components, ["x", "y", "z"]);
+    assert_eq!(interface.parameters[1].components, [""]);
+    assert_eq!(interface.state[0].components, ["w", "x", "y", "z"]);
+    let perturbations: Vec<usize> = interface.state.iter().map(|part| part.perturbation).collect();
+    assert_eq!(perturbations, [3, 3, 3]);
+    assert_eq!((interface.state_length(), interface.parameter_length()), (10, 7));
+    assert_eq!((interface.state_perturbation(), interface.control_length()), (9, 0));
+    assert!(interface.is_forced && !interface.is_autonomous && !interface.is_left_invariant);
+    assert_eq!(interface.casimirs, ["|gamma|²"]);
+    let free = derived("group = SO3", BODY).interface;
+    assert!(!free.is_forced && free.is_autonomous && free.is_left_invariant);
+    assert_eq!(free.casimirs, ["|momentum|²"]);
+    assert_eq!((free.inertias.len(), free.inertias[0].rows, free.inertias[0].is_matrix), (1, 3, false));
+}
+
+/// Whose momentum is constant in space.
+#[test]
+fn systems_that_nothing_acts_on_are_isolated() {
+    for (attribute, item, isolated) in [
+        ("group = SO3", BODY, true),
+        ("group = SO3, invariance = right", BODY, false),
+        (DRIVEN, BODY, false),
+        (TOP, ITEM, false),
+    ] {
+        let expansion = expand(tokens(attribute), tokens(item)).expect("no problem");
+        assert_eq!(expansion.geometry.to_string().contains("Isolated"), isolated, "{attribute}");
+        assert_eq!(derived(attribute, item).function(Role::InBody).is_some(), isolated, "{attribute}");
+    }
+}

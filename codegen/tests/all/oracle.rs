@@ -1,0 +1,280 @@
+//! Programs in doubles against the expressions that they were made from: the fast form of what the tests of the workspace do with 77
+//! digits, for every function of every kind of system.
+
+use coadjoint_codegen::check;
+use coadjoint_codegen::derivatives::Derivatives;
+use coadjoint_codegen::diagnostics::Diagnostics;
+use coadjoint_codegen::expr::{Arena, Stage, Symbol, Vector};
+use coadjoint_codegen::geometry;
+use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::kernel::{self, Inputs};
+use coadjoint_codegen::method::linearization::{Linearization, Matrices};
+use coadjoint_codegen::method::{family, tangent_lift};
+use coadjoint_codegen::model::System;
+use coadjoint_codegen::parse::{Attribute, Item};
+use coadjoint_codegen::program::{CallError, Given, Input, Module, Role};
+use coadjoint_codegen::scheme::Member;
+use proc_macro2::TokenStream;
+
+/// One system for each way in which steps differ: what stands in the attribute, and the struct.
+const SYSTEMS: [(&str, &str); 9] = [
+    ("group = SO3", "struct A { #[inertia] j: Vector3<f64> }"),
+    ("group = SO3", "struct A { #[inertia] j: Matrix3<f64> }"),
+    (
+        "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)",
+        "struct A { #[inertia] j: Vector3<f64>, weight: f64, chi: Vector3<f64> }",
+    ),
+    ("group = SO3, invariance = right", "struct A { #[inertia] j: Vector3<f64> }"),
+    ("group = SE3", "struct A { #[inertia] j: Vector6<f64> }"),
+    (
+        "group = SE2, advected(a: R2), potential = k * a.norm_squared()",
+        "struct A { #[inertia] j: Vector3<f64>, k: f64 }",
+    ),
+    (
+        "group(first: SO3, second: SO2), control(push: f64), potential = k * first.w.powi(5) * second.cos_angle(), \
+         force(first = vector![push, -drag * first_velocity.y, t.sin()])",
+        "struct A { #[inertia(first)] i: Vector3<f64>, #[inertia(second)] j: f64, k: f64, drag: f64 }",
+    ),
+    (
+        "group = R2, potential = (position.x * k).exp() + position.y.powi(2).sqrt()",
+        "struct A { #[inertia] m: f64, k: f64 }",
+    ),
+    (
+        "group = SO3, hamiltonian = (momentum.norm_squared() / mass + 1.0).sqrt() + attitude.w.atan2(mass)",
+        "struct A { mass: f64 }",
+    ),
+];
+
+fn tokens(text: &str) -> TokenStream {
+    text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
+}
+
+fn system<'a>(arena: &'a Arena, (attribute, item): (&str, &str)) -> System<'a> {
+    let mut diagnostics = Diagnostics::new();
+    let attribute = Attribute::parse(tokens(attribute), &mut diagnostics);
+    let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
+    let description = check::resolve(&attribute, &item, &mut diagnostics);
+    let system = System::build(arena, &description, &mut diagnostics);
+    diagnostics.finish().unwrap_or_else(|error| panic!("{error}"));
+    system.expect("a system")
+}
+
+/// A value for every symbol: between one and two, different for each, so that no function is outside of its domain.
+fn value(arena: &Arena, symbol: Symbol) -> f64 {
+    let name = arena.symbol_info(symbol).name;
+    let hash = name.bytes().fold(17_u32, |hash, byte| hash.wrapping_mul(31).wrapping_add(u32::from(byte)));
+    1.0 + f64::from(hash % 1009) / 1009.0
+}
+
+fn values(arena: &Arena, symbols: &[Symbol]) -> Vec<f64> {
+    symbols.iter().map(|&symbol| value(arena, symbol)).collect()
+}
+
+fn direct(arena: &Arena, vector: &Vector<'_>) -> Vec<f64> {
+    vector.evaluate(&|symbol| value(arena, symbol))
+}
+
+/// Equal up to roundoff.
+fn assert_close(computed: &[f64], direct: &[f64], what: &str) {
+    assert_eq!(computed.len(), direct.len(), "{what}");
+    let size = direct.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+    for (computed, direct) in computed.iter().zip(direct) {
+        assert!((computed - direct).abs() < 1e-9 * size, "{what}: {computed} instead of {direct}");
+    }
+}
+
+/// All arrays of a system.
+fn given(arena: &Arena, system: &System<'_>) -> Given<f64> {
+    Given::default()
+        .with(Input::Parameters, values(arena, &system.parameter_symbols()))
+        .with(Input::State, values(arena, &system.state_symbols()))
+        .with(Input::Time, values(arena, &system.time_symbol()))
+        .with(Input::Control, values(arena, &system.control_symbols()))
+}
+
+fn call(module: &Module, role: Role, given: &Given<f64>) -> Vec<Vec<f64>> {
+    module.call(role, given).unwrap_or_else(|error| panic!("{role:?}: {error}")).results
+}
+
+/// What is given, with the record that a function returns.
+fn with_record(module: &Module, role: Role, given: Given<f64>) -> Given<f64> {
+    let returned = module.call(role, &given).unwrap_or_else(|error| panic!("{role:?}: {error}"));
+    let (kind, fields) = returned.record.expect("a record");
+    given.with(Input::Record(kind), fields)
+}
+
+#[test]
+fn steps_compute_their_equations() {
+    for description in SYSTEMS {
+        for retraction in Retraction::ALL {
+            for member in [Member::SYMPLECTIC_EULER_A, Member::MIDPOINT, Member::SYMPLECTIC_EULER_B] {
+                let arena = Arena::new();
+                let system = system(&arena, description);
+                let step = family::step(&arena, &system, retraction, member);
+                let what = format!("{}, {}, {}", description.0, retraction.name(), member.name());
+                check_step(&arena, &system, &step, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn tangent_lifts_compute_their_equations() {
+    for description in SYSTEMS.into_iter().filter(|(attribute, _)| !attribute.contains("hamiltonian")) {
+        for retraction in Retraction::ALL {
+            let arena = Arena::new();
+            let system = system(&arena, description);
+            let step = tangent_lift::step(&arena, &system, retraction);
+            check_step(&arena, &system, &step, &format!("{}, {}, lift", description.0, retraction.name()));
+        }
+    }
+}
+
+fn check_step<'a>(
+    arena: &'a Arena,
+    system: &System<'a>,
+    step: &coadjoint_codegen::method::Step<'a>,
+    what: &str,
+) {
+    let module = kernel::step(arena, step, Inputs::of(system));
+    let unknown = step.unknown.symbols();
+    let given = given(arena, system)
+        .with(Input::StepSize, direct(arena, &Vector(vec![step.h])))
+        .with(Input::Unknown, values(arena, &unknown));
+    let given = with_record(&module, Role::New, given);
+    let given = with_record(&module, Role::Begin, given);
+    let one = |role, given: &Given<f64>| call(&module, role, given).concat();
+    assert_close(&one(Role::Start, &given), &direct(arena, &step.start), what);
+    let residual = direct(arena, &(&step.left - &step.right));
+    let right = direct(arena, &step.right);
+    assert_close(&one(Role::Evaluate, &given), &[residual.clone(), right.clone()].concat(), what);
+    let given = with_record(&module, Role::Evaluate, given)
+        .with(Input::Residual, residual.clone())
+        .with(Input::Right, right.clone());
+    assert_close(&one(Role::Finish, &given), &direct(arena, &step.next), what);
+    assert_eq!(module.function(Role::Domain).is_some(), !step.domain.is_empty(), "{what}");
+    if !step.domain.is_empty() {
+        assert_close(&one(Role::Domain, &given), &direct(arena, &Vector(step.domain.clone())), what);
+    }
+    // the correction solves the linearized equation
+    let jacobian = (&step.left - &step.right).jacobian(&unknown);
+    let correction = one(Role::Correction, &given);
+    let row =
+        |i: usize| direct(arena, &jacobian.row(i)).iter().zip(&correction).map(|(a, x)| a * x).sum::<f64>();
+    let image: Vec<f64> = (0..unknown.len()).map(row).collect();
+    assert_close(&image, &residual, what);
+    // the update solves the equation with this right side, which is linear
+    if module.function(Role::FixedPointUpdate).is_some() {
+        let update = one(Role::FixedPointUpdate, &given);
+        let at = |symbol| match unknown.iter().position(|known| *known == symbol) {
+            Some(place) => update[place],
+            None => value(arena, symbol),
+        };
+        assert_close(&step.left.evaluate(&at), &right, what);
+    }
+}
+
+#[test]
+fn derivatives_compute_their_linearization() {
+    for description in SYSTEMS {
+        let arena = Arena::new();
+        let system = system(&arena, description);
+        let retraction = Retraction::Cayley;
+        let step = family::step(&arena, &system, retraction, Member::SYMPLECTIC_EULER_A);
+        let linearization = Linearization::new(&arena, &system, retraction, &step, Derivatives::ALL);
+        let inputs = Inputs::of(&system);
+        let module = kernel::derivative(&arena, &step, &linearization, Derivatives::ALL, inputs);
+        let adjoint = linearization.adjoint(&arena);
+        let of = |vector: &Vector<'_>| direct(&arena, vector);
+        let given = given(&arena, &system)
+            .with(Input::StepSize, of(&Vector(vec![step.h])))
+            .with(Input::Unknown, of(&step.unknown))
+            .with(Input::StatePerturbation, of(&linearization.state))
+            .with(Input::ControlPerturbation, of(&linearization.control))
+            .with(Input::ParameterPerturbation, of(&linearization.parameters))
+            .with(Input::Costate, of(&adjoint.next));
+        let given = with_record(&module, Role::Point, given);
+        let Matrices { through, columns } = linearization.matrices(&arena, Derivatives::ALL);
+        let mut expected = vec![
+            (Role::Tangent, vec![linearization.next.clone()]),
+            (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
+        ];
+        expected.extend(through.map(|columns| (Role::Through, columns)));
+        let roles = [Role::WrtState, Role::WrtControl, Role::WrtParameters];
+        for (role, columns) in roles.into_iter().zip(columns) {
+            let columns = columns.map(|columns| columns.into_iter().flat_map(<[_; 2]>::from).collect());
+            expected.extend(columns.map(|columns| (role, columns)));
+        }
+        assert_eq!(module.functions.len(), expected.len() + 1, "{}", description.0);
+        for (role, vectors) in expected {
+            let computed = call(&module, role, &given);
+            for (computed, vector) in computed.iter().zip(&vectors) {
+                assert_close(computed, &of(vector), &format!("{}, {role:?}", description.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn functions_of_systems_compute_their_expressions() {
+    for description in SYSTEMS {
+        let program =
+            coadjoint_codegen::program(tokens(description.0), tokens(description.1)).expect("a program");
+        let arena = Arena::new();
+        let system = system(&arena, description);
+        let by = geometry::tangent_symbols(&arena, &system, "by");
+        let symbol = |i: usize| arena.symbol(format!("spatial_{i}"), Stage::Step);
+        let spatial = Vector((0..system.dimension()).map(symbol).collect::<Vec<_>>());
+        let given = given(&arena, &system)
+            .with(Input::Tangent, direct(&arena, &by))
+            .with(Input::SpatialMomentum, direct(&arena, &spatial));
+        let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
+        let mut expected = vec![
+            (Role::Energy, Vector(vec![system.energy()])),
+            (Role::Velocity, system.velocity(&system.momentum())),
+            (Role::Casimirs, casimirs),
+            (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
+            (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
+            (Role::Differential, geometry::differential(&system)),
+            (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
+            (Role::Force, geometry::force(&arena, &system)),
+        ];
+        let inertias = system.inertias.iter().enumerate();
+        expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
+        if program.function(Role::InBody).is_some() {
+            expected.push((Role::InBody, geometry::with_spatial_momentum(&system, &spatial)));
+        }
+        for (role, expressions) in &expected {
+            let (module, _) = program.function(*role).expect("every system has it");
+            let computed = call(module, *role, &given).concat();
+            assert_close(&computed, &direct(&arena, expressions), &format!("{}, {role:?}", description.0));
+        }
+    }
+}
+
+/// Twice the kinetic energy is `μ·𝕀⁻¹μ`, with the inverse found by hand for a diagonal.
+#[test]
+fn the_energy_is_that_of_the_inertia() {
+    let arena = Arena::new();
+    let system = system(&arena, SYSTEMS[0]);
+    let [j, mu] =
+        [system.field_symbols(), system.momentum().symbols()].map(|symbols| values(&arena, &symbols));
+    let kinetic: f64 = mu.iter().zip(&j).map(|(mu, j)| mu * mu / j).sum();
+    let energy = system.energy().evaluate(&|symbol| value(&arena, symbol));
+    assert!((energy - kinetic / 2.0).abs() < 1e-14, "{energy} {kinetic}");
+}
+
+#[test]
+fn calls_without_what_they_need_are_errors() {
+    let arena = Arena::new();
+    let system = system(&arena, SYSTEMS[0]);
+    let step = family::step(&arena, &system, Retraction::Cayley, Member::SYMPLECTIC_EULER_A);
+    let module = kernel::step(&arena, &step, Inputs::of(&system));
+    let call = |role, given: &Given<f64>| module.call(role, given).map(|_| ());
+    let none = Given::default();
+    assert_eq!(call(Role::Energy, &none), Err(CallError::NoFunction(Role::Energy)));
+    assert_eq!(call(Role::New, &none), Err(CallError::NotGiven(Input::Parameters)));
+    let short = Given::default().with(Input::Parameters, [1.0, 2.0]).with(Input::StepSize, [0.1]);
+    assert_eq!(call(Role::New, &short), Err(CallError::NotGiven(Input::Parameters)));
+    assert!(CallError::NotGiven(Input::State).to_string().contains("State"));
+}
