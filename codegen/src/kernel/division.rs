@@ -40,7 +40,7 @@ impl Plan<'_> {
         }
     }
 
-    /// Where the equation asks for `2 · 1/x`, beside `1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the
+    /// Where the equation asks for `2 · 1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the
     /// equation waits for the multiple.
     fn divide_multiple(&mut self, reciprocal: Op, x: Op, users: &[Op], equation: &FxHashSet<Op>) {
         let multiple =
@@ -53,9 +53,7 @@ impl Plan<'_> {
                 }
                 _ => None,
             });
-        if let Some((multiple, number)) = multiple
-            && users.len() > 1
-        {
+        if let Some((multiple, number)) = multiple {
             let back = self.intern(Operation::Number(number.powi(-1)));
             self.operations[multiple.0 as usize] = Operation::Quotient(number, x);
             self.operations[reciprocal.0 as usize] = Operation::Product(vec![back, multiple]);

@@ -130,3 +130,51 @@ fn systems_that_nothing_acts_on_are_isolated() {
         assert_eq!(derived(attribute, item).function(Role::InBody).is_some(), isolated, "{attribute}");
     }
 }
+
+/// What is emitted for several factors: the nearest edge of all domains, each configuration's deviation, velocities at their places.
+#[test]
+fn every_factor_has_its_part_in_what_is_emitted() {
+    let attribute = "group(first: SO3, second: SE2), force(second = -drag * second_velocity)";
+    let item =
+        "struct Two { #[inertia(first)] i: Vector3<f64>, #[inertia(second)] j: Vector3<f64>, drag: f64 }";
+    let expansion = expand(tokens(attribute), tokens(item)).expect("no problem");
+    let expressions = expansion.expressions.to_string();
+    assert!(expressions.contains("fixed_rows :: < 3 > (3)"), "{expressions}");
+    let state = expansion.state.to_string();
+    assert_eq!(state.matches(":: deviation (& self").count(), 2, "{state}");
+    let exponential = &expansion.steps[0];
+    let domain = exponential.program.module.function(Role::Domain).expect("two edges");
+    assert_eq!(domain.results.concat().len(), 2);
+    let emitted = exponential.tokens.to_string();
+    assert!(emitted.contains("T :: min (T :: of"), "{emitted}");
+}
+
+/// The first problem of a description.
+fn problem(attribute: &str, item: &str) -> Option<String> {
+    expand(tokens(attribute), tokens(item)).err().map(|error| error.to_string())
+}
+
+#[test]
+fn sizes_and_names_have_their_bounds() {
+    let with = |field: &str| format!("struct A {{ #[inertia] j: Vector3<f64>, {field} }}");
+    let group = "group = SO3, potential = 0.0 * a[0]";
+    assert_eq!(problem(group, &with("a: SVector<f64, 32>")), None);
+    assert!(problem(group, &with("a: SVector<f64, 33>")).is_some_and(|message| message.contains("32")));
+    for (name, meaning) in [("t", "the time"), ("time", "the time"), ("momentum", "the momentum")] {
+        let message = problem("group = SO3", &with(&format!("{name}: f64"))).expect("the name is taken");
+        assert!(message.contains(meaning), "{message}");
+    }
+}
+
+/// Only powers of two change no digit.
+#[test]
+fn only_powers_of_two_scale_exactly() {
+    use coadjoint_codegen::expr::Number;
+    let exact = |numerator: i128, denominator: i128| Number::ratio(numerator, denominator).scales_exactly();
+    for (numerator, denominator) in [(2, 1), (4, 1), (1, 2), (1, 8), (1 << 40, 1)] {
+        assert!(exact(numerator, denominator), "{numerator}/{denominator}");
+    }
+    for (numerator, denominator) in [(1, 1), (3, 1), (6, 1), (1, 3), (3, 4), (-2, 1), (5, 2)] {
+        assert!(!exact(numerator, denominator), "{numerator}/{denominator}");
+    }
+}
