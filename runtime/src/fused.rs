@@ -42,7 +42,7 @@ impl<S: Discretized<M>, M> Discretized<Fused<M>> for S {
     type Method<T: Batch> = FusedMethod<S, M, T>;
 }
 
-/// A number, or several, of which [`plus`](Scalar::plus) and [`minus`](Scalar::minus) round once.
+/// A number, or several, of which [`mul_add`](Scalar::mul_add) and [`neg_mul_add`](Scalar::neg_mul_add) round once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FusedScalar<T>(T);
 
