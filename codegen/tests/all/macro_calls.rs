@@ -178,3 +178,14 @@ fn only_powers_of_two_scale_exactly() {
         assert!(!exact(numerator, denominator), "{numerator}/{denominator}");
     }
 }
+
+/// Slips of a third of a name are guessed, and of three letters at most.
+#[test]
+fn suggestions_are_near() {
+    use coadjoint_codegen::diagnostics::nearest;
+    let known = ["Exponential", "Cayley"];
+    assert_eq!(nearest("Exponentxyz", &known), Some("Exponential"));
+    assert_eq!(nearest("Exponenwxyz", &known), None);
+    assert_eq!(nearest("Calyey", &known), Some("Cayley"));
+    assert_eq!(nearest("Caxxxy", &known), None);
+}
