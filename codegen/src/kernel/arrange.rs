@@ -10,10 +10,8 @@ pub(super) fn arranged(term: Term, associate: bool) -> Term {
 
 /// Sums whose first addend is not subtracted.
 fn signed(term: Term, associate: bool) -> Term {
-    let within = |term: Box<Term>| Box::new(signed(*term, associate));
-    match term {
-        Term::Number(_) | Term::Value(_) => term,
-        Term::Negative(x) => match signed(*x, associate) {
+    match term.map(|operand| signed(operand, associate)) {
+        Term::Negative(x) => match *x {
             // −(a − b) reads b − a
             Term::Sum(mut addends) if addends.len() == 2 && addends[1].0 => {
                 addends.reverse();
@@ -23,20 +21,8 @@ fn signed(term: Term, associate: bool) -> Term {
             }
             x => Term::Negative(Box::new(x)),
         },
-        Term::Sum(addends) => {
-            let addends = addends.into_iter().map(|(negative, x)| (negative, signed(x, associate)));
-            sum(addends.collect(), associate)
-        }
-        Term::Product(factors) => {
-            Term::Product(factors.into_iter().map(|factor| signed(factor, associate)).collect())
-        }
-        Term::MulAdd { negative, a, b, addend } => {
-            Term::MulAdd { negative, a: within(a), b: within(b), addend: within(addend) }
-        }
-        Term::Quotient(x, y) => Term::Quotient(within(x), within(y)),
-        Term::Function(function, x) => Term::Function(function, within(x)),
-        Term::Power(x, y) => Term::Power(within(x), within(y)),
-        Term::Atan2(y, x) => Term::Atan2(within(y), within(x)),
+        Term::Sum(addends) => sum(addends, associate),
+        term => term,
     }
 }
 
@@ -90,40 +76,29 @@ fn balanced(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
 
 /// Products that are added in one operation to what stands before them.
 fn fused(term: Term) -> Term {
-    let within = |term: Box<Term>| Box::new(fused(*term));
-    match term {
-        Term::Number(_) | Term::Value(_) => term,
-        Term::Negative(x) => Term::Negative(within(x)),
-        Term::Sum(addends) => {
-            let mut addends = addends.into_iter().map(|(negative, addend)| (negative, fused(addend)));
-            let Some((_, first)) = addends.next() else { return Term::Number(0.into()) };
-            // whether the sum so far is one of this fold's, which goes on
-            let mut open = false;
-            addends.fold(first, |sum, (negative, addend)| match (addend, sum) {
-                (Term::Product(mut factors), sum) if factors.len() > 1 => {
-                    open = false;
-                    let last = factors.pop().unwrap_or_else(|| Term::Number(1.into()));
-                    let others = if factors.len() == 1 { factors.remove(0) } else { Term::Product(factors) };
-                    let (a, b, addend) = (Box::new(others), Box::new(last), Box::new(sum));
-                    Term::MulAdd { negative, a, b, addend }
-                }
-                (addend, Term::Sum(mut addends)) if open => {
-                    addends.push((negative, addend));
-                    Term::Sum(addends)
-                }
-                (addend, sum) => {
-                    open = true;
-                    Term::Sum(vec![(false, sum), (negative, addend)])
-                }
-            })
+    let addends = match term.map(fused) {
+        Term::Sum(addends) => addends,
+        term => return term,
+    };
+    let mut addends = addends.into_iter();
+    let Some((_, first)) = addends.next() else { return Term::Number(0.into()) };
+    // whether the sum so far is one of this fold's, which goes on
+    let mut open = false;
+    addends.fold(first, |sum, (negative, addend)| match (addend, sum) {
+        (Term::Product(mut factors), sum) if factors.len() > 1 => {
+            open = false;
+            let last = factors.pop().unwrap_or_else(|| Term::Number(1.into()));
+            let others = if factors.len() == 1 { factors.remove(0) } else { Term::Product(factors) };
+            let (a, b, addend) = (Box::new(others), Box::new(last), Box::new(sum));
+            Term::MulAdd { negative, a, b, addend }
         }
-        Term::Product(factors) => Term::Product(factors.into_iter().map(fused).collect()),
-        Term::MulAdd { negative, a, b, addend } => {
-            Term::MulAdd { negative, a: within(a), b: within(b), addend: within(addend) }
+        (addend, Term::Sum(mut addends)) if open => {
+            addends.push((negative, addend));
+            Term::Sum(addends)
         }
-        Term::Quotient(x, y) => Term::Quotient(within(x), within(y)),
-        Term::Function(function, x) => Term::Function(function, within(x)),
-        Term::Power(x, y) => Term::Power(within(x), within(y)),
-        Term::Atan2(y, x) => Term::Atan2(within(y), within(x)),
-    }
+        (addend, sum) => {
+            open = true;
+            Term::Sum(vec![(false, sum), (negative, addend)])
+        }
+    })
 }

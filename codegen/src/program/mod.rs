@@ -310,6 +310,26 @@ impl Function {
 }
 
 impl Term {
+    /// The term with the images of its operands.
+    pub(crate) fn map(self, mut image: impl FnMut(Self) -> Self) -> Self {
+        let mut within = |term: Box<Self>| Box::new(image(*term));
+        match self {
+            Self::Number(_) | Self::Value(_) => self,
+            Self::Negative(x) => Self::Negative(within(x)),
+            Self::Sum(addends) => {
+                Self::Sum(addends.into_iter().map(|(negative, x)| (negative, image(x))).collect())
+            }
+            Self::Product(factors) => Self::Product(factors.into_iter().map(image).collect()),
+            Self::MulAdd { negative, a, b, addend } => {
+                Self::MulAdd { negative, a: within(a), b: within(b), addend: within(addend) }
+            }
+            Self::Quotient(x, y) => Self::Quotient(within(x), within(y)),
+            Self::Function(function, x) => Self::Function(function, within(x)),
+            Self::Power(x, y) => Self::Power(within(x), within(y)),
+            Self::Atan2(y, x) => Self::Atan2(within(y), within(x)),
+        }
+    }
+
     /// Shows each value that the term names.
     pub fn values(&self, show: &mut impl FnMut(Value)) {
         match self {
