@@ -711,9 +711,13 @@ pub mod reading {
     //! | `domain`, `finish` | once a step | the retraction's margin; the next state |
     //!
     //! Names follow the mathematics: `eta` is the step times the velocity (`half_eta` half of it, the unknown where the Cayley map turns),
-    //! `momentum_mean` the mean momentum `μ̄` (`twice_momentum_mean` twice that), `turn` the retraction of `eta`, `kick` what potential and
+    //! `momentum_mean` the mean momentum `μ̄` (`twice_momentum_mean` twice that), `increment` the retraction of `eta`, `kick` what potential and
     //! forces add to the momentum, `gamma_mean` and `gamma_next` an advected parameter at the intermediate point and after the step.
     //! `Stumpff` functions `c0, c1, …` take the place of sines and cosines.
+    //!
+    //! What has no such name is called by what it is made of, if that is short (`half_h_per_inertia_x`), else by what it is computed for, with
+    //! a number: `jacobian_12_1`. `minus_` stands before the negative of what the mathematics names, and `sum_1` is the beginning of a long sum.
+    //! `a.mul_add(b, c)` is `a b + c`, and `a.neg_mul_add(b, c)` is `c − a b`, each one operation where processors have it.
     //!
     //! Where the equation is explicit or linear, there is no unknown (`[T; 0]`), and `evaluate` and `correction` are empty.
 }
