@@ -88,7 +88,7 @@ fn nothing() -> syn::Error {
 fn emitted(program: Program, system: &System<'_>, attribute: &Attribute, item: &Item) -> Expansion {
     let (name, visibility) = (item.name.clone(), item.visibility.clone());
     let names = Names::new(name, visibility, item.scalar().name(), attribute.krate.as_ref(), system);
-    emit::expansion(&program, system, &item.declaration, &names, attribute.derivatives)
+    emit::expansion(program, system, &item.declaration, &names, attribute.derivatives)
 }
 
 /// From tokens to what is made of a program, by the stages named above.

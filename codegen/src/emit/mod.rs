@@ -130,40 +130,40 @@ impl Expansion {
 
 /// Emits everything that was derived for a system.
 pub fn expansion(
-    program: &Program,
+    program: Program,
     source: &System<'_>,
     item: &syn::ItemStruct,
     names: &Names,
     derivatives: Derivatives,
 ) -> Expansion {
     let interface = &program.interface;
-    let derived = description(program, names);
+    let derived = description(&program, names);
     let lengths = Lengths {
         state: interface.state_perturbation(),
         controls: interface.control_length(),
         parameters: interface.field_length(),
     };
-    let step = |program: &StepProgram| StepExpansion {
-        tokens: kernel::kernel(names, program),
+    let step = |program: StepProgram| StepExpansion {
+        tokens: kernel::kernel(names, &program),
         derivative: program
             .derivative
             .as_ref()
             .map(|module| derivative::derivative(names, program.scheme, module, &lengths)),
-        program: program.clone(),
+        program,
     };
     Expansion {
         declaration: declaration(item, &derived),
         state: state::state(interface, names),
         expressions: expressions::expressions(source, names),
-        system: system::system(program, names),
-        geometry: geometry::geometry(program, names),
+        system: system::system(&program, names),
+        geometry: geometry::geometry(&program, names),
         tangents: if derivatives.any() {
             tangents::tangents(interface, names, derivatives)
         } else {
             quote! {}
         },
         schemes: schemes::schemes(names, &program.steps),
-        steps: program.steps.iter().map(step).collect(),
+        steps: program.steps.into_iter().map(step).collect(),
     }
 }
 

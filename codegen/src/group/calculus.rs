@@ -49,8 +49,7 @@ pub(crate) fn d_right<'a>(
     x: &Vector<'a>,
     y: &Vector<'a>,
 ) -> Vector<'a> {
-    let m = placeholders(y.0[0].arena(), "m", y.len());
-    gradient(group.d_right_dual(retraction, x, &m).dot(y), &m.symbols())
+    transposed(y, y.len(), |m| group.d_right_dual(retraction, x, m))
 }
 
 /// `dL τ_x y = dR τ_{−x} y`
@@ -65,8 +64,17 @@ pub(crate) fn d_left<'a>(
 
 /// `Ad_{g⁻¹} x`, from its dual.
 pub(crate) fn to_body<'a>(group: &dyn Group, g: &Vector<'a>, x: &Vector<'a>) -> Vector<'a> {
-    let m = placeholders(g.0[0].arena(), "m", x.len());
-    gradient(group.to_space(g, &m).dot(x), &m.symbols())
+    transposed(x, x.len(), |m| group.to_space(g, m))
+}
+
+/// `Aᵀ a` for a linear map `A` of vectors of this dimension.
+pub(crate) fn transposed<'a>(
+    a: &Vector<'a>,
+    dimension: usize,
+    map: impl FnOnce(&Vector<'a>) -> Vector<'a>,
+) -> Vector<'a> {
+    let u = placeholders(a.0[0].arena(), "u", dimension);
+    gradient(a.dot(&map(&u)), &u.symbols())
 }
 
 /// Symbols to differentiate by, when a formula's argument is not itself a symbol.

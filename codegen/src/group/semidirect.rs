@@ -8,6 +8,7 @@
 //! carrying it back by `τ(x, w)⁻¹` takes. With `P(x) w = f(x) + τ(x) e` the derivative of `τ(x) e` is `ρ_r τ(x) e` by the very
 //! definition of `r`, which cancels, and `D_x f(x) y − ρ_r f(x)` remains.
 
+use super::calculus::transposed;
 use super::{Group, Representation, Retraction, Translation, placeholders};
 use crate::expr::{Expr, Vector, gradient};
 
@@ -132,8 +133,7 @@ impl Semidirect {
         xi: &SemidirectVector<'a>,
         mu: &SemidirectVector<'a>,
     ) -> SemidirectVector<'a> {
-        let y = placeholders(mu.base.0[0].arena(), "y", xi.base.len());
-        let mut base = gradient(mu.base.dot(&self.group.bracket(&xi.base, &y)), &y.symbols());
+        let mut base = transposed(&mu.base, xi.base.len(), |y| self.group.bracket(&xi.base, y));
         for ((space, w), a) in self.spaces.iter().zip(&xi.spaces).zip(&mu.spaces) {
             base = &base - &momentum_map(*space, w, a);
         }
@@ -147,8 +147,7 @@ impl Semidirect {
 
     /// `ad*_x a` for an `a` of one of the spaces: `(ad*_x a) · u = a · ρ_x u`.
     pub fn coadjoint_space<'a>(&self, space: usize, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
-        let u = placeholders(a.0[0].arena(), "u", a.len());
-        gradient(a.dot(&self.spaces[space].act_infinitesimally(x, &u)), &u.symbols())
+        transposed(a, a.len(), |u| self.spaces[space].act_infinitesimally(x, u))
     }
 }
 
@@ -159,14 +158,13 @@ fn translation_dual<'a>(
     x: &Vector<'a>,
     a: &Vector<'a>,
 ) -> Vector<'a> {
-    let u = placeholders(a.0[0].arena(), "u", a.len());
-    let Translation { body_part, rotated_part, .. } = space.translation(retraction, x, &u);
-    let translation = &body_part + &space.transport(retraction, x, &rotated_part);
-    gradient(a.dot(&translation), &u.symbols())
+    transposed(a, a.len(), |u| {
+        let Translation { body_part, rotated_part, .. } = space.translation(retraction, x, u);
+        &body_part + &space.transport(retraction, x, &rotated_part)
+    })
 }
 
 /// `J(p, a)` with `J(p, a) · y = a · ρ_y p`
 fn momentum_map<'a>(space: &dyn Representation, p: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
-    let y = placeholders(a.0[0].arena(), "y", space.algebra_dimension());
-    gradient(a.dot(&space.act_infinitesimally(&y, p)), &y.symbols())
+    transposed(a, space.algebra_dimension(), |y| space.act_infinitesimally(y, p))
 }
