@@ -130,7 +130,7 @@ impl<'a> Value<'a> {
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
             Self::Element(element) => format!("an element of {}", element.group.name()),
             Self::Point(point) => format!("a point in {} dimensions", point.len()),
-            Self::Optional(value) => format!("an option of {}", value.describe()),
+            Self::Optional(value) => format!("an option of {} (take it with `.unwrap()`)", value.describe()),
             _ => self.shape().map(Shape::describe).unwrap_or_default(),
         }
     }

@@ -247,11 +247,17 @@ fn inverses() {
     );
     complains(
         "m.try_inverse()",
-        &[("m.try_inverse()", "the potential must be a scalar, but this is an option of a 3×3 matrix")],
+        &[(
+            "m.try_inverse()",
+            "the potential must be a scalar, but this is an option of a 3×3 matrix (take it with `.unwrap()`)",
+        )],
     );
     complains(
         "(m.try_inverse() * chi).x",
-        &[("*", "an option of a 3×3 matrix cannot be multiplied by a vector of 3")],
+        &[(
+            "*",
+            "an option of a 3×3 matrix (take it with `.unwrap()`) cannot be multiplied by a vector of 3",
+        )],
     );
     complains("m.try_inverse().expect().trace()", &[("expect", "`expect` takes a message")]);
     complains("m.try_inverse().unwrap(1).trace()", &[("unwrap", "`unwrap` takes no argument")]);
