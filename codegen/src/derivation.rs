@@ -8,7 +8,7 @@ use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::method::linearization::Linearization;
 use crate::model::Role as QuantityRole;
-use crate::model::{Factor, InertiaField, InertiaShape, Parameter, Part, StoredAs, System};
+use crate::model::{InertiaField, InertiaShape, Parameter, Part, StoredAs, System};
 use crate::program::{
     Documentation, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
 };
@@ -105,7 +105,7 @@ pub(crate) fn step<'a>(
     let step = scheme.step(arena, system);
     let module = kernel::step(arena, &step, Inputs::of(system));
     let derivative = wanted.any().then(|| {
-        let linearization = Linearization::new(arena, system, scheme.retraction, &step, wanted);
+        let linearization = Linearization::new(arena, system, &step, wanted);
         kernel::derivative(arena, &step, &linearization, wanted, Inputs::of(system))
     });
     StepProgram { scheme, aliases, blocks: step.blocks, bounded: step.bounded, module, derivative }
@@ -132,11 +132,10 @@ fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
 
 /// The momenta in space coordinates.
 fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
-    let of = |factor: &Factor<'a>| match system.side {
-        Side::Left => factor.algebra.group.to_space(&factor.configuration, &factor.momentum).0,
-        Side::Right => factor.momentum.0.clone(),
-    };
-    Vector(system.factors.iter().flat_map(of).collect())
+    match system.side {
+        Side::Left => geometry::conserved(system),
+        Side::Right => system.momentum(),
+    }
 }
 
 /// What shows that inertias are positive definite.
@@ -158,22 +157,22 @@ fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
     let mut functions = vec![
         (Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent()),
         (Role::CayleyDisplacement, displaced(Retraction::Cayley), with_tangent()),
+        (Role::SecondKindDisplacement, displaced(Retraction::SecondKind), with_tangent()),
         (Role::Differential, geometry::differential(system), with_time(at_state(system))),
         (Role::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
         (Role::Force, geometry::force(arena, system), with_time(controlled)),
     ];
     if is_isolated(system) {
-        let symbol = |i: usize| arena.symbol(format!("spatial_{i}"), Stage::Step);
-        let spatial = Vector((0..system.dimension()).map(symbol).collect());
-        let inputs = at_state(system).with(Input::SpatialMomentum, spatial.symbols());
-        functions.push((Role::InBody, geometry::with_spatial_momentum(system, &spatial), inputs));
+        let symbol = |i: usize| arena.symbol(format!("conserved_{i}"), Stage::Step);
+        let conserved = Vector((0..system.dimension()).map(symbol).collect());
+        let inputs = at_state(system).with(Input::Conserved, conserved.symbols());
+        functions.push((Role::Conserved, geometry::conserved(system), at_state(system)));
+        functions.push((Role::WithConserved, geometry::with_conserved(system, &conserved), inputs));
     }
     functions.into_iter().map(|(role, value, inputs)| kernel::function(arena, role, &value, inputs)).collect()
 }
 
-/// Whether nothing acts on the system, whose momentum is then constant in space; as far as it is left-invariant.
+/// Whether nothing acts on the system, whose momentum on the other side of the configuration is then constant.
 fn is_isolated(system: &System<'_>) -> bool {
-    system.side == Side::Left
-        && system.is_left_invariant()
-        && system.factors.iter().all(|factor| factor.advected.is_empty())
+    system.is_left_invariant() && system.factors.iter().all(|factor| factor.advected.is_empty())
 }

@@ -4,7 +4,7 @@
 //! the change of each momentum and advected parameter.
 
 use crate::expr::{Arena, Stage, Symbol, Vector, gradient};
-use crate::group::{Retraction, SemidirectVector, trivialized_gradient};
+use crate::group::{Retraction, SemidirectVector, Side, trivialized_gradient};
 use crate::identifiers::plain;
 use crate::model::{Factor, FactorPart, Slot, System};
 
@@ -103,13 +103,29 @@ pub fn force<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
     system.join(&parts)
 }
 
-/// The state with the momenta that belong to these in space coordinates.
-pub fn with_spatial_momentum<'a>(system: &System<'a>, spatial: &Vector<'a>) -> Vector<'a> {
+/// The momenta on the other side of the configuration, constant where nothing acts on the system: in space, `Ad*_{g⁻¹} μ`, of a
+/// left-invariant one, in the body, `Ad*_g μ`, of a right-invariant one.
+pub fn conserved<'a>(system: &System<'a>) -> Vector<'a> {
+    let of = |factor: &Factor<'a>| {
+        let (group, g) = (factor.algebra.group, &factor.configuration);
+        match system.side {
+            Side::Left => group.to_space(g, &factor.momentum).0,
+            Side::Right => group.to_space(&group.inverse(g), &factor.momentum).0,
+        }
+    };
+    Vector(system.factors.iter().flat_map(of).collect())
+}
+
+/// The state with the momenta that belong to these on the other side of the configuration.
+pub fn with_conserved<'a>(system: &System<'a>, conserved: &Vector<'a>) -> Vector<'a> {
     let mut parts = system.state();
-    for ((factor, part), spatial) in system.factors.iter().zip(&mut parts).zip(system.split_momentum(spatial))
-    {
-        let group = factor.algebra.group;
-        part.momentum = group.to_space(&group.inverse(&part.configuration), &spatial);
+    let conserved = system.split_momentum(conserved);
+    for ((factor, part), conserved) in system.factors.iter().zip(&mut parts).zip(conserved) {
+        let (group, g) = (factor.algebra.group, &part.configuration);
+        part.momentum = match system.side {
+            Side::Left => group.to_space(&group.inverse(g), &conserved),
+            Side::Right => group.to_space(g, &conserved),
+        };
     }
     system.join(&parts)
 }

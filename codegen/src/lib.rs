@@ -126,13 +126,13 @@ fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Schem
     rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();
-    let (originals, aliases): (Vec<Rule>, Vec<Rule>) =
-        rules.into_iter().partition(|rule| rule.original(system) == *rule);
     let with = |retraction| {
-        let all = originals.iter().map(move |&rule| Scheme { retraction, rule });
-        all.map(|scheme| {
-            let is_alias = |rule: &&Rule| rule.original(system) == scheme.rule;
-            (scheme, aliases.iter().filter(is_alias).map(|&rule| Scheme { rule, ..scheme }).collect())
+        let original = move |rule: &Rule| rule.original(system, retraction);
+        let (originals, aliases): (Vec<Rule>, Vec<Rule>) =
+            rules.iter().partition(|rule| original(rule) == **rule);
+        originals.into_iter().map(move |rule| {
+            let aliases = aliases.iter().filter(|alias| original(alias) == rule);
+            (Scheme { retraction, rule }, aliases.map(|&rule| Scheme { retraction, rule }).collect())
         })
     };
     attribute.retractions().iter().copied().flat_map(with).collect()

@@ -46,6 +46,12 @@ impl Scheme {
     }
 }
 
+/// Whether a bare retraction stands for the step of Störmer and Verlet whatever the system: what is not odd makes no symmetric step of
+/// [the first member](Member::SYMPLECTIC_EULER_A).
+pub fn stands_for_verlet(retraction: Retraction) -> bool {
+    !retraction.is_odd()
+}
+
 /// A member of the [`family`](crate::method::family): its parameter `s` as a fraction in lowest terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Member {

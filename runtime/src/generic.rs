@@ -74,6 +74,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod second_kind;
+
 use core::marker::PhantomData;
 
 use nalgebra::linalg::try_invert_to;

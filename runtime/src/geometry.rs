@@ -17,6 +17,19 @@ pub enum Map {
     Exponential,
     /// [`Cayley`](crate::retraction::Cayley)
     Cayley,
+    /// [`SecondKind`](crate::retraction::SecondKind)
+    SecondKind,
+}
+
+impl Map {
+    /// All of them.
+    pub const ALL: [Map; 3] = [Map::Exponential, Map::Cayley, Map::SecondKind];
+
+    /// Whether it is a function of one matrix: then it is odd, `τ(−ξ) = τ(ξ)⁻¹`, and `Ad`-equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. Other
+    /// maps are neither, but on commutative groups.
+    pub const fn is_matrix_function(self) -> bool {
+        matches!(self, Self::Exponential | Self::Cayley)
+    }
 }
 
 /// The local coordinates and the Poisson structure of a system's states. Implemented by the macro.
@@ -48,16 +61,17 @@ pub trait Geometry: System {
     }
 }
 
-/// A system on which nothing acts: left-invariant, without advected parameters and forces, so that its momentum is constant in
-/// space. Implemented by the macro.
+/// A system on which nothing acts: without a potential on the group, advected parameters and forces, so that its momentum on the other side
+/// of the configuration is constant: in space if velocities are those of the body, in the body where `invariance = right`. Implemented by
+/// the macro.
 pub trait Isolated: System {
-    /// The momentum in space coordinates, over any scalar.
-    type Spatial<T: Scalar>: Components<T>;
-    /// The momentum of a state, `Ad*_{g⁻¹} μ`.
-    fn in_space<T: Scalar>(state: &Self::StateComponents<T>) -> Self::Spatial<T>;
-    /// The state with the body momentum `Ad*_g π` that belongs to a momentum in space.
-    fn in_body<T: Scalar>(
+    /// The constant momentum, over any scalar.
+    type Conserved<T: Scalar>: Components<T>;
+    /// The constant momentum of a state: `Ad*_{g⁻¹} μ`, or `Ad*_g μ` where `invariance = right`.
+    fn conserved<T: Scalar>(state: &Self::StateComponents<T>) -> Self::Conserved<T>;
+    /// The state with the momentum that belongs to a constant one: `Ad*_g π`, or `Ad*_{g⁻¹} π`.
+    fn with_conserved<T: Scalar>(
         state: &Self::StateComponents<T>,
-        spatial: &Self::Spatial<T>,
+        conserved: &Self::Conserved<T>,
     ) -> Self::StateComponents<T>;
 }

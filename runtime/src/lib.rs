@@ -135,7 +135,7 @@ pub use nalgebra;
 #[cfg(feature = "std")]
 pub use observe::Record;
 pub use observe::{Invariants, Observer};
-pub use retraction::{Cayley, Exponential};
+pub use retraction::{Cayley, Exponential, SecondKind};
 pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
 pub use scheme::{
     Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,

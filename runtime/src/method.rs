@@ -314,22 +314,22 @@ where
     }
 }
 
-/// A method that carries the momentum from step to step in space coordinates.
-pub struct SpatialMomentum<S: Isolated, B: Method> {
+/// A method that carries from step to step the momentum that is constant.
+pub struct ConservedMomentum<S: Isolated, B: Method> {
     pub(crate) base: B,
     /// Whether there was a step.
     has_stepped: bool,
     /// The momentum since then.
-    spatial: S::Spatial<B::Scalar>,
+    conserved: S::Conserved<B::Scalar>,
 }
 
-impl<S: Isolated, B: Method> Clone for SpatialMomentum<S, B> {
+impl<S: Isolated, B: Method> Clone for ConservedMomentum<S, B> {
     fn clone(&self) -> Self {
-        Self { base: self.base.clone(), has_stepped: self.has_stepped, spatial: self.spatial }
+        Self { base: self.base.clone(), has_stepped: self.has_stepped, conserved: self.conserved }
     }
 }
 
-impl<S, B> Method for SpatialMomentum<S, B>
+impl<S, B> Method for ConservedMomentum<S, B>
 where
     S: Isolated,
     B: Method,
@@ -342,8 +342,8 @@ where
     type Control = B::Control;
 
     fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        let nothing = S::Spatial::splat(B::Scalar::of(0.0));
-        Self { base: B::new(parameters, step), has_stepped: false, spatial: nothing }
+        let nothing = S::Conserved::splat(B::Scalar::of(0.0));
+        Self { base: B::new(parameters, step), has_stepped: false, conserved: nothing }
     }
 
     #[inline(always)]
@@ -354,16 +354,16 @@ where
         control: &B::Control,
         known: bool,
     ) -> Outcome<B::Scalar, B::State> {
-        let spatial = if known && self.has_stepped { self.spatial } else { S::in_space(state) };
+        let conserved = if known && self.has_stepped { self.conserved } else { S::conserved(state) };
         let mut accumulator = StageAccumulator::new();
         let next = accumulator.stage(&mut self.base, state, time, control, known)?;
-        (self.has_stepped, self.spatial) = (true, spatial);
-        accumulator.end(S::in_body(&next, &spatial))
+        (self.has_stepped, self.conserved) = (true, conserved);
+        accumulator.end(S::with_conserved(&next, &conserved))
     }
 
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
         visit_flag(&mut self.has_stepped, visit);
-        visit(self.spatial.as_mut());
+        visit(self.conserved.as_mut());
         self.base.memory(visit);
     }
 }

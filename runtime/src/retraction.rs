@@ -1,7 +1,8 @@
 //! The retractions `τ: g → G` a step can be built on, as types to choose with:
 //! `system.stepper::<Cayley>(h)`.
 //!
-//! Both satisfy `τ(0) = e`, `τ'(0) = id` and `τ(−ξ) = τ(ξ)⁻¹`.
+//! All satisfy `τ(0) = e` and `τ'(0) = id`. [`Exponential`] and [`Cayley`] are functions of one matrix: `τ(−ξ) = τ(ξ)⁻¹`, and
+//! `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. [`SecondKind`] has neither property, nor have steps what follows from them.
 
 use crate::geometry::Map;
 
@@ -19,6 +20,10 @@ impl Retraction for Cayley {
     const MAP: Map = Map::Cayley;
 }
 
+impl Retraction for SecondKind {
+    const MAP: Map = Map::SecondKind;
+}
+
 /// The group's exponential map.
 ///
 /// On SO(3) it needs angles per step below 2π. At equal step it is far more accurate than [`Cayley`]
@@ -29,3 +34,13 @@ pub struct Exponential;
 /// The Cayley map `(1 − ξ/2)⁻¹(1 + ξ/2)`: rational, no transcendental function, defined for every argument.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cayley;
+
+/// Canonical coordinates of the second kind, `τ(ξ) = exp(ξ₁E₁) exp(ξ₂E₂) ⋯`: turns and shifts along the axes of the algebra, one after the
+/// other. (B. Owren and A. Marthinsen, *Integration methods based on canonical coordinates of the second kind*, 2001.)
+///
+/// Neither odd nor `Ad`-equivariant. Steps with it are Poisson maps that keep the Casimirs, and the adjoint of the member `s` of the
+/// [family](crate::scheme::Family) is `1 − s`, as with any retraction; but only `s = ½` is symmetric and of order 2, on left-invariant systems
+/// too. The bare retraction is therefore [`StormerVerlet`](crate::scheme::StormerVerlet) for every system. On SO(3) the second turn must be
+/// less than a quarter. To compare with: generated where a description asks for it by `retractions(SecondKind)`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SecondKind;

@@ -36,7 +36,7 @@ use crate::retraction::{Exponential, Retraction};
 /// The step's equation is set up at the point `s` of the way from its start to its end: with the step `h`, solve for `η`
 ///
 /// ```text
-/// m = Ad*_{τ(−sη)⁻¹} μ_k                                      momentum at the intermediate point ḡ = g_k τ(sη)
+/// m = Ad*_{τ(−sη)⁻¹} μ_k                                      momentum at the intermediate point ḡ = g_k τ(−sη)⁻¹
 /// μ̄ = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
 /// η = h ∂h/∂μ(μ̄)
 /// ```
@@ -44,9 +44,11 @@ use crate::retraction::{Exponential, Retraction};
 /// and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = ḡ τ((1−s)η)`. A potential on the group, forces and explicit time act there
 /// too: at `ḡ` and the time `t_k + s h`, with the share `1 − s` before and `s` after.
 ///
-/// - For left-invariant systems without forces, every member is a Poisson map, keeps the Casimirs, is symmetric and of order 2.
+/// - For left-invariant systems without forces, every member is a Poisson map and keeps the Casimirs, with any retraction. With
+///   [`Exponential`] and [`Cayley`](crate::retraction::Cayley) it is symmetric and of order 2.
 /// - With a potential on the group, every member is symplectic on `T*G`. Its adjoint, the inverse of the step `−h`, is the member
-///   `1 − s`: only `s = ½` is symmetric and of order 2, the others are of order 1.
+///   `1 − s`: only `s = ½` is symmetric and of order 2, the others are of order 1. So it is with
+///   [`SecondKind`](crate::retraction::SecondKind) for left-invariant systems too.
 /// - With forces no member is symplectic, nor is the motion; orders and adjoints are as with a potential.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Family<R = Exponential, const N: u32 = 0, const D: u32 = 1>(PhantomData<R>);
@@ -71,7 +73,8 @@ pub type SymplecticEulerB<R = Exponential> = Family<R, 1, 1>;
 pub struct TangentLift<R = Exponential>(PhantomData<R>);
 
 /// The scheme `M` carrying the momentum in space coordinates, (6.6) and (6.9) of the paper, for systems on which nothing
-/// [acts](crate::geometry::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it.
+/// [acts](crate::geometry::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it. Where
+/// `invariance = right` it is the other way round: the momentum in the body is constant and carried, that in space belongs to it.
 ///
 /// The map is that of `M` up to roundoff, a Poisson map as it is. The stepper carries the momentum for as long as the states it is
 /// given are those that it led to; another state starts anew from its body momentum.

@@ -12,8 +12,8 @@ use crate::error::ParameterError;
 use crate::geometry::Map;
 pub use crate::geometry::{Geometry, Isolated};
 use crate::kernel::{Components, Kernel};
-use crate::method::{AdjointPair, Method, SpatialMomentum};
-use crate::retraction::{Cayley, Exponential};
+use crate::method::{AdjointPair, ConservedMomentum, Method};
+use crate::retraction::{Cayley, Exponential, SecondKind};
 use crate::scalar::{Batch, Real, Scalar};
 use crate::scheme::{
     Base, Family, RightLift, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
@@ -151,8 +151,9 @@ pub trait System: Sized {
     type Casimirs: Components<Self::Scalar>;
     /// Momentum: an element of the dual of the Lie algebra.
     type Momentum: Clone + PartialEq + fmt::Debug;
-    /// The scheme of order 2 that the bare retraction `R` stands for: [`SymplecticEulerA<R>`] for left-invariant systems (the paper's
-    /// reduced step (6.5)), [`StormerVerlet<R>`] where a potential on the group or a force acts.
+    /// The scheme of order 2 that a bare retraction `R` stands for: [`SymplecticEulerA<R>`] for left-invariant systems (the paper's
+    /// reduced step (6.5)), [`StormerVerlet<R>`] where a potential on the group or a force acts. For [`SecondKind`], which is not odd, it is
+    /// [`StormerVerlet`] for every system.
     type Standard<R>;
 
     /// The struct's name.
@@ -208,7 +209,7 @@ pub trait System: Sized {
     }
 }
 
-/// A system with a step of the scheme `M`: a retraction ([`Exponential`] or [`Cayley`]), a [scheme](crate::scheme) on one, or a
+/// A system with a step of the scheme `M`: a retraction ([`Exponential`], [`Cayley`] or [`SecondKind`]), a [scheme](crate::scheme) on one, or a
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
@@ -271,7 +272,8 @@ pub trait Generated<M>: System {
 )]
 #[doc(hidden)]
 pub trait Retracted<R>: System {
-    /// The [standard](System::Standard) scheme.
+    /// The scheme of order 2 that the bare retraction stands for: the [standard](System::Standard) one, or
+    /// [`StormerVerlet`] where that is not symmetric.
     type Scheme;
 }
 
@@ -322,24 +324,22 @@ impl<S, M> Discretized<RightLift<M>> for S
 where
     S: Isolated + Discretized<M>,
 {
-    type Method<T: Batch> = SpatialMomentum<S, <S as Discretized<M>>::Method<T>>;
+    type Method<T: Batch> = ConservedMomentum<S, <S as Discretized<M>>::Method<T>>;
 }
 
-#[diagnostic::do_not_recommend]
-impl<S> Discretized<Exponential> for S
-where
-    S: Retracted<Exponential> + Discretized<<S as Retracted<Exponential>>::Scheme>,
-{
-    type Method<T: Batch> = <S as Discretized<<S as Retracted<Exponential>>::Scheme>>::Method<T>;
+/// The bare retractions.
+macro_rules! retraction {
+    ($($name:ident),*) => {
+        $(#[diagnostic::do_not_recommend]
+        impl<S> Discretized<$name> for S
+        where
+            S: Retracted<$name> + Discretized<<S as Retracted<$name>>::Scheme>,
+        {
+            type Method<T: Batch> = <S as Discretized<<S as Retracted<$name>>::Scheme>>::Method<T>;
+        })*
+    };
 }
-
-#[diagnostic::do_not_recommend]
-impl<S> Discretized<Cayley> for S
-where
-    S: Retracted<Cayley> + Discretized<<S as Retracted<Cayley>>::Scheme>,
-{
-    type Method<T: Batch> = <S as Discretized<<S as Retracted<Cayley>>::Scheme>>::Method<T>;
-}
+retraction!(Exponential, Cayley, SecondKind);
 
 /// A value stored in a struct's field, as `N` scalars: scalars, vectors, matrices (by rows), unit quaternions (`w, x, y, z`), unit
 /// complex numbers (`re, im`), isometries (the rotation's scalars, then the translation's).

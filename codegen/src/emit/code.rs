@@ -73,7 +73,7 @@ fn argument_name(input: Input) -> Ident {
         Input::Record(RecordKind::Point) => "point",
         Input::Costate => "costate",
         Input::Tangent => "by",
-        Input::SpatialMomentum => "spatial",
+        Input::Conserved => "conserved",
     };
     Ident::new(name, Span::call_site())
 }

@@ -15,6 +15,7 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let functions = [
         ("exponential", Role::ExponentialDisplacement),
         ("cayley", Role::CayleyDisplacement),
+        ("second_kind", Role::SecondKindDisplacement),
         ("differential", Role::Differential),
         ("vector", Role::HamiltonianVector),
         ("force", Role::Force),
@@ -36,6 +37,7 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
                     let moved = match map {
                         #private::Map::Exponential => exponential(#parameters, #components, by),
                         #private::Map::Cayley => cayley(#parameters, #components, by),
+                        #private::Map::SecondKind => second_kind(#parameters, #components, by),
                     };
                     #private::State::from_components(&moved)
                 }
@@ -66,28 +68,28 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
 /// `impl Isolated for FreeRigidBody { … }`, where nothing acts on the system.
 fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
     let Names { private, system: name, .. } = names;
-    let (_, in_body) = program.function(Role::InBody)?;
+    let (_, with_conserved) = program.function(Role::WithConserved)?;
     let [parameters, all, n] =
-        [Input::Parameters, Input::State, Input::SpatialMomentum].map(|input| in_body.length(input));
+        [Input::Parameters, Input::State, Input::Conserved].map(|input| with_conserved.length(input));
     // what turns the momentum does not depend on the parameters
     let zeros = vec![quote! { T::of(0.0) }; parameters];
     let (all, n) = (size(all), size(n));
-    let in_body = function(program, private, Role::InBody, "body");
-    let in_space = function(program, private, Role::SpatialMomentum, "in_space");
+    let conserved = function(program, private, Role::Conserved, "conserved");
+    let with_conserved = function(program, private, Role::WithConserved, "with_conserved");
     Some(quote! {
-        #in_body
-        #in_space
+        #conserved
+        #with_conserved
 
         #[automatically_derived]
         impl #private::Isolated for #name {
-            type Spatial<T: #private::Scalar> = [T; #n];
+            type Conserved<T: #private::Scalar> = [T; #n];
 
-            fn in_space<T: #private::Scalar>(state: &[T; #all]) -> [T; #n] {
-                in_space(&[#(#zeros),*], state, T::of(0.0))
+            fn conserved<T: #private::Scalar>(state: &[T; #all]) -> [T; #n] {
+                conserved(&[#(#zeros),*], state)
             }
 
-            fn in_body<T: #private::Scalar>(state: &[T; #all], spatial: &[T; #n]) -> [T; #all] {
-                body(&[#(#zeros),*], state, spatial)
+            fn with_conserved<T: #private::Scalar>(state: &[T; #all], given: &[T; #n]) -> [T; #all] {
+                with_conserved(&[#(#zeros),*], state, given)
             }
         }
     })

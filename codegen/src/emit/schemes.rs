@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::{Names, block};
 use crate::program::StepProgram;
-use crate::scheme::{Member, Rule, Scheme};
+use crate::scheme::{Member, Rule, Scheme, stands_for_verlet};
 
 /// The type that stands for a scheme: `Family<Cayley, 0, 1>`.
 pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
@@ -25,14 +25,18 @@ pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
 /// retraction that there is.
 pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     let Names { system, private, coadjoint, .. } = names;
-    let mut retractions: Vec<_> = steps.iter().map(|step| step.scheme.retraction.name()).collect();
+    let mut retractions: Vec<_> = steps.iter().map(|step| step.scheme.retraction).collect();
     retractions.dedup();
     let retracted = retractions.into_iter().map(|retraction| {
-        let retraction = format_ident!("{retraction}");
+        let name = format_ident!("{}", retraction.name());
+        let scheme = match stands_for_verlet(retraction) {
+            true => quote! { #private::StormerVerlet<#coadjoint::#name> },
+            false => quote! { <Self as #private::System>::Standard<#coadjoint::#name> },
+        };
         quote! {
             #[automatically_derived]
-            impl #private::Retracted<#coadjoint::#retraction> for #system {
-                type Scheme = <Self as #private::System>::Standard<#coadjoint::#retraction>;
+            impl #private::Retracted<#coadjoint::#name> for #system {
+                type Scheme = #scheme;
             }
         }
     });

@@ -52,14 +52,28 @@ pub(crate) fn d_right<'a>(
     transposed(y, y.len(), |m| group.d_right_dual(retraction, x, m))
 }
 
-/// `dL τ_x y = dR τ_{−x} y`
+/// `dL τ_x y = dR τ̄_{−x} y`
 pub(crate) fn d_left<'a>(
     group: &dyn Group,
     retraction: Retraction,
     x: &Vector<'a>,
     y: &Vector<'a>,
 ) -> Vector<'a> {
-    d_right(group, retraction, &-x, y)
+    d_right(group, retraction.reversed(), &-x, y)
+}
+
+/// `Ad_{τ(x)⁻¹} y`, which is `y − dL τ_x [x, y]` where `τ` is equivariant.
+pub(crate) fn carried_back<'a>(
+    group: &dyn Group,
+    retraction: Retraction,
+    x: &Vector<'a>,
+    y: &Vector<'a>,
+) -> Vector<'a> {
+    if retraction.is_equivariant() {
+        y - &d_left(group, retraction, x, &group.bracket(x, y))
+    } else {
+        to_body(group, &group.retract(retraction, x), y)
+    }
 }
 
 /// `Ad_{g⁻¹} x`, from its dual.

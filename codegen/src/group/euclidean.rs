@@ -4,7 +4,7 @@
 //! * Storage: the vector; `g' = ξ`.
 //! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
 
-use super::{EquationNames, Equations, Group, Named, Representation, Retraction};
+use super::{EquationNames, Equations, Group, MatrixFunction, Named, Representation, Retraction};
 use crate::expr::{Expr, Vector};
 
 /// Translations of the Euclidean space of this dimension, 1 to 6.
@@ -69,11 +69,11 @@ impl Group for R {
         Vector::zeros(x.0[0].arena(), self.0)
     }
 
-    fn retract<'a>(&self, _: Retraction, x: &Vector<'a>) -> Vector<'a> {
+    fn closed_form<'a>(&self, _: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
         x.clone()
     }
 
-    fn d_right_dual<'a>(&self, _: Retraction, _: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+    fn closed_d_right_dual<'a>(&self, _: MatrixFunction, _: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         m.clone()
     }
 

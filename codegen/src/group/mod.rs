@@ -6,9 +6,11 @@
 mod calculus;
 mod euclidean;
 mod representation;
+mod retraction;
 mod rigid;
 mod se2;
 mod se3;
+mod second_kind;
 mod semidirect;
 mod side;
 mod so2;
@@ -16,10 +18,12 @@ mod so3;
 mod su2;
 
 pub(crate) use calculus::{
-    d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
+    carried_back, d_left, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
 pub use representation::{Representation, Translation};
+pub(crate) use retraction::{Law, Order};
+pub use retraction::{MatrixFunction, Retraction};
 pub use se2::SE2;
 pub use se3::SE3;
 pub use semidirect::{Semidirect, SemidirectVector};
@@ -29,28 +33,6 @@ pub use so3::SO3;
 pub use su2::SU2;
 
 use crate::expr::{Expr, Vector};
-
-/// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`, `τ(−ξ) = τ(ξ)⁻¹`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Retraction {
-    /// The group's exponential map.
-    Exponential,
-    /// The Cayley map `(1 − ξ/2)⁻¹(1 + ξ/2)`.
-    Cayley,
-}
-
-impl Retraction {
-    /// All of them.
-    pub const ALL: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
-
-    /// The name of the runtime's marker type.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Exponential => "Exponential",
-            Self::Cayley => "Cayley",
-        }
-    }
-}
 
 /// A Lie group, left-trivialized: `g' = g ξ`.
 ///
@@ -85,10 +67,24 @@ pub trait Group: Sync {
     fn axes(&self) -> &'static [&'static str];
     /// The bracket `[x, y]`.
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a>;
+    /// `f(x)`
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a>;
+    /// `(dR f_x)* m`
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
     /// `τ(x)`
-    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a>;
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        match retraction.law() {
+            Law::Function(f) => self.closed_form(f, x),
+            Law::Product(order) => second_kind::retract(self, order, x),
+        }
+    }
     /// `(dR τ_x)* m`, the dual of the right logarithmic derivative `dR τ_x y = Dτ(x)y · τ(x)⁻¹`.
-    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match retraction.law() {
+            Law::Function(f) => self.closed_d_right_dual(f, x, m),
+            Law::Product(order) => second_kind::d_right_dual(self, order, x, m),
+        }
+    }
     /// Positive where the retraction is a local diffeomorphism, zero on the edge; `None` if that is everywhere.
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>>;
     /// `g h`

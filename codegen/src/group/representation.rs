@@ -1,6 +1,6 @@
 //! Linear spaces that groups act on.
 
-use super::Retraction;
+use super::MatrixFunction;
 use crate::expr::Vector;
 
 /// A linear space `V` on which a group's algebra acts by `ρ`. Advected parameters live in its dual.
@@ -15,18 +15,18 @@ pub trait Representation: Sync {
     fn algebra_dimension(&self) -> usize;
     /// `ρ_x v`, the infinitesimal action.
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
-    /// The `V` part `P(x) w` of `τ(x, w)` on the semidirect product.
-    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a>;
+    /// The `V` part `P(x) w` of `f(x, w)` on the semidirect product.
+    fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a>;
     /// `g v`, `g` in stored coordinates.
     fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
-    /// `τ(x)` acting on `v`.
-    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
+    /// `f(x)` acting on `v`.
+    fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a>;
 }
 
 /// How a retraction moves along `V` while it rotates it: `P(x) w = body_part + τ(x) rotated_part`.
 ///
 /// For the exponential `P(x) w = φ₁(ρ_x) w`; for Cayley `P(x) w = (1 − ρ_x/2)⁻¹ w = ½ (w + τ(x) w)`: half the way before the
-/// rotation, half of it after.
+/// rotation, half of it after. In coordinates of the second kind all of it is after the rotation, backwards all of it before.
 pub struct Translation<'a> {
     /// What `τ(x)` does not act on.
     pub body_part: Vector<'a>,

@@ -5,7 +5,7 @@
 //! * `τ(x, w) = (τ(x), P(x) w)`: `P = φ₁(ρ_x)` for the exponential, `(1 − ρ_x/2)⁻¹` for Cayley. The logarithmic derivatives are
 //!   those that [`Semidirect`] derives.
 
-use super::{Retraction, Semidirect, SemidirectVector, Translation};
+use super::{MatrixFunction, Semidirect, SemidirectVector, Translation};
 use crate::expr::Vector;
 
 /// Rotations and the space they act on.
@@ -31,22 +31,16 @@ impl Rigid {
         join(self.0.group.bracket(&x.base, &y.base), &linear)
     }
 
-    pub(super) fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+    pub(super) fn retract<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
         let (space, x) = (self.0.spaces[0], self.split(x));
-        let rotation = self.0.group.retract(retraction, &x.base);
-        let Translation { body_part, rotated_part, .. } =
-            space.translation(retraction, &x.base, &x.spaces[0]);
+        let rotation = self.0.group.closed_form(f, &x.base);
+        let Translation { body_part, rotated_part, .. } = space.translation(f, &x.base, &x.spaces[0]);
         let translation = &body_part + &space.act(&rotation, &rotated_part);
         join(rotation, &translation)
     }
 
-    pub(super) fn d_right_dual<'a>(
-        &self,
-        retraction: Retraction,
-        x: &Vector<'a>,
-        m: &Vector<'a>,
-    ) -> Vector<'a> {
-        let dual = self.0.d_right_dual(retraction, &self.split(x), &self.split(m));
+    pub(super) fn d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        let dual = self.0.d_right_dual(f.into(), &self.split(x), &self.split(m));
         join(dual.base, &dual.spaces[0])
     }
 

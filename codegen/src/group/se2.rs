@@ -7,8 +7,8 @@
 use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, inner_products, part_name,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Named, Representation,
+    Retraction, Semidirect, inner_products, part_name,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -79,12 +79,12 @@ impl Group for SE2 {
         rigid().bracket(x, y)
     }
 
-    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        rigid().retract(retraction, x)
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
+        rigid().retract(f, x)
     }
 
-    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        rigid().d_right_dual(retraction, x, m)
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        rigid().d_right_dual(f, x, m)
     }
 
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
@@ -94,7 +94,7 @@ impl Group for SE2 {
                 let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
                 Some(edge - x.0[0] * x.0[0])
             }
-            Retraction::Cayley => None,
+            Retraction::Cayley | Retraction::SecondKind | Retraction::ReversedSecondKind => None,
         }
     }
 

@@ -7,8 +7,8 @@
 use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Semidirect, Translation, inner_products, part_name,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Named, Representation,
+    Retraction, Semidirect, Translation, inner_products, part_name,
 };
 use crate::expr::{Expr, Vector};
 
@@ -83,12 +83,12 @@ impl Group for SE3 {
         rigid().bracket(x, y)
     }
 
-    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        rigid().retract(retraction, x)
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
+        rigid().retract(f, x)
     }
 
-    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        rigid().d_right_dual(retraction, x, m)
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        rigid().d_right_dual(f, x, m)
     }
 
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
@@ -179,15 +179,15 @@ impl Representation for Directions {
     }
 
     /// That of the rotations; but with the motions it is no tangent group.
-    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
-        Translation { is_tangent_group: false, ..Space.translation(retraction, &rigid().split(x).base, w) }
+    fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        Translation { is_tangent_group: false, ..Space.translation(f, &rigid().split(x).base, w) }
     }
 
     fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         Space.act(&Vector(g.0[..4].to_vec()), v)
     }
 
-    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        Space.transport(retraction, &rigid().split(x).base, v)
+    fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        Space.transport(f, &rigid().split(x).base, v)
     }
 }

@@ -7,9 +7,12 @@
 //! `dR τ_(x,w)(y, u) = (r, D_x[P(x) w] y + P(x) u − ρ_r P(x) w)`, `r = dR τ_x y`: the derivative of the translation, less what
 //! carrying it back by `τ(x, w)⁻¹` takes. With `P(x) w = f(x) + τ(x) e` the derivative of `τ(x) e` is `ρ_r τ(x) e` by the very
 //! definition of `r`, which cancels, and `D_x f(x) y − ρ_r f(x)` remains.
+//!
+//! As `τ(x, w) = exp(f) τ(x) exp(e)`, so is the coadjoint action; where `τ` is equivariant, `Ad*_τ m = m + ad* (dR τ)* m` is shorter. In
+//! coordinates of the second kind the spaces' axes come after the group's: `f = 0`, `e = w`, and backwards `f = w`, `e = 0`.
 
 use super::calculus::transposed;
-use super::{Group, Representation, Retraction, Translation, placeholders};
+use super::{Group, Law, Order, Representation, Retraction, Translation, placeholders, second_kind};
 use crate::expr::{Expr, Vector, gradient};
 
 /// A group together with the spaces its advected parameters live in.
@@ -61,10 +64,58 @@ impl Semidirect {
         x: &Vector<'a>,
         a: &[Vector<'a>],
     ) -> Vec<Vector<'a>> {
-        self.spaces.iter().zip(a).map(|(space, a)| translation_dual(*space, retraction, x, a)).collect()
+        a.iter().enumerate().map(|(space, a)| self.translation_dual(space, retraction, x, a)).collect()
     }
 
-    /// `Ad*_{τ(x)} a = a + ad*_x P(x)ᵀ a`, for an `a` of one of the spaces.
+    /// `P(x) w`
+    pub fn translation<'a>(
+        &self,
+        space: usize,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        w: &Vector<'a>,
+    ) -> Translation<'a> {
+        let order = match retraction.law() {
+            Law::Function(f) => return self.spaces[space].translation(f, x, w),
+            Law::Product(order) => order,
+        };
+        let nothing = w.map(|component| component.arena().zero());
+        let (body_part, rotated_part) = match order {
+            Order::Ascending => (nothing, w.clone()),
+            Order::Descending => (w.clone(), nothing),
+        };
+        Translation { body_part, rotated_part, is_tangent_group: false }
+    }
+
+    /// `τ(x)` acting on a vector of one of the spaces.
+    pub fn transport<'a>(
+        &self,
+        space: usize,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        v: &Vector<'a>,
+    ) -> Vector<'a> {
+        match retraction.law() {
+            Law::Function(f) => self.spaces[space].transport(f, x, v),
+            Law::Product(order) => second_kind::transport(self.group, order, self.spaces[space], x, v),
+        }
+    }
+
+    /// `P(x)ᵀ a`
+    fn translation_dual<'a>(
+        &self,
+        space: usize,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        a: &Vector<'a>,
+    ) -> Vector<'a> {
+        transposed(a, a.len(), |u| {
+            let Translation { body_part, rotated_part, .. } = self.translation(space, retraction, x, u);
+            &body_part + &self.transport(space, retraction, x, &rotated_part)
+        })
+    }
+
+    /// `Ad*_{τ(x)} a`, for an `a` of one of the spaces: `a + ad*_x P(x)ᵀ a` where `τ` is equivariant.
     pub fn carry<'a>(
         &self,
         space: usize,
@@ -72,8 +123,60 @@ impl Semidirect {
         x: &Vector<'a>,
         a: &Vector<'a>,
     ) -> Vector<'a> {
-        let mean = translation_dual(self.spaces[space], retraction, x, a);
+        if !retraction.is_equivariant() {
+            return transposed(a, a.len(), |u| self.transport(space, retraction, x, u));
+        }
+        let mean = self.translation_dual(space, retraction, x, a);
         a + &self.coadjoint_space(space, x, &mean)
+    }
+
+    /// `Ad*_{τ(x)} a` for each space, with `mean = P(x)ᵀ a`.
+    pub fn carry_all<'a>(
+        &self,
+        retraction: Retraction,
+        x: &Vector<'a>,
+        a: &[Vector<'a>],
+        mean: &[Vector<'a>],
+    ) -> Vec<Vector<'a>> {
+        if retraction.is_equivariant() {
+            let change = self.coadjoint_spaces(x, mean);
+            return a.iter().zip(&change).map(|(a, change)| a + change).collect();
+        }
+        a.iter().enumerate().map(|(space, a)| self.carry(space, retraction, x, a)).collect()
+    }
+
+    /// `Ad*_{τ(x, w)} (m, a)`, with `mean = (dR τ_(x,w))* (m, a)`.
+    pub fn carry_momentum<'a>(
+        &self,
+        retraction: Retraction,
+        xi: &SemidirectVector<'a>,
+        mu: &SemidirectVector<'a>,
+        mean: &SemidirectVector<'a>,
+    ) -> SemidirectVector<'a> {
+        let order = match retraction.law() {
+            Law::Function(_) => return mu.plus(&self.coadjoint(xi, mean)),
+            Law::Product(order) => order,
+        };
+        let translations = xi.spaces.iter().enumerate();
+        let translations: Vec<_> =
+            translations.map(|(space, w)| self.translation(space, retraction, &xi.base, w)).collect();
+        let before = translations.iter().map(|translation| &translation.body_part);
+        let m = self.shifted(&mu.base, before, &mu.spaces);
+        let m = second_kind::coadjoint(self.group, order, &xi.base, &m);
+        let spaces = self.carry_all(retraction, &xi.base, &mu.spaces, &mean.spaces);
+        let after = translations.iter().map(|translation| &translation.rotated_part);
+        SemidirectVector { base: self.shifted(&m, after, &spaces).hold(), spaces }
+    }
+
+    /// `m − Σ J(p, a)`, the `g*` part of `Ad*_{exp(p)} (m, a)`.
+    fn shifted<'p, 'a: 'p>(
+        &self,
+        m: &Vector<'a>,
+        translations: impl Iterator<Item = &'p Vector<'a>>,
+        a: &[Vector<'a>],
+    ) -> Vector<'a> {
+        let spaces = self.spaces.iter().zip(translations.zip(a));
+        spaces.fold(m.clone(), |m, (space, (p, a))| &m - &momentum_map(*space, p, a))
     }
 
     /// The `g*` part of `(dR τ_(x,w))* (m, a)`.
@@ -94,13 +197,13 @@ impl Semidirect {
 
         let mut carried = mu.base.clone();
         let mut by_translation = Vector::zeros(arena, x.len());
-        for ((space, w), a) in self.spaces.iter().zip(w).zip(&mu.spaces) {
-            let translation = space.translation(retraction, &at, w);
+        for ((place, w), a) in w.iter().enumerate().zip(&mu.spaces) {
+            let translation = self.translation(place, retraction, &at, w);
             let change = if translation.is_tangent_group {
                 self.group.d_right_dual(retraction, &at, a).derivative_along(&symbols, w)
             } else {
                 let body_part = translation.body_part.substitute(&here);
-                carried = &carried - &momentum_map(*space, &body_part, a);
+                carried = &carried - &self.momentum_map(place, &body_part, a);
                 gradient(a.dot(&translation.body_part), &symbols)
             };
             by_translation = &by_translation + &change.substitute(&here);
@@ -149,19 +252,6 @@ impl Semidirect {
     pub fn coadjoint_space<'a>(&self, space: usize, x: &Vector<'a>, a: &Vector<'a>) -> Vector<'a> {
         transposed(a, a.len(), |u| self.spaces[space].act_infinitesimally(x, u))
     }
-}
-
-/// `P(x)ᵀ a`
-fn translation_dual<'a>(
-    space: &dyn Representation,
-    retraction: Retraction,
-    x: &Vector<'a>,
-    a: &Vector<'a>,
-) -> Vector<'a> {
-    transposed(a, a.len(), |u| {
-        let Translation { body_part, rotated_part, .. } = space.translation(retraction, x, u);
-        &body_part + &space.transport(retraction, x, &rotated_part)
-    })
 }
 
 /// `J(p, a)` with `J(p, a) · y = a · ρ_y p`

@@ -1,6 +1,6 @@
 //! On which side a group acts.
 
-use super::Group;
+use super::{Group, Retraction};
 use crate::expr::Vector;
 
 /// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
@@ -19,6 +19,15 @@ impl Side {
         match self {
             Self::Left => 1,
             Self::Right => -1,
+        }
+    }
+
+    /// What carries a momentum where `τ(x)` moves the configuration: by `Ad*` of this at [`sign`](Self::sign)` x`. As `γ τ(x)⁻¹` is
+    /// `γ τ̄(−x)`, that is `τ` itself or `τ̄`.
+    pub fn carrying(self, retraction: Retraction) -> Retraction {
+        match self {
+            Self::Left => retraction,
+            Self::Right => retraction.reversed(),
         }
     }
 

@@ -6,8 +6,8 @@
 //!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Named, Representation, Retraction,
-    Translation, inner_products,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Named, Representation,
+    Retraction, Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -76,22 +76,22 @@ impl Group for SO2 {
         Vector::zeros(x.0[0].arena(), 1)
     }
 
-    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
         let x = x.0[0];
         let squared = x * x;
-        match retraction {
-            Retraction::Exponential => Vector(vec![squared.stumpff(0), x * squared.stumpff(1)]),
-            Retraction::Cayley => {
+        match f {
+            MatrixFunction::Exponential => Vector(vec![squared.stumpff(0), x * squared.stumpff(1)]),
+            MatrixFunction::Cayley => {
                 let shared = shared(x);
                 Vector(vec![shared.scale(2) - 1, x * shared])
             }
         }
     }
 
-    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        match retraction {
-            Retraction::Exponential => m.clone(),
-            Retraction::Cayley => m.scale(shared(x.0[0])),
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match f {
+            MatrixFunction::Exponential => m.clone(),
+            MatrixFunction::Cayley => m.scale(shared(x.0[0])),
         }
     }
 
@@ -174,16 +174,16 @@ impl Representation for Plane {
     }
 
     /// `φ₁(xJ) = c₁ + c₂ x J` in the Stumpff functions of `x²`
-    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+    fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
         let x = x.0[0];
         let squared = x * x;
-        match retraction {
-            Retraction::Exponential => Translation {
+        match f {
+            MatrixFunction::Exponential => Translation {
                 body_part: complex(squared.stumpff(1), x * squared.stumpff(2), w),
                 rotated_part: Vector::zeros(x.arena(), 2),
                 is_tangent_group: false,
             },
-            Retraction::Cayley => {
+            MatrixFunction::Cayley => {
                 let half = w.map(|component| component / 2);
                 Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
             }
@@ -194,7 +194,7 @@ impl Representation for Plane {
         complex(g.0[0], g.0[1], v)
     }
 
-    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        self.act(&SO2.retract(retraction, &Vector(vec![x.0[0]])), v)
+    fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.act(&SO2.closed_form(f, &Vector(vec![x.0[0]])), v)
     }
 }

@@ -8,8 +8,8 @@
 //! * Both logarithmic derivatives satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, Moved, Named, Representation, Retraction,
-    Side, Translation, inner_products,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Moved, Named, Representation,
+    Retraction, Side, Translation, inner_products,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -93,23 +93,20 @@ impl Group for SO3 {
     }
 
     fn unknown_scale(&self, retraction: Retraction) -> i128 {
-        match retraction {
-            Retraction::Exponential => 1,
-            Retraction::Cayley => 2,
-        }
+        if retraction == Retraction::Cayley { 2 } else { 1 }
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }
 
-    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        let (w, half) = match retraction {
-            Retraction::Exponential => {
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
+        let (w, half) = match f {
+            MatrixFunction::Exponential => {
                 let quarter = x.squared_norm().scale(Number::ratio(1, 4));
                 (quarter.stumpff(0), quarter.stumpff(1) / 2)
             }
-            Retraction::Cayley => {
+            MatrixFunction::Cayley => {
                 let w = cayley_root(x);
                 (w, w / 2)
             }
@@ -119,11 +116,11 @@ impl Group for SO3 {
         Vector(quaternion)
     }
 
-    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         let z = x.squared_norm();
-        match retraction {
-            Retraction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
-            Retraction::Cayley => {
+        match f {
+            MatrixFunction::Exponential => rotation_like(x, m, -z.stumpff(2), z.stumpff(3)),
+            MatrixFunction::Cayley => {
                 let half = z.arena().number(Number::ratio(1, 2));
                 (m - &x.cross(m).scale(half)).scale(twice_cayley_factor(x) / 2)
             }
@@ -131,13 +128,13 @@ impl Group for SO3 {
     }
 
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+        let edge = |part| x.0[0].arena().number(Number::FOUR_PI_SQUARED * Number::ratio(1, part));
         match retraction {
             // dR exp is singular where |x| = 2π
-            Retraction::Exponential => {
-                let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
-                Some(edge - x.squared_norm())
-            }
+            Retraction::Exponential => Some(edge(1) - x.squared_norm()),
             Retraction::Cayley => None,
+            // turns about one axis after the other: where the second one is a quarter turn, the third axis lies along the first
+            Retraction::SecondKind | Retraction::ReversedSecondKind => Some(edge(16) - x.0[1] * x.0[1]),
         }
     }
 
@@ -167,12 +164,11 @@ impl Group for SO3 {
     /// the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let one = x.0[0].arena().one();
-        let (increment, inverse_length) = match retraction {
-            Retraction::Exponential => (self.retract(retraction, x), one),
-            Retraction::Cayley => {
-                let half = x.scale(one / 2);
-                (Vector([vec![one], half.0].concat()), cayley_root(x))
-            }
+        let (increment, inverse_length) = if retraction == Retraction::Cayley {
+            let half = x.scale(one / 2);
+            (Vector([vec![one], half.0].concat()), cayley_root(x))
+        } else {
+            (self.retract(retraction, x), one)
         };
         let increment = increment.hold();
         let moved = side.compose(self, g, &increment).hold();
@@ -255,15 +251,15 @@ impl Representation for Space {
 
     /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the tangent group
     /// of SO(3).
-    fn translation<'a>(&self, retraction: Retraction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+    fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
         let z = x.squared_norm();
-        match retraction {
-            Retraction::Exponential => Translation {
+        match f {
+            MatrixFunction::Exponential => Translation {
                 body_part: rotation_like(x, w, z.stumpff(2), z.stumpff(3)),
                 rotated_part: Vector::zeros(z.arena(), 3),
                 is_tangent_group: true,
             },
-            Retraction::Cayley => {
+            MatrixFunction::Cayley => {
                 let half = w.map(|component| component / 2);
                 Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
             }
@@ -271,11 +267,11 @@ impl Representation for Space {
     }
 
     /// `exp x = 1 + c₁ x̂ + c₂ x̂²`, `cay x = 1 + (x̂ + x̂²/2)/(1 + z/4)`
-    fn transport<'a>(&self, retraction: Retraction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         let z = x.squared_norm();
-        match retraction {
-            Retraction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
-            Retraction::Cayley => {
+        match f {
+            MatrixFunction::Exponential => rotation_like(x, v, z.stumpff(1), z.stumpff(2)),
+            MatrixFunction::Cayley => {
                 let factor = cayley_factor(x);
                 rotation_like(x, v, factor, factor / 2)
             }

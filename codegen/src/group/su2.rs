@@ -7,7 +7,7 @@
 //!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::so3::SO3;
-use super::{Component, EquationNames, Equations, Group, Named, Representation, Retraction};
+use super::{Component, EquationNames, Equations, Group, MatrixFunction, Named, Representation, Retraction};
 use crate::expr::{Expr, Number, Vector};
 
 /// Unit quaternions.
@@ -62,20 +62,17 @@ impl Group for SU2 {
     }
 
     fn unknown_scale(&self, retraction: Retraction) -> i128 {
-        match retraction {
-            Retraction::Exponential => 1,
-            Retraction::Cayley => 4,
-        }
+        if retraction == Retraction::Cayley { 4 } else { 1 }
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         x.cross(y)
     }
 
-    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
-        match retraction {
-            Retraction::Exponential => SO3.retract(retraction, x),
-            Retraction::Cayley => {
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
+        match f {
+            MatrixFunction::Exponential => SO3.closed_form(f, x),
+            MatrixFunction::Cayley => {
                 let (a, squared) = quarter(x);
                 let shared = (squared + 1).recip();
                 let mut quaternion = vec![shared.scale(2) - 1];
@@ -86,10 +83,10 @@ impl Group for SU2 {
     }
 
     /// The transpose has `−a` in the place of `a`.
-    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        match retraction {
-            Retraction::Exponential => SO3.d_right_dual(retraction, x, m),
-            Retraction::Cayley => {
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match f {
+            MatrixFunction::Exponential => SO3.closed_d_right_dual(f, x, m),
+            MatrixFunction::Cayley => {
                 let (a, squared) = quarter(x);
                 let two = squared.arena().number(2);
                 let shared = (squared + 1).recip();

@@ -3,27 +3,29 @@
 //! For a retraction `τ` and a parameter `s ∈ [0, 1]`, with `t` the step and the unknown `η = t ζ`, `ζ` the velocity:
 //!
 //! ```text
-//! m⁻ = Ad*_{τ(sη)} m_k                                         carried to the intermediate point
-//! ḡ  = g_k τ(sη)
+//! m⁻ = Ad*_{τ̄(sη)} m_k                                         carried to the intermediate point
+//! ḡ  = g_k τ̄(sη)
 //! m⁺ = m⁻ − t T*L_ḡ ∂h/∂g(ḡ, m̄) + t F(ḡ, m̄, u)                 the kick of a potential on the group and of forces
-//! m̄  = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
+//! m̄  = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ̄_{sη})* m_k
 //! η  = t ∂h/∂m(ḡ, m̄)                                           the equation to solve
 //! m_{k+1} = Ad*_{τ((1−s)η)} m⁺,   g_{k+1} = ḡ τ((1−s)η)
 //! ```
 //!
 //! on the dual `m = (μ, a)` of the semidirect algebra of each factor; `s = 0` is the paper's (6.5), with forces (6.20). Factors
-//! meet in the energy and the forces alone. For a left-invariant system every member keeps the Poisson bracket and all
-//! Casimirs, is its own adjoint, and has order 2; with a potential on the group every member is symplectic, the adjoint of `s` is
-//! `1 − s`, and the order is 1 but for `s = ½`.
+//! meet in the energy and the forces alone. It is the cotangent lift of `(ḡ, v) ↦ (ḡ τ(−sv), ḡ τ((1−s)v))`, with `τ̄(x) = τ(−x)⁻¹`: the
+//! second part of `m̄`, by definition `s (dR τ_{−sη})* m⁻`, is that of `m_k`, for `dR τ̄_x = dL τ_{−x}`.
+//!
+//! Every member is symplectic, for a left-invariant system it keeps the Poisson bracket and all Casimirs, and its adjoint is `1 − s`, for
+//! any `τ`: `s = ½` is symmetric and of order 2, others are of order 1. But where `τ` is a [function of one
+//! matrix](crate::group::MatrixFunction), `τ̄ = τ`, and all members of a left-invariant system are their own adjoints and of order 2.
 //!
 //! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum `−m`: `η` changes
-//! its sign in all that is linear in `m`, and increments stand on the other side of `g`.
+//! its sign in all that is linear in `m`, increments stand on the other side of `g`, and `τ̄` carries momenta where `τ` moves `g`.
 //!
-//! Four facts shape what is emitted:
+//! Three facts shape what is emitted:
 //!
-//! * `(dR τ_{−x})* Ad*_{τ(x)} m = (dR τ_x)* m`, so that the second part of `m̄` is `s (dR τ_{sη})* m_k`.
-//! * `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` for *any* `x`, so the update needs no rotation, reuses what the equation computed,
-//!   and keeps the Casimirs whatever residual the solver leaves.
+//! * Where `τ` is equivariant, `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` for *any* `x`, so the update needs no rotation, reuses what the
+//!   equation computed, and keeps the Casimirs whatever residual the solver leaves.
 //! * `ā` depends on the group's part `y` of `η` alone. Where `h = ½ μ·𝕀⁻¹μ + V`, so does `v = ∂V/∂a(ā)`, and `μ̄ = 𝕀 y / t` in
 //!   forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)` remain. Any other energy has
 //!   `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
@@ -40,13 +42,23 @@ use crate::scheme::Member;
 /// A member of the family for a system.
 struct Family<'s, 'a> {
     system: &'s System<'a>,
-    retraction: Retraction,
+    /// What moves configurations.
+    moving: Halves,
+    /// What carries momenta and advected parameters where configurations are moved so.
+    carrying: Halves,
     /// `t`
     step: Expr<'a>,
     /// `s`, the share of the step before the intermediate point.
     early: Expr<'a>,
     /// `1 − s`, the share behind it.
     late: Expr<'a>,
+}
+
+/// The retractions before the intermediate point and behind it.
+#[derive(Clone, Copy)]
+struct Halves {
+    before: Retraction,
+    behind: Retraction,
 }
 
 /// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
@@ -92,7 +104,10 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     let s = member.s();
     let h = step_symbol(arena);
     let (early, late) = (arena.number(s), arena.number(Number::ONE + -s));
-    let family = Family { system, retraction, step: h, early, late };
+    let moving = Halves { before: retraction.reversed(), behind: retraction };
+    let Halves { before, behind } = moving;
+    let carrying = Halves { before: system.side.carrying(before), behind: system.side.carrying(behind) };
+    let family = Family { system, moving, carrying, step: h, early, late };
 
     let motions: Vec<Motion<'_, 'a>> =
         system.factors.iter().map(|factor| Motion::new(&family, factor)).collect();
@@ -125,10 +140,10 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
 
 impl<'s, 'a> Motion<'s, 'a> {
     fn new(family: &Family<'_, 'a>, factor: &'s Factor<'a>) -> Self {
-        let Family { system, retraction, early, late, .. } = *family;
+        let Family { system, moving, carrying, early, late, .. } = *family;
         let (arena, algebra) = (early.arena(), &factor.algebra);
         let group = algebra.group;
-        let scale = group.unknown_scale(retraction);
+        let scale = group.unknown_scale(moving.behind);
         let names = ValueNames::new(system, factor, scale);
         let (x, mean) = (names.symbols(arena, names.unknown()), names.symbols(arena, "mu"));
         let unknown_scale = arena.number(Number::ratio(scale, 1));
@@ -138,14 +153,13 @@ impl<'s, 'a> Motion<'s, 'a> {
         let sign = arena.number(system.side.sign());
         let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
         let a = factor.advected_values();
-        let mean_minus = algebra.d_right_dual_spaces(retraction, &x_early, &a);
-        let change = algebra.coadjoint_spaces(&x_early, &mean_minus);
-        let a_minus: Vec<_> = a.iter().zip(&change).map(|(a, change)| a + change).collect();
-        let mean_plus = algebra.d_right_dual_spaces(retraction, &x_late, &a_minus);
+        let mean_minus = algebra.d_right_dual_spaces(carrying.before, &x_early, &a);
+        let a_minus = algebra.carry_all(carrying.before, &x_early, &a, &mean_minus);
+        let mean_plus = algebra.d_right_dual_spaces(carrying.behind, &x_late, &a_minus);
         let means = mean_plus.iter().zip(&mean_minus);
         let a_bar = means.map(|(plus, minus)| &plus.scale(late) + &minus.scale(early)).collect();
 
-        let increment = names.group("increment_early", &group.retract(retraction, &y_early).hold());
+        let increment = names.group("increment_early", &group.retract(moving.before, &y_early).hold());
         let g_bar = system.side.compose(group, &factor.configuration, &increment).hold();
         let g_bar = names.configuration("mean", &g_bar);
         Self { factor, names, unknown_scale, x, y, y_early, y_late, mean, a_bar, g_bar }
@@ -219,7 +233,7 @@ impl<'a> Family<'_, 'a> {
 
     /// `m̄`, `m_{k+1}` and `g_{k+1}` of a factor.
     fn arrival(&self, motion: &Motion<'_, 'a>, intermediate: &Intermediate<'a>) -> Arrival<'a> {
-        let Self { system, retraction, early, late, .. } = *self;
+        let Self { system, moving, carrying, early, late, .. } = *self;
         let Motion { factor, names, y, .. } = motion;
         let (algebra, arena) = (&factor.algebra, early.arena());
         let w = self.advected_velocity(motion, intermediate);
@@ -228,8 +242,8 @@ impl<'a> Family<'_, 'a> {
         let eta = SemidirectVector { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
         let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
         let m = factor.momentum_and_advected();
-        let mean_minus = motion.keep_multiple(&algebra.d_right_dual(retraction, &eta_early, &m));
-        let m_minus = m.plus(&algebra.coadjoint(&eta_early, &mean_minus));
+        let mean_minus = motion.keep_multiple(&algebra.d_right_dual(carrying.before, &eta_early, &m));
+        let m_minus = algebra.carry_momentum(carrying.before, &eta_early, &m, &mean_minus);
         let m_plus = match kick {
             Some(kick) => SemidirectVector {
                 base: names.algebra("momentum_kicked", &(&m_minus.base + &kick).hold()),
@@ -237,13 +251,13 @@ impl<'a> Family<'_, 'a> {
             },
             None => m_minus,
         };
-        let mean_plus = motion.keep_multiple(&algebra.d_right_dual(retraction, &eta_late, &m_plus));
+        let mean_plus = motion.keep_multiple(&algebra.d_right_dual(carrying.behind, &eta_late, &m_plus));
         let m_bar = mean_plus.scale(late).plus(&mean_minus.scale(early));
         let scaled_mean = m_bar.scale(motion.unknown_scale).hold().base;
-        let m_next = m_plus.plus(&algebra.coadjoint(&eta_late, &mean_plus));
+        let m_next = algebra.carry_momentum(carrying.behind, &eta_late, &m_plus, &mean_plus);
 
         // two increments, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
-        let moved = algebra.group.moved(system.side, retraction, &motion.g_bar, &motion.y_late);
+        let moved = algebra.group.moved(system.side, moving.behind, &motion.g_bar, &motion.y_late);
 
         names.group("increment", &moved.increment);
         names.configuration("moved", &moved.moved);
@@ -278,19 +292,23 @@ impl<'a> Family<'_, 'a> {
     /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
     fn increments(&self, motion: &Motion<'_, 'a>, found: &[(Symbol, Expr<'a>)]) -> Vec<Increment<'a>> {
         let increments = [
-            (self.early, &motion.factor.configuration, &motion.y_early),
-            (self.late, &motion.g_bar, &motion.y_late),
+            (self.early, self.moving.before, &motion.factor.configuration, &motion.y_early),
+            (self.late, self.moving.behind, &motion.g_bar, &motion.y_late),
         ];
         let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
         increments
-            .map(|(_, from, by)| Increment { from: from.substitute(found), by: by.substitute(found) })
+            .map(|(_, retraction, from, by)| Increment {
+                retraction,
+                from: from.substitute(found),
+                by: by.substitute(found),
+            })
             .collect()
     }
 
     /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
     fn domain(&self, motion: &Motion<'_, 'a>) -> Option<Expr<'a>> {
         let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        motion.factor.algebra.group.domain(self.retraction, &motion.y.scale(longer))
+        motion.factor.algebra.group.domain(self.moving.behind, &motion.y.scale(longer))
     }
 
     /// The equations for all unknowns.

@@ -11,7 +11,7 @@
 //! differentiated:
 //!
 //! ```text
-//! g τ(x):  δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx = δ − dL τ_x [x, δ] + dL τ_x δx
+//! g τ(x):  δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx,   Ad_{τ(x)⁻¹} δ = δ − dL τ_x [x, δ] where τ is equivariant
 //! τ(x) g:  δ' = δ + Ad_{g⁻¹} dL τ_x δx
 //! ```
 //!
@@ -20,7 +20,7 @@
 use super::{Increment, Step};
 use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
-use crate::group::{Retraction, Side, d_left, stored_perturbation, to_body};
+use crate::group::{Side, carried_back, d_left, stored_perturbation, to_body};
 use crate::identifiers::plain;
 use crate::model::{FactorPart, Slot, System};
 
@@ -43,14 +43,8 @@ pub struct Linearization<'a> {
 }
 
 impl<'a> Linearization<'a> {
-    /// Of a step with this retraction, by what is wanted.
-    pub fn new(
-        arena: &'a Arena,
-        system: &System<'a>,
-        retraction: Retraction,
-        step: &Step<'a>,
-        wanted: Derivatives,
-    ) -> Self {
+    /// Of a step, by what is wanted.
+    pub fn new(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, wanted: Derivatives) -> Self {
         let state = state_perturbations(arena, system);
         let controls = if wanted.of_controls() { system.control_symbols() } else { Vec::new() };
         let control = perturbations(arena, &controls);
@@ -76,7 +70,7 @@ impl<'a> Linearization<'a> {
             let perturbation = total.of(left);
             total.know(right, perturbation);
         }
-        let mut pushforward = Pushforward { system, retraction, step, total };
+        let mut pushforward = Pushforward { system, step, total };
         let next = system.slots().into_iter().flat_map(|slot| pushforward.of(slot, slot.of(&perturbed)).0);
         let partial = Vector(next.collect());
         let found: Vec<_> = unknown.symbols().into_iter().zip(solution.iter()).collect();
@@ -129,7 +123,6 @@ fn state_direction<'a>(system: &System<'a>, perturbed: &[FactorPart<'a>]) -> Vec
 /// What a step makes of a perturbation.
 struct Pushforward<'s, 'a> {
     system: &'s System<'a>,
-    retraction: Retraction,
     step: &'s Step<'a>,
     /// The derivative along the perturbations of state, controls, parameters and unknown.
     total: Derivative<'a>,
@@ -152,16 +145,16 @@ impl<'a> Pushforward<'_, 'a> {
         vector.map(|component| self.total.of(component))
     }
 
-    /// `δ' = δ − dL τ_x [x, δ] + dL τ_x δx`, or `δ + Ad_{g⁻¹} dL τ_x δx`, for one increment after the other.
+    /// `δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx`, or `δ + Ad_{g⁻¹} dL τ_x δx`, for one increment after the other.
     fn configuration(&mut self, factor: usize, perturbation: Vector<'a>) -> Vector<'a> {
-        let (group, retraction) = (self.system.factors[factor].algebra.group, self.retraction);
+        let group = self.system.factors[factor].algebra.group;
         let increments = self.step.increments[factor].iter();
-        increments.fold(perturbation, |perturbation, Increment { from: g, by: x }| {
+        increments.fold(perturbation, |perturbation, &Increment { retraction, from: ref g, by: ref x }| {
             let dx = self.along(x);
             let next = match self.system.side {
                 Side::Left => {
-                    let carried = d_left(group, retraction, x, &group.bracket(x, &perturbation));
-                    &(&perturbation - &carried) + &d_left(group, retraction, x, &dx)
+                    let carried = carried_back(group, retraction, x, &perturbation);
+                    &carried + &d_left(group, retraction, x, &dx)
                 }
                 Side::Right => {
                     let inner = d_left(group, retraction, x, &dx);
@@ -174,12 +167,13 @@ impl<'a> Pushforward<'_, 'a> {
 
     /// `δa' = Ad*_{τ(x)} δa + ad*_ω a'` with `a' = Ad*_{τ(x)} a`, `ω = dL τ_x δx`, for one increment after the other.
     fn advected(&mut self, factor: usize, space: usize, perturbation: Vector<'a>) -> Vector<'a> {
-        let (increments, retraction) = (self.step.increments[factor].iter(), self.retraction);
+        let increments = self.step.increments[factor].iter();
         let factor = &self.system.factors[factor];
         let algebra = &factor.algebra;
         let sign = self.step.h.arena().number(self.system.side.sign());
         let start = (factor.advected[space].value.clone(), perturbation);
         let (_, perturbation) = increments.fold(start, |(a, perturbation), increment| {
+            let retraction = self.system.side.carrying(increment.retraction);
             let x = increment.by.scale(sign);
             let omega = d_left(algebra.group, retraction, &x, &self.along(&increment.by).scale(sign));
             let a = algebra.carry(space, retraction, &x, &a).hold();

@@ -7,6 +7,7 @@ pub mod presolve;
 pub mod tangent_lift;
 
 use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
+use crate::group::Retraction;
 use crate::model::System;
 use crate::scheme::{Member, Rule, Scheme};
 
@@ -38,6 +39,8 @@ pub struct Step<'a> {
 
 /// One move of a configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
 pub struct Increment<'a> {
+    /// `τ`
+    pub retraction: Retraction,
     /// `g`, in stored coordinates.
     pub from: Vector<'a>,
     /// `x`
@@ -46,9 +49,10 @@ pub struct Increment<'a> {
 
 impl Rule {
     /// The rule of which this one is another name for the system: `s = 1` is `s = 0` where nothing but momentum and advected parameters has
-    /// a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`.
-    pub fn original(self, system: &System<'_>) -> Self {
-        if self == Self::Family(Member::SYMPLECTIC_EULER_B) && system.is_left_invariant() {
+    /// a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`, if the retraction is odd.
+    pub fn original(self, system: &System<'_>, retraction: Retraction) -> Self {
+        let is_other_end = self == Self::Family(Member::SYMPLECTIC_EULER_B);
+        if is_other_end && retraction.is_odd() && system.is_left_invariant() {
             return Self::Family(Member::SYMPLECTIC_EULER_A);
         }
         self

@@ -3,15 +3,15 @@
 //! With the velocity `ξ = 𝕀⁻¹μ`, its change `ξ' = 𝕀⁻¹μ'` along the motion and the step `t`:
 //!
 //! ```text
-//! g_{k+1} = g_k τ(tξ),   ξ_{k+1} = Ad_{τ(tξ)⁻¹} ξ + dL τ_{tξ}(t ξ') = ξ + dL τ_{tξ}(t ξ')
+//! g_{k+1} = g_k τ(tξ),   ξ_{k+1} = Ad_{τ(tξ)⁻¹} ξ + dL τ_{tξ}(t ξ')
 //! ```
 //!
-//! as `τ(tξ)` commutes with `ξ`. Advected parameters are carried along, `a_{k+1} = τ(tξ)⁻¹ a`.
+//! with `Ad_{τ(tξ)⁻¹} ξ = ξ` where `τ` is equivariant. Advected parameters are carried along, `a_{k+1} = τ(tξ)⁻¹ a`.
 
 use super::{Increment, Step, step_symbol};
 use crate::expr::{Arena, Vector};
 use crate::geometry::{differential, force, hamiltonian_vector};
-use crate::group::{Retraction, d_right};
+use crate::group::{Retraction, carried_back, d_left};
 use crate::model::{FactorPart, Hamiltonian, System};
 
 /// The step; of a system with a general Hamiltonian the one with the velocity `∂h/∂μ` and unit inertia would make no sense, so
@@ -29,15 +29,17 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -
         let (group, g) = (factor.algebra.group, &factor.configuration);
         let x = velocity.scale(t).hold();
         next.configuration = group.moved(system.side, retraction, g, &x).next;
-        // dL τ_x = dR τ_{−x}, and the other way round on the other side
-        let change = d_right(group, retraction, &x.scale(-sign), &acceleration);
-        velocity_next.push(&velocity + &change);
-        let signed = x.scale(sign);
+        let (carrying, signed) = (system.side.carrying(retraction), x.scale(sign));
+        let carried = match carrying.is_equivariant() {
+            true => velocity,
+            false => carried_back(group, carrying, &signed, &velocity),
+        };
+        velocity_next.push(&carried + &d_left(group, carrying, &signed, &acceleration));
         for (space, a) in next.advected.iter_mut().enumerate() {
-            *a = factor.algebra.carry(space, retraction, &signed, a);
+            *a = factor.algebra.carry(space, carrying, &signed, a);
         }
         domain.extend(group.domain(retraction, &x));
-        increments.push(vec![Increment { from: g.clone(), by: x }]);
+        increments.push(vec![Increment { retraction, from: g.clone(), by: x }]);
     }
     set_momenta(system, &mut next, &velocity_next);
     Step {

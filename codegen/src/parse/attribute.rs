@@ -40,7 +40,7 @@ pub const FORCE: Key = Key { name: "force", example: "force = moment - friction 
 pub const INVARIANCE: Key = Key { name: "invariance", example: "invariance = right" };
 /// The members of the family of steps to generate beside those that are always there.
 pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
-/// The retractions to generate steps with, where not with all.
+/// The retractions to generate steps with, where not with the default ones.
 pub(super) const RETRACTIONS: Key = Key { name: "retractions", example: "retractions(Cayley)" };
 /// Which derivatives of the steps are generated.
 pub const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(state)" };
@@ -81,7 +81,7 @@ pub struct Attribute {
     pub right: bool,
     /// `methods(Midpoint, …)`
     pub methods: Vec<Rule>,
-    /// `retractions(Cayley, …)`; empty for all.
+    /// `retractions(Cayley, …)`; empty for those of [`Retraction::DEFAULT`].
     retractions: Vec<Retraction>,
     /// `derivatives` for all of them, or `derivatives(state, …)`
     pub derivatives: Derivatives,
@@ -176,7 +176,7 @@ impl Attribute {
 
     /// The retractions to generate steps with.
     pub fn retractions(&self) -> &[Retraction] {
-        if self.retractions.is_empty() { &Retraction::ALL } else { &self.retractions }
+        if self.retractions.is_empty() { &Retraction::DEFAULT } else { &self.retractions }
     }
 
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.
@@ -443,6 +443,9 @@ fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
             "Exponential" | "Cayley" => format!(
                 "`{name}` is a retraction, not a method: the standard steps with it are generated, unless `retractions(…)` names others only"
             ),
+            "SecondKind" => {
+                format!("`{name}` is a retraction, not a method: `retractions({name})` asks for the standard steps with it")
+            }
             "StormerVerlet" | "RightLift" => {
                 format!("leave out `{name}`: the steps that it is made of are generated without it")
             }

@@ -144,14 +144,18 @@ pub enum Role {
     ExponentialDisplacement,
     /// Of a system: the state displaced by a tangent vector along the Cayley map.
     CayleyDisplacement,
+    /// Of a system: the state displaced by a tangent vector in coordinates of the second kind.
+    SecondKindDisplacement,
     /// Of a system: the differential of the energy.
     Differential,
     /// Of a system: the Hamiltonian vector of a covector.
     HamiltonianVector,
     /// Of a system: the forces as a tangent vector.
     Force,
-    /// Of a system that nothing acts on: the state whose momentum in space coordinates is given.
-    InBody,
+    /// Of a system that nothing acts on: the momentum that is constant, on the other side of the configuration.
+    Conserved,
+    /// Of a system that nothing acts on: the state whose constant momentum is given.
+    WithConserved,
 }
 
 /// One argument of a function.
@@ -194,8 +198,8 @@ pub enum Input {
     Costate,
     /// A tangent vector or a covector at a state.
     Tangent,
-    /// A momentum in space coordinates.
-    SpatialMomentum,
+    /// A momentum that is constant where nothing acts.
+    Conserved,
 }
 
 /// One line of code.

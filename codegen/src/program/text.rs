@@ -31,10 +31,12 @@ impl Role {
             Self::Pivots(place) => return format!("pivots_{place}"),
             Self::ExponentialDisplacement => "exponential_displacement",
             Self::CayleyDisplacement => "cayley_displacement",
+            Self::SecondKindDisplacement => "second_kind_displacement",
             Self::Differential => "differential",
             Self::HamiltonianVector => "hamiltonian_vector",
             Self::Force => "force",
-            Self::InBody => "in_body",
+            Self::Conserved => "conserved",
+            Self::WithConserved => "with_conserved",
         };
         name.to_owned()
     }

@@ -181,7 +181,7 @@ fn derivatives_compute_their_linearization() {
         let system = system(&arena, description);
         let retraction = Retraction::Cayley;
         let step = family::step(&arena, &system, retraction, Member::SYMPLECTIC_EULER_A);
-        let linearization = Linearization::new(&arena, &system, retraction, &step, Derivatives::ALL);
+        let linearization = Linearization::new(&arena, &system, &step, Derivatives::ALL);
         let inputs = Inputs::of(&system);
         let module = kernel::derivative(&arena, &step, &linearization, Derivatives::ALL, inputs);
         let adjoint = linearization.adjoint(&arena);
@@ -223,11 +223,11 @@ fn functions_of_systems_compute_their_expressions() {
         let arena = Arena::new();
         let system = system(&arena, description);
         let by = geometry::tangent_symbols(&arena, &system, "by");
-        let symbol = |i: usize| arena.symbol(format!("spatial_{i}"), Stage::Step);
-        let spatial = Vector((0..system.dimension()).map(symbol).collect::<Vec<_>>());
+        let symbol = |i: usize| arena.symbol(format!("conserved_{i}"), Stage::Step);
+        let conserved = Vector((0..system.dimension()).map(symbol).collect::<Vec<_>>());
         let given = given(&arena, &system)
             .with(Input::Tangent, direct(&arena, &by))
-            .with(Input::SpatialMomentum, direct(&arena, &spatial));
+            .with(Input::Conserved, direct(&arena, &conserved));
         let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
         let mut expected = vec![
             (Role::Energy, Vector(vec![system.energy()])),
@@ -235,14 +235,16 @@ fn functions_of_systems_compute_their_expressions() {
             (Role::Casimirs, casimirs),
             (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
             (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
+            (Role::SecondKindDisplacement, geometry::displaced(&system, Retraction::SecondKind, &by)),
             (Role::Differential, geometry::differential(&system)),
             (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
             (Role::Force, geometry::force(&arena, &system)),
         ];
         let inertias = system.inertias.iter().enumerate();
         expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
-        if program.function(Role::InBody).is_some() {
-            expected.push((Role::InBody, geometry::with_spatial_momentum(&system, &spatial)));
+        if program.function(Role::WithConserved).is_some() {
+            expected.push((Role::Conserved, geometry::conserved(&system)));
+            expected.push((Role::WithConserved, geometry::with_conserved(&system, &conserved)));
         }
         for (role, expressions) in &expected {
             let (module, _) = program.function(*role).expect("every system has it");

@@ -3,10 +3,10 @@
 use super::definition::Walk;
 use super::probe::Probe;
 use crate::composition::{self, Coefficients, Composed};
-use crate::geometry::Geometry;
-use crate::retraction::{Cayley, Exponential, Retraction};
+use crate::geometry::{Geometry, Map};
+use crate::retraction::{Cayley, Exponential, Retraction, SecondKind};
 use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
-use crate::system::Generated;
+use crate::system::{Generated, Retracted};
 
 /// Which of a system's Casimirs a step keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,9 +40,18 @@ impl Claim {
     pub(crate) const TANGENT_LIFT: Self =
         Self { order: 1, symmetric: false, poisson: false, casimirs: Kept::Advected };
 
-    /// What the member `s = numerator/denominator` of the family claims.
-    pub(crate) const fn family(invariant: bool, forced: bool, numerator: u32, denominator: u32) -> Self {
-        let even = invariant || 2 * numerator as u64 == denominator as u64;
+    /// What the member `s = numerator/denominator` of the family claims. Its adjoint is `1 − s` with any retraction, and every member is
+    /// symplectic. That `s` and `1 − s` are one map, where momentum and advected parameters alone have a part in the motion, follows from
+    /// the retraction's being a function of one matrix.
+    pub(crate) const fn family(
+        map: Map,
+        invariant: bool,
+        forced: bool,
+        numerator: u32,
+        denominator: u32,
+    ) -> Self {
+        let is_middle = 2 * numerator as u64 == denominator as u64;
+        let even = is_middle || invariant && map.is_matrix_function();
         Self { order: if even { 2 } else { 1 }, symmetric: even, poisson: !forced, casimirs: Kept::All }
     }
 
@@ -78,29 +87,29 @@ macro_rules! retraction {
     ($($name:ident),*) => {
         $(impl<S> Claims<S> for $name
         where
-            S: Geometry<Scalar = f64>,
-            S::Standard<$name>: Claims<S>,
+            S: Geometry<Scalar = f64> + Retracted<$name>,
+            <S as Retracted<$name>>::Scheme: Claims<S>,
         {
-            const CLAIM: Claim = <S::Standard<$name> as Claims<S>>::CLAIM;
+            const CLAIM: Claim = <<S as Retracted<$name>>::Scheme as Claims<S>>::CLAIM;
 
             fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
-                <S::Standard<$name> as Claims<S>>::walk(walk, step)
+                <<S as Retracted<$name>>::Scheme as Claims<S>>::walk(walk, step)
             }
 
             fn kernels(probe: &mut Probe<'_>, step: f64) {
-                <S::Standard<$name> as Claims<S>>::kernels(probe, step);
+                <<S as Retracted<$name>>::Scheme as Claims<S>>::kernels(probe, step);
             }
         })*
     };
 }
-retraction!(Exponential, Cayley);
+retraction!(Exponential, Cayley, SecondKind);
 
 impl<S, R, const N: u32, const D: u32> Claims<S> for Family<R, N, D>
 where
     S: Geometry<Scalar = f64> + Generated<Self>,
     R: Retraction,
 {
-    const CLAIM: Claim = Claim::family(S::INVARIANT, S::FORCED, N, D);
+    const CLAIM: Claim = Claim::family(R::MAP, S::INVARIANT, S::FORCED, N, D);
 
     fn name() -> String {
         match (N, D) {

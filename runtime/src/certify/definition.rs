@@ -1,7 +1,8 @@
 //! The family's step from its definition, for any system, by fixed-point iteration.
 //!
 //! Of the generated code it takes what [`Geometry`](crate::geometry::Geometry) has, and none of a step's closed forms: the exponential's
-//! logarithmic derivative is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements.
+//! logarithmic derivative is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements. Coordinates of
+//! the second kind are exponentials along the axes, one after the other: of displacements, and of `ad*`.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -16,6 +17,21 @@ pub struct Walk<'a> {
     control: &'a [f64],
     /// Whether a step could not be taken.
     pub(super) lost: bool,
+}
+
+/// The part of a step before the intermediate point, with `τ̄(x) = τ(−x)⁻¹`, or behind it, with `τ`.
+#[derive(Clone, Copy, PartialEq)]
+enum Half {
+    Before,
+    Behind,
+}
+
+/// What a move by `τ(x)` makes of `m = (μ, a)`.
+struct Carried {
+    /// `(dR τ_x)* m`
+    mean: DVector<f64>,
+    /// `Ad*_{τ(x)} m`
+    next: DVector<f64>,
 }
 
 /// More iterations than any step takes that a fixed-point iteration solves in reasonable time.
@@ -35,7 +51,7 @@ impl<'a> Walk<'a> {
         self.time += step;
     }
 
-    /// `m⁻ = Ad*_{τ(sη)} m`, `ḡ = g τ(sη)`, `m⁺ = m⁻ + t (F − ∂h/∂g)`, `m̄ = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{sη})* m` and
+    /// `m⁻ = Ad*_{τ̄(sη)} m`, `ḡ = g τ̄(sη)`, `m⁺ = m⁻ + t (F − ∂h/∂g)`, `m̄ = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ̄_{sη})* m` and
     /// `η = t ∂h/∂m`, over and over.
     fn solve(&self, map: Map, s: f64, step: f64) -> Option<Vec<f64>> {
         let Self { frame, state, control, .. } = self;
@@ -46,11 +62,8 @@ impl<'a> Walk<'a> {
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
             let (early, late) = (&eta * s, &eta * (1.0 - s));
-            let (ad_early, ad_late) = (frame.coadjoint(state, &early), frame.coadjoint(state, &late));
-            let before = self.right_dual(map, &early, &ad_early, &m)?;
-            let m_minus = &m + &ad_early * &before;
-            let turn = |eta: &DVector<f64>| eta.rows(0, frame.configuration.len()).into_owned();
-            let g_bar = frame.moved(state, map, &turn(&early));
+            let before = self.carried(map, Half::Before, &early, &m)?;
+            let g_bar = self.moved(state, map, Half::Before, &early);
 
             // of the energy and the forces at the last approximation of the intermediate point
             let there = frame.with_linear_part(&g_bar, &frame.linear_part(&mean));
@@ -59,10 +72,10 @@ impl<'a> Walk<'a> {
             for (kick, gradient) in kick.iter_mut().zip(gradient.iter()) {
                 *kick -= gradient;
             }
-            let m_plus = m_minus + kick * step;
+            let m_plus = before.next + kick * step;
 
-            let after = self.right_dual(map, &late, &ad_late, &m_plus)?;
-            mean = frame.with_linear_part(&g_bar, &(&after * (1.0 - s) + before * s));
+            let behind = self.carried(map, Half::Behind, &late, &m_plus)?;
+            mean = frame.with_linear_part(&g_bar, &(behind.mean * (1.0 - s) + before.mean * s));
             let next = frame.linear_of(&frame.differential(&mean, time)) * step;
             let change =
                 frame.distance(&mean, &there).max((&next - &eta).amax() / next.amax().max(f64::MIN_POSITIVE));
@@ -71,16 +84,60 @@ impl<'a> Walk<'a> {
             }
             // down to roundoff, where it gets no smaller
             if change == 0.0 || (change < 1e-13 && change >= 0.5 * last) {
-                let m_next = m_plus + ad_late * after;
-                let g_next = frame.moved(&g_bar, map, &turn(&late));
-                return Some(frame.with_linear_part(&g_next, &m_next));
+                let g_next = self.moved(&g_bar, map, Half::Behind, &late);
+                return Some(frame.with_linear_part(&g_next, &behind.next));
             }
             (eta, last) = (next, change);
         }
         None
     }
 
-    /// `(dR τ_η)* m`, where `ad` is the matrix of `ad*_η`.
+    /// The state with its configurations moved.
+    fn moved(&self, state: &[f64], map: Map, half: Half, eta: &DVector<f64>) -> Vec<f64> {
+        let n = self.frame.configuration.len();
+        if map.is_matrix_function() {
+            return self.frame.moved(state, map, &eta.rows(0, n).into_owned());
+        }
+        let axes = self.axes(half).into_iter().filter(|axis| *axis < n);
+        axes.fold(state.to_vec(), |state, axis| {
+            self.frame.moved(&state, Map::Exponential, &part(eta, axis, n))
+        })
+    }
+
+    /// What becomes of momenta and advected parameters where configurations are moved so.
+    fn carried(&self, map: Map, half: Half, eta: &DVector<f64>, m: &DVector<f64>) -> Option<Carried> {
+        if map.is_matrix_function() {
+            let ad = self.frame.coadjoint(&self.state, eta);
+            let mean = self.right_dual(map, eta, &ad, m)?;
+            return Some(Carried { next: m + ad * &mean, mean });
+        }
+        let (mut mean, mut next) = (m.clone(), m.clone());
+        for axis in self.axes(half) {
+            mean[axis] = next[axis];
+            let ad = self.frame.coadjoint(&self.state, &part(eta, axis, eta.len()));
+            next += &ad * series(&ad, &next)?;
+        }
+        Some(Carried { mean, next })
+    }
+
+    /// The axes of the algebra, those of advected parameters at the end, in the order in which they act; in the opposite one before the
+    /// intermediate point. Where displacements are by `τ(δ) g`, what stands last in `τ` acts first.
+    fn axes(&self, half: Half) -> Vec<usize> {
+        let (frame, n) = (self.frame, self.frame.configuration.len());
+        let turn = DVector::from_iterator(n, frame.configuration.iter().map(|&i| 0.5 * frame.scale[i]));
+        let there = frame.moved(&self.state, Map::SecondKind, &turn);
+        let off = |axes: &mut dyn Iterator<Item = usize>| {
+            let one_by_one = axes.fold(self.state.clone(), |state, axis| {
+                frame.moved(&state, Map::Exponential, &part(&turn, axis, n))
+            });
+            frame.distance(&there, &one_by_one)
+        };
+        let is_last_first = off(&mut (0..n).rev()) < off(&mut (0..n));
+        let axes = 0..frame.linear.len();
+        if is_last_first == (half == Half::Behind) { axes.rev().collect() } else { axes.collect() }
+    }
+
+    /// `(dR τ_η)* m`, where `ad` is the matrix of `ad*_η`, for functions of one matrix.
     fn right_dual(
         &self,
         map: Map,
@@ -93,6 +150,7 @@ impl<'a> Walk<'a> {
         }
         match map {
             Map::Exponential => series(ad, m),
+            Map::SecondKind => None,
             // `dR cay_X Y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`: on the group as the displacements say, and with advected parameters, where
             // `X = (x, w)` and `Y = (y, u)`, inverted `((dR cay_x)⁻¹ y, (1 − ρ_x/2)(u + ½ ρ_y w))`
             Map::Cayley => {
@@ -112,6 +170,13 @@ impl<'a> Walk<'a> {
             }
         }
     }
+}
+
+/// The first `length` components of a vector, of which one alone is kept.
+fn part(of: &DVector<f64>, axis: usize, length: usize) -> DVector<f64> {
+    let mut part = DVector::zeros(length);
+    part[axis] = of[axis];
+    part
 }
 
 /// `φ₁(A) m = Σ A^k m / (k+1)!`

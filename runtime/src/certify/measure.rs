@@ -448,7 +448,7 @@ impl Sample<'_> {
         let differential = frame.differential(self.state, self.time);
         let mut error = 0.0;
         for (i, scale) in frame.scale.iter().enumerate() {
-            for map in [Map::Exponential, Map::Cayley] {
+            for map in Map::ALL {
                 let change = slope(1e-2 * scale, &|at| {
                     let there = frame.displace(self.state, map, &frame.unit(i, at));
                     DVector::from_element(1, self.system.energy(&there, self.time))
@@ -539,14 +539,15 @@ impl Sample<'_> {
         Ok(Some(error))
     }
 
-    /// `τ(−ξ) = τ(ξ)⁻¹`
+    /// `τ(−ξ) = τ(ξ)⁻¹` of those that are odd
     fn inverse(&self) -> Figure {
         let turn = self.turn();
-        let error = [Map::Exponential, Map::Cayley].map(|map| {
+        let odd = Map::ALL.into_iter().filter(|map| map.is_matrix_function());
+        let error = odd.map(|map| {
             let there = self.frame.moved(self.state, map, &turn);
             self.frame.distance(self.state, &self.frame.moved(&there, map, &-&turn))
         });
-        Ok(Some(larger(error[0], error[1])))
+        Ok(Some(error.fold(0.0, larger)))
     }
 }
 

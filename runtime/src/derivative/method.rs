@@ -6,7 +6,7 @@ use super::{
 };
 use crate::composition::{Coefficients, Composition};
 use crate::geometry::Isolated;
-use crate::method::{AdjointPair, Method, SpatialMomentum};
+use crate::method::{AdjointPair, ConservedMomentum, Method};
 use crate::scalar::{Batch, Scalar};
 use crate::solve::one_step::OneStep;
 use crate::system::{MethodOf, System};
@@ -382,7 +382,7 @@ impl<S: Differentiable, C: Coefficients, B: Linearizable<S>> Linearizable<S> for
 
 /// Carrying the momentum changes what rounding makes of it, not the map.
 #[diagnostic::do_not_recommend]
-impl<S, B> Linearizable<S> for SpatialMomentum<S, B>
+impl<S, B> Linearizable<S> for ConservedMomentum<S, B>
 where
     S: Isolated + Differentiable,
     B: Linearizable<S>,

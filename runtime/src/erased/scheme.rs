@@ -67,10 +67,11 @@ impl Scheme {
         Self::Step(map, Rule::Member(numerator, denominator))
     }
 
-    /// The same with what the standard step is of a system that is [invariant](crate::System::INVARIANT) or not.
+    /// The same with what the standard step is of a system that is [invariant](crate::System::INVARIANT) or not: [`StormerVerlet`](Self::StormerVerlet)
+    /// where the other one is not symmetric.
     pub fn resolved(&self, invariant: bool) -> Self {
         match self {
-            Self::Standard(map) if invariant => Self::member(*map, 0, 1),
+            Self::Standard(map) if invariant && map.is_matrix_function() => Self::member(*map, 0, 1),
             Self::Standard(map) => Self::StormerVerlet(*map),
             Self::Composed(composed) => {
                 Self::Composed(Composed { base: Box::new(composed.base.resolved(invariant)), ..*composed })
@@ -118,14 +119,16 @@ impl Scheme {
 
     /// What it claims of its steps of a system.
     pub fn claim(&self, description: &Description) -> Claim {
-        let family = |numerator, denominator| {
-            Claim::family(description.invariant, description.forced, numerator, denominator)
+        let family = |map, numerator, denominator| {
+            Claim::family(map, description.invariant, description.forced, numerator, denominator)
         };
         match self.resolved(description.invariant) {
-            Self::Step(_, Rule::Member(numerator, denominator)) => family(numerator, denominator),
+            Self::Step(map, Rule::Member(numerator, denominator)) => family(map, numerator, denominator),
             Self::Step(_, Rule::TangentLift) => Claim::TANGENT_LIFT,
             Self::Composed(Composed { order, base, .. }) => base.claim(description).composed(order),
-            Self::StormerVerlet(_) | Self::Standard(_) => Claim { order: 2, symmetric: true, ..family(0, 1) },
+            Self::StormerVerlet(map) | Self::Standard(map) => {
+                Claim { order: 2, symmetric: true, ..family(map, 0, 1) }
+            }
         }
     }
 

@@ -218,7 +218,7 @@ impl<S: system::System> Visitor<S> for OfNumbers<'_> {
     {
         // Compiled for the widest registers, so as to be taken together, where a step is the standard one by itself: the others are rarely
         // taken for long, and each would be compiled twice more.
-        if const { S::INVARIANT && is_standard::<S>(M::RULE) } {
+        if const { S::INVARIANT && M::MAP.is_matrix_function() && is_standard::<S>(M::RULE) } {
             Flat::<OneStep<f64, S::Kernel<f64>>, true>::boxed(self.parameters, self.step)
         } else {
             Flat::<OneStep<f64, S::Kernel<f64>>, false>::boxed(self.parameters, self.step)

@@ -33,6 +33,20 @@ pub fn realization(group: &dyn Group) -> &'static dyn Realization {
     }
 }
 
+/// `τ(x)` in a representation `hat` of the algebra: the series of the exponential, the quotient of Cayley, or the product of the series
+/// along the axes, one after the other.
+pub fn retract(retraction: Retraction, x: &Column, hat: impl Fn(&Column) -> Matrix) -> Matrix {
+    let one = Matrix::identity(hat(x).rows());
+    let along = |axis: usize| hat(&Column::unit(x.len(), axis).scale(&x[axis])).exp();
+    let axes = 0..x.len();
+    match retraction {
+        Retraction::Exponential => hat(x).exp(),
+        Retraction::Cayley => hat(x).cayley(),
+        Retraction::SecondKind => axes.fold(one, |product, axis| &product * &along(axis)),
+        Retraction::ReversedSecondKind => axes.fold(one, |product, axis| &along(axis) * &product),
+    }
+}
+
 /// SO(3): rotation matrices, stored as unit quaternions.
 struct Rotations;
 
@@ -302,12 +316,12 @@ impl<'s> SemidirectMatrices<'s> {
         self.vee(&x.times(&y).zip(&y.times(&x), |xy, yx| xy - yx))
     }
 
-    /// `τ(x)`: the series of the exponential, or the quotient of Cayley.
+    /// `τ(x)`
     pub fn retract(&self, retraction: Retraction, x: &Column) -> BlockDiagonal {
-        self.hat(x).map(|block| match retraction {
-            Retraction::Exponential => block.exp(),
-            Retraction::Cayley => block.cayley(),
-        })
+        let blocks = 0..=self.algebra.spaces.len();
+        BlockDiagonal(
+            blocks.map(|block| retract(retraction, x, |x| self.hat(x).0.swap_remove(block))).collect(),
+        )
     }
 
     /// The matrix of `dR τ_x`, `dR τ_x y = Dτ(x)y τ(x)⁻¹`, by central differences.
@@ -389,6 +403,11 @@ impl<'s> ProductMatrices<'s> {
     /// `Ad*_{τ(x)} m`
     pub fn coadjoint(&self, retraction: Retraction, x: &Column, m: &Column) -> Column {
         self.each(x, m, |matrices, x, m| matrices.coadjoint(&matrices.retract(retraction, x), m))
+    }
+
+    /// `Ad*_{τ(x)⁻¹} m`
+    pub fn coadjoint_back(&self, retraction: Retraction, x: &Column, m: &Column) -> Column {
+        self.each(x, m, |matrices, x, m| matrices.coadjoint(&matrices.retract(retraction, x).inverse(), m))
     }
 
     /// `(dR τ_x)* m`

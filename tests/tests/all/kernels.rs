@@ -3,7 +3,7 @@
 use coadjoint_codegen::derivatives::Derivatives;
 use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
 use coadjoint_codegen::geometry;
-use coadjoint_codegen::group::Retraction;
+use coadjoint_codegen::group::{Retraction, Side};
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Step, family, step_symbol};
@@ -251,7 +251,7 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
             worst = (larger(worst.0, values), larger(worst.1, correction));
         }
     }
-    assert_eq!(updates, 4 * rigid_bodies().len());
+    assert_eq!(updates, 2 * Retraction::ALL.len() * rigid_bodies().len());
     println!("kernels of rigid bodies: values {:?}, corrections {:?}", worst.0, worst.1);
 }
 
@@ -271,8 +271,8 @@ fn functions_of_systems_compute_their_expressions() {
         let (program, arena) = (description.program(), Arena::new());
         let system = description.system(&arena);
         let by = geometry::tangent_symbols(&arena, &system, "by");
-        let spatial =
-            Vector((0..system.dimension()).map(|i| arena.symbol(format!("s{i}"), Stage::Step)).collect());
+        let symbol = |i: usize| arena.symbol(format!("conserved_{i}"), Stage::Step);
+        let conserved = Vector((0..system.dimension()).map(symbol).collect());
         let mut point = random_point(&system, seed);
         if let Hamiltonian::General(_) = &system.hamiltonian {
             // a mass, of which a root is taken
@@ -282,10 +282,10 @@ fn functions_of_systems_compute_their_expressions() {
         }
         let random = &mut Random::new(seed);
         point.set(&by.symbols(), &Column::random(by.len(), random));
-        point.set(&spatial.symbols(), &Column::random(spatial.len(), random));
+        point.set(&conserved.symbols(), &Column::random(conserved.len(), random));
         let given = given(&system, &point)
             .with(Input::Tangent, point.vector(&by).0)
-            .with(Input::SpatialMomentum, point.vector(&spatial).0);
+            .with(Input::Conserved, point.vector(&conserved).0);
 
         let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
         let mut expected = vec![
@@ -294,15 +294,17 @@ fn functions_of_systems_compute_their_expressions() {
             (Role::Casimirs, casimirs),
             (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
             (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
+            (Role::SecondKindDisplacement, geometry::displaced(&system, Retraction::SecondKind, &by)),
             (Role::Differential, geometry::differential(&system)),
             (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
             (Role::Force, geometry::force(&arena, &system)),
         ];
         let inertias = system.inertias.iter().enumerate();
         expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
-        let is_isolated = program.function(Role::InBody).is_some();
-        let body = is_isolated.then(|| geometry::with_spatial_momentum(&system, &spatial));
-        expected.extend(body.map(|body| (Role::InBody, body)));
+        if program.function(Role::WithConserved).is_some() {
+            expected.push((Role::Conserved, geometry::conserved(&system)));
+            expected.push((Role::WithConserved, geometry::with_conserved(&system, &conserved)));
+        }
         for (role, expressions) in &expected {
             let (module, _) = program.function(*role).expect("every system has it");
             let computed = call(module, *role, &given);
@@ -310,12 +312,14 @@ fn functions_of_systems_compute_their_expressions() {
             let difference = relative(&computed[0], &point.vector(expressions));
             assert!(difference < Real::ten_to(-72), "{}, {role:?}: {difference:?}", description.name);
         }
-        // the momentum in space, which goes back to the same state
-        let (module, _) = program.function(Role::SpatialMomentum).expect("every system has it");
-        let in_space = call(module, Role::SpatialMomentum, &given).remove(0);
-        if let Some((module, _)) = program.function(Role::InBody) {
-            let given = given.clone().with(Input::SpatialMomentum, in_space.0);
-            let back = call(module, Role::InBody, &given).remove(0);
+        // the constant momentum, which goes back to the same state; of a left-invariant system that in space
+        if let Some((module, _)) = program.function(Role::WithConserved) {
+            let of =
+                |role| call(program.function(role).expect("there with the other").0, role, &given).remove(0);
+            let conserved = of(Role::Conserved);
+            assert_eq!(conserved == of(Role::SpatialMomentum), system.side == Side::Left);
+            let given = given.clone().with(Input::Conserved, conserved.0);
+            let back = call(module, Role::WithConserved, &given).remove(0);
             let difference = relative(&back, &point.get(&system.state_symbols()));
             assert!(difference < Real::ten_to(-72), "{}: {difference:?}", description.name);
         }
@@ -332,7 +336,7 @@ fn derivatives_compute_their_linearization() {
             let arena = Arena::new();
             let system = description.system(&arena);
             let step = family::step(&arena, &system, retraction, Member::MIDPOINT);
-            let linearization = Linearization::new(&arena, &system, retraction, &step, Derivatives::ALL);
+            let linearization = Linearization::new(&arena, &system, &step, Derivatives::ALL);
             let inputs = Inputs::of(&system);
             let module = kernel::derivative(&arena, &step, &linearization, Derivatives::ALL, inputs);
             let adjoint = linearization.adjoint(&arena);

@@ -1,0 +1,45 @@
+//! Canonical coordinates of the second kind, for any matrix group.
+
+use nalgebra::{DMatrix, SMatrix, SVector};
+
+use super::{MatrixGroup, MatrixRetraction};
+use crate::retraction::SecondKind;
+
+/// `exp(t E_i)`
+fn along<G: MatrixGroup<N, D>, const N: usize, const D: usize>(axis: usize, t: f64) -> SMatrix<f64, N, N> {
+    G::exp(&SVector::from_fn(|i, _| if i == axis { t } else { 0.0 }))
+}
+
+/// Exponentials along the axes of the algebra, one after the other.
+impl<G, const N: usize, const D: usize> MatrixRetraction<G, N, D> for SecondKind
+where
+    G: MatrixGroup<N, D>,
+{
+    fn retract(x: &SVector<f64, D>) -> Option<SMatrix<f64, N, N>> {
+        Some((0..D).fold(SMatrix::identity(), |product, axis| product * along::<G, N, D>(axis, x[axis])))
+    }
+
+    /// Column by column `Ad_g E_i` with the product `g` of the exponentials before.
+    fn right_derivative(x: &SVector<f64, D>) -> Option<SMatrix<f64, D, D>> {
+        let mut derivative = SMatrix::<f64, D, D>::zeros();
+        let (mut g, mut inverse) = (SMatrix::<f64, N, N>::identity(), SMatrix::<f64, N, N>::identity());
+        for axis in 0..D {
+            let unit = SVector::from_fn(|i, _| f64::from(u8::from(i == axis)));
+            derivative.set_column(axis, &G::vee(&(g * G::hat(&unit) * inverse)));
+            g *= along::<G, N, D>(axis, x[axis]);
+            inverse = along::<G, N, D>(axis, -x[axis]) * inverse;
+        }
+        Some(derivative)
+    }
+
+    /// Seen at points that are less than a tenth of a radian apart.
+    fn is_regular(x: &SVector<f64, D>) -> bool {
+        let points = (10.0 * x.amax()).ceil().clamp(1.0, 1e3);
+        let keeps_orientation = |k: u32| {
+            let there = x * (f64::from(k) / points);
+            let derivative = <Self as MatrixRetraction<G, N, D>>::right_derivative(&there);
+            derivative.is_some_and(|d| DMatrix::from_column_slice(D, D, d.as_slice()).determinant() > 0.0)
+        };
+        (1..=points as u32).all(keeps_orientation)
+    }
+}
