@@ -21,6 +21,7 @@ use crate::catalogued::Catalogued;
         2.0 * stiffness * (1.0 - between.w.powi(2))
     },
     methods(Midpoint),
+    retractions(Exponential, Cayley, SecondKind),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoupledBodies {

@@ -19,6 +19,7 @@ use crate::catalogued::Catalogued;
     advected(gamma: R3),
     potential = weight * gamma.dot(&chi),
     methods(Midpoint),
+    retractions(Exponential, Cayley, SecondKind),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeavyTop {

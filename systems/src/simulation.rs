@@ -29,17 +29,33 @@ pub enum Retraction {
     /// The Cayley map: rational, and defined for every angle.
     #[value(alias = "cay")]
     Cayley,
+    /// Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to compare with; there for some systems.
+    #[value(alias = "ccsk")]
+    SecondKind,
 }
 
 impl Retraction {
-    /// Both.
-    pub const ALL: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
+    /// All of them.
+    pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
+    /// Those with which there are steps of every system.
+    pub const COMMON: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
+
+    /// Those with which there are steps of this system.
+    pub fn of(entry: &Entry) -> Vec<Self> {
+        let system = (entry.system)(&(entry.example)().parameters);
+        let is_there = |retraction: &Self| {
+            let first = Scheme::member(retraction.map(), 0, 1);
+            erased::Stepper::new(&*system, &first, entry.step).is_ok()
+        };
+        Self::ALL.into_iter().filter(is_there).collect()
+    }
 
     /// Its name on the command line and in file names.
     pub fn name(self) -> &'static str {
         match self {
             Retraction::Exponential => "exponential",
             Retraction::Cayley => "cayley",
+            Retraction::SecondKind => "second-kind",
         }
     }
 
@@ -47,6 +63,7 @@ impl Retraction {
         match self {
             Retraction::Exponential => Map::Exponential,
             Retraction::Cayley => Map::Cayley,
+            Retraction::SecondKind => Map::SecondKind,
         }
     }
 }
@@ -55,8 +72,8 @@ impl Retraction {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part in the motion,
-    /// else `verlet`.
+    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part in the motion and the
+    /// retraction is odd, else `verlet`.
     #[default]
     Standard,
     /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
@@ -345,14 +362,17 @@ impl Entry {
             None => Vec::new(),
         };
         let system = (self.system)(&setup.parameters);
-        let method = if method == Method::Standard { self.standard() } else { method };
+        let method = if method == Method::Standard { self.standard(retraction) } else { method };
         let scheme = scheme(method, retraction, Order::Two)?;
         Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
     }
 
-    /// What its standard scheme of order 2 is: `euler-a` or `verlet`.
-    pub fn standard(&self) -> Method {
-        if self.description.invariant { Method::EulerA } else { Method::Verlet }
+    /// What its standard scheme of order 2 is with a retraction: `euler-a` or `verlet`.
+    pub fn standard(&self, retraction: Retraction) -> Method {
+        match Scheme::Standard(retraction.map()).resolved(self.description.invariant) {
+            Scheme::StormerVerlet(_) => Method::Verlet,
+            _ => Method::EulerA,
+        }
     }
 }
 

@@ -6,4 +6,5 @@ mod ensemble;
 mod erased;
 mod generic;
 mod map;
+mod second_kind;
 mod together;

@@ -119,14 +119,14 @@ impl Table<'_> {
     /// `midpoint`, or `standard (verlet)`
     fn method(&self, job: &Job) -> String {
         match job.method {
-            Method::Standard => format!("standard ({})", self.entry.standard().name()),
+            Method::Standard => format!("standard ({})", self.entry.standard(job.retraction).name()),
             method => method.name().to_owned(),
         }
     }
 
     /// The order that the step has. The Euler steps are of order 2 only where they are the standard.
     fn order(&self, job: &Job) -> u32 {
-        let euler = !job.method.is_symmetric() && self.entry.standard() != Method::EulerA;
+        let euler = !job.method.is_symmetric() && self.entry.standard(job.retraction) != Method::EulerA;
         if euler && job.order == Order::Two { 1 } else { job.order.number() }
     }
 }

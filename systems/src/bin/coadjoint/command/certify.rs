@@ -16,7 +16,7 @@ pub(crate) fn certify(arguments: &CertifyArguments, console: &mut dyn Write) -> 
     };
     let retractions = match arguments.retraction {
         Some(retraction) => vec![retraction],
-        None => Retraction::ALL.to_vec(),
+        None => Retraction::of(entry),
     };
     let mut wrong = 0;
     for &method in &methods {

@@ -33,7 +33,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
 
     let mut summaries = Vec::new();
     let mut written = Vec::new();
-    for retraction in Retraction::ALL {
+    for retraction in Retraction::COMMON {
         let job = Job { method: Method::Standard, retraction, order: Order::Two, step: STEP, steps: STEPS };
         let plan = Plan {
             system: SYSTEM.to_owned(),

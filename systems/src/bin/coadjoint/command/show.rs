@@ -41,6 +41,7 @@ fn expand(
         let wanted = match retraction {
             Retraction::Exponential => group::Retraction::Exponential,
             Retraction::Cayley => group::Retraction::Cayley,
+            Retraction::SecondKind => group::Retraction::SecondKind,
         };
         expansion.steps.retain(|step| step.program.scheme.retraction == wanted);
         // it names all steps
