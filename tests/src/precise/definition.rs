@@ -265,6 +265,12 @@ impl<'s> SemidirectMatrices<'s> {
         Self { algebra, realization: realization(algebra.group) }
     }
 
+    /// The element of the group with these stored coordinates; for the group without spaces.
+    pub fn group_element(&self, g: &Column) -> BlockDiagonal {
+        assert!(self.algebra.spaces.is_empty());
+        BlockDiagonal(vec![self.realization.matrix(g)])
+    }
+
     /// The dimension of the algebra.
     pub fn dimension(&self) -> usize {
         let spaces = self.algebra.spaces.iter().map(|space| space.coordinates().len());

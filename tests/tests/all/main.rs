@@ -23,4 +23,5 @@ mod reference;
 mod structure;
 mod stumpff;
 mod surface;
+mod trivializations;
 mod warm;
