@@ -167,7 +167,7 @@ fn which_trivializations_are_one_map() {
                     let map = Discretization { matrices: &matrices, retraction, side, s };
                     if side != system.side && !retraction.is_equivariant() {
                         let what = format!("{}, {}, {side:?}", description.name, retraction.name());
-                        assert!(taken.off(&map, system.side) > Real::ten_to(-6), "{what}");
+                        assert!(taken.off(&map, system.side) > Real::ten_to(-9), "{what}");
                         continue;
                     }
                     residuals.vanish("(g₀, g₁) = D(ḡ, η)", &taken.off(&map, system.side), EXACT);
