@@ -18,7 +18,7 @@ mod so3;
 mod su2;
 
 pub(crate) use calculus::{
-    carried_back, d_left, placeholders, stored_perturbation, to_body, trivialized_gradient,
+    carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
 pub use representation::{Representation, Translation};

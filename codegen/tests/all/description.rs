@@ -83,7 +83,7 @@ fn keys() {
         "colour = red",
         &[(
             "colour",
-            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives` and `crate`",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives` and `crate`",
         )],
     );
     attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);
@@ -423,10 +423,27 @@ fn energies_forces_and_controls() {
         body,
         &[("j", "`j` is also a field of `Body`; a control needs a name of its own")],
     );
+    breaks("group = SO3, hamiltonian = momentum.x, methods(TangentLift(1, 4))", bare, &[]);
+    breaks("group = SO3, lagrangian = velocity.norm_squared() * j", bare, &[]);
     breaks(
-        "group = SO3, hamiltonian = momentum.x, methods(TangentLift)",
+        "group = SO3, lagrangian = velocity.x, potential = j, hamiltonian = momentum.x",
         bare,
-        &[("momentum.x", "the tangent lift is made from an inertia")],
+        &[
+            ("momentum.x", "the Hamiltonian is the whole energy"),
+            ("velocity.x", "the Lagrangian is kinetic less potential energy"),
+            ("velocity.x", "the Lagrangian says what the Hamiltonian is; give one of"),
+        ],
+    );
+    breaks(
+        "group = SE3, lagrangian = j * linear_velocity.x + angular_momentum.y + u, control(u: f64)",
+        bare,
+        &[
+            (
+                "angular_momentum",
+                "a Lagrangian is a function of the velocity; write it in `angular_velocity`",
+            ),
+            ("u", "an energy does not depend on controls"),
+        ],
     );
     attribute("control(u: String)", &[("String", "`u` cannot be of this type; a control is a number")]);
     attribute(

@@ -72,6 +72,7 @@ fn steps_of_the_free_rigid_body() {
     for (name, retraction) in [
         ("free_rigid_body_exponential", Retraction::Exponential),
         ("free_rigid_body_cayley", Retraction::Cayley),
+        ("free_rigid_body_second_kind", Retraction::SecondKind),
     ] {
         assert_snapshot(name, &beside(input, &pretty(step(input, retraction))));
     }

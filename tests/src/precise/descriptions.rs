@@ -4,7 +4,7 @@ use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Matrix};
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::model::{Hamiltonian, InertiaShape, System};
+use coadjoint_codegen::model::{Energy, InertiaShape, System};
 use coadjoint_codegen::parse::{Attribute, Item};
 use coadjoint_codegen::program::Program;
 use proc_macro2::TokenStream;
@@ -202,7 +202,7 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
         point.set(&symbols, &Column::random(symbols.len(), random));
     }
 
-    if let Hamiltonian::Mechanical { inertia, .. } = &system.hamiltonian {
+    if let Energy::Mechanical { inertia, .. } = &system.energy {
         positive_definite(&mut point, system, inertia);
     }
     for factor in &system.factors {

@@ -5,7 +5,7 @@ use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
 use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
-use coadjoint_codegen::model::{Hamiltonian, Slot, System};
+use coadjoint_codegen::model::{Energy, Slot, System};
 use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
 use coadjoint_tests::precise::formula::{Formula, Point};
@@ -79,8 +79,8 @@ fn schemes(system: &System<'_>, retraction: Retraction) -> Vec<Scheme> {
     let members = [(0, 1), (1, 2), (1, 1), (3, 10)];
     let member = |(n, d)| Member::new(n, d).expect("between 0 and 1");
     let mut rules: Vec<Rule> = members.into_iter().map(|s| Rule::Family(member(s))).collect();
-    if matches!(system.hamiltonian, Hamiltonian::Mechanical { .. }) {
-        rules.push(Rule::TangentLift);
+    if matches!(system.energy, Energy::Mechanical { .. }) {
+        rules.extend([(0, 1), (1, 4), (1, 1)].map(|s| Rule::TangentLift(member(s))));
     }
     rules.into_iter().map(|rule| Scheme { retraction, rule }).collect()
 }

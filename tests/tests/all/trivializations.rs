@@ -91,7 +91,7 @@ impl Taken {
         let momentum = system.momentum();
         let unit = |i| point.with(&momentum.symbols(), &Column::unit(momentum.len(), i));
         let columns: Vec<Column> = (0..momentum.len())
-            .map(|i| unit(i).vector(&system.velocity(&momentum)).scale(&Real::ratio(1, 5)))
+            .map(|i| unit(i).vector(&system.velocity()).scale(&Real::ratio(1, 5)))
             .collect();
         let mean = Matrix::from_columns(&columns).solve(&velocity);
         let in_body = |(g, m): (&BlockDiagonal, Column)| match system.side {
