@@ -128,19 +128,21 @@ fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
     ];
     let velocity = system.velocity_symbols().symbols();
     let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
-    functions.push(match system.velocity_relation() {
-        Relation::Explicit(value) => kernel::function(arena, Role::Velocity, value, inputs()),
+    functions.extend(match system.velocity_relation() {
+        Relation::Explicit(value) => Some(kernel::function(arena, Role::Velocity, value, inputs())),
         Relation::Implicit(residual) => {
             let newton = newton(residual, &velocity);
-            kernel::function(arena, Role::VelocityNewton, &newton, with_velocity())
+            Some(kernel::function(arena, Role::VelocityNewton, &newton, with_velocity()))
         }
+        Relation::Singular => None,
     });
-    functions.push(match system.momentum_relation() {
-        Relation::Explicit(value) => kernel::function(arena, Role::Momentum, &value, with_velocity()),
+    functions.extend(match system.momentum_relation() {
+        Relation::Explicit(value) => Some(kernel::function(arena, Role::Momentum, &value, with_velocity())),
         Relation::Implicit(residual) => {
             let newton = newton(&residual, &system.momentum().symbols());
-            kernel::function(arena, Role::MomentumNewton, &newton, with_velocity())
+            Some(kernel::function(arena, Role::MomentumNewton, &newton, with_velocity()))
         }
+        Relation::Singular => None,
     });
     functions
 }

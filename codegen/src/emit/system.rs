@@ -189,6 +189,9 @@ fn legendre(program: &Program, names: &Names, momentum: &TokenStream) -> TokenSt
     };
     let momentum_of_velocity = match program.function(Role::Momentum) {
         Some(_) => call(program, names, Role::Momentum, "momentum", &[given]),
+        None if program.function(Role::MomentumNewton).is_none() => {
+            quote! { [#scalar::NAN; #dimension] }
+        }
         None => {
             let iterate = quote! {
                 &#private::State::to_components(

@@ -348,7 +348,9 @@ impl<'a> Family<'_, 'a> {
     fn start(&self) -> Vector<'a> {
         match self.system.velocity_relation() {
             Relation::Explicit(velocity) => velocity.scale(self.step),
-            Relation::Implicit(residual) => Vector::zeros(self.step.arena(), residual.len()),
+            Relation::Implicit(_) | Relation::Singular => {
+                Vector::zeros(self.step.arena(), self.system.dimension())
+            }
         }
     }
 

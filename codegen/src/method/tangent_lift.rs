@@ -13,7 +13,7 @@
 //! `ā = τ(−sy) a_k`.
 //!
 //! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs to `μ_k`, and
-//! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more.
+//! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which was reported, the step makes no sense.
 
 use super::family::bounded;
 use super::names::ValueNames;
@@ -179,6 +179,7 @@ impl<'a> Lift<'_, 'a> {
         let residual = match system.velocity_relation() {
             Relation::Explicit(velocity) => return velocity.hold(),
             Relation::Implicit(residual) => residual,
+            Relation::Singular => return system.velocity_symbols(),
         };
         let momentum = system.momentum();
         let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.step.arena(), "velocity");
@@ -205,6 +206,7 @@ impl<'a> Lift<'_, 'a> {
         let residual = match system.momentum_relation() {
             Relation::Explicit(momentum) => return momentum.substitute(values),
             Relation::Implicit(residual) => residual,
+            Relation::Singular => return system.momentum(),
         };
         let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.step.arena(), what);
         let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
@@ -263,7 +265,7 @@ impl<'a> Lift<'_, 'a> {
         let start = start.map(|(motion, velocity)| velocity.scale(self.step / motion.unknown_scale));
         let start = match self.system.velocity_relation() {
             Relation::Explicit(_) => Vector::concat(&start.collect::<Vec<_>>()),
-            Relation::Implicit(_) => Vector::zeros(self.step.arena(), right.len()),
+            _ => Vector::zeros(self.step.arena(), right.len()),
         };
         let unknown = Vector::concat(motions.iter().map(|motion| &motion.x));
         let left = motions.iter().map(|motion| {

@@ -14,25 +14,30 @@ pub enum Relation<'a> {
     Explicit(Vector<'a>),
     /// What vanishes at it, a function of its symbols.
     Implicit(Vector<'a>),
+    /// There is none, for the energy has a singular second derivative whatever its symbols are.
+    Singular,
 }
 
 impl<'a> Relation<'a> {
     /// From an equation for these symbols.
     fn solved(residual: Vector<'a>, symbols: &[Symbol]) -> Self {
         let jacobian = residual.jacobian(symbols);
+        let jacobian = jacobian.map(Expr::hold);
         if jacobian.entries.iter().any(|entry| entry.depends_on(symbols)) {
-            return Self::Implicit(residual);
+            let is_regular = jacobian.try_solve(&residual).is_some();
+            return if is_regular { Self::Implicit(residual) } else { Self::Singular };
         }
         let arena = residual.0[0].arena();
         let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
-        Self::Explicit(-&jacobian.map(Expr::hold).solve(&residual.substitute(&zero)))
+        let solution = jacobian.try_solve(&residual.substitute(&zero));
+        solution.map_or(Self::Singular, |solution| Self::Explicit(-&solution))
     }
 
     /// The closed form; if there is none, the symbols that stand for it.
     fn or(self, symbols: Vector<'a>) -> Vector<'a> {
         match self {
             Self::Explicit(value) => value,
-            Self::Implicit(_) => symbols,
+            Self::Implicit(_) | Self::Singular => symbols,
         }
     }
 }
@@ -79,7 +84,7 @@ impl<'a> System<'a> {
     /// What there is of an expression in the velocity's symbols where these are known by the momentum.
     pub fn at_velocity(&self, vector: &Vector<'a>) -> Vector<'a> {
         match self.velocity_relation() {
-            Relation::Implicit(_) => vector.clone(),
+            Relation::Implicit(_) | Relation::Singular => vector.clone(),
             Relation::Explicit(velocity) => {
                 let symbols = self.velocity_symbols().symbols().into_iter();
                 vector.substitute(&symbols.zip(velocity.iter()).collect::<Vec<_>>())

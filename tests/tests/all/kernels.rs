@@ -7,7 +7,7 @@ use coadjoint_codegen::group::{Retraction, Side};
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Step, family, step_symbol};
-use coadjoint_codegen::model::{Energy, System};
+use coadjoint_codegen::model::{Energy, Relation, System};
 use coadjoint_codegen::program::{Given, Input, Module, Role};
 use coadjoint_codegen::scheme::Member;
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point, rigid_bodies};
@@ -283,14 +283,16 @@ fn functions_of_systems_compute_their_expressions() {
         let random = &mut Random::new(seed);
         point.set(&by.symbols(), &Column::random(by.len(), random));
         point.set(&conserved.symbols(), &Column::random(conserved.len(), random));
+        let velocity = system.velocity_symbols();
+        point.set(&velocity.symbols(), &Column::random(velocity.len(), random));
         let given = given(&system, &point)
             .with(Input::Tangent, point.vector(&by).0)
-            .with(Input::Conserved, point.vector(&conserved).0);
+            .with(Input::Conserved, point.vector(&conserved).0)
+            .with(Input::Velocity, point.vector(&velocity).0);
 
         let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
         let mut expected = vec![
             (Role::Energy, Vector(vec![system.energy()])),
-            (Role::Velocity, system.velocity()),
             (Role::Casimirs, casimirs),
             (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
             (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
@@ -299,6 +301,22 @@ fn functions_of_systems_compute_their_expressions() {
             (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
             (Role::Force, geometry::force(&arena, &system)),
         ];
+        let newton = |residual: &Vector<'_>, role: Role| {
+            let (module, _) = program.function(role).expect("where there is no closed form");
+            let computed = call(module, role, &given).remove(0);
+            let difference = relative(&computed.part(0, residual.len()), &point.vector(residual));
+            assert!(difference < Real::ten_to(-72), "{}, {role:?}: {difference:?}", description.name);
+        };
+        match system.velocity_relation() {
+            Relation::Explicit(velocity) => expected.push((Role::Velocity, velocity.clone())),
+            Relation::Implicit(residual) => newton(residual, Role::VelocityNewton),
+            Relation::Singular => assert!(program.function(Role::Velocity).is_none()),
+        }
+        match system.momentum_relation() {
+            Relation::Explicit(momentum) => expected.push((Role::Momentum, momentum)),
+            Relation::Implicit(residual) => newton(&residual, Role::MomentumNewton),
+            Relation::Singular => assert!(program.function(Role::Momentum).is_none()),
+        }
         let inertias = system.inertias.iter().enumerate();
         expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
         if program.function(Role::WithConserved).is_some() {
@@ -323,7 +341,9 @@ fn functions_of_systems_compute_their_expressions() {
             let difference = relative(&back, &point.get(&system.state_symbols()));
             assert!(difference < Real::ten_to(-72), "{}: {difference:?}", description.name);
         }
-        let all = 1 + expected.len();
+        let newtons = [Role::VelocityNewton, Role::MomentumNewton].into_iter();
+        let newtons = newtons.filter(|&role| program.function(role).is_some()).count();
+        let all = 1 + expected.len() + newtons;
         assert_eq!(program.functions.iter().map(|module| module.functions.len()).sum::<usize>(), all);
     }
 }
