@@ -17,7 +17,7 @@ use proc_macro::TokenStream;
 /// | `force = moment`, `force(attitude = moment)` | what changes the momentum beside the energy; of rigid motions also a pair, `(moment, push)` |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
 /// | `methods(Midpoint, Family(1, 4), TangentLift, TangentLift(1, 4))` | schemes to generate beside the standard ones |
-/// | `retractions(Cayley)` | the retractions to generate steps with; without it both, `Exponential` and `Cayley` |
+/// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two |
 /// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
 ///

@@ -304,17 +304,19 @@ pub mod choosing {
     //!
     //! A bare retraction is the step to take unless another is wanted for itself: `stepper::<Exponential>(h)` or
     //! `stepper::<Cayley>(h)`, symmetric and of order 2 for every system. [`Exponential`](crate::Exponential) is far more accurate at
-    //! equal step; [`Cayley`](crate::Cayley) is rational and has no limit on the angle turned in a step.
+    //! equal step; [`Cayley`](crate::Cayley) is rational and has no limit on the angle turned in a step. [`SecondKind`](crate::SecondKind),
+    //! turns about the axes one after the other, is there to compare with: asked for by `retractions(SecondKind)`.
     //!
     //! | scheme | order | symmetric | Poisson map | remarks |
     //! |---|---|---|---|---|
     //! | `Exponential`, `Cayley` | 2 | yes | yes, without forces | `SymplecticEulerA` or `StormerVerlet`, whichever is of order 2 |
-    //! | [`SymplecticEulerA`](crate::SymplecticEulerA), [`B`](crate::SymplecticEulerB) | 1; 2 for left-invariant systems | then | yes, without forces | often explicit |
+    //! | `SecondKind` | 2 | yes | yes, without forces | `StormerVerlet` for every system |
+    //! | [`SymplecticEulerA`](crate::SymplecticEulerA), [`B`](crate::SymplecticEulerB) | 1; 2 for left-invariant systems, but with `SecondKind` | then | yes, without forces | often explicit |
     //! | [`Midpoint`](crate::Midpoint) | 2 | yes | yes, without forces | implicit; `methods(Midpoint)` |
     //! | [`Family<R, N, D>`](crate::Family) | as `SymplecticEulerA` | as `SymplecticEulerA` | yes, without forces | `methods(Family(1, 4))` |
     //! | [`StormerVerlet`](crate::StormerVerlet) | 2 | yes | yes, without forces | half a step of A, then half a step of B |
     //! | [`Order4`](crate::composition::Order4) … `Order10` | 4 to 10 | yes | as its base | 5, 9, 17, 35 steps of a symmetric base |
-    //! | [`RightLift`](crate::RightLift) | as its base | as its base | as its base | carries the momentum in space, where nothing acts |
+    //! | [`RightLift`](crate::RightLift) | as its base | as its base | as its base | carries the momentum in space, where nothing acts; with `invariance = right` that in the body |
     //! | [`TangentLift`](crate::TangentLift) | 1 | no | **no** | explicit, to compare with; `methods(TangentLift)` |
     //!
     //! ```
@@ -343,8 +345,8 @@ pub mod choosing {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
-    //! With both retractions the standard steps are generated. `retractions(Cayley)` leaves it at those named, which halves what the description
-    //! costs to compile; a scheme on the other one is then an error of the compiler. What else is wanted is named in `methods(…)`.
+    //! With `Exponential` and `Cayley` the standard steps are generated. `retractions(Cayley)` leaves it at those named, which halves what the
+    //! description costs to compile; a scheme on another one is then an error of the compiler. What else is wanted is named in `methods(…)`.
     //!
     //! ```
     //! use coadjoint::prelude::*;
@@ -732,8 +734,7 @@ pub mod mathematics {
     //! `ξ` the body velocity and `μ` the body momentum. `Ad*_g` is the transpose of `Ad_g`: on so(3)*, `Ad*_R Π = R⁻¹Π` and
     //! `ad*_Ω Π = Π × Ω`. The equations of motion with the Hamiltonian `h` are `μ' = ad*_{∂h/∂μ} μ − g⁻¹ ∂h/∂g + F`.
     //!
-    //! **Retractions.** A map `τ` from the Lie algebra to the group with `τ(0) = e`, `τ'(0) = 1` and, here, `τ(−ξ) = τ(ξ)⁻¹`. Its logarithmic
-    //! derivatives are `dL τ_ξ η = τ(ξ)⁻¹ Dτ(ξ) η` and `dR τ_ξ η = Dτ(ξ) η τ(ξ)⁻¹`, so that `dR = Ad_τ dL`. On SO(3), with the Stumpff functions
+    //! **Retractions.** A map `τ` from the Lie algebra to the group with `τ(0) = e` and `τ'(0) = 1`. Its logarithmic derivatives are `dL τ_ξ η = τ(ξ)⁻¹ Dτ(ξ) η` and `dR τ_ξ η = Dτ(ξ) η τ(ξ)⁻¹`, so that `dR = Ad_τ dL`. On SO(3), with the Stumpff functions
     //! `c_k(z) = Σ (−z)^j/(k + 2j)!` of `z = |x|²`:
     //!
     //! | | exponential | Cayley |
@@ -743,28 +744,34 @@ pub mod mathematics {
     //! | `dR τ_x` | `1 + c₂ x̂ + c₃ x̂²` | `(1 + x̂/2)/(1 + z/4)` |
     //! | domain | a turn of less than 2π | everything |
     //!
+    //! Both are functions of one matrix, therefore odd, `τ(−ξ) = τ(ξ)⁻¹`, and equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`, so that
+    //! `Ad*_{τ(ξ)} m = m + ad*_ξ (dR τ_ξ)* m`. Coordinates of the second kind, `τ(ξ) = exp(ξ₁E₁) exp(ξ₂E₂) ⋯`, are neither: `τ̄(ξ) = τ(−ξ)⁻¹` has
+    //! the factors in the opposite order. The columns of `dR τ_ξ` are `Ad` of the factors before on the axes; on SO(3) it is singular where the
+    //! second turn is a quarter.
+    //!
     //! The Stumpff functions are entire and closed under differentiation, `c_k' = (k c_{k+2} − c_{k+1})/2`: no formula has a special case at 0,
     //! and derivatives of any order stay among them.
     //!
     //! **Advected parameters** make the group a semidirect product `G ⋉ V`, and the system a Lie–Poisson system on `(g ⋉ V)*`. Everything
     //! about the product follows from the group and its representation `ρ`: `exp(ξ, w) = (exp ξ, φ₁(ρ_ξ) w)`,
-    //! `cay(ξ, w) = (cay ξ, (1 − ρ_ξ/2)⁻¹ w)`, and their logarithmic derivatives by differentiation. Casimirs: of a body with vectors `Γᵢ`, all
+    //! `cay(ξ, w) = (cay ξ, (1 − ρ_ξ/2)⁻¹ w)`, in coordinates of the second kind `(τ(ξ), τ(ξ) w)`, and their logarithmic derivatives by
+    //! differentiation. Casimirs: of a body with vectors `Γᵢ`, all
     //! `Γᵢ·Γⱼ`, and with one vector `Π·Γ`.
     //!
     //! **The steps.** One family, for `s` from 0 to 1, with the unknown `η = t ζ`, where `t` is the step and `ζ` the velocity:
     //!
     //! ```text
     //! m⁻ = Ad*_{τ(−sη)⁻¹} μ_k                                  the momentum, carried to the intermediate point
-    //! ḡ  = g_k τ(sη)
+    //! ḡ  = g_k τ(−sη)⁻¹
     //! m⁺ = m⁻ − t ḡ⁻¹ ∂h/∂g(ḡ, μ̄) + t F                         the kick; none for a left-invariant system
     //! μ̄  = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
     //! η  = t ∂h/∂μ(ḡ, μ̄)                                       the equation to be solved
     //! μ_{k+1} = Ad*_{τ((1−s)η)} m⁺,   g_{k+1} = ḡ τ((1−s)η)
     //! ```
     //!
-    //! For a left-invariant `h` the step is, for every `s`, a Poisson map that keeps all Casimirs, its own adjoint, and of order 2. With a
-    //! potential on the group it is symplectic for every `s`, the adjoint of `s` is `1 − s`, and the order is 1 but for `s = ½`. Half a step with
-    //! `s = 0`, then half a step with `s = 1`, is the Störmer–Verlet method of the group, of order 2. Symmetric steps of order 2 compose to
+    //! With any retraction the step is symplectic for every `s`, for a left-invariant `h` a Poisson map that keeps all Casimirs; the adjoint of `s`
+    //! is `1 − s`, and the order is 1 but for `s = ½`, where it is 2. For a left-invariant `h` and a function of one matrix it is for every `s` its
+    //! own adjoint and of order 2. Half a step with `s = 0`, then half a step with `s = 1`, is the Störmer–Verlet method of the group, of order 2. Symmetric steps of order 2 compose to
     //! those of orders 4, 6, 8 and 10.
     //!
     //! | in the paper | here |
@@ -775,6 +782,19 @@ pub mod mathematics {
     //! | (6.5), (6.8) free rigid body; (6.15), (6.17) heavy top | `s = 0` with either retraction |
     //! | (6.6), (6.9) | [`RightLift`](crate::RightLift): carries `π = Ad*_{g⁻¹} μ`, which is constant |
     //! | (6.20) quadrotor | `s = 0` with forces |
+    //!
+    //! **Trivializations.** The discretization map may stand on the left of the algebra, `ḡ τ(η)`, or on the right, `τ(ω) ḡ` with `ω = Ad_ḡ η`, and its
+    //! lift may have momenta in the body or in space: LL, LR, RL and RR.
+    //!
+    //! | map, lift | functions of one matrix | coordinates of the second kind |
+    //! |---|---|---|
+    //! | LL | the family | the family |
+    //! | LR | the same map, `π = Ad*_{g⁻¹} μ` in place of `μ`: [`RightLift`](crate::RightLift) carries it where it is constant | the same map |
+    //! | RL, RR | the same maps as LL and LR, for `τ(Ad_ḡ η) ḡ = ḡ τ(η)` | other maps |
+    //!
+    //! With `invariance = right` all is mirrored: RR is the family, and RL is the one that carries a constant momentum, in the body. A map on the
+    //! side on which the system is not invariant is not generated: it moves with the configuration, `D(h ḡ, Ad_h ω) ≠ h D(ḡ, ω)`, so that there is
+    //! no reduced step, no Poisson map, and no constant momentum. By inversion of the configuration it is the map of `τ̄` on the other side.
     //!
     //! **Misprints.** These displays cannot be used as they are printed. Each was compared with its definition or its own equations of motion:
     //!

@@ -252,7 +252,7 @@ pub trait System: Sized {
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "where the description has `retractions(…)`, no others are generated than those it names; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
+    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
     note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
 pub trait Discretized<M>: System {
@@ -291,7 +291,7 @@ impl<S: System, D> MethodOf<S> for D where
 /// [family](Family).
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "where the description has `retractions(…)`, no others are generated than those it names; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
+    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
     note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
 pub trait Generated<M>: System {
@@ -307,7 +307,7 @@ pub trait Generated<M>: System {
 /// A system whose steps were generated with the retraction `R`. Implemented by the macro.
 #[diagnostic::on_unimplemented(
     message = "there are no steps with the retraction `{R}` for `{Self}`",
-    note = "where the description has `retractions(…)`, no others are generated than those it names"
+    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`"
 )]
 #[doc(hidden)]
 pub trait Retracted<R>: System {

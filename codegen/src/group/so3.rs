@@ -5,7 +5,7 @@
 //! * With `z = |x|²` and the Stumpff functions `c_k = c_k(z)`:
 //!   `exp x = (c₀(z/4), c₁(z/4) x/2)`, `cay x = (1, x/2)/√(1 + z/4)`;
 //!   `dR exp_x = 1 + c₂ x̂ + c₃ x̂²`, `dR cay_x = (1 + x̂/2)/(1 + z/4)`.
-//! * Both logarithmic derivatives satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
+//! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Moved, Named, Representation,

@@ -7,12 +7,12 @@ use coadjoint::certify::{Certification, Claim, Claims, Report, Verdict, Walk};
 use coadjoint::erased::{Map, NotGenerated, Scheme};
 use coadjoint::generic::{GenericStepper, Hamiltonian, SO3};
 use coadjoint::prelude::*;
-use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, erased};
+use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, TangentMidpoint, erased};
 
 /// Nothing acts on it.
 #[lie_poisson_system(
     group = SO3,
-    methods(Midpoint, TangentLift, Family(1, 4), Family(3, 4)),
+    methods(Midpoint, TangentLift, TangentMidpoint, Family(1, 4), Family(3, 4)),
     retractions(SecondKind, Exponential, Cayley),
 )]
 struct Body {
@@ -131,8 +131,13 @@ fn a_free_body() {
         assert!((report.certificate("order").unwrap().figure - 2.0).abs() < 0.15, "{report}");
     }
     assert_eq!(passes::<Order4<SecondKind>, _>(&body, state, &[]).claim.order, 4);
-    let report = Certification::new(&body).states(&[state]).run::<TangentLift<SecondKind>>().unwrap();
-    assert!(report.passed(), "{report}");
+    for report in [
+        Certification::new(&body).states(&[state]).run::<TangentLift<SecondKind>>(),
+        Certification::new(&body).states(&[state]).run::<TangentMidpoint<SecondKind>>(),
+    ] {
+        let report = report.unwrap();
+        assert!(report.passed(), "{report}");
+    }
 }
 
 #[test]
