@@ -1,6 +1,6 @@
 //! Canonical coordinates of the second kind, for any matrix group.
 
-use nalgebra::{DMatrix, SMatrix, SVector};
+use nalgebra::{SMatrix, SVector};
 
 use super::{MatrixGroup, MatrixRetraction};
 use crate::retraction::SecondKind;
@@ -34,12 +34,35 @@ where
 
     /// Seen at points that are less than a tenth of a radian apart.
     fn is_regular(x: &SVector<f64, D>) -> bool {
-        let points = (10.0 * x.amax()).ceil().clamp(1.0, 1e3);
+        let points = ((10.0 * x.amax()) as u32).min(1000) + 1;
         let keeps_orientation = |k: u32| {
-            let there = x * (f64::from(k) / points);
+            let there = x * (f64::from(k) / f64::from(points));
             let derivative = <Self as MatrixRetraction<G, N, D>>::right_derivative(&there);
-            derivative.is_some_and(|d| DMatrix::from_column_slice(D, D, d.as_slice()).determinant() > 0.0)
+            derivative.is_some_and(|derivative| determinant(derivative) > 0.0)
         };
-        (1..=points as u32).all(keeps_orientation)
+        (1..=points).all(keeps_orientation)
     }
+}
+
+/// The determinant, by elimination: nalgebra has none for a dimension that is a parameter.
+fn determinant<const D: usize>(mut a: SMatrix<f64, D, D>) -> f64 {
+    let mut determinant = 1.0;
+    for k in 0..D {
+        let pivot = (k..D).fold(k, |best, i| if a[(i, k)].abs() > a[(best, k)].abs() { i } else { best });
+        if a[(pivot, k)] == 0.0 {
+            return 0.0;
+        }
+        if pivot != k {
+            a.swap_rows(pivot, k);
+            determinant = -determinant;
+        }
+        determinant *= a[(k, k)];
+        for i in k + 1..D {
+            let factor = a[(i, k)] / a[(k, k)];
+            for j in k..D {
+                a[(i, j)] -= factor * a[(k, j)];
+            }
+        }
+    }
+    determinant
 }

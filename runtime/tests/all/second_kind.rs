@@ -5,7 +5,7 @@
 use coadjoint::__private::{Batch, Geometry, Isolated};
 use coadjoint::certify::{Certification, Claim, Claims, Report, Verdict, Walk};
 use coadjoint::erased::{Map, NotGenerated, Scheme};
-use coadjoint::generic::{GenericStepper, Hamiltonian, SO3};
+use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, TangentMidpoint, erased};
 
@@ -274,6 +274,14 @@ fn the_generic_stepper_takes_the_same_steps() {
     }
     assert!((state.momentum - mu).amax() < 1e-13, "{}", state.momentum - mu);
     assert!((state.attitude.to_rotation_matrix().into_inner() - g).amax() < 1e-13);
+
+    // the second turn is less than a quarter, whatever the others are
+    let is_regular = |x: Vector3<f64>| <SecondKind as MatrixRetraction<SO3, 3, 3>>::is_regular(&x);
+    for (first, second, third) in [(3.0, 1.57, -2.0), (0.1, -1.57, 5.0)] {
+        assert!(
+            is_regular(vector![first, second, third]) && !is_regular(vector![first, 1.001 * second, third])
+        );
+    }
 }
 
 /// What nothing acts on keeps its momentum on the other side of the configuration, to the last bit where it is carried: a left-invariant
