@@ -34,7 +34,7 @@ fn descriptions() -> Vec<(TokenStream, TokenStream)> {
     let sources =
         files.filter(|path| path.is_file()).map(|path| std::fs::read_to_string(path).expect("text"));
     let descriptions: Vec<_> = sources.filter_map(|source| description(&source)).collect();
-    assert_eq!(descriptions.len(), 14);
+    assert_eq!(descriptions.len(), 15);
     descriptions
 }
 
@@ -47,9 +47,9 @@ fn the_catalogue_keeps_to_its_budget() {
         emitted += tokens(expansion.into_tokens());
     }
     println!("{kernels} kernels, {emitted} tokens");
-    // counted: 68 and 383,433
-    assert!(kernels <= 68, "{kernels} kernels");
-    assert!(emitted <= 400_000, "{emitted} tokens");
+    // counted: 86 and 442,287
+    assert!(kernels <= 86, "{kernels} kernels");
+    assert!(emitted <= 460_000, "{emitted} tokens");
 }
 
 /// What nobody asked for is not there.
