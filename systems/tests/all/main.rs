@@ -44,6 +44,7 @@ macro_rules! entries {
 mod applications;
 mod catalogue;
 mod certificates;
+mod classical;
 mod cli;
 mod conservation;
 mod physics;

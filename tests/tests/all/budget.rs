@@ -47,9 +47,9 @@ fn the_catalogue_keeps_to_its_budget() {
         emitted += tokens(expansion.into_tokens());
     }
     println!("{kernels} kernels, {emitted} tokens");
-    // counted: 83 and 455,626
-    assert!(kernels <= 83, "{kernels} kernels");
-    assert!(emitted <= 470_000, "{emitted} tokens");
+    // counted: 86 and 442,287
+    assert!(kernels <= 86, "{kernels} kernels");
+    assert!(emitted <= 460_000, "{emitted} tokens");
 }
 
 /// What nobody asked for is not there.
