@@ -5,5 +5,6 @@ mod compensated;
 mod ensemble;
 mod erased;
 mod generic;
+mod generic_mechanics;
 mod map;
 mod together;
