@@ -789,10 +789,10 @@ pub mod paper {
     //! | (1.19), (1.20) planar pendulum; (1.21) with projection | `group = SO2` | `run planar_pendulum`, `figures 1.3` | |
     //! | (3.1) a discretization map, the θ-family of 3.3 | [`Family<_, N, D>`](crate::Family) of a [vector field](#vector-fields-on-a-group-32) on `R1` … `R6`, `θ = s` | | |
     //! | (3.2) the same on a group, left and right | [a recipe](#vector-fields-on-a-group-32) | | |
-    //! | (5.1), (5.3) tangent lifts | [`TangentLift`](crate::TangentLift) on `R1` … `R6` | | |
-    //! | (5.2), (5.4) cotangent lifts, the θ-family of 5.3 | `Family<_, N, D>` on `R1` … `R6`, `θ = s` | `run kepler --method midpoint` | |
-    //! | (5.5), (5.7) trivialized tangent lifts | `TangentLift` | | |
-    //! | (5.6), (5.8) trivialized cotangent lifts | `Family<_, N, D>` on every group: of velocities in the body, and with `invariance = right` of those in space | `run coupled_bodies --method midpoint`, `run ellipsoidal_fluid` | |
+    //! | (5.1), (5.3) tangent lifts | [`TangentLift`](crate::TangentLift) on `R1` … `R6` | `run harmonic_oscillator --method tangent-lift` | |
+    //! | (5.2), (5.4) cotangent lifts, the θ-family of 5.3 | `Family<_, N, D>` on `R1` … `R6`, `θ = s` | `run harmonic_oscillator --method family=1/4` | |
+    //! | (5.5), (5.7) trivialized tangent lifts | `TangentLift` | `run free_rigid_body --method tangent-lift` | |
+    //! | (5.6), (5.8) trivialized cotangent lifts | `Family<_, N, D>` on every group: of velocities in the body, and with `invariance = right` of those in space | `run free_rigid_body --method family=1/4`, `run coupled_bodies --method midpoint`, `run ellipsoidal_fluid` | |
     //! | (6.1), (6.3)–(6.5), (6.7), (6.8) a quadratic energy, the rigid body | `SymplecticEulerA`, which is what a retraction alone means | `run free_rigid_body --method euler-a` | right sides |
     //! | (6.2), (6.6), (6.9) the right lift | [`RightLift`](crate::RightLift), which carries `π = Ad*_{g⁻¹} μ`, a constant | `run free_rigid_body --method right-lift` | (6.2), right sides |
     //! | (6.10), (6.11) with the exponential | [`Exponential`](crate::Exponential) | `run free_rigid_body` | (6.11) |

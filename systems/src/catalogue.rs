@@ -40,6 +40,7 @@ catalogue! {
     harmonic_oscillator: crate::harmonic_oscillator::HarmonicOscillator,
     kepler: crate::kepler::Kepler,
     two_bodies: crate::two_bodies::TwoBodies,
+    hanging_plate: crate::hanging_plate::HangingPlate,
     planar_pendulum: crate::planar_pendulum::PlanarPendulum,
     driven_pendulum: crate::driven_pendulum::DrivenPendulum,
     spherical_pendulum: crate::spherical_pendulum::SphericalPendulum,
@@ -58,7 +59,6 @@ catalogue! {
             "a quadrotor with the thrust of hover that turns over and flies off";
     },
     rigid_body_in_space: crate::rigid_body_in_space::RigidBodyInSpace,
-    hanging_plate: crate::hanging_plate::HangingPlate,
     gyrostat: crate::gyrostat::Gyrostat,
     coupled_bodies: crate::coupled_bodies::CoupledBodies,
     kirchhoff: crate::kirchhoff::Kirchhoff,

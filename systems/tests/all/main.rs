@@ -8,6 +8,7 @@ macro_rules! entries {
             harmonic_oscillator
             kepler
             two_bodies
+            hanging_plate
             planar_pendulum
             driven_pendulum
             spherical_pendulum
@@ -21,7 +22,6 @@ macro_rules! entries {
             quadrotor
             loose_quadrotor
             rigid_body_in_space
-            hanging_plate
             gyrostat
             coupled_bodies
             kirchhoff
