@@ -827,26 +827,28 @@ pub mod paper {
     //!
     //! `g' = g X(g)^` needs no mechanics. It is the motion of the configuration under the Hamiltonian `⟨μ, X(g)⟩`, whatever the momentum is; a
     //! momentum of 0 stays 0. Every member of the family then takes the steps of (3.2), and on `Rⁿ` those of (3.1): `s = 0` is Euler's explicit
-    //! method, `s = 1` the implicit one, `s = ½` the midpoint rule of order 2.
+    //! method, `s = 1` the implicit one, `s = ½` the midpoint rule of order 2. (The equation of a step is solved to rounding next to the velocity's
+    //! size. Where the field vanishes that is rounding itself, so that an implicit step may fail at an equilibrium.)
     //!
     //! ```
     //! use coadjoint::prelude::*;
     //!
-    //! /// Turns its third axis towards a star.
+    //! /// Spins about its third axis, and turns that towards a star.
     //! #[lie_poisson_system(
     //!     group = SO3,
     //!     hamiltonian = {
     //!         let seen = attitude.inverse() * star;
-    //!         momentum.dot(&(gain * Vector3::z().cross(&seen)))
+    //!         momentum.dot(&(gain * Vector3::z().cross(&seen) + spin * Vector3::z()))
     //!     },
     //!     methods(Midpoint),
     //! )]
     //! struct Pointing {
     //!     star: Vector3<f64>,
     //!     gain: f64,
+    //!     spin: f64,
     //! }
     //!
-    //! let pointing = Pointing { star: vector![0.6, 0.0, 0.8], gain: 0.5 };
+    //! let pointing = Pointing { star: vector![0.6, 0.0, 0.8], gain: 0.5, spin: 1.0 };
     //! let mut state = PointingState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros() };
     //! let mut stepper = pointing.stepper::<Midpoint<Cayley>>(0.1)?;
     //! for _ in 0..500 {
