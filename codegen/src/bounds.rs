@@ -51,7 +51,8 @@ pub(crate) fn derived(
     } else {
         return Some(());
     };
-    let energy = attribute.hamiltonian.as_ref().or(attribute.potential.as_ref());
+    let Attribute { hamiltonian, lagrangian, potential, .. } = attribute;
+    let energy = hamiltonian.as_ref().or(lagrangian.as_ref()).or(potential.as_ref());
     match energy.or(attribute.forces.first().map(|force| &force.value)) {
         Some(expression) => diagnostics.push(expression, message),
         None => diagnostics.push(&item.name, message),

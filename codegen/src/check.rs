@@ -29,6 +29,8 @@ pub struct Description<'d> {
     pub potential: Option<&'d syn::Expr>,
     /// The whole energy, in place of inertia and potential.
     pub hamiltonian: Option<&'d syn::Expr>,
+    /// The Lagrangian, in place of inertia and potential.
+    pub lagrangian: Option<&'d syn::Expr>,
     /// What acts on momenta beside the energy.
     pub forces: Vec<Force<'d>>,
     /// Where momentum and velocity are taken.
@@ -67,7 +69,7 @@ pub struct Inertia {
     /// How it is given.
     pub shape: InertiaShape,
     /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
-    /// Hamiltonian.
+    /// Hamiltonian or a Lagrangian.
     pub blocks: Vec<Vec<usize>>,
 }
 
@@ -120,6 +122,7 @@ pub fn resolve<'d>(
         inertias,
         potential: attribute.potential.as_ref(),
         hamiltonian: attribute.hamiltonian.as_ref(),
+        lagrangian: attribute.lagrangian.as_ref(),
         forces,
         lints: &item.lints,
         side: if attribute.right { Side::Right } else { Side::Left },

@@ -1,14 +1,14 @@
 //! From a system to its program: every function that is emitted is derived here.
 
 use crate::derivatives::Derivatives;
-use crate::expr::{Arena, Stage, Vector};
+use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
 use crate::geometry;
 use crate::group::{Retraction, Side};
 use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::method::linearization::Linearization;
 use crate::model::Role as QuantityRole;
-use crate::model::{Factor, InertiaField, InertiaShape, Parameter, Part, StoredAs, System};
+use crate::model::{Factor, InertiaField, InertiaShape, Parameter, Part, Relation, StoredAs, System};
 use crate::program::{
     Documentation, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
 };
@@ -120,14 +120,51 @@ fn at_state(system: &System<'_>) -> Inputs {
 /// Energy, velocity and what is conserved.
 fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
     let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
-    let functions = [
-        (Role::Energy, Vector(vec![system.energy()])),
-        (Role::Velocity, system.velocity(&system.momentum())),
-        (Role::Casimirs, casimirs),
-        (Role::SpatialMomentum, spatial_momentum(system)),
-    ];
     let inputs = || at_state(system).with(Input::Time, system.time_symbol());
-    functions.into_iter().map(|(role, value)| kernel::function(arena, role, &value, inputs())).collect()
+    let mut functions = vec![
+        function(arena, system, Role::Energy, &Vector(vec![system.energy()]), inputs()),
+        kernel::function(arena, Role::Casimirs, &casimirs, inputs()),
+        kernel::function(arena, Role::SpatialMomentum, &spatial_momentum(system), inputs()),
+    ];
+    let velocity = system.velocity_symbols().symbols();
+    let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
+    functions.extend(match system.velocity_relation() {
+        Relation::Explicit(value) => Some(kernel::function(arena, Role::Velocity, value, inputs())),
+        Relation::Implicit(residual) => {
+            let newton = newton(residual, &velocity);
+            Some(kernel::function(arena, Role::VelocityNewton, &newton, with_velocity()))
+        }
+        Relation::Singular => None,
+    });
+    functions.extend(match system.momentum_relation() {
+        Relation::Explicit(value) => Some(kernel::function(arena, Role::Momentum, &value, with_velocity())),
+        Relation::Implicit(residual) => {
+            let newton = newton(&residual, &system.momentum().symbols());
+            Some(kernel::function(arena, Role::MomentumNewton, &newton, with_velocity()))
+        }
+        Relation::Singular => None,
+    });
+    functions
+}
+
+/// A residual and Newton's correction for it, one after the other.
+fn newton<'a>(residual: &Vector<'a>, unknown: &[Symbol]) -> Vector<'a> {
+    let jacobian = residual.jacobian(unknown).map(Expr::hold);
+    Vector::concat([residual, &jacobian.solve(residual)])
+}
+
+/// A function of the state, which is given the velocity too if it needs it and there is no closed form of it.
+fn function<'a>(
+    arena: &'a Arena,
+    system: &System<'a>,
+    role: Role,
+    value: &Vector<'a>,
+    inputs: Inputs,
+) -> Module {
+    let velocity = system.velocity_symbols().symbols();
+    let needed = value.iter().any(|component| component.depends_on(&velocity));
+    let inputs = if needed { inputs.with(Input::Velocity, velocity) } else { inputs };
+    kernel::function(arena, role, value, inputs)
 }
 
 /// The momenta in space coordinates.
@@ -168,7 +205,8 @@ fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
         let inputs = at_state(system).with(Input::SpatialMomentum, spatial.symbols());
         functions.push((Role::InBody, geometry::with_spatial_momentum(system, &spatial), inputs));
     }
-    functions.into_iter().map(|(role, value, inputs)| kernel::function(arena, role, &value, inputs)).collect()
+    let module = |(role, value, inputs)| function(arena, system, role, &value, inputs);
+    functions.into_iter().map(module).collect()
 }
 
 /// Whether nothing acts on the system, whose momentum is then constant in space; as far as it is left-invariant.

@@ -6,7 +6,7 @@ use crate::expr::{Formulas, gradient};
 use crate::group::{EquationNames, Side};
 use crate::identifiers::{plain, velocity_name};
 use crate::limits::FORMULAS;
-use crate::model::{Factor, Hamiltonian, InertiaField, System};
+use crate::model::{Energy, Factor, InertiaField, System};
 
 impl System<'_> {
     /// The equations of motion as text.
@@ -20,23 +20,30 @@ impl System<'_> {
 
 /// What formulas call the part of the energy that they differentiate.
 fn energy(system: &System<'_>) -> &'static str {
-    match &system.hamiltonian {
-        Hamiltonian::Mechanical { .. } => "V",
-        Hamiltonian::General(_) => "h",
+    match &system.energy {
+        Energy::Mechanical { .. } => "V",
+        Energy::Hamiltonian(_) => "h",
+        Energy::Lagrangian(_) => "l",
     }
 }
 
-/// The velocities by the momenta.
+/// The velocities by the momenta, or Legendre's transform: the momenta by the velocities, and the energy.
 fn velocities(system: &System<'_>) -> Vec<String> {
-    match &system.hamiltonian {
-        Hamiltonian::General(_) => {
-            let by_momentum = |factor: &Factor<'_>| {
-                let momentum = &factor.momentum_name;
-                format!("{} = ∂h/∂{}", velocity_name(momentum), plain(momentum))
-            };
-            system.factors.iter().map(by_momentum).collect()
+    let names = |factor: &Factor<'_>| (velocity_name(&factor.momentum_name), plain(&factor.momentum_name));
+    match &system.energy {
+        Energy::Hamiltonian(_) => {
+            let by_momentum = |(velocity, momentum)| format!("{velocity} = ∂h/∂{momentum}");
+            system.factors.iter().map(names).map(by_momentum).collect()
         }
-        Hamiltonian::Mechanical { .. } => {
+        Energy::Lagrangian(_) => {
+            let by_velocity = |(velocity, momentum): (String, String)| format!("{momentum} = ∂l/∂{velocity}");
+            let mut lines: Vec<String> = system.factors.iter().map(names).map(by_velocity).collect();
+            let work = |(velocity, momentum): (String, String)| format!("{momentum}·{velocity}");
+            let work: Vec<String> = system.factors.iter().map(names).map(work).collect();
+            lines.push(format!("h = {} − l", work.join(" + ")));
+            lines
+        }
+        Energy::Mechanical { .. } => {
             let blocks = |field: &InertiaField<'_>| {
                 field.blocks.iter().map(|block| by_inertia(system, field, block)).collect::<Vec<_>>()
             };
@@ -68,7 +75,16 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
         velocity: &velocity,
         advected: &advected,
     });
-    let mut change = equations.momentum.join(" + ").replace("∂V", &format!("∂{energy}"));
+    let is_lagrangian = matches!(system.energy, Energy::Lagrangian(_));
+    // the energy's derivatives are those of `−l`
+    let (space, own) = if is_lagrangian { ("+", " − ") } else { ("−", " + ") };
+    let mut change = String::new();
+    for term in &equations.momentum {
+        let by_energy = term.contains("∂V");
+        let sign = if by_energy { own } else { " + " };
+        let sign = if change.is_empty() { sign.trim_matches([' ', '+']) } else { sign };
+        change = format!("{change}{sign}{}", term.replace("∂V", &format!("∂{energy}")));
+    }
     if system.side == Side::Right && !factor.algebra.group.is_linear() {
         // inversion changes the sign of the velocity
         equations.configuration = format!("{name}' = hat({velocity}) {name}");
@@ -80,8 +96,11 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
         }
     }
     if system.depends_on_configuration(factor) {
-        let space = if change.is_empty() { "" } else { " " };
-        change = format!("{change}{space}−{space}∂{energy}/∂{name}");
+        change = match (change.is_empty(), is_lagrangian) {
+            (true, true) => format!("∂{energy}/∂{name}"),
+            (true, false) => format!("−∂{energy}/∂{name}"),
+            (false, _) => format!("{change} {space} ∂{energy}/∂{name}"),
+        };
     }
     if factor.force.is_some() {
         change = if change.is_empty() { "force".to_owned() } else { format!("{change} + force") };
@@ -94,15 +113,20 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
     lines
 }
 
-/// The derivatives of the energy by the advected parameters.
+/// The derivatives of the energy by the advected parameters, and of a Lagrangian by the velocity.
 fn derivatives(system: &System<'_>) -> Vec<String> {
     let energy = energy(system);
     let constants = system.constants.iter().map(|constant| (constant.symbol, path(&constant.tokens)));
     let mut formulas = Formulas::new(system.time.arena(), constants);
-    for advected in system.factors.iter().flat_map(|factor| &factor.advected) {
-        let symbols = advected.value.symbols();
-        let gradient = gradient(system.potential(), &symbols);
-        for (symbol, component) in advected.value.iter().zip(gradient.iter()) {
+    let (differentiated, by_velocity) = match &system.energy {
+        Energy::Lagrangian(lagrangian) => (*lagrangian, true),
+        _ => (system.potential(), false),
+    };
+    let velocities = system.factors.iter().filter(|_| by_velocity).map(|factor| &factor.velocity);
+    let advected = system.factors.iter().flat_map(|factor| &factor.advected).map(|advected| &advected.value);
+    for value in velocities.chain(advected) {
+        let gradient = gradient(differentiated, &value.symbols());
+        for (symbol, component) in value.iter().zip(gradient.iter()) {
             formulas.push(format!("∂{energy}/∂{symbol}"), component);
         }
     }

@@ -3,7 +3,7 @@
 //! A tangent vector has, in the order of storage, `δ` for each configuration `g τ(δ)` (`τ(δ) g` for right-invariant systems) and
 //! the change of each momentum and advected parameter.
 
-use crate::expr::{Arena, Stage, Symbol, Vector, gradient};
+use crate::expr::{Arena, Stage, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, trivialized_gradient};
 use crate::identifiers::plain;
 use crate::model::{Factor, FactorPart, Slot, System};
@@ -56,7 +56,7 @@ pub fn displaced<'a>(system: &System<'a>, retraction: Retraction, by: &Vector<'a
 /// The energy's differential: its derivative along every component of a tangent vector.
 pub fn differential<'a>(system: &System<'a>) -> Vector<'a> {
     let energy = system.potential();
-    let velocities = system.split_momentum(&system.velocity(&system.momentum()));
+    let velocities = system.split_momentum(&system.velocity());
     let of = |(factor, velocity): (&Factor<'a>, Vector<'a>)| {
         let (group, g) = (factor.algebra.group, &factor.configuration);
         let df = gradient(energy, &g.symbols());
@@ -65,7 +65,7 @@ pub fn differential<'a>(system: &System<'a>) -> Vector<'a> {
         FactorPart { configuration, momentum: velocity, advected }
     };
     let parts: Vec<FactorPart<'a>> = system.factors.iter().zip(velocities).map(of).collect();
-    system.join(&parts)
+    system.at_velocity(&system.join(&parts))
 }
 
 /// The Hamiltonian vector of a covector `dh`: `g' = g ξ`, `(μ, a)' = ad*_(ξ, w) (μ, a) − (dh/dg, 0)` with `ξ = ∂h/∂μ`, `w = ∂h/∂a`.
@@ -87,14 +87,10 @@ pub fn hamiltonian_vector<'a>(arena: &'a Arena, system: &System<'a>, covector: &
 
 /// The forces as a tangent vector; those that name a velocity at the one that belongs to the momentum.
 pub fn force<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
-    let velocities: Vec<Symbol> =
-        system.factors.iter().flat_map(|factor| factor.velocity.symbols()).collect();
-    let velocity = system.velocity(&system.momentum());
-    let known: Vec<_> = velocities.into_iter().zip(velocity.iter()).collect();
     let of = |factor: &Factor<'a>| FactorPart {
         configuration: Vector::zeros(arena, factor.momentum.len()),
         momentum: match &factor.force {
-            Some(force) => force.substitute(&known),
+            Some(force) => system.at_velocity(force),
             None => Vector::zeros(arena, factor.momentum.len()),
         },
         advected: factor.advected.iter().map(|a| Vector::zeros(arena, a.value.len())).collect(),

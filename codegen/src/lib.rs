@@ -28,6 +28,7 @@ pub mod method;
 pub mod model;
 pub mod parse;
 pub mod program;
+mod regularity;
 pub mod scheme;
 
 use proc_macro2::TokenStream;
@@ -104,6 +105,7 @@ fn derive<R>(
     let arena = Arena::limited(limits::DERIVATION);
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &description, diagnostics)?;
+    regularity::legendre(&system, attribute, diagnostics)?;
     let mut program = derivation::program(&arena, &system);
     bounds::derived(&arena, attribute, &item, diagnostics)?;
     let wanted = attribute.derivatives;

@@ -2,6 +2,7 @@
 
 mod build;
 mod layout;
+mod legendre;
 mod part;
 
 pub(crate) use build::{NamedPart, parts};
@@ -11,6 +12,7 @@ use std::cell::OnceCell;
 pub use crate::check::InertiaShape;
 pub use crate::language::ForceForm;
 pub use layout::{FactorPart, Slot};
+pub use legendre::Relation;
 pub use part::{Part, Role, StoredAs};
 
 use proc_macro2::Ident;
@@ -38,13 +40,15 @@ pub struct System<'a> {
     /// On which side the groups act.
     pub side: Side,
     /// The energy.
-    pub hamiltonian: Hamiltonian<'a>,
-    /// The fields marked as inertia, which a general Hamiltonian uses as it likes.
+    pub energy: Energy<'a>,
+    /// The fields marked as inertia, which a Hamiltonian or a Lagrangian uses as it likes.
     pub inertias: Vec<InertiaField<'a>>,
     /// What the user wrote.
     pub sources: Sources,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
+    /// The velocity at the state, once it has been worked out.
+    velocity: OnceCell<Relation<'a>>,
 }
 
 /// One factor of the configuration's group.
@@ -59,7 +63,7 @@ pub struct Factor<'a> {
     pub configuration: Vector<'a>,
     /// The body momentum `μ`.
     pub momentum: Vector<'a>,
-    /// Stands for the body velocity in forces.
+    /// Stands for the body velocity in forces and Lagrangians.
     pub velocity: Vector<'a>,
     /// The advected parameters `a`, in body coordinates.
     pub advected: Vec<Advected<'a>>,
@@ -91,8 +95,8 @@ pub struct Advected<'a> {
     pub value: Vector<'a>,
 }
 
-/// The energy as a function of configuration, momentum, advected parameters and time.
-pub enum Hamiltonian<'a> {
+/// The energy, as it was described: a function of configuration, advected parameters, time, and of momentum or velocity.
+pub enum Energy<'a> {
     /// `½ μ·𝕀⁻¹μ + V`
     Mechanical {
         /// The inertia `𝕀` of all factors together, symmetric.
@@ -100,8 +104,10 @@ pub enum Hamiltonian<'a> {
         /// The potential energy `V`.
         potential: Expr<'a>,
     },
-    /// Anything smooth.
-    General(Expr<'a>),
+    /// The Hamiltonian `h`, of the momentum: anything smooth.
+    Hamiltonian(Expr<'a>),
+    /// The Lagrangian `l`, of the velocity: anything smooth with a `∂²l/∂ξ²` that has an inverse.
+    Lagrangian(Expr<'a>),
 }
 
 /// The user's expressions.
@@ -111,6 +117,8 @@ pub struct Sources {
     pub potential: Option<Source>,
     /// The Hamiltonian.
     pub hamiltonian: Option<Source>,
+    /// The Lagrangian.
+    pub lagrangian: Option<Source>,
     /// The forces.
     pub forces: Vec<ForceSource>,
 }
@@ -161,7 +169,7 @@ pub struct InertiaField<'a> {
     /// How it is given.
     pub shape: InertiaShape,
     /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
-    /// general Hamiltonian.
+    /// Hamiltonian or a Lagrangian.
     pub blocks: Vec<Vec<usize>>,
     /// As a matrix.
     pub matrix: Matrix<'a>,
@@ -204,24 +212,17 @@ impl<'a> System<'a> {
         Vector::concat(self.factors.iter().map(|factor| &factor.momentum))
     }
 
-    /// `𝕀⁻¹ m`, or `∂h/∂μ` at the momentum `m`.
-    pub fn velocity(&self, m: &Vector<'a>) -> Vector<'a> {
-        match &self.hamiltonian {
-            Hamiltonian::Mechanical { inertia, .. } => inertia.solve_symmetric(m),
-            Hamiltonian::General(energy) => {
-                let momentum = self.momentum().symbols();
-                let at: Vec<_> = momentum.iter().copied().zip(m.iter()).collect();
-                gradient(*energy, &momentum).substitute(&at)
-            }
-        }
-    }
-
-    /// The Hamiltonian. With `𝕀 = L D Lᵀ` the kinetic energy is `½ Σ yᵢ²/dᵢ`, `y = L⁻¹ μ`: a sum of squares, without
-    /// cancellation.
+    /// The Hamiltonian, with the [velocity](Self::velocity) in what of it is written in that: by Legendre's transform (4.6) of a Lagrangian
+    /// `⟨∂l/∂ξ, ξ⟩ − l`. With `𝕀 = L D Lᵀ` the kinetic energy is `½ Σ yᵢ²/dᵢ`, `y = L⁻¹ μ`: a sum of squares, without cancellation.
     pub fn energy(&self) -> Expr<'a> {
-        let (inertia, potential) = match &self.hamiltonian {
-            Hamiltonian::General(energy) => return *energy,
-            Hamiltonian::Mechanical { inertia, potential } => (inertia, *potential),
+        let (inertia, potential) = match &self.energy {
+            Energy::Hamiltonian(energy) => return *energy,
+            Energy::Lagrangian(lagrangian) => {
+                let velocity = self.velocity_symbols();
+                let energy = gradient(*lagrangian, &velocity.symbols()).dot(&velocity) - *lagrangian;
+                return self.at_velocity(&Vector(vec![energy])).0[0];
+            }
+            Energy::Mechanical { inertia, potential } => (inertia, *potential),
         };
         let (l, d) = inertia.ldl();
         let mut y = self.momentum().0;
@@ -235,11 +236,13 @@ impl<'a> System<'a> {
         kinetic / 2 + potential
     }
 
-    /// What of the energy depends on anything else than the momentum alone: the potential, or all of a general Hamiltonian.
+    /// A function with the energy's derivatives by configuration, advected parameters and time: the potential, all of a Hamiltonian, or
+    /// `−l`, for where the momentum is kept `∂h/∂g = −∂l/∂g` (4.8).
     pub fn potential(&self) -> Expr<'a> {
-        match &self.hamiltonian {
-            Hamiltonian::Mechanical { potential, .. } => *potential,
-            Hamiltonian::General(energy) => *energy,
+        match &self.energy {
+            Energy::Mechanical { potential, .. } => *potential,
+            Energy::Hamiltonian(energy) => *energy,
+            Energy::Lagrangian(lagrangian) => -*lagrangian,
         }
     }
 

@@ -8,8 +8,8 @@ use crate::group::Retraction;
 pub enum Rule {
     /// A member of the [`family`](crate::method::family).
     Family(Member),
-    /// The [tangent lift](crate::method::tangent_lift).
-    TangentLift,
+    /// A member of the family of [tangent lifts](crate::method::tangent_lift).
+    TangentLift(Member),
 }
 
 /// A rule with a retraction.
@@ -28,21 +28,28 @@ impl Scheme {
         match self.rule {
             Rule::Family(Member::SYMPLECTIC_EULER_A) => retraction.to_owned(),
             Rule::Family(member) => format!("{retraction}{}", member.name()),
-            Rule::TangentLift => format!("{retraction}TangentLift"),
+            Rule::TangentLift(Member::SYMPLECTIC_EULER_A) => format!("{retraction}TangentLift"),
+            Rule::TangentLift(member) => {
+                format!("{retraction}TangentLift{}Over{}", member.numerator, member.denominator)
+            }
         }
     }
 
     /// Its type in the runtime, as users write it: `Midpoint<Cayley>`.
     pub fn type_name(self) -> String {
         let Self { retraction, rule } = self;
-        let member = match rule {
-            Rule::Family(member) => member,
-            Rule::TangentLift => return format!("TangentLift<{}>", retraction.name()),
+        let (name, Member { numerator, denominator }) = match rule {
+            Rule::Family(member) => match member.known_name() {
+                Some(name) => return format!("{name}<{}>", retraction.name()),
+                None => ("Family", member),
+            },
+            Rule::TangentLift(Member::SYMPLECTIC_EULER_A) => {
+                return format!("TangentLift<{}>", retraction.name());
+            }
+            Rule::TangentLift(Member::MIDPOINT) => return format!("TangentMidpoint<{}>", retraction.name()),
+            Rule::TangentLift(member) => ("TangentLift", member),
         };
-        match Member::NAMED.iter().find(|&&(_, named)| named == member) {
-            Some((name, _)) => format!("{name}<{}>", retraction.name()),
-            None => format!("Family<{}, {}, {}>", retraction.name(), member.numerator, member.denominator),
-        }
+        format!("{name}<{}, {numerator}, {denominator}>", retraction.name())
     }
 }
 
@@ -87,10 +94,15 @@ impl Member {
         Self::NAMED.iter().find(|(known, _)| *known == name).map(|&(_, member)| member)
     }
 
+    /// Its name, if it has one.
+    fn known_name(self) -> Option<&'static str> {
+        Self::NAMED.iter().find(|&&(_, member)| member == self).map(|&(name, _)| name)
+    }
+
     /// Its name, or `Family1Over4`.
     pub fn name(self) -> String {
-        match Self::NAMED.iter().find(|&&(_, member)| member == self) {
-            Some((name, _)) => (*name).to_owned(),
+        match self.known_name() {
+            Some(name) => name.to_owned(),
             None => format!("Family{}Over{}", self.numerator, self.denominator),
         }
     }

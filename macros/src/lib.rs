@@ -12,24 +12,25 @@ use proc_macro::TokenStream;
 /// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates |
 /// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |
 /// | `hamiltonian = …` | any smooth energy, in the momentum too, in place of inertia and potential |
+/// | `lagrangian = …` | any smooth Lagrangian, in configuration and velocity, in place of inertia and potential; nothing is inverted by hand |
 /// | `control(moment: R3, thrust: f64)` | what acts from outside, held over each step |
 /// | `force = moment`, `force(attitude = moment)` | what changes the momentum beside the energy; of rigid motions also a pair, `(moment, push)` |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
-/// | `methods(Midpoint, Family(1, 4), TangentLift)` | schemes to generate beside the standard ones |
+/// | `methods(Midpoint, Family(1, 4), TangentLift, TangentLift(1, 4))` | schemes to generate beside the standard ones |
 /// | `retractions(Cayley)` | the retractions to generate steps with; without it both, `Exponential` and `Cayley` |
 /// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
 ///
 /// `#[inertia]` on a field, or `#[inertia(attitude)]` for some of the factors: a number, principal moments, or a symmetric positive definite
 /// matrix. One field for several factors is their joint inertia, or that of each if it is only as long as one and all move on the same group.
-/// Beside `hamiltonian` it is a parameter that is checked to be positive definite.
+/// Beside `hamiltonian` or `lagrangian` it is a parameter that is checked to be positive definite.
 ///
 /// Expressions are ordinary Rust in the fields, the configuration (`attitude`, `position`, `angle`, `pose`, `spin`, or the names of factors), the
 /// momentum (`momentum`, `attitude_momentum`; of rigid motions `angular_momentum` and `linear_momentum`), advected parameters and the time `t`; in
-/// forces also velocities and controls. `coadjoint::guide::language` lists all that has a meaning in them.
+/// forces also velocities and controls; in a Lagrangian velocities in place of momenta. `coadjoint::guide::language` lists all that has a meaning in them.
 ///
 /// Beside the struct there are then its state, `…State`, its controls, `…Control`, indices of components for derivatives, `…Indices`, methods for
-/// your expressions, `potential`, `hamiltonian` and `force`, and implementations of `coadjoint`'s traits, with `stepper`, `energy`, `casimirs` and
+/// your expressions, `potential`, `hamiltonian`, `lagrangian` and `force`, and implementations of `coadjoint`'s traits, with `stepper`, `energy`, `casimirs` and
 /// `validate`.
 ///
 /// Mistakes are errors at your own tokens, all at once. A field, inertia or control that nothing depends on is a warning,

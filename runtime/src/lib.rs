@@ -80,6 +80,7 @@ mod geometry;
 pub mod guide;
 mod inertia;
 mod kernel;
+mod legendre;
 mod literals;
 mod method;
 pub mod observe;
@@ -131,6 +132,7 @@ pub use ensemble::Ensemble;
 pub use error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 pub use fused::Fused;
+pub use legendre::LegendreError;
 pub use nalgebra;
 #[cfg(feature = "std")]
 pub use observe::Record;
@@ -139,6 +141,7 @@ pub use retraction::{Cayley, Exponential};
 pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
 pub use scheme::{
     Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
+    TangentMidpoint,
 };
 #[cfg(feature = "serde")]
 pub use serde;
@@ -156,6 +159,7 @@ pub mod __private {
     pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
     pub use crate::kernel::{Components, Evaluation, Kernel};
+    pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
     pub use crate::scalar::{Batch, Scalar};
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};

@@ -58,17 +58,24 @@ pub type Midpoint<R = Exponential> = Family<R, 1, 2>;
 /// The member `s = 1` of the [family](Family), the adjoint of [`SymplecticEulerA`].
 pub type SymplecticEulerB<R = Exponential> = Family<R, 1, 1>;
 
-/// The tangent lift (5.7), the step of the Lagrangian side, for systems with an inertia: with the velocity `ξ = 𝕀⁻¹μ` and its change
-/// `ξ'` along the motion,
+/// The tangent lift (5.7) of the discretization map with `s = N/D`, in lowest terms and from 0 to 1: a step of the Lagrangian side. With the
+/// velocity `ξ`, its change `ξ'` along the motion, and the velocity `η` at the intermediate point `ḡ = g_k τ(shη)`, solve for `η`
 ///
 /// ```text
-/// g_{k+1} = g_k τ(hξ),   ξ_{k+1} = ξ + dL τ_{hξ}(h ξ')
+/// ξ_k = η − s h dL τ_{−shη} ξ'(ḡ, η)
 /// ```
 ///
-/// Explicit, and the configuration stays on its group and advected parameters on their orbits. Of order 1, not symplectic, and no
-/// Poisson map: energy and momentum drift. To compare with, not to compute with. Asked for with `methods(TangentLift)`.
+/// and take `ξ_{k+1} = η + (1−s) h dL τ_{(1−s)hη} ξ'(ḡ, η)`, `g_{k+1} = ḡ τ((1−s)hη)`. Velocities belong to momenta by the inertia, or by the
+/// Legendre transform of the Lagrangian or Hamiltonian.
+///
+/// The member `s = 0` is explicit. The configuration stays on its group and advected parameters on their orbits. Of order 1, `s = ½` of order 2
+/// and symmetric; not symplectic, and no Poisson map: energy and momentum drift. To compare with, not to compute with. Asked for with
+/// `methods(TangentLift)`, `methods(TangentLift(1, 4))` or `methods(TangentMidpoint)`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TangentLift<R = Exponential>(PhantomData<R>);
+pub struct TangentLift<R = Exponential, const N: u32 = 0, const D: u32 = 1>(PhantomData<R>);
+
+/// The [tangent lift](TangentLift) with `s = ½`, symmetric and of order 2.
+pub type TangentMidpoint<R = Exponential> = TangentLift<R, 1, 2>;
 
 /// The scheme `M` carrying the momentum in space coordinates, (6.6) and (6.9) of the paper, for systems on which nothing
 /// [acts](crate::geometry::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it.
@@ -89,8 +96,8 @@ pub struct StormerVerlet<R = Exponential>(PhantomData<R>);
 pub enum Rule {
     /// The member `s = numerator/denominator` of the [family](Family), in lowest terms.
     Member(u32, u32),
-    /// [`TangentLift`]
-    TangentLift,
+    /// The [`TangentLift`] with `s = numerator/denominator`, in lowest terms.
+    TangentLift(u32, u32),
 }
 
 /// The type that stands for a generated step.
@@ -107,7 +114,7 @@ impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, 
     const RULE: Rule = Rule::Member(N, D);
 }
 
-impl<R: Retraction + 'static> Base for TangentLift<R> {
+impl<R: Retraction + 'static, const N: u32, const D: u32> Base for TangentLift<R, N, D> {
     const MAP: Map = R::MAP;
-    const RULE: Rule = Rule::TangentLift;
+    const RULE: Rule = Rule::TangentLift(N, D);
 }

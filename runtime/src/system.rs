@@ -12,6 +12,7 @@ use crate::error::ParameterError;
 use crate::geometry::Map;
 pub use crate::geometry::{Geometry, Isolated};
 use crate::kernel::{Components, Kernel};
+use crate::legendre::LegendreError;
 use crate::method::{AdjointPair, Method, SpatialMomentum};
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::{Batch, Real, Scalar};
@@ -185,11 +186,49 @@ pub trait System: Sized {
     fn energy(&self, state: &Self::State) -> Self::Scalar {
         self.energy_at(state, Self::Scalar::of(0.0))
     }
-    /// The body velocity `∂h/∂μ` at a time, of all factors one after the other: `𝕀⁻¹ μ` for a mechanical system.
+    /// The body velocity `∂h/∂μ` at a time, of all factors one after the other: `𝕀⁻¹ μ` for a mechanical system. Not a number if there is none:
+    /// see [`velocity_of`](Self::velocity_of).
     fn velocity_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Momentum;
     /// The body velocity at time 0; the same at all times unless the description names the time `t`.
     fn velocity(&self, state: &Self::State) -> Self::Momentum {
         self.velocity_at(state, Self::Scalar::of(0.0))
+    }
+    /// The momentum of a state, of all factors one after the other.
+    fn momentum(&self, state: &Self::State) -> Self::Momentum;
+    /// The state with another momentum.
+    fn with_momentum(&self, state: &Self::State, momentum: &Self::Momentum) -> Self::State;
+    /// The momentum that belongs to a velocity, where configuration and advected parameters are those of the state: `𝕀 ξ`, or `∂l/∂ξ` of a
+    /// Lagrangian (4.7), or what solves `∂h/∂μ = ξ`.
+    ///
+    /// # Errors
+    /// If there is none.
+    fn momentum_of(
+        &self,
+        velocity: &Self::Momentum,
+        state: &Self::State,
+        time: Self::Scalar,
+    ) -> Result<Self::Momentum, LegendreError>;
+    /// The velocity that belongs to a momentum, where configuration and advected parameters are those of the state.
+    ///
+    /// # Errors
+    /// If there is none, as where `∂²l/∂ξ²` is singular.
+    fn velocity_of(
+        &self,
+        momentum: &Self::Momentum,
+        state: &Self::State,
+        time: Self::Scalar,
+    ) -> Result<Self::Momentum, LegendreError>;
+    /// The state with the momentum that belongs to a velocity: an initial state by its velocity.
+    ///
+    /// # Errors
+    /// If there is none.
+    fn with_velocity(
+        &self,
+        state: &Self::State,
+        velocity: &Self::Momentum,
+        time: Self::Scalar,
+    ) -> Result<Self::State, LegendreError> {
+        Ok(self.with_momentum(state, &self.momentum_of(velocity, state, time)?))
     }
     /// The Casimirs, in the order of [`CASIMIRS`](Self::CASIMIRS).
     fn casimirs(&self, state: &Self::State) -> Self::Casimirs;
@@ -313,7 +352,9 @@ where
 }
 
 #[diagnostic::do_not_recommend]
-impl<S: Generated<TangentLift<R>>, R> Discretized<TangentLift<R>> for S {
+impl<S: Generated<TangentLift<R, N, D>>, R, const N: u32, const D: u32> Discretized<TangentLift<R, N, D>>
+    for S
+{
     type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
 }
 

@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use crate::error::ParameterError;
 use crate::inertia::{require_finite, require_positive_definite};
 use crate::kernel::{Evaluation, Kernel};
+use crate::legendre::LegendreError;
 use crate::retraction::{Cayley, Exponential};
 use crate::scalar::Scalar;
 use crate::scheme::{StormerVerlet, SymplecticEulerA, SymplecticEulerB};
@@ -89,6 +90,32 @@ impl System for Body {
 
     fn velocity_at(&self, state: &BodyState, _: f64) -> Vector3<f64> {
         state.momentum.component_div(&self.inertia)
+    }
+
+    fn momentum(&self, state: &BodyState) -> Vector3<f64> {
+        state.momentum
+    }
+
+    fn with_momentum(&self, state: &BodyState, momentum: &Vector3<f64>) -> BodyState {
+        BodyState { momentum: *momentum, ..state.clone() }
+    }
+
+    fn momentum_of(
+        &self,
+        velocity: &Vector3<f64>,
+        _: &BodyState,
+        _: f64,
+    ) -> Result<Vector3<f64>, LegendreError> {
+        Ok(velocity.component_mul(&self.inertia))
+    }
+
+    fn velocity_of(
+        &self,
+        momentum: &Vector3<f64>,
+        _: &BodyState,
+        _: f64,
+    ) -> Result<Vector3<f64>, LegendreError> {
+        Ok(momentum.component_div(&self.inertia))
     }
 
     fn casimirs(&self, state: &BodyState) -> [f64; 1] {
@@ -324,6 +351,22 @@ impl System for Oscillator {
 
     fn velocity_at(&self, state: &OscillatorState, _: f64) -> f64 {
         state.momentum / self.mass
+    }
+
+    fn momentum(&self, state: &OscillatorState) -> f64 {
+        state.momentum
+    }
+
+    fn with_momentum(&self, state: &OscillatorState, &momentum: &f64) -> OscillatorState {
+        OscillatorState { momentum, ..state.clone() }
+    }
+
+    fn momentum_of(&self, velocity: &f64, _: &OscillatorState, _: f64) -> Result<f64, LegendreError> {
+        Ok(velocity * self.mass)
+    }
+
+    fn velocity_of(&self, momentum: &f64, _: &OscillatorState, _: f64) -> Result<f64, LegendreError> {
+        Ok(momentum / self.mass)
     }
 
     fn casimirs(&self, _: &OscillatorState) -> [f64; 0] {

@@ -60,7 +60,7 @@ impl<S: Generated<Self>, R, const N: u32, const D: u32> AnyStep<S> for Family<R,
     }
 }
 
-impl<S: Generated<Self>, R> AnyStep<S> for TangentLift<R> {
+impl<S: Generated<Self>, R, const N: u32, const D: u32> AnyStep<S> for TangentLift<R, N, D> {
     fn step<T: Scalar>(
         parameters: &S::Parameters<T>,
         step: T,

@@ -8,8 +8,7 @@ use super::{Advected, Factor, Force, Inertia, InertiaShape, momentum_name};
 use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::{self, Group, Representation, part_name};
 use crate::identifiers::{plain, velocity_name};
-use crate::parse::{self, Attribute, Field, GROUP, HAMILTONIAN, Item, Shape};
-use crate::scheme::Rule;
+use crate::parse::{self, Attribute, Field, GROUP, Item, Shape};
 
 /// A description while it is resolved.
 pub(super) struct Subject<'d> {
@@ -110,36 +109,37 @@ impl<'d> Subject<'d> {
         factors.chain(advected).chain(controls).collect()
     }
 
-    /// A Hamiltonian takes the place of inertia and potential.
+    /// A Hamiltonian, or a Lagrangian, takes the place of inertia and potential.
     pub(super) fn check_energy(&self, diagnostics: &mut Diagnostics) {
-        let Some(hamiltonian) = &self.attribute.hamiltonian else { return };
-        if self.attribute.potential.is_some() {
-            diagnostics.push(
-                hamiltonian,
-                "the Hamiltonian is the whole energy; add the potential to it, or leave it out",
-            );
+        let Attribute { potential, hamiltonian, lagrangian, .. } = self.attribute;
+        if let (Some(hamiltonian), Some(_)) = (hamiltonian, potential) {
+            let message = "the Hamiltonian is the whole energy; add the potential to it, or leave it out";
+            diagnostics.push(hamiltonian, message);
         }
-        if self.attribute.methods.contains(&Rule::TangentLift) {
-            diagnostics.push(
-                hamiltonian,
-                "the tangent lift is made from an inertia; leave out `TangentLift`, or the Hamiltonian",
-            );
+        if let (Some(lagrangian), Some(_)) = (lagrangian, potential) {
+            let message = "the Lagrangian is kinetic less potential energy; subtract the potential in it, or leave it out";
+            diagnostics.push(lagrangian, message);
+        }
+        if let (Some(lagrangian), Some(_)) = (lagrangian, hamiltonian) {
+            let message =
+                "the Lagrangian says what the Hamiltonian is; give one of `lagrangian` and `hamiltonian`";
+            diagnostics.push(lagrangian, message);
         }
     }
 
-    /// The inertias: each factor has exactly one, unless a Hamiltonian says what the energy is.
+    /// The inertias: each factor has exactly one, unless a Hamiltonian or a Lagrangian says what the energy is.
     pub(super) fn inertias(&self, diagnostics: &mut Diagnostics) -> Vec<Inertia> {
         if self.groups_are_known() {
             self.check_named_factors(diagnostics);
         }
-        if !self.attribute.has(HAMILTONIAN) {
+        if !self.attribute.has_whole_energy() {
             self.check_coverage(diagnostics);
         }
         let fields = self.item.fields.iter().enumerate();
         let marked = fields.filter_map(|(index, field)| Some((index, field, field.inertia.as_ref()?)));
         let inertias = marked.filter_map(|(index, field, mark)| {
             let (shape, n) = inertia_shape(field.shape);
-            let blocks = match self.attribute.has(HAMILTONIAN) {
+            let blocks = match self.attribute.has_whole_energy() {
                 true => square(field, n, diagnostics).map(|()| Vec::new()),
                 false => self.inertia_blocks(field, mark, n, diagnostics),
             };
@@ -429,7 +429,7 @@ fn inertia_shape(shape: Shape) -> (InertiaShape, Option<usize>) {
     }
 }
 
-/// An inertia beside a Hamiltonian is anything that can be positive definite.
+/// An inertia beside a Hamiltonian or a Lagrangian is anything that can be positive definite.
 fn square(field: &Field, n: Option<usize>, diagnostics: &mut Diagnostics) -> Option<()> {
     if n.is_some() || field.shape == Shape::Scalar {
         return Some(());

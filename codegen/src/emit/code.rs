@@ -15,7 +15,7 @@ pub(super) fn size(length: usize) -> Literal {
 /// Words that generated functions use for themselves, and the language's.
 #[rustfmt::skip]
 const RESERVED: &[&str] = &[
-    "state", "step", "unknown", "evaluation", "point", "costate", "through", "columns", "parameters", "time", "control", "by", "spatial", "right",
+    "state", "step", "unknown", "evaluation", "point", "costate", "through", "columns", "parameters", "time", "control", "by", "spatial", "velocity", "right",
     "self", "super", "crate", "as", "async", "await", "break", "const", "continue", "dyn", "else", "enum", "extern", "false", "fn", "for", "if",
     "impl", "in", "let", "loop", "match", "mod", "move", "mut", "pub", "ref", "return", "static", "struct", "trait", "true", "type", "unsafe",
     "use", "where", "while", "yield", "abstract", "become", "box", "do", "final", "gen", "macro", "override", "priv", "try", "typeof", "unsized",
@@ -74,6 +74,7 @@ fn argument_name(input: Input) -> Ident {
         Input::Costate => "costate",
         Input::Tangent => "by",
         Input::SpatialMomentum => "spatial",
+        Input::Velocity => "velocity",
     };
     Ident::new(name, Span::call_site())
 }

@@ -16,18 +16,23 @@ use crate::parse::Shape;
 pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
     let scalar = &names.scalar;
     let mut methods = Vec::new();
-    let mut energy = |doc: &str, name: &str, source: &Option<Source>| {
+    let mut energy = |doc: &str, name: &str, source: &Option<Source>, has_velocity: bool| {
         if let Some(Source { value, has_meaning }) = source {
             let result = quote! { #scalar };
-            methods.push(method(
-                system,
-                names,
-                Method { doc, name, value, result, has_meaning: *has_meaning, force: false },
-            ));
+            let has_meaning = *has_meaning;
+            let energy = Method { doc, name, value, result, has_meaning, has_velocity, has_controls: false };
+            methods.push(method(system, names, energy));
         }
     };
-    energy("The potential energy, as described.", "potential", &system.sources.potential);
-    energy("The Hamiltonian, as described.", "hamiltonian", &system.sources.hamiltonian);
+    let sources = &system.sources;
+    energy("The potential energy, as described.", "potential", &sources.potential, false);
+    energy("The Hamiltonian, as described.", "hamiltonian", &sources.hamiltonian, false);
+    energy(
+        "The Lagrangian, as described, at the velocity that belongs to the momentum.",
+        "lagrangian",
+        &sources.lagrangian,
+        true,
+    );
     for force in &system.sources.forces {
         let factor = &system.factors[force.factor];
         let (name, doc) = match system.factors.len() {
@@ -49,7 +54,8 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
                 value: &force.value,
                 result: force_type(factor, force.form, names),
                 has_meaning: force.form.is_some(),
-                force: true,
+                has_velocity: true,
+                has_controls: true,
             },
         ));
     }
@@ -86,13 +92,15 @@ struct Method<'m> {
     result: TokenStream,
     /// Whether it has a meaning; one that has none was reported and is not shown to rustc, but what calls the method finds it.
     has_meaning: bool,
-    /// Whether it is a force, which may use controls and velocities.
-    force: bool,
+    /// Whether it may use velocities.
+    has_velocity: bool,
+    /// Whether it may use controls.
+    has_controls: bool,
 }
 
 /// One expression as a method of the state, the controls if it may use them, and the time if it does.
 fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream {
-    let Method { doc, name, value: expression, result, has_meaning, force } = method;
+    let Method { doc, name, value: expression, result, has_meaning, has_velocity, has_controls } = method;
     let Names { private, scalar, visibility, state: state_type, control: control_type, .. } = names;
     // names of the method's own, which no name of the user's can be
     let own = |name: &str| Ident::new(name, Span::mixed_site());
@@ -104,13 +112,13 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
     let state_parts = state_parts.iter().map(|part| &part.name);
     let fields = system.parameters.iter().map(|field| &field.name);
     let controls: Vec<&Ident> = system.controls.iter().map(|part| &part.name).collect();
-    let controlled = force && !controls.is_empty();
+    let controlled = has_controls && !controls.is_empty();
     let control_argument = controlled.then(|| quote! { #control: &#control_type, });
     let control_values = controlled.then(|| quote! { let #control_type { #(#controls,)* } = *#control; });
     let timed = mentions(expression.to_token_stream(), "t");
     let time_argument = timed.then(|| quote! { t: #scalar, });
 
-    let velocities = force.then(|| velocities(system, expression, timed, &state, private));
+    let velocities = has_velocity.then(|| velocities(system, expression, timed, &state, private));
     let momentum_parts = momentum_parts(system, expression);
     // as a statement, so that syn puts parentheses around a block in front of an operator
     let value = syn::Stmt::Expr(expression.clone(), None);

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::size;
-use super::{Names, function};
+use super::{Names, call, function};
 use crate::program::{Input, Program, Role};
 
 /// `impl Geometry for HeavyTop { … }`, and `impl Isolated` where nothing acts on the system.
@@ -20,8 +20,13 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
         ("force", Role::Force),
     ];
     let functions = functions.map(|(name, role)| function(program, private, role, name));
-    let parameters = quote! { &#private::System::to_parameters(self) };
-    let components = quote! { &#private::State::to_components(state) };
+    let called = |role, name| call(program, names, role, name, &[]);
+    let exponential = called(Role::ExponentialDisplacement, "exponential");
+    let cayley = called(Role::CayleyDisplacement, "cayley");
+    let differential = called(Role::Differential, "differential");
+    let vector =
+        call(program, names, Role::HamiltonianVector, "vector", &[(Input::Tangent, quote! { covector })]);
+    let force = called(Role::Force, "force");
     let isolated = isolated(program, names);
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
@@ -34,18 +39,18 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
 
                 fn displace(&self, state: &#state, map: #private::Map, by: &[#scalar; #count]) -> #state {
                     let moved = match map {
-                        #private::Map::Exponential => exponential(#parameters, #components, by),
-                        #private::Map::Cayley => cayley(#parameters, #components, by),
+                        #private::Map::Exponential => #exponential,
+                        #private::Map::Cayley => #cayley,
                     };
                     #private::State::from_components(&moved)
                 }
 
                 fn differential(&self, state: &#state, time: #scalar) -> [#scalar; #count] {
-                    differential(#parameters, #components, time)
+                    #differential
                 }
 
                 fn hamiltonian_vector(&self, state: &#state, covector: &[#scalar; #count]) -> [#scalar; #count] {
-                    vector(#parameters, #components, covector)
+                    #vector
                 }
 
                 fn force(
@@ -54,7 +59,7 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
                     time: #scalar,
                     control: &<Self as #private::System>::Control,
                 ) -> [#scalar; #count] {
-                    force(#parameters, #components, &#private::Control::to_components(control), time)
+                    #force
                 }
             }
 

@@ -175,6 +175,36 @@ fn function(program: &Program, private: &TokenStream, role: Role, name: &str) ->
     quote! { #doc #function }
 }
 
+/// A call of the free function of a role in a method of the system: what it is given are the variables of their names, `state`, `time`, `control`,
+/// `by`; those here are other ones.
+fn call(
+    program: &Program,
+    names: &Names,
+    role: Role,
+    name: &str,
+    others: &[(Input, TokenStream)],
+) -> TokenStream {
+    let private = &names.private;
+    let Some((_, function)) = program.function(role) else { return quote! {} };
+    let usual = |input, length| match input {
+        Input::Parameters => quote! { &#private::System::to_parameters(self) },
+        Input::State => quote! { &#private::State::to_components(state) },
+        Input::Control => quote! { &#private::Control::to_components(control) },
+        Input::Velocity => {
+            let length = code::size(length);
+            quote! { &#private::Stored::<_, #length>::to_array(&#private::System::velocity_at(self, state, time)) }
+        }
+        Input::Time => quote! { time },
+        _ => quote! { by },
+    };
+    let arguments = function.arguments.iter().map(|argument| {
+        let other = others.iter().find(|(input, _)| *input == argument.input);
+        other.map_or_else(|| usual(argument.input, argument.values.len()), |(_, other)| other.clone())
+    });
+    let name = format_ident!("{name}");
+    quote! { #name(#(#arguments),*) }
+}
+
 /// What belongs to one scheme, in a block of its own.
 fn block(content: &TokenStream) -> TokenStream {
     quote! {

@@ -13,12 +13,20 @@ pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
     let retraction = format_ident!("{}", scheme.retraction.name());
     match scheme.rule {
         Rule::Family(member) => {
-            let (n, d) = (member.numerator, member.denominator);
-            let (n, d) = (Literal::u32_unsuffixed(n), Literal::u32_unsuffixed(d));
-            quote! { #private::Family<#coadjoint::#retraction, #n, #d> }
+            let s = fraction(member);
+            quote! { #private::Family<#coadjoint::#retraction, #s> }
         }
-        Rule::TangentLift => quote! { #private::TangentLift<#coadjoint::#retraction> },
+        Rule::TangentLift(member) => {
+            let s = fraction(member);
+            quote! { #private::TangentLift<#coadjoint::#retraction, #s> }
+        }
     }
+}
+
+/// `1, 4`
+fn fraction(Member { numerator, denominator }: Member) -> TokenStream {
+    let [numerator, denominator] = [numerator, denominator].map(Literal::u32_unsuffixed);
+    quote! { #numerator, #denominator }
 }
 
 /// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for. `impl Retracted<Cayley> for HeavyTop { … }` for each
@@ -39,11 +47,14 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     let arms = steps.iter().map(|StepProgram { scheme, aliases, .. }| {
         let map = format_ident!("{}", scheme.retraction.name());
         let rules = std::iter::once(scheme).chain(aliases).map(|scheme| match scheme.rule {
-            Rule::Family(Member { numerator, denominator }) => {
-                let (n, d) = (Literal::u32_unsuffixed(numerator), Literal::u32_unsuffixed(denominator));
-                quote! { #private::Rule::Member(#n, #d) }
+            Rule::Family(member) => {
+                let s = fraction(member);
+                quote! { #private::Rule::Member(#s) }
             }
-            Rule::TangentLift => quote! { #private::Rule::TangentLift },
+            Rule::TangentLift(member) => {
+                let s = fraction(member);
+                quote! { #private::Rule::TangentLift(#s) }
+            }
         });
         let marker = marker(names, *scheme);
         quote! { (#private::Map::#map, #(#rules)|*) => #private::Visitor::visit::<#marker>(visitor) }

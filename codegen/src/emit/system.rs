@@ -1,13 +1,14 @@
 //! The `System` implementation: parameters, checks, energy, invariants.
 
-use proc_macro2::TokenStream;
+use proc_macro2::{Ident, Span, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::size;
 use super::state::{Conversion, arrays};
-use super::{Names, function, quantity};
-use crate::program::{Interface, Program, Role};
+use super::{Names, call, function, quantity};
+use crate::model::Role as QuantityRole;
+use crate::program::{Input, Interface, Program, Quantity, Role};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
@@ -15,6 +16,9 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
     let functions = [
         ("energy", Role::Energy),
         ("velocity", Role::Velocity),
+        ("velocity_newton", Role::VelocityNewton),
+        ("momentum", Role::Momentum),
+        ("momentum_newton", Role::MomentumNewton),
         ("casimirs", Role::Casimirs),
         ("spatial_momentum", Role::SpatialMomentum),
     ];
@@ -25,7 +29,7 @@ pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
         function(program, private, role, &role.name())
     });
     let (types, parameters) = (types(interface, names), parameters(interface, names));
-    let (validate, evaluations) = (validate(interface, names), evaluations(interface, names));
+    let (validate, evaluations) = (validate(interface, names), evaluations(program, names));
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
         const _: () = {
@@ -142,30 +146,111 @@ fn validate(interface: &Interface, names: &Names) -> TokenStream {
 }
 
 /// What is computed of a state.
-fn evaluations(interface: &Interface, names: &Names) -> TokenStream {
+fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let Names { private, state, scalar, .. } = names;
+    let interface = &program.interface;
     let (casimirs, dimension) = (size(interface.casimirs.len()), size(interface.dimension));
     let momentum = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
-    let at = |time: TokenStream| {
-        quote! { &self.to_parameters(), &#private::State::to_components(state), #time }
-    };
-    let (at_time, at_any_time) = (at(quote! { time }), at(quote! { 0.0 }));
+    let at_any_time = |role, name| call(program, names, role, name, &[(Input::Time, quote! { 0.0 })]);
+    let energy = call(program, names, Role::Energy, "energy", &[]);
+    let conserved = at_any_time(Role::Casimirs, "casimirs");
+    let spatial_momentum = at_any_time(Role::SpatialMomentum, "spatial_momentum");
+    let legendre = legendre(program, names, &momentum);
     quote! {
         fn energy_at(&self, state: &#state, time: #scalar) -> #scalar {
-            let [energy] = energy(#at_time);
+            let [energy] = #energy;
             energy
         }
 
-        fn velocity_at(&self, state: &#state, time: #scalar) -> #momentum {
-            __Stored::from_array(velocity(#at_time))
-        }
+        #legendre
 
         fn casimirs(&self, state: &#state) -> [#scalar; #casimirs] {
-            casimirs(#at_any_time)
+            #conserved
         }
 
         fn spatial_momentum(&self, state: &#state) -> #momentum {
-            __Stored::from_array(spatial_momentum(#at_any_time))
+            __Stored::from_array(#spatial_momentum)
+        }
+    }
+}
+
+/// Velocity and momentum by each other: a closed form, or Newton's iteration from rest.
+fn legendre(program: &Program, names: &Names, momentum: &TokenStream) -> TokenStream {
+    let Names { private, state, scalar, coadjoint, .. } = names;
+    let dimension = size(program.interface.dimension);
+    let given = (Input::Velocity, quote! { &__Stored::<_, #dimension>::to_array(velocity) });
+    let velocity_of_momentum = match program.function(Role::Velocity) {
+        Some(_) => call(program, names, Role::Velocity, "velocity", &[]),
+        None => {
+            let iterate = (Input::Velocity, quote! { velocity });
+            let newton = call(program, names, Role::VelocityNewton, "velocity_newton", &[iterate]);
+            quote! { #private::newton([0.0; #dimension], |velocity| #newton) }
+        }
+    };
+    let momentum_of_velocity = match program.function(Role::Momentum) {
+        Some(_) => call(program, names, Role::Momentum, "momentum", &[given]),
+        None if program.function(Role::MomentumNewton).is_none() => {
+            quote! { [#scalar::NAN; #dimension] }
+        }
+        None => {
+            let iterate = quote! {
+                &#private::State::to_components(
+                    &#private::System::with_momentum(self, state, &__Stored::from_array(*momentum)),
+                )
+            };
+            let others = [given, (Input::State, iterate)];
+            let newton = call(program, names, Role::MomentumNewton, "momentum_newton", &others);
+            quote! { #private::newton([0.0; #dimension], |momentum| #newton) }
+        }
+    };
+    let momenta = momenta(&program.interface, names, momentum);
+    quote! {
+        fn velocity_at(&self, state: &#state, time: #scalar) -> #momentum {
+            __Stored::from_array(#velocity_of_momentum)
+        }
+
+        fn momentum_of(
+            &self,
+            velocity: &#momentum,
+            state: &#state,
+            time: #scalar,
+        ) -> ::core::result::Result<#momentum, #coadjoint::LegendreError> {
+            #private::finite(#momentum_of_velocity).map(__Stored::from_array)
+        }
+
+        fn velocity_of(
+            &self,
+            momentum: &#momentum,
+            state: &#state,
+            time: #scalar,
+        ) -> ::core::result::Result<#momentum, #coadjoint::LegendreError> {
+            let state = &#private::System::with_momentum(self, state, momentum);
+            #private::finite(#velocity_of_momentum).map(__Stored::from_array)
+        }
+
+        #momenta
+    }
+}
+
+/// The momenta of all factors, taken from a state and put into it.
+fn momenta(interface: &Interface, names: &Names, momentum: &TokenStream) -> TokenStream {
+    let Names { private, state, .. } = names;
+    let is_momentum = |part: &Quantity| vec![part.role == QuantityRole::Momentum; part.components.len()];
+    let is_momentum: Vec<bool> = interface.state.iter().flat_map(is_momentum).collect();
+    let element = |letter: char, n: usize| Ident::new(&format!("{letter}{n}"), Span::mixed_site());
+    let all: Vec<Ident> = (0..is_momentum.len()).map(|n| element('x', n)).collect();
+    let momenta: Vec<&Ident> =
+        all.iter().zip(&is_momentum).filter(|&(_, &is)| is).map(|(element, _)| element).collect();
+    quote! {
+        fn momentum(&self, state: &#state) -> #momentum {
+            let [#(#all),*] = #private::State::to_components(state);
+            __Stored::from_array([#(#momenta),*])
+        }
+
+        fn with_momentum(&self, state: &#state, momentum: &#momentum) -> #state {
+            let [#(#all),*] = #private::State::to_components(state);
+            let [#(#momenta),*] = __Stored::to_array(momentum);
+            #private::State::from_components(&[#(#all),*])
         }
     }
 }

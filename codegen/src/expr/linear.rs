@@ -227,8 +227,9 @@ impl<'a> Matrix<'a> {
         Self::new(self.rows, self.columns, entries)
     }
 
-    /// The solution of `self · x = right` for at most three unknowns, by the adjugate: no pivots, one division.
-    pub fn solve_small(&self, right: &Vector<'a>) -> Vector<'a> {
+    /// The solution of `self · x = right` for at most three unknowns, by the adjugate: no pivots, one division. None if the determinant is zero
+    /// as an expression.
+    fn solve_small(&self, right: &Vector<'a>) -> Option<Vector<'a>> {
         let m = |i: usize, j: usize| self.at(i % self.rows, j % self.columns);
         let adjugate: Vec<Expr<'a>> = match self.rows {
             1 => vec![right.0[0].arena.one()],
@@ -241,24 +242,29 @@ impl<'a> Matrix<'a> {
         };
         let adjugate = Self::new(self.rows, self.rows, adjugate);
         let determinant = self.row(0).dot(&adjugate.column(0));
-        adjugate.times(right).scale(determinant.recip())
+        (!determinant.is_zero()).then(|| adjugate.times(right).scale(determinant.recip()))
     }
 
     /// The solution of `self · x = right` with few operations: each set of unknowns that no equation couples with others by itself,
     /// by the adjugate if there are at most three, by elimination if more. Neither looks for pivots: for matrices near a positive
     /// definite one, as a step's are.
     pub fn solve(&self, right: &Vector<'a>) -> Vector<'a> {
+        self.try_solve(right).unwrap_or_else(|| right.map(|x| x / x.arena.zero()))
+    }
+
+    /// The same, or none if the matrix is singular whatever the values of its symbols are.
+    pub fn try_solve(&self, right: &Vector<'a>) -> Option<Vector<'a>> {
         let mut x = right.clone();
         for unknowns in self.uncoupled() {
             let block = self.block(&unknowns);
             let part = Vector(unknowns.iter().map(|&i| right.0[i]).collect());
             let solution =
                 if unknowns.len() <= 3 { block.solve_small(&part) } else { block.eliminate(&part) };
-            for (&i, value) in unknowns.iter().zip(solution.iter()) {
+            for (&i, value) in unknowns.iter().zip(solution?.iter()) {
                 x.0[i] = value;
             }
         }
-        x
+        Some(x)
     }
 
     /// The unknowns of a linear system in sets that no equation couples.
@@ -278,11 +284,14 @@ impl<'a> Matrix<'a> {
         sets
     }
 
-    /// Gaussian elimination without pivots.
-    fn eliminate(&self, right: &Vector<'a>) -> Vector<'a> {
+    /// Gaussian elimination without pivots. None where a pivot is zero as an expression.
+    fn eliminate(&self, right: &Vector<'a>) -> Option<Vector<'a>> {
         let n = self.rows;
         let (mut m, mut x) = (self.entries.clone(), right.0.clone());
         for k in 0..n {
+            if m[k * n + k].is_zero() {
+                return None;
+            }
             let pivot = m[k * n + k].recip().hold();
             for i in k + 1..n {
                 let factor = (m[i * n + k] * pivot).hold();
@@ -302,7 +311,7 @@ impl<'a> Matrix<'a> {
             }
             x[i] = (x[i] * m[i * n + i]).hold();
         }
-        Vector(x)
+        Some(Vector(x))
     }
 
     /// The solution of `self · x = right` for a symmetric positive definite matrix, by the factorization `L D Lᵀ`.

@@ -19,22 +19,25 @@
 //! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum `−m`: `η` changes
 //! its sign in all that is linear in `m`, and increments stand on the other side of `g`.
 //!
+//! A Lagrangian `l` has `∂h/∂g = −∂l/∂g`, `∂h/∂a = −∂l/∂a` at the velocity `η/t`, and its equation to solve is the one before that of `h`
+//! is inverted: `∂l/∂ξ(ḡ, η/t, ā) = μ̄`.
+//!
 //! Four facts shape what is emitted:
 //!
 //! * `(dR τ_{−x})* Ad*_{τ(x)} m = (dR τ_x)* m`, so that the second part of `m̄` is `s (dR τ_{sη})* m_k`.
 //! * `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` for *any* `x`, so the update needs no rotation, reuses what the equation computed,
 //!   and keeps the Casimirs whatever residual the solver leaves.
 //! * `ā` depends on the group's part `y` of `η` alone. Where `h = ½ μ·𝕀⁻¹μ + V`, so does `v = ∂V/∂a(ā)`, and `μ̄ = 𝕀 y / t` in
-//!   forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)` remain. Any other energy has
-//!   `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
+//!   forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)` remain. So it is with a Lagrangian.
+//!   A Hamiltonian has `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
 use super::names::ValueNames;
 use super::presolve::{Equation, Presolved, presolve};
 use super::{Increment, Step, step_symbol};
-use crate::expr::{Arena, Expr, Matrix, Number, Stage, Symbol, Vector, gradient};
+use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector};
-use crate::model::{Factor, FactorPart, Hamiltonian, Slot, System};
+use crate::model::{Energy, Factor, FactorPart, Relation, Slot, System};
 use crate::scheme::Member;
 
 /// A member of the family for a system.
@@ -165,7 +168,7 @@ impl<'s, 'a> Motion<'s, 'a> {
             blocks: self.factor.algebra.group.blocks(),
             left: self.mean.clone(),
             right: mean.clone(),
-            solved: mean,
+            solved: Some(mean),
             start: self.factor.momentum.clone(),
             names: self.names.components("mu"),
         }
@@ -180,7 +183,7 @@ impl<'s, 'a> Motion<'s, 'a> {
             blocks: self.factor.algebra.group.blocks(),
             left: self.x.clone(),
             right: right.clone(),
-            solved: right,
+            solved: Some(right),
             start: scaled(start),
             names: self.names.components(self.names.unknown()),
         }
@@ -192,10 +195,6 @@ impl<'a> Family<'_, 'a> {
     fn intermediate(&self, motions: &[Motion<'_, 'a>]) -> Intermediate<'a> {
         let Self { system, step, early, .. } = *self;
         let y = Vector::concat(motions.iter().map(|motion| &motion.y));
-        let momentum = match &system.hamiltonian {
-            Hamiltonian::Mechanical { inertia, .. } => inertia.scale(step.recip()).times(&y),
-            Hamiltonian::General(_) => Vector::concat(motions.iter().map(|motion| &motion.mean)),
-        };
         let velocity = y.scale(step.recip());
         let later = step * early;
 
@@ -203,17 +202,23 @@ impl<'a> Family<'_, 'a> {
         let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
             values.extend(what.symbols().into_iter().zip(value.iter()));
         };
-        let (momenta, velocities) = (system.split_momentum(&momentum), system.split_momentum(&velocity));
-        for (motion, (momentum, velocity)) in motions.iter().zip(momenta.iter().zip(&velocities)) {
+        for (motion, velocity) in motions.iter().zip(&system.split_momentum(&velocity)) {
             let factor = motion.factor;
             is(&factor.configuration, &motion.g_bar);
-            is(&factor.momentum, momentum);
             is(&factor.velocity, velocity);
             for (advected, mean) in factor.advected.iter().zip(&motion.a_bar) {
                 is(&advected.value, mean);
             }
         }
         is(&Vector(vec![system.time]), &Vector(vec![system.time + later]));
+        let momentum = match &system.energy {
+            Energy::Mechanical { inertia, .. } => inertia.scale(step.recip()).times(&y),
+            Energy::Hamiltonian(_) => Vector::concat(motions.iter().map(|motion| &motion.mean)),
+            Energy::Lagrangian(lagrangian) => {
+                gradient(*lagrangian, &system.velocity_symbols().symbols()).substitute(&values)
+            }
+        };
+        values.extend(system.momentum().symbols().into_iter().zip(momentum.iter()));
         Intermediate { momentum, values }
     }
 
@@ -301,38 +306,40 @@ impl<'a> Family<'_, 'a> {
         intermediate: &Intermediate<'a>,
     ) -> Vec<Equation<'a>> {
         let system = self.system;
-        let velocity = system.velocity(&system.momentum()).scale(self.step);
-        let start = system.split_momentum(&velocity);
-        match &system.hamiltonian {
-            Hamiltonian::Mechanical { inertia, .. } => {
-                let momenta = system.split_momentum(&intermediate.momentum);
-                let sets = coupled_factors(system).into_iter();
-                let equation = |set: Vec<usize>| {
-                    self.inertial_equation(&set, inertia, motions, arrivals, &momenta, &start)
-                };
-                sets.map(equation).collect()
-            }
-            Hamiltonian::General(energy) => {
-                let velocity = gradient(*energy, &system.momentum().symbols());
-                let velocity = velocity.substitute(&intermediate.values).scale(self.step);
-                let velocities = system.split_momentum(&velocity);
-                let means =
-                    motions.iter().zip(arrivals).map(|(motion, arrival)| motion.mean_equation(arrival));
-                let means: Vec<Equation<'a>> = means.collect();
-                let velocities = motions
-                    .iter()
-                    .zip(velocities.iter().zip(&start))
-                    .map(|(motion, (velocity, start))| motion.velocity_equation(velocity, start));
-                means.into_iter().chain(velocities).collect()
+        let start = system.split_momentum(&self.start());
+        let Energy::Hamiltonian(energy) = &system.energy else {
+            let momenta = system.split_momentum(&intermediate.momentum);
+            let sets = coupled_factors(system).into_iter();
+            let equation =
+                |set: Vec<usize>| self.momentum_equation(&set, motions, arrivals, &momenta, &start);
+            return sets.map(equation).collect();
+        };
+        let velocity = gradient(*energy, &system.momentum().symbols());
+        let velocity = velocity.substitute(&intermediate.values).scale(self.step);
+        let velocities = system.split_momentum(&velocity);
+        let means = motions.iter().zip(arrivals).map(|(motion, arrival)| motion.mean_equation(arrival));
+        let means: Vec<Equation<'a>> = means.collect();
+        let velocities = motions
+            .iter()
+            .zip(velocities.iter().zip(&start))
+            .map(|(motion, (velocity, start))| motion.velocity_equation(velocity, start));
+        means.into_iter().chain(velocities).collect()
+    }
+
+    /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
+    fn start(&self) -> Vector<'a> {
+        match self.system.velocity_relation() {
+            Relation::Explicit(velocity) => velocity.scale(self.step),
+            Relation::Implicit(_) | Relation::Singular => {
+                Vector::zeros(self.step.arena(), self.system.dimension())
             }
         }
     }
 
-    /// `𝕀 y / t = μ̄` for a set of factors that an inertia couples; both sides times the unknown's scale.
-    fn inertial_equation(
+    /// `𝕀 y / t = μ̄`, or `∂l/∂ξ(y/t) = μ̄`, for a set of factors that the kinetic energy couples; both sides times the unknown's scale.
+    fn momentum_equation(
         &self,
         set: &[usize],
-        inertia: &Matrix<'a>,
         motions: &[Motion<'_, 'a>],
         arrivals: &[Arrival<'a>],
         momenta: &[Vector<'a>],
@@ -349,7 +356,12 @@ impl<'a> Family<'_, 'a> {
         let names: Vec<String> =
             motions().flat_map(|motion| motion.names.components(motion.names.unknown())).collect();
         let rows: Vec<usize> = set.iter().flat_map(|&factor| self.system.momentum_range(factor)).collect();
-        let solved = inertia.block(&rows).solve_symmetric(&per(&right)).scale(self.step);
+        let solved = match &self.system.energy {
+            Energy::Mechanical { inertia, .. } => {
+                Some(inertia.block(&rows).solve_symmetric(&per(&right)).scale(self.step))
+            }
+            _ => None,
+        };
         let left = times(&of_set(momenta));
         for (left, name) in left.iter().zip(&names) {
             left.named(format!("inertia_{name}"));
@@ -358,7 +370,7 @@ impl<'a> Family<'_, 'a> {
             unknown: Vector::concat(motions().map(|motion| &motion.x)),
             blocks: motions().flat_map(|motion| motion.factor.algebra.group.blocks()).collect(),
             left,
-            solved: per(&solved),
+            solved: solved.map(|solved| per(&solved)),
             right,
             start: per(&of_set(start)),
             names,
@@ -366,25 +378,40 @@ impl<'a> Family<'_, 'a> {
     }
 }
 
-/// The factors in sets that a joint inertia couples.
+/// The factors in sets whose momenta depend on the velocities of each other.
 fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
-    let mut sets: Vec<Vec<usize>> = Vec::new();
-    for factor in 0..system.factors.len() {
-        if sets.iter().any(|set| set.contains(&factor)) {
-            continue;
+    let coupled: Vec<Vec<usize>> = match &system.energy {
+        Energy::Lagrangian(lagrangian) => {
+            let depends = |on: &Factor<'_>, momentum: &Vector<'_>| {
+                let velocity = on.velocity.symbols();
+                momentum.iter().any(|component| component.depends_on(&velocity))
+            };
+            let momenta = system.factors.iter();
+            let momenta = momenta.map(|factor| gradient(*lagrangian, &factor.velocity.symbols()));
+            let with = |(place, momentum): (usize, Vector<'_>)| {
+                let others = system.factors.iter().enumerate();
+                let others = others.filter(|(other, factor)| *other == place || depends(factor, &momentum));
+                others.map(|(other, _)| other).collect()
+            };
+            momenta.enumerate().map(with).collect()
         }
-        let all = system.inertias.iter().flat_map(|field| &field.blocks);
-        let shared = all.filter(|block| block.contains(&factor));
-        let mut set: Vec<usize> = shared.flatten().copied().collect();
-        set.sort_unstable();
-        set.dedup();
-        sets.push(set);
+        _ => system.inertias.iter().flat_map(|field| field.blocks.clone()).collect(),
+    };
+    let mut sets: Vec<Vec<usize>> = (0..system.factors.len()).map(|factor| vec![factor]).collect();
+    for block in coupled {
+        let is_touched = |set: &Vec<usize>| set.iter().any(|factor| block.contains(factor));
+        let (touched, mut apart): (Vec<_>, Vec<_>) = sets.into_iter().partition(is_touched);
+        let mut joined = touched.concat();
+        joined.sort_unstable();
+        apart.push(joined);
+        sets = apart;
     }
+    sets.sort_unstable();
     sets
 }
 
 /// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
-fn bounded(system: &System<'_>, increments: &[Vec<Increment<'_>>]) -> Vec<bool> {
+pub(super) fn bounded(system: &System<'_>, increments: &[Vec<Increment<'_>>]) -> Vec<bool> {
     let mut bounded = Vec::new();
     for slot in system.slots() {
         let length = slot.of(&system.state()).len();

@@ -60,7 +60,7 @@ impl Scheme {
     pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
         match self.rule {
             Rule::Family(member) => family::step(arena, system, self.retraction, member),
-            Rule::TangentLift => tangent_lift::step(arena, system, self.retraction),
+            Rule::TangentLift(member) => tangent_lift::step(arena, system, self.retraction, member),
         }
     }
 }

@@ -16,8 +16,8 @@ pub struct Equation<'a> {
     pub left: Vector<'a>,
     /// `right`, a function of all unknowns of the step.
     pub right: Vector<'a>,
-    /// The unknowns for which `left` is `right`.
-    pub solved: Vector<'a>,
+    /// The unknowns for which `left` is `right`, if there is a closed form of them.
+    pub solved: Option<Vector<'a>>,
     /// A first approximation of the unknowns from the state.
     pub start: Vector<'a>,
     /// The names of the unknowns, given to their values where they are explicit.
@@ -50,7 +50,7 @@ pub fn presolve(mut equations: Vec<Equation<'_>>) -> Presolved<'_> {
             *value = value.substitute(&new);
         }
         for other in &mut equations {
-            for side in [&mut other.left, &mut other.right, &mut other.solved] {
+            for side in [&mut other.left, &mut other.right].into_iter().chain(&mut other.solved) {
                 *side = side.substitute(&new);
             }
         }
@@ -62,7 +62,7 @@ impl<'a> Equation<'a> {
     /// The unknowns, if the right side does not depend on them.
     fn explicit(&self) -> Option<Vector<'a>> {
         let own = self.unknown.symbols();
-        (!self.right.iter().any(|component| component.depends_on(&own))).then(|| self.solved.clone())
+        self.solved.clone().filter(|_| !self.right.iter().any(|component| component.depends_on(&own)))
     }
 
     /// The unknowns, if the equation is linear in them, with coefficients that depend on no unknown.

@@ -1,76 +1,346 @@
-//! The tangent lift (5.7): a step of the Lagrangian side, explicit.
+//! The tangent lifts (5.1), (5.3), (5.5), (5.7): the steps of the Lagrangian side.
 //!
-//! With the velocity `ξ = 𝕀⁻¹μ`, its change `ξ' = 𝕀⁻¹μ'` along the motion and the step `t`:
+//! The tangent map of the discretization map `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))` takes the motion `(η, ξ'(ḡ, η))` of a point `(ḡ, η)` with
+//! the velocity `η`, times the step `t`, to the start and the end of a step. As `τ(x)` commutes with `x`,
 //!
 //! ```text
-//! g_{k+1} = g_k τ(tξ),   ξ_{k+1} = Ad_{τ(tξ)⁻¹} ξ + dL τ_{tξ}(t ξ') = ξ + dL τ_{tξ}(t ξ')
+//! ḡ = g_k τ(stη)
+//! ξ_k = η − s t dL τ_{−stη} ξ'(ḡ, η)                             the equation to solve
+//! ξ_{k+1} = η + (1−s) t dL τ_{(1−s)tη} ξ'(ḡ, η),   g_{k+1} = ḡ τ((1−s)tη)
 //! ```
 //!
-//! as `τ(tξ)` commutes with `ξ`. Advected parameters are carried along, `a_{k+1} = τ(tξ)⁻¹ a`.
+//! Explicit for `s = 0`; on Rⁿ the θ-family on TQ. Advected parameters are carried along, `ā = τ(stη)⁻¹ a_k`. The unknown is `y = tη`.
+//!
+//! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs to `μ_k`, and
+//! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which was reported, the step makes no sense.
 
+use super::family::bounded;
+use super::names::ValueNames;
+use super::presolve::{Equation, Presolved, presolve};
 use super::{Increment, Step, step_symbol};
-use crate::expr::{Arena, Vector};
-use crate::geometry::{differential, force, hamiltonian_vector};
-use crate::group::{Retraction, d_right};
-use crate::model::{FactorPart, Hamiltonian, System};
+use crate::expr::{Arena, Derivative, Expr, Number, Symbol, Vector, gradient};
+use crate::group::{Retraction, SemidirectVector, Side, d_left, d_right, stored_perturbation, to_body};
+use crate::model::{Energy, Factor, FactorPart, Relation, System};
+use crate::scheme::Member;
 
-/// The step; of a system with a general Hamiltonian the one with the velocity `∂h/∂μ` and unit inertia would make no sense, so
-/// that the [checks](crate::check) admit none.
-pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction) -> Step<'a> {
+/// A tangent lift of a system.
+struct Lift<'s, 'a> {
+    system: &'s System<'a>,
+    retraction: Retraction,
+    /// `t`
+    step: Expr<'a>,
+    /// `s`
+    early: Expr<'a>,
+    /// `1 − s`
+    late: Expr<'a>,
+}
+
+/// A factor on its way.
+struct Motion<'s, 'a> {
+    factor: &'s Factor<'a>,
+    names: ValueNames<'s, 'a>,
+    /// The number `k` for which the unknown is `y/k`.
+    unknown_scale: Expr<'a>,
+    /// The unknown: symbols.
+    x: Vector<'a>,
+    /// `tη`
+    y: Vector<'a>,
+    /// Configuration and advected parameters at the intermediate point and after the step.
+    stations: [Station<'a>; 2],
+}
+
+/// Where a factor is.
+struct Station<'a> {
+    configuration: Vector<'a>,
+    advected: Vec<Vector<'a>>,
+}
+
+/// Values of symbols.
+type Values<'a> = Vec<(Symbol, Expr<'a>)>;
+
+/// The step of a member of the family of lifts.
+pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
     let t = step_symbol(arena);
-    let sign = arena.number(system.side.sign());
-    let velocity = system.velocity(&system.momentum()).hold();
-    let acceleration = acceleration(arena, system).scale(t).hold();
+    let s = member.s();
+    let lift =
+        Lift { system, retraction, step: t, early: arena.number(s), late: arena.number(Number::ONE + -s) };
+    let motions: Vec<Motion<'_, 'a>> =
+        system.factors.iter().map(|factor| Motion::new(&lift, factor)).collect();
+    let mut equations = Vec::new();
+    let velocity = lift.velocity(&motions, &mut equations);
+    let kick = lift.kick(&motions, &mut equations);
+    equations.push(lift.equation(&motions, &velocity, &kick));
+    let next = lift.next(&motions, &kick, &mut equations);
 
-    let (mut next, mut velocity_next) = (system.state(), Vec::new());
-    let (mut domain, mut increments) = (Vec::new(), Vec::new());
-    let rates = system.split_momentum(&velocity).into_iter().zip(system.split_momentum(&acceleration));
-    for ((factor, next), (velocity, acceleration)) in system.factors.iter().zip(&mut next).zip(rates) {
-        let (group, g) = (factor.algebra.group, &factor.configuration);
-        let x = velocity.scale(t).hold();
-        next.configuration = group.moved(system.side, retraction, g, &x).next;
-        // dL τ_x = dR τ_{−x}, and the other way round on the other side
-        let change = d_right(group, retraction, &x.scale(-sign), &acceleration);
-        velocity_next.push(&velocity + &change);
-        let signed = x.scale(sign);
-        for (space, a) in next.advected.iter_mut().enumerate() {
-            *a = factor.algebra.carry(space, retraction, &signed, a);
-        }
-        domain.extend(group.domain(retraction, &x));
-        increments.push(vec![Increment { from: g.clone(), by: x }]);
-    }
-    set_momenta(system, &mut next, &velocity_next);
+    let Presolved { equations, found } = presolve(equations);
+    let increments: Vec<Vec<Increment<'a>>> =
+        motions.iter().map(|motion| lift.increments(motion, &found)).collect();
+    let domain = motions.iter().filter_map(|motion| Some(lift.domain(motion)?.substitute(&found)));
+    let join =
+        |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
     Step {
         h: t,
         given: [system.time_symbol(), system.control_symbols()].concat(),
-        unknown: Vector(Vec::new()),
-        blocks: Vec::new(),
-        start: Vector(Vec::new()),
-        left: Vector(Vec::new()),
-        right: Vector(Vec::new()),
-        domain,
+        domain: domain.collect(),
+        unknown: join(|equation| &equation.unknown),
+        blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
+        start: join(|equation| &equation.start),
+        left: join(|equation| &equation.left),
+        right: join(|equation| &equation.right),
+        next: system.join(&next).substitute(&found),
+        bounded: bounded(system, &increments),
         increments,
-        next: system.join(&next),
-        bounded: vec![false; system.state_symbols().len()],
     }
 }
 
-/// `𝕀⁻¹ μ'` along the motion.
-fn acceleration<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
-    let flow = hamiltonian_vector(arena, system, &differential(system));
-    let motion = &flow + &force(arena, system);
-    let changes = system.split_tangent(&motion);
-    system.velocity(&Vector::concat(changes.iter().map(|change| &change.momentum)))
+impl<'s, 'a> Motion<'s, 'a> {
+    fn new(lift: &Lift<'_, 'a>, factor: &'s Factor<'a>) -> Self {
+        let Lift { system, retraction, early, late, .. } = *lift;
+        let (arena, algebra) = (early.arena(), &factor.algebra);
+        let scale = algebra.group.unknown_scale(retraction);
+        let names = ValueNames::new(system, factor, scale);
+        let x = names.symbols(arena, names.unknown());
+        let unknown_scale = arena.number(Number::ratio(scale, 1));
+        let y = x.scale(unknown_scale);
+        let (y_early, y_late) = (y.scale(early), y.scale(late));
+        let increment = algebra.group.retract(retraction, &y_early).hold();
+        let middle = system.side.compose(algebra.group, &factor.configuration, &increment).hold();
+        let end = algebra.group.moved(system.side, retraction, &middle, &y_late).next;
+        let advected = lift.carried_along(factor, &factor.advected_values(), &y_early);
+        let advected_next = lift.carried_along(factor, &advected, &y_late);
+        let stations = [
+            Station { configuration: middle, advected },
+            Station { configuration: end, advected: advected_next },
+        ];
+        Self { factor, names, unknown_scale, x, y, stations }
+    }
+
+    /// An equation for all components of something that belongs to this factor: `left = right`, which holds no closed form.
+    fn equation(&self, what: &str, unknown: Vector<'a>, left: Vector<'a>, right: Vector<'a>) -> Equation<'a> {
+        Equation {
+            start: Vector::zeros(self.unknown_scale.arena(), unknown.len()),
+            unknown,
+            blocks: self.factor.algebra.group.blocks(),
+            left,
+            right,
+            solved: None,
+            names: self.names.components(what),
+        }
+    }
 }
 
-/// Puts the momenta `𝕀 ξ` in their places.
-fn set_momenta<'a>(system: &System<'a>, parts: &mut [FactorPart<'a>], velocities: &[Vector<'a>]) {
-    let velocity = Vector::concat(velocities);
-    let momentum = match &system.hamiltonian {
-        Hamiltonian::Mechanical { inertia, .. } => inertia.times(&velocity),
-        Hamiltonian::General(_) => velocity,
-    };
-    for (part, momentum) in parts.iter_mut().zip(system.split_momentum(&momentum)) {
-        part.momentum = momentum;
+impl<'a> Lift<'_, 'a> {
+    /// Advected parameters where the configuration is moved by an element of the algebra.
+    fn carried_along(&self, factor: &Factor<'a>, from: &[Vector<'a>], by: &Vector<'a>) -> Vec<Vector<'a>> {
+        let signed = by.scale(self.early.arena().number(self.system.side.sign()));
+        let carry = |(space, a)| factor.algebra.carry(space, self.retraction, &signed, a);
+        from.iter().enumerate().map(carry).collect()
+    }
+
+    /// What configurations, velocities, advected parameters and the time are at a station, with this share of the step behind it.
+    fn values(
+        &self,
+        motions: &[Motion<'_, 'a>],
+        station: usize,
+        velocity: &Vector<'a>,
+        share: Expr<'a>,
+    ) -> Values<'a> {
+        let system = self.system;
+        let mut values = Vec::new();
+        let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
+            values.extend(what.symbols().into_iter().zip(value.iter()));
+        };
+        for (motion, velocity) in motions.iter().zip(system.split_momentum(velocity)) {
+            let (factor, station) = (motion.factor, &motion.stations[station]);
+            is(&factor.configuration, &station.configuration);
+            is(&factor.velocity, &velocity);
+            for (advected, value) in factor.advected.iter().zip(&station.advected) {
+                is(&advected.value, value);
+            }
+        }
+        is(&Vector(vec![system.time]), &Vector(vec![system.time + self.step * share]));
+        values
+    }
+
+    /// `ξ_k`, with an equation if it has no closed form.
+    fn velocity(&self, motions: &[Motion<'_, 'a>], equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
+        let system = self.system;
+        let residual = match system.velocity_relation() {
+            Relation::Explicit(velocity) => return velocity.hold(),
+            Relation::Implicit(residual) => residual,
+            Relation::Singular => return system.velocity_symbols(),
+        };
+        let momentum = system.momentum();
+        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.step.arena(), "velocity");
+        let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
+        let velocity = Vector::concat(&unknowns);
+        let symbols = system.velocity_symbols().symbols().into_iter();
+        let left = (residual + &momentum).substitute(&symbols.zip(velocity.iter()).collect::<Vec<_>>());
+        let parts = system.split_momentum(&left).into_iter().zip(system.split_momentum(&momentum));
+        for ((motion, unknown), (left, right)) in motions.iter().zip(unknowns).zip(parts) {
+            equations.push(motion.equation("velocity", unknown, left, right));
+        }
+        velocity
+    }
+
+    /// The momentum at a station, with an equation if it has no closed form.
+    fn momentum(
+        &self,
+        motions: &[Motion<'_, 'a>],
+        values: &Values<'a>,
+        what: &str,
+        equations: &mut Vec<Equation<'a>>,
+    ) -> Vector<'a> {
+        let system = self.system;
+        let residual = match system.momentum_relation() {
+            Relation::Explicit(momentum) => return momentum.substitute(values),
+            Relation::Implicit(residual) => residual,
+            Relation::Singular => return system.momentum(),
+        };
+        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.step.arena(), what);
+        let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
+        let momentum = Vector::concat(&unknowns);
+        let mut at = values.clone();
+        at.extend(system.momentum().symbols().into_iter().zip(momentum.iter()));
+        let velocity = system.velocity_symbols();
+        let left = (&residual + &velocity).substitute(&at);
+        let right = velocity.substitute(values);
+        let parts = system.split_momentum(&left).into_iter().zip(system.split_momentum(&right));
+        for ((motion, unknown), (left, right)) in motions.iter().zip(unknowns).zip(parts) {
+            let equation = motion.equation(what, unknown, left, right);
+            equations.push(Equation { start: motion.factor.momentum.clone(), ..equation });
+        }
+        momentum
+    }
+
+    /// `t ξ'(ḡ, η)`
+    fn kick(&self, motions: &[Motion<'_, 'a>], equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
+        let eta = Vector::concat(motions.iter().map(|motion| &motion.y)).scale(self.step.recip());
+        let mut values = self.values(motions, 0, &eta, self.early);
+        let momentum = self.momentum(motions, &values, "mu", equations);
+        values.extend(self.system.momentum().symbols().into_iter().zip(momentum.iter()));
+        acceleration(self.step.arena(), self.system).substitute(&values).scale(self.step).hold()
+    }
+
+    /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.
+    fn carried(&self, factor: &Factor<'a>, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let (group, retraction) = (factor.algebra.group, self.retraction);
+        match self.system.side {
+            Side::Left => d_left(group, retraction, x, v),
+            Side::Right => d_right(group, retraction, x, v),
+        }
+    }
+
+    /// `y = t ξ_k + s t dL τ_{−sy} t ξ'`
+    fn equation(&self, motions: &[Motion<'_, 'a>], velocity: &Vector<'a>, kick: &Vector<'a>) -> Equation<'a> {
+        let split = |vector: &Vector<'a>| self.system.split_momentum(vector).into_iter();
+        let parts = motions.iter().zip(split(velocity).zip(split(kick)));
+        let right = parts.map(|(motion, (velocity, kick))| {
+            let back = self.carried(motion.factor, &motion.y.scale(-self.early), &kick).scale(self.early);
+            (&velocity + &back).scale(self.step / motion.unknown_scale)
+        });
+        let right = Vector::concat(&right.collect::<Vec<_>>());
+        let start = motions.iter().zip(split(velocity));
+        let start = start.map(|(motion, velocity)| velocity.scale(self.step / motion.unknown_scale));
+        let start = match self.system.velocity_relation() {
+            Relation::Explicit(_) => Vector::concat(&start.collect::<Vec<_>>()),
+            _ => Vector::zeros(self.step.arena(), right.len()),
+        };
+        let unknown = Vector::concat(motions.iter().map(|motion| &motion.x));
+        Equation {
+            left: unknown.clone(),
+            unknown,
+            blocks: motions.iter().flat_map(|motion| motion.factor.algebra.group.blocks()).collect(),
+            solved: Some(right.clone()),
+            right,
+            start,
+            names: motions.iter().flat_map(|m| m.names.components(m.names.unknown())).collect(),
+        }
+    }
+
+    /// The state after the step, with an equation for the momentum if it has no closed form.
+    fn next(
+        &self,
+        motions: &[Motion<'_, 'a>],
+        kick: &Vector<'a>,
+        equations: &mut Vec<Equation<'a>>,
+    ) -> Vec<FactorPart<'a>> {
+        let parts = motions.iter().zip(self.system.split_momentum(kick));
+        let velocity = parts.map(|(motion, kick)| {
+            let change = self.carried(motion.factor, &motion.y.scale(self.late), &kick).scale(self.late);
+            &motion.y.scale(self.step.recip()) + &change
+        });
+        let velocity = Vector::concat(&velocity.collect::<Vec<_>>());
+        let values = self.values(motions, 1, &velocity, self.step.arena().one());
+        let momentum = self.momentum(motions, &values, "momentum_next", equations);
+        let next = motions.iter().zip(self.system.split_momentum(&momentum));
+        let part = |(motion, momentum): (&Motion<'_, 'a>, Vector<'a>)| {
+            let [_, Station { configuration, advected }] = &motion.stations;
+            FactorPart { configuration: configuration.clone(), momentum, advected: advected.clone() }
+        };
+        next.map(part).collect()
+    }
+
+    /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
+    fn increments(&self, motion: &Motion<'_, 'a>, found: &Values<'a>) -> Vec<Increment<'a>> {
+        let from = [&motion.factor.configuration, &motion.stations[0].configuration];
+        let increments = [self.early, self.late].into_iter().zip(from);
+        let increments = increments.filter(|(share, _)| !share.is_zero());
+        let increment = |(share, from): (Expr<'a>, &Vector<'a>)| Increment {
+            from: from.substitute(found),
+            by: motion.y.scale(share).substitute(found),
+        };
+        increments.map(increment).collect()
+    }
+
+    /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
+    fn domain(&self, motion: &Motion<'_, 'a>) -> Option<Expr<'a>> {
+        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
+        motion.factor.algebra.group.domain(self.retraction, &motion.y.scale(longer))
+    }
+}
+
+/// `ξ'` along the motion, a function of configuration, velocity, the momentum that belongs to it, advected parameters, time and controls: by
+/// `μ' = ad*_ξ μ − T*L_g ∂h/∂g + F`, and by what a velocity is to a momentum.
+fn acceleration<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
+    let (mut direction, mut changes) = (Vec::new(), Vec::new());
+    let sign = arena.number(system.side.sign());
+    for factor in &system.factors {
+        let (group, g, xi) = (factor.algebra.group, &factor.configuration, &factor.velocity);
+        let by_advected = |a: &crate::model::Advected<'a>| gradient(system.potential(), &a.value.symbols());
+        let velocity =
+            SemidirectVector { base: xi.clone(), spaces: factor.advected.iter().map(by_advected).collect() };
+        let change = factor.algebra.coadjoint(&velocity.scale(sign), &factor.momentum_and_advected());
+        let in_body = match system.side {
+            Side::Left => xi.clone(),
+            Side::Right => to_body(group, g, xi),
+        };
+        let momentum = system.kick(factor).map_or_else(|| change.base.clone(), |kick| &change.base + kick);
+        let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
+            direction.extend(what.symbols().into_iter().zip(value.iter()));
+        };
+        is(g, &stored_perturbation(group, g, &in_body));
+        for (advected, change) in factor.advected.iter().zip(&change.spaces) {
+            is(&advected.value, change);
+        }
+        changes.push(momentum);
+    }
+    direction.extend(system.time_symbol().into_iter().map(|time| (time, arena.one())));
+    let change = Vector::concat(&changes);
+    match &system.energy {
+        Energy::Mechanical { inertia, .. } => inertia.solve_symmetric(&change),
+        Energy::Hamiltonian(energy) => {
+            let momentum = system.momentum().symbols();
+            direction.extend(momentum.iter().copied().zip(change.iter()));
+            let mut along = Derivative::along(arena, &direction);
+            gradient(*energy, &momentum).map(|component| along.of(component))
+        }
+        Energy::Lagrangian(lagrangian) => {
+            let velocity = system.velocity_symbols().symbols();
+            let momentum = gradient(*lagrangian, &velocity);
+            let mut along = Derivative::along(arena, &direction);
+            let rest = momentum.map(|component| along.of(component));
+            momentum.jacobian(&velocity).map(Expr::hold).solve(&(&change - &rest).hold())
+        }
     }
 }

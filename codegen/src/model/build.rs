@@ -6,7 +6,7 @@ use std::ops::Range;
 use proc_macro2::Ident;
 
 use super::{
-    Advected, Factor, ForceSource, Hamiltonian, InertiaField, InertiaShape, Parameter, Part, Role, Source,
+    Advected, Energy, Factor, ForceSource, InertiaField, InertiaShape, Parameter, Part, Role, Source,
     Sources, StoredAs, System, suffixes,
 };
 use crate::check::{self, Description};
@@ -48,9 +48,10 @@ impl<'a> System<'a> {
         let energies = energies(arena, description, &forbidden, &mut sources, &mut scope, diagnostics);
         forces(arena, description, &mut factors, &mut sources, &mut scope, diagnostics);
         let inertias = inertias(description, &factors, &values);
-        let hamiltonian = match description.hamiltonian {
-            Some(_) => Hamiltonian::General(energies.hamiltonian),
-            None => Hamiltonian::Mechanical {
+        let energy = match (description.hamiltonian, description.lagrangian) {
+            (Some(_), _) => Energy::Hamiltonian(energies.hamiltonian),
+            (None, Some(_)) => Energy::Lagrangian(energies.lagrangian),
+            (None, None) => Energy::Mechanical {
                 inertia: joint_inertia(arena, &factors, &inertias),
                 potential: energies.potential,
             },
@@ -65,10 +66,11 @@ impl<'a> System<'a> {
             controls,
             time,
             side: description.side,
-            hamiltonian,
+            energy,
             inertias,
             sources,
             advected,
+            velocity: OnceCell::new(),
         };
         description.is_sound().then_some(system)
     }
@@ -102,25 +104,36 @@ struct Forbidden {
 
 impl Forbidden {
     fn to_hamiltonians(&self) -> Vec<(String, String)> {
-        let controls = self.controls.iter().map(|name| {
-            let message = "an energy does not depend on controls; they act through `force`";
-            (name.clone(), message.to_owned())
-        });
         let velocities = self.velocities.iter().map(|(velocity, momentum)| {
             let message = format!("an energy is a function of the momentum; write it in `{momentum}`");
             (velocity.clone(), message)
         });
-        controls.chain(velocities).collect()
+        self.to_controls().into_iter().chain(velocities).collect()
+    }
+
+    fn to_lagrangians(&self) -> Vec<(String, String)> {
+        let momenta = self.velocities.iter().map(|(velocity, momentum)| {
+            let message = format!("a Lagrangian is a function of the velocity; write it in `{velocity}`");
+            (momentum.clone(), message)
+        });
+        momenta.chain(self.to_controls()).collect()
+    }
+
+    fn to_controls(&self) -> Vec<(String, String)> {
+        let message = "an energy does not depend on controls; they act through `force`";
+        self.controls.iter().map(|name| (name.clone(), message.to_owned())).collect()
     }
 
     fn to_potentials(&self) -> Vec<(String, String)> {
-        let message = |what: &str| {
-            format!(
-                "a potential does not depend on the {what}; an energy that does is written `hamiltonian = …`"
-            )
+        let message = |what: &str, key: &str| {
+            format!("a potential does not depend on the {what}; an energy that does is written `{key}`")
         };
-        let momenta = self.momenta.iter().map(|momentum| (momentum.clone(), message("momentum")));
-        let velocities = self.velocities.iter().map(|(velocity, _)| (velocity.clone(), message("velocity")));
+        let momenta =
+            self.momenta.iter().map(|momentum| (momentum.clone(), message("momentum", "hamiltonian = …")));
+        let velocities = self
+            .velocities
+            .iter()
+            .map(|(velocity, _)| (velocity.clone(), message("velocity", "lagrangian = …")));
         // the first word on a name counts
         momenta.chain(velocities).chain(self.to_hamiltonians()).collect()
     }
@@ -236,6 +249,7 @@ fn control<'a>(
 struct Energies<'a> {
     potential: Expr<'a>,
     hamiltonian: Expr<'a>,
+    lagrangian: Expr<'a>,
 }
 
 fn energies<'a>(
@@ -255,11 +269,17 @@ fn energies<'a>(
     };
     let potential = lower("the potential", description.potential, forbidden.to_potentials());
     let hamiltonian = lower("the Hamiltonian", description.hamiltonian, forbidden.to_hamiltonians());
+    let lagrangian = lower("the Lagrangian", description.lagrangian, forbidden.to_lagrangians());
     let (potential, potential_value) = potential.unzip();
     let (hamiltonian, hamiltonian_value) = hamiltonian.unzip();
-    (sources.potential, sources.hamiltonian) = (potential, hamiltonian);
+    let (lagrangian, lagrangian_value) = lagrangian.unzip();
+    (sources.potential, sources.hamiltonian, sources.lagrangian) = (potential, hamiltonian, lagrangian);
     let or_zero = |value: Option<Option<Expr<'a>>>| value.flatten().unwrap_or_else(|| arena.zero());
-    Energies { potential: or_zero(potential_value), hamiltonian: or_zero(hamiltonian_value) }
+    Energies {
+        potential: or_zero(potential_value),
+        hamiltonian: or_zero(hamiltonian_value),
+        lagrangian: or_zero(lagrangian_value),
+    }
 }
 
 /// The forces, each on its factor.
@@ -338,7 +358,8 @@ fn joint_inertia<'a>(arena: &'a Arena, factors: &[Factor<'a>], fields: &[Inertia
 
 /// Warns of fields and controls that nothing depends on.
 fn warn_of_unused(description: &Description<'_>, scope: &Scope<'_>, diagnostics: &mut Diagnostics) {
-    let general = description.hamiltonian.is_some();
+    let whole = if description.lagrangian.is_some() { "Lagrangian" } else { "Hamiltonian" };
+    let general = description.hamiltonian.is_some() || description.lagrangian.is_some();
     for (index, field) in description.parameters.iter().enumerate() {
         let is_inertia = description.inertias.iter().any(|inertia| inertia.field == index);
         if scope.is_used(&plain(&field.name)) || is_inertia && !general {
@@ -346,7 +367,7 @@ fn warn_of_unused(description: &Description<'_>, scope: &Scope<'_>, diagnostics:
         }
         let message = match is_inertia {
             true => {
-                format!("the inertia `{}` is not in the Hamiltonian, which is the whole energy", field.name)
+                format!("the inertia `{}` is not in the {whole}, which is the whole energy", field.name)
             }
             false => format!("the parameter `{}` is in no energy and no force", field.name),
         };

@@ -32,6 +32,9 @@ pub const POTENTIAL: Key = Key { name: "potential", example: "potential = weight
 /// The Hamiltonian, in place of inertia and potential.
 pub const HAMILTONIAN: Key =
     Key { name: "hamiltonian", example: "hamiltonian = momentum.norm_squared() / (2.0 * mass)" };
+/// The Lagrangian, in place of inertia and potential.
+pub const LAGRANGIAN: Key =
+    Key { name: "lagrangian", example: "lagrangian = mass * velocity.norm_squared() / 2.0" };
 /// What is given from outside and held over a step.
 pub const CONTROL: Key = Key { name: "control", example: "control(moment: R3, thrust: f64)" };
 /// What acts on the momentum beside the potential.
@@ -48,11 +51,12 @@ pub const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(st
 pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
 
 /// All keys, in the order in which messages list them.
-pub const KEYS: [Key; 11] = [
+pub const KEYS: [Key; 12] = [
     GROUP,
     ADVECTED,
     POTENTIAL,
     HAMILTONIAN,
+    LAGRANGIAN,
     CONTROL,
     FORCE,
     INVARIANCE,
@@ -73,6 +77,8 @@ pub struct Attribute {
     pub potential: Option<syn::Expr>,
     /// `hamiltonian = …`
     pub hamiltonian: Option<syn::Expr>,
+    /// `lagrangian = …`
+    pub lagrangian: Option<syn::Expr>,
     /// `control(thrust: f64, …)`
     pub controls: Vec<Control>,
     /// `force = …` or `force(attitude = …, …)`
@@ -174,6 +180,11 @@ impl Attribute {
         !self.faulty
     }
 
+    /// Whether the energy is given whole, not as inertia and potential.
+    pub fn has_whole_energy(&self) -> bool {
+        self.has(HAMILTONIAN) || self.has(LAGRANGIAN)
+    }
+
     /// The retractions to generate steps with.
     pub fn retractions(&self) -> &[Retraction] {
         if self.retractions.is_empty() { &Retraction::ALL } else { &self.retractions }
@@ -217,6 +228,7 @@ impl Attribute {
             HAMILTONIAN => {
                 equals(&value, known, diagnostics).map(|hamiltonian| target.hamiltonian = hamiltonian)
             }
+            LAGRANGIAN => equals(&value, known, diagnostics).map(|lagrangian| target.lagrangian = lagrangian),
             CONTROL => {
                 let name = |control: &Control| Some(control.name.clone());
                 entries(&value, (&key, known), diagnostics, &mut target.unreadable, control, name)
@@ -420,24 +432,20 @@ fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
         .parse()
         .map_err(|error| syn::Error::new(error.span(), "expected a method, such as `Midpoint`"))?;
     if name == "Family" {
-        let content;
-        parenthesized!(content in input);
-        let numerator: LitInt = content.parse()?;
-        content.parse::<Token![,]>()?;
-        let denominator: LitInt = content.parse()?;
-        let member = Member::new(numerator.base10_parse()?, denominator.base10_parse()?);
-        return member.map(Rule::Family).ok_or_else(|| {
-            let message =
-                "the parameter s of a method is a fraction between 0 and 1: `Family(1, 4)` is s = 1/4";
-            syn::Error::new_spanned(&name, message)
-        });
+        return member(input, &name).map(Rule::Family);
     }
     if name == "TangentLift" {
-        return Ok(Rule::TangentLift);
+        let explicit = !input.peek(token::Paren);
+        let member = if explicit { Ok(Member::SYMPLECTIC_EULER_A) } else { member(input, &name) };
+        return member.map(Rule::TangentLift);
+    }
+    if name == "TangentMidpoint" {
+        return Ok(Rule::TangentLift(Member::MIDPOINT));
     }
     Member::named(&name.to_string()).map(Rule::Family).ok_or_else(|| {
         let known = Member::NAMED.map(|(name, _)| name);
-        let all = list(known.iter().copied().chain(["Family(numerator, denominator)", "TangentLift"]));
+        let others = ["Family(numerator, denominator)", "TangentLift", "TangentLift(numerator, denominator)"];
+        let all = list(known.iter().copied().chain(others));
         let guess = suggestion(&name.to_string(), &known);
         let message = match name.to_string().as_str() {
             "Exponential" | "Cayley" => format!(
@@ -450,6 +458,20 @@ fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
             _ => format!("there is no method `{name}`; there are {all}"),
         };
         syn::Error::new_spanned(&name, message)
+    })
+}
+
+/// `(1, 4)`
+fn member(input: ParseStream<'_>, name: &Ident) -> syn::Result<Member> {
+    let content;
+    parenthesized!(content in input);
+    let numerator: LitInt = content.parse()?;
+    content.parse::<Token![,]>()?;
+    let denominator: LitInt = content.parse()?;
+    Member::new(numerator.base10_parse()?, denominator.base10_parse()?).ok_or_else(|| {
+        let message =
+            format!("the parameter s of a method is a fraction between 0 and 1: `{name}(1, 4)` is s = 1/4");
+        syn::Error::new_spanned(name, message)
     })
 }
 

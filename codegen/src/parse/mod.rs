@@ -7,7 +7,7 @@ mod shape;
 
 pub use attribute::{
     ADVECTED, Advected, Attribute, CONTROL, CRATE, Control, DERIVATIVES, FORCE, Factor, Force, GROUP,
-    HAMILTONIAN, INVARIANCE, KEYS, Key, METHODS, POTENTIAL,
+    HAMILTONIAN, INVARIANCE, KEYS, Key, LAGRANGIAN, METHODS, POTENTIAL,
 };
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};
 pub use shape::{ScalarType, Shape, of_segment};

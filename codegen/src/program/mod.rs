@@ -134,6 +134,14 @@ pub enum Role {
     Energy,
     /// Of a system: the velocity that belongs to the momentum.
     Velocity,
+    /// Of a system: what vanishes at the velocity that belongs to the momentum, and Newton's correction of a velocity. There where it has no
+    /// closed form.
+    VelocityNewton,
+    /// Of a system: the momentum that belongs to a velocity.
+    Momentum,
+    /// Of a system: what vanishes at the momentum that belongs to a velocity, and Newton's correction of the state's momentum. There where
+    /// it has no closed form.
+    MomentumNewton,
     /// Of a system: the Casimirs.
     Casimirs,
     /// Of a system: the momentum in space coordinates.
@@ -196,6 +204,8 @@ pub enum Input {
     Tangent,
     /// A momentum in space coordinates.
     SpatialMomentum,
+    /// A velocity.
+    Velocity,
 }
 
 /// One line of code.

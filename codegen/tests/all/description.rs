@@ -83,7 +83,7 @@ fn keys() {
         "colour = red",
         &[(
             "colour",
-            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives` and `crate`",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives` and `crate`",
         )],
     );
     attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);
@@ -267,6 +267,31 @@ fn breaks(attribute: &str, item: &str, expected: &[(&str, &str)]) {
     compare(text, &told(found), expected);
 }
 
+/// What the whole of the macro says.
+#[track_caller]
+fn expands(attribute: &str, item: &str, expected: &[(&str, &str)]) {
+    let error = coadjoint_codegen::expand(tokens(attribute), tokens(item)).err();
+    let told = error.into_iter().flatten();
+    let told = told.map(|error| (error.span().source_text().unwrap_or_default(), error.to_string()));
+    compare(attribute, &told.collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn energies_without_a_legendre_transform() {
+    let bare = "struct Body { j: f64 }";
+    let singular = "the second derivative of this by the velocity is singular";
+    let sum = "(velocity.x + velocity.y + velocity.z).exp() * j";
+    for degenerate in ["j * velocity.x.powi(2)", "j * velocity.y", sum] {
+        expands(&format!("group = SO3, lagrangian = {degenerate}"), bare, &[(degenerate, singular)]);
+    }
+    // no velocity has a momentum here, but only a tangent lift needs one
+    let linear = "group = SO3, hamiltonian = j * momentum.z";
+    expands(linear, bare, &[]);
+    let singular = "the second derivative of this by the momentum is singular";
+    expands(&format!("{linear}, methods(TangentLift)"), bare, &[("j * momentum.z", singular)]);
+    expands("group = SO3, hamiltonian = j * momentum.norm_squared(), methods(TangentLift(1, 4))", bare, &[]);
+}
+
 #[test]
 fn a_sound_description_breaks_no_rule() {
     for inertia in ["f64", "Vector3<f64>", "Matrix3<f64>"] {
@@ -423,10 +448,27 @@ fn energies_forces_and_controls() {
         body,
         &[("j", "`j` is also a field of `Body`; a control needs a name of its own")],
     );
+    breaks("group = SO3, hamiltonian = momentum.x, methods(TangentLift(1, 4))", bare, &[]);
+    breaks("group = SO3, lagrangian = velocity.norm_squared() * j", bare, &[]);
     breaks(
-        "group = SO3, hamiltonian = momentum.x, methods(TangentLift)",
+        "group = SO3, lagrangian = velocity.x, potential = j, hamiltonian = momentum.x",
         bare,
-        &[("momentum.x", "the tangent lift is made from an inertia")],
+        &[
+            ("momentum.x", "the Hamiltonian is the whole energy"),
+            ("velocity.x", "the Lagrangian is kinetic less potential energy"),
+            ("velocity.x", "the Lagrangian says what the Hamiltonian is; give one of"),
+        ],
+    );
+    breaks(
+        "group = SE3, lagrangian = j * linear_velocity.x + angular_momentum.y + u, control(u: f64)",
+        bare,
+        &[
+            (
+                "angular_momentum",
+                "a Lagrangian is a function of the velocity; write it in `angular_velocity`",
+            ),
+            ("u", "an energy does not depend on controls"),
+        ],
     );
     attribute("control(u: String)", &[("String", "`u` cannot be of this type; a control is a number")]);
     attribute(

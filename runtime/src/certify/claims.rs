@@ -36,9 +36,11 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// What the tangent lift claims.
-    pub(crate) const TANGENT_LIFT: Self =
-        Self { order: 1, symmetric: false, poisson: false, casimirs: Kept::Advected };
+    /// What the tangent lift with `s = numerator/denominator` claims.
+    pub(crate) const fn tangent_lift(numerator: u32, denominator: u32) -> Self {
+        let even = 2 * numerator as u64 == denominator as u64;
+        Self { order: if even { 2 } else { 1 }, symmetric: even, poisson: false, casimirs: Kept::Advected }
+    }
 
     /// What the member `s = numerator/denominator` of the family claims.
     pub(crate) const fn family(invariant: bool, forced: bool, numerator: u32, denominator: u32) -> Self {
@@ -144,14 +146,18 @@ where
     }
 }
 
-impl<S, R> Claims<S> for TangentLift<R>
+impl<S, R, const N: u32, const D: u32> Claims<S> for TangentLift<R, N, D>
 where
     S: Geometry<Scalar = f64> + Generated<Self>,
 {
-    const CLAIM: Claim = Claim::TANGENT_LIFT;
+    const CLAIM: Claim = Claim::tangent_lift(N, D);
 
     fn name() -> String {
-        on::<R>("TangentLift")
+        match (N, D) {
+            (0, 1) => on::<R>("TangentLift"),
+            (1, 2) => on::<R>("TangentMidpoint"),
+            _ => format!("TangentLift<{}, {N}, {D}>", without_paths(core::any::type_name::<R>())),
+        }
     }
 
     fn kernels(probe: &mut Probe<'_>, step: f64) {

@@ -123,7 +123,9 @@ impl Scheme {
         };
         match self.resolved(description.invariant) {
             Self::Step(_, Rule::Member(numerator, denominator)) => family(numerator, denominator),
-            Self::Step(_, Rule::TangentLift) => Claim::TANGENT_LIFT,
+            Self::Step(_, Rule::TangentLift(numerator, denominator)) => {
+                Claim::tangent_lift(numerator, denominator)
+            }
             Self::Composed(Composed { order, base, .. }) => base.claim(description).composed(order),
             Self::StormerVerlet(_) | Self::Standard(_) => Claim { order: 2, symmetric: true, ..family(0, 1) },
         }
@@ -136,7 +138,7 @@ impl Scheme {
             Rule::Member(numerator, denominator) => {
                 walk.family(map, f64::from(numerator) / f64::from(denominator), step);
             }
-            Rule::TangentLift => is_defined = false,
+            Rule::TangentLift(..) => is_defined = false,
         });
         is_defined
     }
@@ -163,7 +165,9 @@ impl Scheme {
             Self::Step(map, Rule::Member(1, 2)) => std::format!("Midpoint<{map:?}>"),
             Self::Step(map, Rule::Member(1, 1)) => std::format!("SymplecticEulerB<{map:?}>"),
             Self::Step(map, Rule::Member(n, d)) => std::format!("Family<{map:?}, {n}, {d}>"),
-            Self::Step(map, Rule::TangentLift) => std::format!("TangentLift<{map:?}>"),
+            Self::Step(map, Rule::TangentLift(0, 1)) => std::format!("TangentLift<{map:?}>"),
+            Self::Step(map, Rule::TangentLift(1, 2)) => std::format!("TangentMidpoint<{map:?}>"),
+            Self::Step(map, Rule::TangentLift(n, d)) => std::format!("TangentLift<{map:?}, {n}, {d}>"),
             Self::StormerVerlet(map) => std::format!("StormerVerlet<{map:?}>"),
             Self::Composed(Composed { coefficients, base, .. }) => {
                 composition::name(coefficients, &base.name())

@@ -18,7 +18,7 @@ use coadjoint::erased::Scheme;
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
 use coadjoint::system::{Generated, Quantity, Schemes, Visitor};
-use coadjoint::{Discretized, Family, RightLift, System, TangentLift};
+use coadjoint::{Discretized, Family, LegendreError, RightLift, System, TangentLift};
 
 /// Nothing acts on it.
 #[lie_poisson_system(group = SO3, methods(Midpoint, TangentLift, Family(1, 4)))]
@@ -643,6 +643,28 @@ impl System for Bent {
     }
     fn velocity_at(&self, state: &BodyState, time: f64) -> Self::Momentum {
         self.body.velocity_at(state, time)
+    }
+    fn momentum(&self, state: &BodyState) -> Self::Momentum {
+        self.body.momentum(state)
+    }
+    fn with_momentum(&self, state: &BodyState, momentum: &Self::Momentum) -> BodyState {
+        self.body.with_momentum(state, momentum)
+    }
+    fn momentum_of(
+        &self,
+        velocity: &Self::Momentum,
+        state: &BodyState,
+        time: f64,
+    ) -> Result<Self::Momentum, LegendreError> {
+        self.body.momentum_of(velocity, state, time)
+    }
+    fn velocity_of(
+        &self,
+        momentum: &Self::Momentum,
+        state: &BodyState,
+        time: f64,
+    ) -> Result<Self::Momentum, LegendreError> {
+        self.body.velocity_of(momentum, state, time)
     }
     fn casimirs(&self, state: &BodyState) -> Self::Casimirs {
         self.body.casimirs(state)

@@ -316,7 +316,7 @@ fn certificates_are_the_same() {
     same(certification.run::<SymplecticEulerB>(), &euler, "SymplecticEulerB<Exponential>");
     let verlet = Scheme::StormerVerlet(Map::Exponential);
     same(certification.run::<StormerVerlet>(), &verlet, "StormerVerlet<Exponential>");
-    let lift = Scheme::Step(Map::Exponential, Rule::TangentLift);
+    let lift = Scheme::Step(Map::Exponential, Rule::TangentLift(0, 1));
     same(certification.run::<TangentLift>(), &lift, "TangentLift<Exponential>");
     let order4 = Scheme::composed::<Suzuki4>(exponential);
     same(certification.run::<Order4<Exponential>>(), &order4, "Order4<Exponential>");

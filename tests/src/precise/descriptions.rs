@@ -2,9 +2,9 @@
 
 use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
-use coadjoint_codegen::expr::{Arena, Matrix};
+use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::model::{Hamiltonian, InertiaShape, System};
+use coadjoint_codegen::model::{InertiaField, InertiaShape, System};
 use coadjoint_codegen::parse::{Attribute, Item};
 use coadjoint_codegen::program::Program;
 use proc_macro2::TokenStream;
@@ -170,10 +170,83 @@ pub fn all_kinds() -> Vec<Description> {
             quote! { struct Fast { mass: f64 } },
         ),
     ]);
+    all.extend(lagrangians());
     all
 }
 
+/// Systems described by a Lagrangian: of mass matrices that depend on the configuration, of both sides, with advected parameters, forces and
+/// time, and one whose velocity has no closed form.
+pub fn lagrangians() -> Vec<Description> {
+    let describe = |name, attribute, item| Description { name, attribute, item };
+    vec![
+        describe(
+            "top by its lagrangian",
+            quote! {
+                group = SO3,
+                advected(gamma: R3),
+                lagrangian = velocity.dot(&(inertia * velocity)) / 2.0 - gamma.dot(&chi) + velocity.z * gamma.x / 5.0
+            },
+            quote! { struct Top { #[inertia] inertia: Matrix3<f64>, chi: Vector3<f64> } },
+        ),
+        describe(
+            "double pendulum",
+            quote! {
+                group(angles: R2),
+                lagrangian = {
+                    let w = angles_velocity;
+                    w.x.powi(2) + w.y.powi(2) / 2.0 + ratio * w.x * w.y * (angles.x - angles.y).cos() / 3.0
+                        + weight * (2.0 * angles.x.cos() + ratio * angles.y.cos())
+                }
+            },
+            quote! { struct Double { ratio: f64, weight: f64 } },
+        ),
+        describe(
+            "body with a moving mass",
+            quote! {
+                group(attitude: SO3, slider: R1),
+                control(push: f64),
+                lagrangian = {
+                    let at = slider.x * direction;
+                    let v = attitude_velocity.cross(&at) + slider_velocity.x * direction;
+                    attitude_velocity.dot(&attitude_velocity.component_mul(&inertia)) / 2.0 + v.norm_squared()
+                        - stiffness * slider.x.powi(2) * (1.0 + t.sin() / 4.0) + attitude.w
+                },
+                force(slider = vector![push - slider_velocity.x / 3.0])
+            },
+            quote! {
+                struct Body { #[inertia] inertia: Vector3<f64>, direction: Vector3<f64>, stiffness: f64 }
+            },
+        ),
+        describe(
+            "body seen from space by its lagrangian",
+            quote! {
+                group = SO3,
+                invariance = right,
+                lagrangian = {
+                    let inside = attitude.inverse() * velocity;
+                    inside.dot(&inside.component_mul(&inertia)) / 2.0 - attitude.w
+                }
+            },
+            quote! { struct Body { #[inertia] inertia: Vector3<f64> } },
+        ),
+        describe(
+            "stiff point",
+            quote! {
+                group = R2,
+                lagrangian = (2.0 + mass * mass) * velocity.norm_squared() * (1.0 + velocity.norm_squared() / 8.0)
+                    - position.x.sin() * position.y
+            },
+            quote! { struct Stiff { mass: f64 } },
+        ),
+    ]
+}
+
 impl Description {
+    /// A description of its own: a name for messages, what stands in the attribute, and the struct.
+    pub fn new(name: &'static str, attribute: TokenStream, item: TokenStream) -> Self {
+        Self { name, attribute, item }
+    }
+
     /// What is computed for it.
     pub fn program(&self) -> Program {
         let program = coadjoint_codegen::program(self.attribute.clone(), self.item.clone());
@@ -202,8 +275,8 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
         point.set(&symbols, &Column::random(symbols.len(), random));
     }
 
-    if let Hamiltonian::Mechanical { inertia, .. } = &system.hamiltonian {
-        positive_definite(&mut point, system, inertia);
+    for field in &system.inertias {
+        positive_definite(&mut point, field);
     }
     for factor in &system.factors {
         let group = factor.algebra.group;
@@ -216,12 +289,13 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
 }
 
 /// Gives the symbols of an inertia values that are dominated by a diagonal of distinct moments.
-fn positive_definite(point: &mut Point, system: &System<'_>, inertia: &Matrix<'_>) {
-    for i in 0..inertia.rows {
+fn positive_definite(point: &mut Point, field: &InertiaField<'_>) {
+    // one number stands in all rows
+    let rows = if field.shape == InertiaShape::Scalar { 1 } else { field.matrix.rows };
+    for i in 0..rows {
         for j in 0..=i {
-            let symbol = inertia.at(i, j).as_symbol();
-            let matrix = system.inertias.iter().all(|field| field.shape == InertiaShape::Matrix);
-            let Some(symbol) = symbol.filter(|_| i == j || matrix) else {
+            let symbol = field.matrix.at(i, j).as_symbol();
+            let Some(symbol) = symbol.filter(|_| i == j || field.shape == InertiaShape::Matrix) else {
                 continue;
             };
             let scattered = point.value(symbol) / Real::from(4);

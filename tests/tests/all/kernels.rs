@@ -7,7 +7,7 @@ use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Step, family, step_symbol};
-use coadjoint_codegen::model::{Hamiltonian, System};
+use coadjoint_codegen::model::{Energy, Relation, System};
 use coadjoint_codegen::program::{Given, Input, Module, Role};
 use coadjoint_codegen::scheme::Member;
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point, rigid_bodies};
@@ -274,7 +274,7 @@ fn functions_of_systems_compute_their_expressions() {
         let spatial =
             Vector((0..system.dimension()).map(|i| arena.symbol(format!("s{i}"), Stage::Step)).collect());
         let mut point = random_point(&system, seed);
-        if let Hamiltonian::General(_) = &system.hamiltonian {
+        if let Energy::Hamiltonian(_) = &system.energy {
             // a mass, of which a root is taken
             let parameters = point.get(&system.parameter_symbols());
             let positive = parameters.0.iter().map(Real::abs).collect();
@@ -283,14 +283,16 @@ fn functions_of_systems_compute_their_expressions() {
         let random = &mut Random::new(seed);
         point.set(&by.symbols(), &Column::random(by.len(), random));
         point.set(&spatial.symbols(), &Column::random(spatial.len(), random));
+        let velocity = system.velocity_symbols();
+        point.set(&velocity.symbols(), &Column::random(velocity.len(), random));
         let given = given(&system, &point)
             .with(Input::Tangent, point.vector(&by).0)
-            .with(Input::SpatialMomentum, point.vector(&spatial).0);
+            .with(Input::SpatialMomentum, point.vector(&spatial).0)
+            .with(Input::Velocity, point.vector(&velocity).0);
 
         let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
         let mut expected = vec![
             (Role::Energy, Vector(vec![system.energy()])),
-            (Role::Velocity, system.velocity(&system.momentum())),
             (Role::Casimirs, casimirs),
             (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
             (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
@@ -298,6 +300,22 @@ fn functions_of_systems_compute_their_expressions() {
             (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
             (Role::Force, geometry::force(&arena, &system)),
         ];
+        let newton = |residual: &Vector<'_>, role: Role| {
+            let (module, _) = program.function(role).expect("where there is no closed form");
+            let computed = call(module, role, &given).remove(0);
+            let difference = relative(&computed.part(0, residual.len()), &point.vector(residual));
+            assert!(difference < Real::ten_to(-72), "{}, {role:?}: {difference:?}", description.name);
+        };
+        match system.velocity_relation() {
+            Relation::Explicit(velocity) => expected.push((Role::Velocity, velocity.clone())),
+            Relation::Implicit(residual) => newton(residual, Role::VelocityNewton),
+            Relation::Singular => assert!(program.function(Role::Velocity).is_none()),
+        }
+        match system.momentum_relation() {
+            Relation::Explicit(momentum) => expected.push((Role::Momentum, momentum)),
+            Relation::Implicit(residual) => newton(&residual, Role::MomentumNewton),
+            Relation::Singular => assert!(program.function(Role::Momentum).is_none()),
+        }
         let inertias = system.inertias.iter().enumerate();
         expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
         let is_isolated = program.function(Role::InBody).is_some();
@@ -319,7 +337,9 @@ fn functions_of_systems_compute_their_expressions() {
             let difference = relative(&back, &point.get(&system.state_symbols()));
             assert!(difference < Real::ten_to(-72), "{}: {difference:?}", description.name);
         }
-        let all = 1 + expected.len();
+        let newtons = [Role::VelocityNewton, Role::MomentumNewton].into_iter();
+        let newtons = newtons.filter(|&role| program.function(role).is_some()).count();
+        let all = 1 + expected.len() + newtons;
         assert_eq!(program.functions.iter().map(|module| module.functions.len()).sum::<usize>(), all);
     }
 }

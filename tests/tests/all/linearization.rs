@@ -5,7 +5,7 @@ use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
 use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
-use coadjoint_codegen::model::{Hamiltonian, Slot, System};
+use coadjoint_codegen::model::{Slot, System};
 use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
 use coadjoint_tests::precise::formula::{Formula, Point};
@@ -75,14 +75,12 @@ fn trivialized(system: &System<'_>, state: &Column, change: &Column) -> Column {
     Column(all)
 }
 
-fn schemes(system: &System<'_>, retraction: Retraction) -> Vec<Scheme> {
+fn schemes(retraction: Retraction) -> Vec<Scheme> {
     let members = [(0, 1), (1, 2), (1, 1), (3, 10)];
     let member = |(n, d)| Member::new(n, d).expect("between 0 and 1");
-    let mut rules: Vec<Rule> = members.into_iter().map(|s| Rule::Family(member(s))).collect();
-    if matches!(system.hamiltonian, Hamiltonian::Mechanical { .. }) {
-        rules.push(Rule::TangentLift);
-    }
-    rules.into_iter().map(|rule| Scheme { retraction, rule }).collect()
+    let rules = members.into_iter().map(|s| Rule::Family(member(s)));
+    let rules = rules.chain([(0, 1), (1, 2)].map(|s| Rule::TangentLift(member(s))));
+    rules.map(|rule| Scheme { retraction, rule }).collect()
 }
 
 /// One test for each kind of system, so that they run side by side. Descriptions have the same names, with spaces.
@@ -122,6 +120,11 @@ kinds! {
     spin
     free_body_in_space_coordinates
     general_energy
+    top_by_its_lagrangian
+    double_pendulum
+    body_with_a_moving_mass
+    body_seen_from_space_by_its_lagrangian
+    stiff_point
 }
 
 fn derivatives_are_those_of_the_step(name: &str) {
@@ -131,7 +134,7 @@ fn derivatives_are_those_of_the_step(name: &str) {
     for retraction in Retraction::ALL {
         let arena = Arena::new();
         let system = description.system(&arena);
-        for scheme in schemes(&system, retraction) {
+        for scheme in schemes(retraction) {
             let step = scheme.step(&arena, &system);
             check(&arena, &system, &step, scheme, seed, &mut residuals);
         }

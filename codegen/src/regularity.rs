@@ -1,0 +1,32 @@
+//! What a description needs of the second derivatives of its energy.
+
+use crate::diagnostics::Diagnostics;
+use crate::model::{Relation, System};
+use crate::parse::Attribute;
+use crate::scheme::Rule;
+
+/// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity. `None` if so.
+pub(crate) fn legendre(
+    system: &System<'_>,
+    attribute: &Attribute,
+    diagnostics: &mut Diagnostics,
+) -> Option<()> {
+    let Attribute { hamiltonian, lagrangian, methods, .. } = attribute;
+    if let (Some(lagrangian), Relation::Singular) = (lagrangian, system.velocity_relation()) {
+        let message = "the second derivative of this by the velocity is singular, so that no velocity belongs to a momentum; \
+                       each component of the velocity needs a kinetic energy";
+        diagnostics.push(lagrangian, message);
+        return None;
+    }
+    let is_lift = |rule: &Rule| matches!(rule, Rule::TangentLift(_));
+    if let Some(hamiltonian) = hamiltonian
+        && methods.iter().any(is_lift)
+        && matches!(system.momentum_relation(), Relation::Singular)
+    {
+        let message = "the second derivative of this by the momentum is singular, so that no momentum belongs to a velocity, as \
+                       tangent lifts need it; leave out `TangentLift`";
+        diagnostics.push(hamiltonian, message);
+        return None;
+    }
+    Some(())
+}
