@@ -89,7 +89,7 @@ fn rotation(attitude: &UnitQuaternion<f64>) -> Matrix3<f64> {
 }
 
 fn of_flight(state: &QuadrotorState) -> (SMatrix<f64, 7, 7>, Vector6<f64>) {
-    let mut g = SMatrix::identity();
+    let mut g = SMatrix::<f64, 7, 7>::identity();
     g.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation(&state.attitude));
     g.fixed_view_mut::<3, 1>(3, 6).copy_from(&state.position);
     let momenta = state.attitude_momentum.iter().chain(&state.position_momentum);
@@ -97,7 +97,7 @@ fn of_flight(state: &QuadrotorState) -> (SMatrix<f64, 7, 7>, Vector6<f64>) {
 }
 
 fn of_pair(state: &CoupledBodiesState) -> (Matrix6<f64>, Vector6<f64>) {
-    let mut g = SMatrix::zeros();
+    let mut g = Matrix6::zeros();
     g.fixed_view_mut::<3, 3>(0, 0).copy_from(&rotation(&state.first));
     g.fixed_view_mut::<3, 3>(3, 3).copy_from(&rotation(&state.second));
     let momenta = state.first_momentum.iter().chain(&state.second_momentum);

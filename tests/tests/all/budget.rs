@@ -47,9 +47,9 @@ fn the_catalogue_keeps_to_its_budget() {
         emitted += tokens(expansion.into_tokens());
     }
     println!("{kernels} kernels, {emitted} tokens");
-    // counted: 94 and 489,557
+    // counted: 94 and 503,745
     assert!(kernels <= 94, "{kernels} kernels");
-    assert!(emitted <= 510_000, "{emitted} tokens");
+    assert!(emitted <= 520_000, "{emitted} tokens");
 }
 
 /// What nobody asked for is not there.
