@@ -155,7 +155,7 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let energy = call(program, names, Role::Energy, "energy", &[]);
     let conserved = at_any_time(Role::Casimirs, "casimirs");
     let spatial_momentum = at_any_time(Role::SpatialMomentum, "spatial_momentum");
-    let legendre = legendre(program, names, &momentum);
+    let legendre = legendre(program, names);
     quote! {
         fn energy_at(&self, state: &#state, time: #scalar) -> #scalar {
             let [energy] = #energy;
@@ -175,8 +175,8 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
 }
 
 /// Velocity and momentum by each other: a closed form, or Newton's iteration from rest.
-fn legendre(program: &Program, names: &Names, momentum: &TokenStream) -> TokenStream {
-    let Names { private, state, scalar, coadjoint, .. } = names;
+fn legendre(program: &Program, names: &Names) -> TokenStream {
+    let Names { private, scalar, coadjoint, .. } = names;
     let dimension = size(program.interface.dimension);
     let given = (Input::Velocity, quote! { &__Stored::<_, #dimension>::to_array(velocity) });
     let velocity_of_momentum = match program.function(Role::Velocity) {
@@ -203,27 +203,27 @@ fn legendre(program: &Program, names: &Names, momentum: &TokenStream) -> TokenSt
             quote! { #private::newton([0.0; #dimension], |momentum| #newton) }
         }
     };
-    let momenta = momenta(&program.interface, names, momentum);
+    let momenta = momenta(&program.interface, names);
     quote! {
-        fn velocity_at(&self, state: &#state, time: #scalar) -> #momentum {
+        fn velocity_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Momentum {
             __Stored::from_array(#velocity_of_momentum)
         }
 
         fn momentum_of(
             &self,
-            velocity: &#momentum,
-            state: &#state,
-            time: #scalar,
-        ) -> ::core::result::Result<#momentum, #coadjoint::LegendreError> {
+            velocity: &Self::Momentum,
+            state: &Self::State,
+            time: Self::Scalar,
+        ) -> ::core::result::Result<Self::Momentum, #coadjoint::LegendreError> {
             #private::finite(#momentum_of_velocity).map(__Stored::from_array)
         }
 
         fn velocity_of(
             &self,
-            momentum: &#momentum,
-            state: &#state,
-            time: #scalar,
-        ) -> ::core::result::Result<#momentum, #coadjoint::LegendreError> {
+            momentum: &Self::Momentum,
+            state: &Self::State,
+            time: Self::Scalar,
+        ) -> ::core::result::Result<Self::Momentum, #coadjoint::LegendreError> {
             let state = &#private::System::with_momentum(self, state, momentum);
             #private::finite(#velocity_of_momentum).map(__Stored::from_array)
         }
@@ -233,8 +233,8 @@ fn legendre(program: &Program, names: &Names, momentum: &TokenStream) -> TokenSt
 }
 
 /// The momenta of all factors, taken from a state and put into it.
-fn momenta(interface: &Interface, names: &Names, momentum: &TokenStream) -> TokenStream {
-    let Names { private, state, .. } = names;
+fn momenta(interface: &Interface, names: &Names) -> TokenStream {
+    let private = &names.private;
     let is_momentum = |part: &Quantity| vec![part.role == QuantityRole::Momentum; part.components.len()];
     let is_momentum: Vec<bool> = interface.state.iter().flat_map(is_momentum).collect();
     let element = |letter: char, n: usize| Ident::new(&format!("{letter}{n}"), Span::mixed_site());
@@ -242,12 +242,12 @@ fn momenta(interface: &Interface, names: &Names, momentum: &TokenStream) -> Toke
     let momenta: Vec<&Ident> =
         all.iter().zip(&is_momentum).filter(|&(_, &is)| is).map(|(element, _)| element).collect();
     quote! {
-        fn momentum(&self, state: &#state) -> #momentum {
+        fn momentum(&self, state: &Self::State) -> Self::Momentum {
             let [#(#all),*] = #private::State::to_components(state);
             __Stored::from_array([#(#momenta),*])
         }
 
-        fn with_momentum(&self, state: &#state, momentum: &#momentum) -> #state {
+        fn with_momentum(&self, state: &Self::State, momentum: &Self::Momentum) -> Self::State {
             let [#(#all),*] = #private::State::to_components(state);
             let [#(#momenta),*] = __Stored::to_array(momentum);
             #private::State::from_components(&[#(#all),*])

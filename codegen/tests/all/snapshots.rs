@@ -14,6 +14,7 @@ use quote::quote;
 const FREE_RIGID_BODY: &str = include_str!("../../../systems/src/free_rigid_body.rs");
 const HEAVY_TOP: &str = include_str!("../../../systems/src/heavy_top.rs");
 const QUADROTOR: &str = include_str!("../../../systems/src/quadrotor.rs");
+const DOUBLE_PENDULUM: &str = include_str!("../../../systems/src/double_pendulum.rs");
 const COUPLED_BODIES: &str = include_str!("../../../systems/src/coupled_bodies.rs");
 
 /// The annotated struct in a source file, with its documentation: the lines between two empty ones.
@@ -232,6 +233,29 @@ struct Relativistic {
     let step = steps.iter().find(|step| step.program.scheme.type_name() == "Midpoint<Cayley>");
     let module = &step.expect("a midpoint step").program.module;
     assert_snapshot("general_hamiltonian", &beside(input, &module.to_string()));
+}
+
+/// A mass matrix that depends on the configuration: nothing is inverted but where the velocity is asked for.
+#[test]
+fn a_double_pendulum_by_its_lagrangian() {
+    let input = description(DOUBLE_PENDULUM);
+    let Expansion { declaration, steps, .. } = expansion(input);
+    let step = steps.iter().find(|step| step.program.scheme.type_name() == "SymplecticEulerA<Cayley>");
+    let module = &step.expect("a first step").program.module;
+    assert_snapshot("double_pendulum", &beside(input, &format!("{}\n{module}", pretty(declaration))));
+}
+
+/// A velocity without a closed form: what stands in its place, and what needs it.
+#[test]
+fn a_velocity_without_a_closed_form() {
+    let input = "\
+/// A point that moves at nearly the speed of light.
+#[lie_poisson_system(group = R1, lagrangian = -mass * (1.0 - velocity.x.powi(2)).sqrt())]
+struct Relativistic {
+    mass: f64,
+}";
+    let Expansion { system, geometry, .. } = expansion(input);
+    assert_snapshot("velocity_without_closed_form", &beside(input, &pretty(quote! { #system #geometry })));
 }
 
 /// What `invariance = right` changes: signs, and the side on which the attitude is turned.
