@@ -34,7 +34,7 @@ fn descriptions() -> Vec<(TokenStream, TokenStream)> {
     let sources =
         files.filter(|path| path.is_file()).map(|path| std::fs::read_to_string(path).expect("text"));
     let descriptions: Vec<_> = sources.filter_map(|source| description(&source)).collect();
-    assert_eq!(descriptions.len(), 19);
+    assert_eq!(descriptions.len(), 20);
     descriptions
 }
 
