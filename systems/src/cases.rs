@@ -11,7 +11,7 @@ use coadjoint::prelude::*;
 use coadjoint::{Discretized, Ensemble, System};
 
 use crate::catalogued::Catalogued;
-use crate::classical::{AttitudeState, Method, Rk4Quaternion, Rkmk4, Timed, bodies};
+use crate::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies};
 use crate::coupled_bodies::CoupledBodies;
 use crate::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use crate::heavy_top::HeavyTop;
@@ -45,7 +45,7 @@ impl fmt::Debug for Case {
 }
 
 /// The baseline of each problem: the integrator most people would write.
-pub const BASELINE: &str = <Rk4Quaternion as Method>::NAME;
+pub const BASELINE: &str = Rk4Quaternion::NAME;
 
 /// The members of the ensembles.
 const MEMBERS: usize = 256;
@@ -292,6 +292,7 @@ where
     I: Timed<S, AttitudeState<N>> + 'static,
     S: 'static,
 {
+    let method = integrator.name().into();
     let run = move |steps| match integrator.run(&system, state, 0.01, steps) {
         Ok(end) => {
             state = end;
@@ -299,7 +300,7 @@ where
         }
         Err(_) => false,
     };
-    Case { problem, method: I::NAME.into(), steps: 20_000, run: Box::new(run) }
+    Case { problem, method, steps: 20_000, run: Box::new(run) }
 }
 
 /// A body with or without a weight.

@@ -1,22 +1,23 @@
 //! The list of systems that the program knows, each behind the same [`Entry`].
 
-use coadjoint::System;
-use coadjoint::erased::{self, Description};
+use coadjoint::erased::{self, Description, Flat};
 use coadjoint::prelude::*;
-use coadjoint::system::Quantity;
+use coadjoint::system::{Isolated, Quantity};
+use coadjoint::{Discretized, RightLift, System};
 
 use crate::catalogued::Catalogued;
-use crate::simulation::Setup;
+use crate::simulation::{Retraction, Setup};
 
-/// Every system: `module: Type`, with the name of its module, which is also its name on the command line; behind it in braces
-/// further examples of the same system, `name = constructor, step …, duration …, "what it is"`.
+/// Every system: `module: Type`, with the name of its module, which is also its name on the command line; `as isolated` where nothing acts on
+/// it; behind it in braces further examples of the same system, `name = constructor, step …, duration …, "what it is"`.
 macro_rules! catalogue {
     ($($module:ident: $type:path
+        $(as $isolated:ident)?
         $({ $($preset:ident = $example:path, step $step:literal, duration $duration:literal, $about:literal;)* })?,
     )*) => {
         /// All systems, in the order in which they are listed.
         pub static CATALOGUE: &[Entry] = &[$(
-            Entry::of::<$type>(stringify!($module), source!($module)),
+            Entry::of::<$type>(stringify!($module), source!($module))$(.$isolated::<$type>())?,
             $($(
                 Entry {
                     about: $about,
@@ -40,26 +41,26 @@ catalogue! {
     harmonic_oscillator: crate::harmonic_oscillator::HarmonicOscillator,
     kepler: crate::kepler::Kepler,
     two_bodies: crate::two_bodies::TwoBodies,
-    hanging_plate: crate::hanging_plate::HangingPlate,
     planar_pendulum: crate::planar_pendulum::PlanarPendulum,
     driven_pendulum: crate::driven_pendulum::DrivenPendulum,
     spherical_pendulum: crate::spherical_pendulum::SphericalPendulum,
-    free_rigid_body: crate::free_rigid_body::FreeRigidBody,
-    full_rigid_body: crate::full_rigid_body::FullRigidBody,
+    free_rigid_body: crate::free_rigid_body::FreeRigidBody as isolated,
+    full_rigid_body: crate::full_rigid_body::FullRigidBody as isolated,
     heavy_top: crate::heavy_top::HeavyTop {
         lagrange_top = crate::heavy_top::HeavyTop::lagrange_top, step 0.001, duration 10.0,
             "a heavy top that is round: a toy gyroscope";
         kovalevskaya_top = crate::heavy_top::HeavyTop::kovalevskaya_top, step 0.01, duration 60.0,
             "a heavy top with I1 = I2 = 2 I3 and its centre of mass across";
     },
-    heavy_top_on_se3: crate::heavy_top_on_se3::HeavyTopOnSE3,
+    heavy_top_on_se3: crate::heavy_top_on_se3::HeavyTopOnSE3 as isolated,
     magnetic_top: crate::magnetic_top::MagneticTop,
     quadrotor: crate::quadrotor::Quadrotor {
         loose_quadrotor = crate::quadrotor::Quadrotor::loose, step 0.01, duration 10.0,
             "a quadrotor with the thrust of hover that turns over and flies off";
     },
-    rigid_body_in_space: crate::rigid_body_in_space::RigidBodyInSpace,
-    gyrostat: crate::gyrostat::Gyrostat,
+    rigid_body_in_space: crate::rigid_body_in_space::RigidBodyInSpace as isolated,
+    hanging_plate: crate::hanging_plate::HangingPlate,
+    gyrostat: crate::gyrostat::Gyrostat as isolated,
     coupled_bodies: crate::coupled_bodies::CoupledBodies,
     kirchhoff: crate::kirchhoff::Kirchhoff,
     ellipsoidal_fluid: crate::ellipsoidal_fluid::EllipsoidalFluid,
@@ -91,9 +92,14 @@ pub struct Entry {
     pub system: fn(&[f64]) -> Box<dyn erased::System>,
     /// Its own control law with these parameters. None if it has no controls.
     pub control: Option<fn(&[f64]) -> ControlLaw>,
+    /// What takes its steps with the momentum carried in space, with these parameters, of this size. None if something acts on it.
+    pub right_lift: Option<MethodFn>,
     /// The moment of inertia, if it is a body of mass, by its parameters.
     pub body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
 }
+
+/// What takes steps on a retraction, with these parameters, of this size.
+pub type MethodFn = fn(&[f64], Retraction, f64) -> Box<dyn erased::Method<f64>>;
 
 /// Writes what is held over the step from a state at a time.
 pub type ControlLaw = Box<dyn Fn(&[f64], f64, &mut [f64]) + Send + Sync>;
@@ -113,8 +119,20 @@ impl Entry {
             example: || flat(&S::example()),
             system: |parameters| Box::new(system::<S>(parameters)),
             control: if description.controls.is_empty() { None } else { Some(control::<S>) },
+            right_lift: None,
             body_inertia: |parameters| system::<S>(parameters).body_inertia(),
         }
+    }
+
+    /// The same of a system on which nothing acts.
+    const fn isolated<S>(self) -> Self
+    where
+        S: Catalogued
+            + Isolated
+            + Discretized<SymplecticEulerA<Exponential>>
+            + Discretized<SymplecticEulerA<Cayley>>,
+    {
+        Self { right_lift: Some(right_lift::<S>), ..self }
     }
 
     /// The names of the columns of a trajectory: time, every component of the state, energy.
@@ -128,11 +146,12 @@ impl Entry {
     }
 }
 
-/// A system and its state as flat lists.
+/// A system and its state as flat lists; its own law chooses all controls.
 fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
     Setup {
         parameters: system.to_parameters().as_ref().to_vec(),
         state: state.to_components().as_ref().to_vec(),
+        controls: vec![None; S::Control::default().to_components().as_ref().len()],
     }
 }
 
@@ -155,6 +174,20 @@ fn control<S: Catalogued>(parameters: &[f64]) -> ControlLaw {
         let control = system.control(&state, time).to_components();
         to.iter_mut().zip(control.as_ref()).for_each(|(to, number)| *to = *number);
     })
+}
+
+fn right_lift<S>(parameters: &[f64], retraction: Retraction, step: f64) -> Box<dyn erased::Method<f64>>
+where
+    S: Catalogued
+        + Isolated
+        + Discretized<SymplecticEulerA<Exponential>>
+        + Discretized<SymplecticEulerA<Cayley>>,
+{
+    type Lifted<S, R> = <S as Discretized<RightLift<SymplecticEulerA<R>>>>::Method<f64>;
+    match retraction {
+        Retraction::Exponential => Flat::<Lifted<S, Exponential>, false>::boxed(parameters, step),
+        Retraction::Cayley => Flat::<Lifted<S, Cayley>, false>::boxed(parameters, step),
+    }
 }
 
 /// `chi_x` for a component, `weight` for a scalar.

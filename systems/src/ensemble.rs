@@ -7,7 +7,7 @@ use coadjoint::erased::{self, Ensemble};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::catalogue::Entry;
+use crate::catalogue::{ControlLaw, Entry};
 use crate::simulation::{Setup, SimulationError};
 
 /// The specification of an ensemble of one system.
@@ -15,7 +15,7 @@ use crate::simulation::{Setup, SimulationError};
 pub struct EnsembleSpec {
     /// How many members.
     pub members: usize,
-    /// The half-width of the uniform distribution of each number about the setup.
+    /// The half-width of the uniform distribution of each number about the setup; controls do not vary.
     pub widths: Setup,
     /// The seed of the random members.
     pub seed: u64,
@@ -54,7 +54,7 @@ pub struct EnsembleSummary {
     pub seconds: f64,
 }
 
-/// Runs an ensemble with the system's standard step on the Cayley map, and its own control law. The callback may end the run.
+/// Runs an ensemble with the system's standard step on the Cayley map, and the controls of the setup. The callback may end the run.
 ///
 /// # Errors
 /// If the parameters or the state of a member are not valid, or the step.
@@ -66,8 +66,8 @@ pub fn run(
     progress: &mut ProgressFn<'_>,
 ) -> Result<EnsembleSummary, SimulationError> {
     let members: Vec<Setup> = (0..spec.members).map(|member| random_member(setup, spec, member)).collect();
-    let laws = entry.control.map(|law| members.iter().map(|own| law(&own.parameters)).collect::<Vec<_>>());
-    let members = members.into_iter().map(|Setup { parameters, state }| (parameters, state));
+    let laws: Option<Vec<ControlLaw>> = members.iter().map(|own| entry.law(own)).collect();
+    let members = members.into_iter().map(|Setup { parameters, state, .. }| (parameters, state));
     let mut ensemble = Ensemble::new(&*(entry.system)(&setup.parameters), members, spec.step)?;
     let mut spreads = vec![Vec::new(); observables.len()];
     let every = spec.every.max(1);
@@ -131,5 +131,6 @@ fn random_member(setup: &Setup, spec: &EnsembleSpec, member: usize) -> Setup {
     Setup {
         parameters: draw(&setup.parameters, &spec.widths.parameters),
         state: draw(&setup.state, &spec.widths.state),
+        controls: setup.controls.clone(),
     }
 }

@@ -12,7 +12,7 @@ use crate::catalogued::Catalogued;
 /// Motion: Euler's equations `Π̇ = Π × 𝓘⁻¹Π`, and `Ṙ = R (𝓘⁻¹Π)^`.
 ///
 /// Invariants: the energy `H`, the Casimir `|Π|²`, and the angular momentum in space, `RΠ`.
-#[lie_poisson_system(group = SO3, methods(Midpoint))]
+#[lie_poisson_system(group = SO3, methods(Midpoint, Family(1, 4), Family(3, 4), TangentLift, TangentMidpoint))]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FreeRigidBody {
     /// Principal moments of inertia about the centre of mass, kg m².

@@ -15,7 +15,7 @@ use crate::catalogued::Catalogued;
 #[lie_poisson_system(
     group = R1,
     potential = 0.5 * stiffness * position.norm_squared(),
-    methods(Midpoint),
+    methods(Midpoint, Family(1, 4), TangentLift),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HarmonicOscillator {

@@ -1,5 +1,8 @@
 //! Runs of any system of the catalogue, with parameters and states as flat lists of numbers.
 
+mod classical;
+mod method;
+
 use std::error::Error as _;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -9,14 +12,18 @@ use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 pub use coadjoint::erased::Sample;
-use coadjoint::erased::{self, Controls, RunOptions, Scheme, StepperError};
+use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
-use coadjoint::system::Quantity;
+use coadjoint::system::Role;
 use coadjoint::{RunError, RunReport};
+pub use method::{Classical, Method};
+use nalgebra::{DMatrix, DVector};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::catalogue::Entry;
+use crate::catalogue::{CATALOGUE, ControlLaw, Entry};
 use crate::catalogued::Catalogued;
 
 /// The map from the Lie algebra to the group that a step is built on.
@@ -48,46 +55,6 @@ impl Retraction {
             Retraction::Exponential => Map::Exponential,
             Retraction::Cayley => Map::Cayley,
         }
-    }
-}
-
-/// The integration method, which is built on a retraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part in the motion,
-    /// else `verlet`.
-    #[default]
-    Standard,
-    /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
-    EulerA,
-    /// The adjoint of `euler-a`.
-    EulerB,
-    /// The implicit midpoint step, of order 2.
-    Midpoint,
-    /// Störmer and Verlet: half a step of `euler-a`, then half a step of `euler-b`; of order 2.
-    Verlet,
-}
-
-impl Method {
-    /// All of them.
-    pub const ALL: [Method; 5] =
-        [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint, Method::Verlet];
-
-    /// Its name on the command line and in file names.
-    pub fn name(self) -> &'static str {
-        match self {
-            Method::Standard => "standard",
-            Method::EulerA => "euler-a",
-            Method::EulerB => "euler-b",
-            Method::Midpoint => "midpoint",
-            Method::Verlet => "verlet",
-        }
-    }
-
-    /// Whether it is symmetric and of order 2 for every system, so that steps of higher order can be composed of it.
-    pub fn is_symmetric(self) -> bool {
-        !matches!(self, Method::EulerA | Method::EulerB)
     }
 }
 
@@ -128,13 +95,15 @@ impl Order {
     }
 }
 
-/// Parameters and an initial state, in the order of the system's quantities.
+/// Parameters, an initial state and controls, in the order of the system's quantities.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setup {
     /// The parameters' components.
     pub parameters: Vec<f64>,
     /// The initial state's components.
     pub state: Vec<f64>,
+    /// The controls' components, where they are held all the time; where there is none, the system's own law chooses.
+    pub controls: Vec<Option<f64>>,
 }
 
 /// What to run: the scheme, the step and the number of steps.
@@ -142,9 +111,9 @@ pub struct Setup {
 pub struct Job {
     /// The scheme's method.
     pub method: Method,
-    /// The scheme's retraction.
+    /// The scheme's retraction; of no meaning to a classical method.
     pub retraction: Retraction,
-    /// The scheme's order.
+    /// The scheme's order; that of the method itself where steps of it cannot be composed.
     pub order: Order,
     /// The step, s.
     pub step: f64,
@@ -195,16 +164,41 @@ pub enum SimulationError {
         /// The order asked for.
         order: u32,
         /// The method asked for.
-        method: &'static str,
+        method: Method,
         /// Those whose steps are symmetric.
         symmetric: String,
     },
+    /// The method is no scheme whose claims could be measured.
+    #[error("method {method} {}", not_certified(*.method))]
+    NotCertified {
+        /// The method asked for.
+        method: Method,
+    },
+    /// The momentum in space is constant only where nothing acts.
+    #[error(
+        "`{system}` has no steps with the method right-lift, which carries the momentum in space: something acts on it; \
+         {isolated} have them"
+    )]
+    NotIsolated {
+        /// The system.
+        system: &'static str,
+        /// Those on which nothing acts.
+        isolated: String,
+    },
+}
+
+/// Why there are no certificates of a method.
+fn not_certified(method: Method) -> &'static str {
+    match method {
+        Method::RightLift => "takes the steps of euler-a: certify these",
+        _ => "claims nothing that a certificate could measure",
+    }
 }
 
 /// The scheme of a method with a retraction, of an order.
 ///
 /// # Errors
-/// If an order above 2 is asked for of a method whose steps are not symmetric.
+/// If an order above 2 is asked for of a method whose steps are not symmetric, or the method is no scheme.
 pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Scheme, SimulationError> {
     let map = retraction.map();
     let base = match method {
@@ -213,15 +207,13 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
         Method::EulerB => Scheme::member(map, 1, 1),
         Method::Midpoint => Scheme::member(map, 1, 2),
         Method::Verlet => Scheme::StormerVerlet(map),
+        Method::Family(numerator, denominator) => Scheme::member(map, numerator, denominator),
+        Method::TangentLift(numerator, denominator) => {
+            Scheme::Step(map, Rule::TangentLift(numerator, denominator))
+        }
+        Method::RightLift | Method::Classical(_) => return Err(SimulationError::NotCertified { method }),
     };
-    if order != Order::Two && !method.is_symmetric() {
-        let symmetric = Method::ALL.into_iter().filter(|method| method.is_symmetric()).map(Method::name);
-        return Err(SimulationError::NotSymmetric {
-            order: order.number(),
-            method: method.name(),
-            symmetric: symmetric.collect::<Vec<_>>().join(", "),
-        });
-    }
+    check_order(method, order)?;
     Ok(match order {
         Order::Two => base,
         Order::Four => Scheme::composed::<Suzuki4>(base),
@@ -229,6 +221,29 @@ pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Sc
         Order::Eight => Scheme::composed::<KahanLi8>(base),
         Order::Ten => Scheme::composed::<SofroniouSpaletta10>(base),
     })
+}
+
+/// Whether steps of this order can be composed of the method's.
+fn check_order(method: Method, order: Order) -> Result<(), SimulationError> {
+    if order == Order::Two || method.is_symmetric() {
+        return Ok(());
+    }
+    let symmetric = Method::COMMON.into_iter().filter(|method| method.is_symmetric());
+    let symmetric = symmetric.map(|method| method.to_string()).collect::<Vec<_>>().join(", ");
+    Err(SimulationError::NotSymmetric { order: order.number(), method, symmetric })
+}
+
+/// A stepper that takes the steps of a classical method of any system, by its vector field.
+///
+/// # Errors
+/// If the parameters are not valid, or the step is zero or not finite.
+pub fn classical_stepper(
+    system: &dyn erased::System,
+    method: Classical,
+    step: f64,
+) -> Result<erased::Stepper<'_>, ParameterError> {
+    let method = classical::method(method, system.with_parameters(&[]), step);
+    erased::Stepper::with_method(system, method, step)
 }
 
 /// Takes so many steps of a system with its own control law from the time 0, and shows the initial state and the state after each step, with its
@@ -267,7 +282,47 @@ impl Entry {
         Ok((self.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
     }
 
-    /// Makes a run, with the system's own control law: from the setup's state at time 0, or on from a checkpoint. The observer
+    /// What acts on the system from outside: the controls that are held, and for the others its own law. None if it has no controls.
+    pub fn law(&self, setup: &Setup) -> Option<ControlLaw> {
+        let own = self.control?(&setup.parameters);
+        let held = setup.controls.clone();
+        Some(Box::new(move |state, time, to| {
+            own(state, time, to);
+            for (to, held) in to.iter_mut().zip(&held) {
+                *to = held.unwrap_or(*to);
+            }
+        }))
+    }
+
+    /// What takes the steps of a run.
+    fn stepper<'s>(
+        &self,
+        system: &'s dyn erased::System,
+        job: &Job,
+    ) -> Result<erased::Stepper<'s>, SimulationError> {
+        let &Job { method, retraction, order, step, .. } = job;
+        let stepper = match method {
+            Method::Classical(classical) => {
+                check_order(method, order)?;
+                classical_stepper(system, classical, step)
+            }
+            Method::RightLift => {
+                check_order(method, order)?;
+                let lifted = self.right_lift.ok_or_else(|| self.not_isolated())?;
+                erased::Stepper::with_method(system, lifted(&system.parameters(), retraction, step), step)
+            }
+            _ => return Ok(erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?),
+        };
+        Ok(stepper.map_err(StepperError::from)?)
+    }
+
+    fn not_isolated(&self) -> SimulationError {
+        let isolated = CATALOGUE.iter().filter(|entry| entry.right_lift.is_some()).map(|entry| entry.name);
+        let isolated = isolated.collect::<Vec<_>>().join(", ");
+        SimulationError::NotIsolated { system: self.name, isolated }
+    }
+
+    /// Makes a run, with the controls of the setup: from the setup's state at time 0, or on from a checkpoint. The observer
     /// sees the initial state, the samples whose indices `next` gives, and the last one.
     ///
     /// # Errors
@@ -281,15 +336,18 @@ impl Entry {
         observer: &mut SampleObserver<'_>,
     ) -> Result<RunReport, SimulationError> {
         let system = (self.system)(&setup.parameters);
-        let scheme = scheme(job.method, job.retraction, job.order)?;
-        let mut stepper = erased::Stepper::new(&*system, &scheme, job.step)?;
+        let mut stepper = self.stepper(&*system, job)?;
         let mut state = setup.state.clone();
         if let Some(from) = from {
             state.clone_from(&from.state);
             stepper.restore(&from.memory).map_err(StepperError::from)?;
         }
-        let law = self.control.map(|control| control(&setup.parameters));
-        let controls = law.as_ref().map_or(Controls::Held(&[]), |law| Controls::Chosen(law));
+        let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
+        let law = if held.is_some() { None } else { self.law(setup) };
+        let controls = match (&law, &held) {
+            (Some(law), _) => Controls::Chosen(law),
+            (None, held) => Controls::Held(held.as_deref().unwrap_or(&[])),
+        };
         let steps = job.steps.saturating_sub(stepper.steps_taken());
         Ok(erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer)?)
     }
@@ -299,9 +357,10 @@ impl Entry {
     /// # Errors
     /// If parameters or step are not valid, or a step cannot be taken.
     pub fn time_per_step(&self, setup: &Setup, job: &Job) -> Result<Option<f64>, SimulationError> {
-        /// Enough to tell nanoseconds, and still short.
-        const STEPS: u64 = 50_000;
-        let job = Job { steps: job.steps.min(STEPS), ..*job };
+        /// Enough to tell nanoseconds, and still short; those of methods that are written to be right, not to be fast, take longer.
+        const STEPS: [u64; 2] = [50_000, 500];
+        let most = STEPS[usize::from(job.method.classical().is_some())];
+        let job = Job { steps: job.steps.min(most), ..*job };
         if job.steps == 0 {
             return Ok(None);
         }
@@ -314,8 +373,7 @@ impl Entry {
         Ok(Some(best / job.steps as f64 * 1e9))
     }
 
-    /// Measures the claims of a scheme, at the states of the example after 40 and after 80 steps; with the system's own
-    /// control law.
+    /// Measures the claims of a scheme at [`states_in_motion`](Self::states_in_motion), with the controls of the setup there.
     ///
     /// # Errors
     /// If parameters are not valid, or a step cannot be taken.
@@ -325,6 +383,29 @@ impl Entry {
         method: Method,
         retraction: Retraction,
     ) -> Result<Report, SimulationError> {
+        let method = if method == Method::Standard { self.standard() } else { method };
+        let scheme = scheme(method, retraction, Order::Two)?;
+        let (states, _) = self.states_in_motion(setup)?;
+        let law = self.law(setup);
+        let chosen = |state: &Vec<f64>| {
+            let mut control = vec![0.0; setup.controls.len()];
+            law.as_ref().map(|law| {
+                law(state, 0.0, &mut control);
+                control
+            })
+        };
+        let controls: Vec<Vec<f64>> = states.iter().filter_map(chosen).collect();
+        let system = (self.system)(&setup.parameters);
+        Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
+    }
+
+    /// Three states at which the motion shows what it can: the example's, and where 40 and 80 steps lead from there; if it rests, three near it,
+    /// chosen at random, with momenta that turn it by up to a radian, or move it by up to a metre, in a tenth of its usual duration. The answer is also
+    /// whether it rests.
+    ///
+    /// # Errors
+    /// If parameters are not valid, or a step cannot be taken.
+    pub fn states_in_motion(&self, setup: &Setup) -> Result<(Vec<Vec<f64>>, bool), SimulationError> {
         let job = Job {
             method: Method::Standard,
             retraction: Retraction::Exponential,
@@ -337,17 +418,30 @@ impl Entry {
             states.push(sample.state.to_vec());
             ControlFlow::Continue(())
         })?;
-        let controls: Vec<Vec<f64>> = match self.control {
-            Some(control) => {
-                let law = control(&setup.parameters);
-                states.iter().map(|state| chosen(&law, self.description.controls, state)).collect()
-            }
-            None => Vec::new(),
-        };
-        let system = (self.system)(&setup.parameters);
-        let method = if method == Method::Standard { self.standard() } else { method };
-        let scheme = scheme(method, retraction, Order::Two)?;
-        Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
+        let moves = |(x, y): (&f64, &f64)| (x - y).abs() > 1e-9 * (1.0 + y.abs());
+        let rests = !states.iter().any(|state| state.iter().zip(&setup.state).any(moves));
+        if rests {
+            let system = (self.system)(&setup.parameters);
+            let mut random = ChaCha8Rng::seed_from_u64(1);
+            // 53 bits, from −1 to 1
+            let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
+            states =
+                (0..3).map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut even)).collect();
+        }
+        Ok((states, rests))
+    }
+
+    /// The order that a job's step has.
+    pub fn order(&self, job: &Job) -> u32 {
+        match job.method {
+            Method::Classical(classical) => classical.order(),
+            Method::RightLift => 2,
+            method if method.is_symmetric() => job.order.number(),
+            Method::TangentLift(..) => 1,
+            // of the family's other members it is 2 only where they are all symmetric
+            _ if self.standard() == Method::EulerA => 2,
+            _ => 1,
+        }
     }
 
     /// What its standard scheme of order 2 is: `euler-a` or `verlet`.
@@ -356,11 +450,41 @@ impl Entry {
     }
 }
 
-/// What a law chooses at a state at time 0.
-fn chosen(law: &erased::Law<'_>, controls: &[Quantity], state: &[f64]) -> Vec<f64> {
-    let mut control = vec![0.0; controls.iter().map(|quantity| quantity.components.len()).sum()];
-    law(state, 0.0, &mut control);
-    control
+/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
+fn in_motion(
+    system: &dyn erased::System,
+    state: &[f64],
+    rate: f64,
+    random: &mut dyn FnMut() -> f64,
+) -> Vec<f64> {
+    let places: Vec<_> = classical::tangent_places(system.description().state).collect();
+    let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
+    let (turns, momenta) =
+        (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());
+    let length = places.last().map_or(0, |place| place.1.end);
+    let mut by = vec![0.0; length];
+    turns.iter().for_each(|&turn| by[turn] = 0.5 * random());
+    let displaced = system.displace(state, Map::Exponential, &by);
+    // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
+    let velocity = |by: &[f64]| {
+        let differential = system.differential(&system.displace(&displaced, Map::Exponential, by), 0.0);
+        DVector::from_iterator(momenta.len(), momenta.iter().map(|&place| differential[place]))
+    };
+    let at_rest = velocity(&vec![0.0; length]);
+    let columns: Vec<DVector<f64>> = momenta
+        .iter()
+        .map(|&place| {
+            let mut unit = vec![0.0; length];
+            unit[place] = 1.0;
+            velocity(&unit) - &at_rest
+        })
+        .collect();
+    let wanted = DVector::from_fn(momenta.len(), |_, _| rate * random());
+    let mut by = vec![0.0; length];
+    if let Some(momentum) = DMatrix::from_columns(&columns).lu().solve(&(wanted - at_rest)) {
+        momenta.iter().zip(momentum.iter()).for_each(|(&place, momentum)| by[place] = *momentum);
+    }
+    system.displace(&displaced, Map::Exponential, &by)
 }
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.

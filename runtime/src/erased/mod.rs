@@ -30,6 +30,7 @@
 
 mod composition;
 mod ensemble;
+mod field;
 mod method;
 mod scheme;
 mod stepper;
@@ -38,6 +39,8 @@ mod system;
 pub use crate::geometry::Map;
 pub use crate::scheme::Rule;
 pub use ensemble::{Ensemble, MemberLaw};
+#[doc(hidden)]
+pub use field::by_hand;
 #[doc(hidden)]
 pub use method::{Equation, Flat, Method};
 pub use scheme::{Composed, NotGenerated, Scheme};

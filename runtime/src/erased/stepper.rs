@@ -53,9 +53,28 @@ impl<'s> Stepper<'s> {
         system.validate()?;
         check_step(step)?;
         let method = scheme.of(system, step)?;
+        Ok(Self::assembled(system, method, step))
+    }
+
+    /// A stepper that takes its steps by this method, which is of the same system and step.
+    ///
+    /// # Errors
+    /// If the parameters are not valid, or the step is zero or not finite.
+    #[doc(hidden)]
+    pub fn with_method(
+        system: &'s dyn System,
+        method: Box<dyn Method<f64>>,
+        step: f64,
+    ) -> Result<Self, ParameterError> {
+        system.validate()?;
+        check_step(step)?;
+        Ok(Self::assembled(system, method, step))
+    }
+
+    fn assembled(system: &'s dyn System, method: Box<dyn Method<f64>>, step: f64) -> Self {
         let nothing = std::vec![0.0; length(system.description().state)];
         let (left, next) = (nothing.clone(), nothing);
-        Ok(Self { system, method, step, start: 0.0, taken: 0, has_left: false, left, next })
+        Self { system, method, step, start: 0.0, taken: 0, has_left: false, left, next }
     }
 
     /// The system.

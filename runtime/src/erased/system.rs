@@ -92,6 +92,11 @@ pub trait Geometry {
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64>;
     /// [`geometry::Geometry::force`]
     fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
+    /// [`geometry::Geometry::motion`]
+    fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
+    /// The motion as the derivative of the state's numbers, as they are stored, by time: what a method wants that takes them for coordinates of
+    /// a vector space. Of a rotation it is `½ q ω` where the quaternion is of unit length, and continued smoothly where it is not.
+    fn vector_field(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
 }
 
 fn state_of<S: system::System<Scalar = f64>>(state: &[f64]) -> S::State {
@@ -141,14 +146,24 @@ impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
         let control = S::Control::from_components(&array(control));
         geometry::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
+
+    fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+        let control = S::Control::from_components(&array(control));
+        geometry::Geometry::motion(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
+    }
+
+    fn vector_field(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+        super::field::vector_field(self, state, time, control)
+    }
 }
 
 /// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 ///
 /// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`geometry::Geometry`] have them on states:
 /// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time)`, `casimirs(state)`, `displace(state, map, by)`,
-/// `differential(state, time)`, `hamiltonian_vector(state, covector)` and `force(state, time, control)`. Slices have the lengths of the system's
-/// arrays: what is missing counts as zero, what is too much does not count.
+/// `differential(state, time)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
+/// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
+/// is missing counts as zero, what is too much does not count.
 pub trait System: Geometry + Send + Sync {
     /// The same system with other parameters; what is missing is as in this one.
     fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;

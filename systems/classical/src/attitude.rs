@@ -32,16 +32,26 @@ impl<const M: usize> AttitudeState<M> {
     }
 }
 
-/// The [classical Runge–Kutta method](super::Rk4) in the variables `(q, y)` of `R⁴ × R^M`, with `q' = ½ q ω`, and `q` divided by its
+/// The [classical Runge–Kutta method](super::Tableau::rk4) in the variables `(q, y)` of `R⁴ × R^M`, with `q' = ½ q ω`, and `q` divided by its
 /// norm after each step. Order 4.
 ///
 /// The system is asked at `q/|q|` where a stage leaves the sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rk4Quaternion;
 
+impl Rk4Quaternion {
+    /// Its usual name.
+    pub const NAME: &'static str = "RK4 on unit quaternions";
+}
+
 impl Method for Rk4Quaternion {
-    const NAME: &'static str = "RK4 on unit quaternions";
-    const ORDER: u32 = 4;
+    fn name(&self) -> &'static str {
+        Self::NAME
+    }
+
+    fn order(&self) -> u32 {
+        4
+    }
 }
 
 impl<const M: usize, S: OnSo3<M> + ?Sized> Integrator<S, AttitudeState<M>> for Rk4Quaternion {
@@ -83,7 +93,7 @@ fn twice_rate(q: &Vector4<f64>, velocity: &Vector3<f64>) -> Vector4<f64> {
     )
 }
 
-/// The Runge–Kutta–Munthe-Kaas method on the tableau of [`Rk4`](super::Rk4): in the coordinates `R = R_k exp(θ̂)` about the start of
+/// The Runge–Kutta–Munthe-Kaas method on the tableau of [`rk4`](super::Tableau::rk4): in the coordinates `R = R_k exp(θ̂)` about the start of
 /// each step, the classical method for `(θ, y)` with
 ///
 /// ```text
@@ -101,8 +111,13 @@ fn twice_rate(q: &Vector4<f64>, velocity: &Vector3<f64>) -> Vector4<f64> {
 pub struct Rkmk4;
 
 impl Method for Rkmk4 {
-    const NAME: &'static str = "RKMK4";
-    const ORDER: u32 = 4;
+    fn name(&self) -> &'static str {
+        "RKMK4"
+    }
+
+    fn order(&self) -> u32 {
+        4
+    }
 }
 
 impl<const M: usize, S: OnSo3<M> + ?Sized> Integrator<S, AttitudeState<M>> for Rkmk4 {

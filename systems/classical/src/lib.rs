@@ -8,9 +8,11 @@
 //!
 //! | system | state | methods |
 //! |---|---|---|
-//! | [`VectorField`], `x' = f(t, x)` | `SVector<f64, N>` | [`ExplicitEuler`], [`ImplicitEuler`], [`Rk2`], [`Rk4`], and any of them [`Projected`] |
-//! | [`Separable`], `H = T(p) + V(t, q)` | [`PhasePoint`] | [`SymplecticEulerA`], [`SymplecticEulerB`], [`StormerVerlet`] |
-//! | [`OnSo3`], `R' = R ω̂`, `y' = f` | [`AttitudeState`] | [`Rk4Quaternion`], [`Rkmk4`] |
+//! | [`VectorField`], `x' = f(t, x)` | `SVector<f64, N>` | [`RungeKutta`] of any [`Tableau`], also [`Projected`] |
+//! | [`Partitioned`], `q' = f₁`, `p' = f₂` | [`PhasePoint`] | [`PartitionedRungeKutta`] of any [`PartitionedTableau`] |
+//! | [`OnSo3`], `R' = R ω̂`, `y' = f` | [`AttitudeState`] | [`Rk4Quaternion`], [`Rkmk4`], written by hand |
+//!
+//! Tableaux are exact: they know their order, whether they are symplectic, symmetric or explicit.
 //!
 //! The sources cited as HNW and HLW are E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I* (1993),
 //! and E. Hairer, C. Lubich and G. Wanner, *Geometric Numerical Integration* (2006). Numbers of equations are those of V. Vivek,
@@ -19,10 +21,11 @@
 pub mod bodies;
 
 mod attitude;
-mod implicit;
-mod partitioned;
+mod exact;
 mod projected;
 mod runge_kutta;
+mod stages;
+mod tableau;
 #[cfg(test)]
 mod tests;
 
@@ -30,10 +33,10 @@ use nalgebra::SVector;
 use thiserror::Error;
 
 pub use attitude::{AttitudeState, OnSo3, Rk4Quaternion, Rkmk4};
-pub use implicit::ImplicitEuler;
-pub use partitioned::{PhasePoint, Separable, Split, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
+pub use exact::{Exact, Rational};
 pub use projected::{Projected, unit_leading};
-pub use runge_kutta::{ExplicitEuler, Rk2, Rk4};
+pub use runge_kutta::{Partitioned, PartitionedRungeKutta, PhasePoint, RungeKutta, Split};
+pub use tableau::{PartitionedTableau, Tableau};
 
 /// The right-hand side `f` of `x' = f(t, x)` on `R^N`. Closures are vector fields.
 pub trait VectorField<const N: usize> {
@@ -51,9 +54,9 @@ impl<const N: usize, F: Fn(f64, &SVector<f64, N>) -> SVector<f64, N>> VectorFiel
 /// What can be said of a method without a system.
 pub trait Method {
     /// Its usual name.
-    const NAME: &'static str;
-    /// Its order: the error at a fixed time is `O(h^ORDER)` for smooth systems.
-    const ORDER: u32;
+    fn name(&self) -> &'static str;
+    /// Its order `p`: the error at a fixed time is `O(h^p)` for smooth systems.
+    fn order(&self) -> u32;
 }
 
 /// A one-step method, for systems `S` with states `X`.
@@ -72,7 +75,7 @@ pub enum Diverged {
     /// The new state is infinite somewhere or not a number.
     #[error("the state after the step is not finite")]
     NotFinite,
-    /// Newton's iteration did not solve the step's equation: the step is too large, or there is no solution.
+    /// Newton's iteration did not solve the stages' equations: the step is too large, or there is no solution.
     #[error(
         "no convergence after {iterations} iterations, last correction {correction:e}; try a smaller step"
     )]
@@ -93,12 +96,13 @@ pub enum Diverged {
 /// Those of the first step that fails; `visit` has seen all states before it.
 ///
 /// ```
-/// use coadjoint_classical::{Rk4, integrate};
+/// use coadjoint_classical::{RungeKutta, Tableau, integrate};
 /// use nalgebra::Vector2;
 ///
 /// let oscillator = |_: f64, x: &Vector2<f64>| Vector2::new(x[1], -x[0]);
 /// let mut worst: f64 = 0.0;
-/// integrate(&Rk4, &oscillator, 0.0, Vector2::new(1.0, 0.0), 0.01, 1_000, |_, time, x| {
+/// let rk4 = RungeKutta::from(Tableau::rk4());
+/// integrate(&rk4, &oscillator, 0.0, Vector2::new(1.0, 0.0), 0.01, 1_000, |_, time, x| {
 ///     worst = worst.max((x[0] - time.cos()).abs());
 /// })?;
 /// assert!(worst < 1e-8);

@@ -10,12 +10,12 @@ use super::{Diverged, Integrator, Method, VectorField, finite};
 /// states stay on the submanifold; nothing else is preserved by that.
 ///
 /// ```
-/// use coadjoint_classical::{Projected, Rk2, integrate, unit_leading};
+/// use coadjoint_classical::{Projected, RungeKutta, Tableau, integrate, unit_leading};
 /// use nalgebra::Vector3;
 ///
 /// // the planar pendulum on the cylinder of (cos θ, sin θ, p), (1.21)
 /// let pendulum = |_: f64, x: &Vector3<f64>| Vector3::new(-x[1] * x[2], x[0] * x[2], -x[1]);
-/// let method = Projected { method: Rk2, projection: unit_leading::<2, 3> };
+/// let method = Projected { method: RungeKutta::from(Tableau::rk2()), projection: unit_leading::<2, 3> };
 /// let start = Vector3::new(1_f64.cos(), 1_f64.sin(), 0.0);
 /// let end = integrate(&method, &pendulum, 0.0, start, 0.1, 1_000, |_, _, _| {})?;
 /// assert!((end.x.hypot(end.y) - 1.0).abs() < 1e-15);
@@ -30,8 +30,13 @@ pub struct Projected<I, P> {
 }
 
 impl<I: Method, P> Method for Projected<I, P> {
-    const NAME: &'static str = "projected";
-    const ORDER: u32 = I::ORDER;
+    fn name(&self) -> &'static str {
+        "projected"
+    }
+
+    fn order(&self) -> u32 {
+        self.method.order()
+    }
 }
 
 impl<const N: usize, F, I, P> Integrator<F, SVector<f64, N>> for Projected<I, P>

@@ -10,7 +10,7 @@ fn every_claim_holds(name: &str) {
     let (mut failures, mut reports, mut measured) = (String::new(), 0, 0);
     for method in [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint] {
         for retraction in Retraction::ALL {
-            let what = format!("{name} {} {}", method.name(), retraction.name());
+            let what = format!("{name} {method} {}", retraction.name());
             match entry.certify(&(entry.example)(), method, retraction) {
                 Ok(report) if report.passed() => {
                     reports += 1;
@@ -24,4 +24,35 @@ fn every_claim_holds(name: &str) {
     assert!(failures.is_empty(), "{failures}");
     // of ten certificates or more
     assert!(reports == 8 && measured >= 80, "{name}: {measured} certificates in {reports} reports");
+}
+
+/// What rests shows nothing: a quadrotor in hover is certified where it moves.
+#[test]
+fn a_system_whose_example_rests_is_certified_in_motion() {
+    for (name, at_rest) in [("quadrotor", true), ("loose_quadrotor", false), ("heavy_top", false)] {
+        let entry = find(name).expect("it is there");
+        let setup = (entry.example)();
+        let (states, rests) = entry.states_in_motion(&setup).expect("solvable");
+        assert_eq!((states.len(), rests), (3, at_rest), "{name}");
+        let system = (entry.system)(&setup.parameters);
+        for state in &states {
+            assert!(system.deviation(state) < 1e-14, "{name}");
+            let motion = system.motion(state, 0.0, &[]);
+            assert!(motion.iter().filter(|rate| rate.abs() > 1e-4).count() >= 6, "{name}: {motion:?}");
+        }
+        assert_ne!(states[0], states[1], "{name}");
+    }
+    // a rate of up to 1 rad/s and 1 m/s: momenta of 0.1 kg m²/s and of some kg m/s
+    let entry = find("quadrotor").expect("it is there");
+    let setup = (entry.example)();
+    let (states, _) = entry.states_in_motion(&setup).expect("solvable");
+    let [inertia_x, inertia_y, inertia_z, mass, _] = setup.parameters[..] else { panic!("five parameters") };
+    for state in states {
+        let momenta = state[4..7].iter().zip([inertia_x, inertia_y, inertia_z]);
+        let rates =
+            momenta.chain(state[10..13].iter().zip([mass; 3])).map(|(momentum, inertia)| momentum / inertia);
+        let rates: Vec<f64> = rates.collect();
+        assert!(rates.iter().all(|rate| rate.abs() <= 1.0), "{rates:?}");
+        assert!(rates.iter().any(|rate| rate.abs() > 0.3), "{rates:?}");
+    }
 }

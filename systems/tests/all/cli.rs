@@ -227,6 +227,9 @@ fn methods_and_orders_are_told_apart() {
         (&["--method", "euler-b"], "euler-b", "1"),
         (&["--method", "midpoint", "--order", "4"], "midpoint", "4"),
         (&["--method", "verlet"], "verlet", "2"),
+        (&["--method", "rk4"], "rk4", "4"),
+        (&["--method", "gauss6"], "gauss6", "6"),
+        (&["--method", "rkmk4"], "rkmk4", "4"),
     ] {
         let printed = run(arguments);
         let value = |name: &str| printed.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
@@ -235,12 +238,128 @@ fn methods_and_orders_are_told_apart() {
     }
     assert_eq!(
         scratch.files("out"),
-        ["euler-a-", "euler-b-", "", "midpoint-order4-", "verlet-"]
-            .map(|method| format!("coupled_bodies-{method}exponential.csv"))
+        [
+            "euler-a-exponential",
+            "euler-b-exponential",
+            "exponential",
+            "gauss6",
+            "midpoint-order4-exponential",
+            "rk4",
+            "rkmk4",
+            "verlet-exponential"
+        ]
+        .map(|name| format!("coupled_bodies-{name}.csv"))
     );
     // with the reduced step as the standard
     let printed = scratch.prints(&["run", "free_rigid_body", "--duration", "0.2", "--method", "euler-b"]);
     assert!(printed.lines().any(|line| line.starts_with("order ") && line.ends_with(" 2")), "{printed}");
+}
+
+/// RK4 in the numbers as they are stored and RKMK4 at one's own step, beside ours: what drifts is told.
+#[test]
+fn classical_methods_are_compared_with_at_ones_own_step() {
+    let scratch = Scratch::new("classical");
+    let run = |method: &str| {
+        scratch.prints(&[
+            "run",
+            "heavy_top",
+            "--step",
+            "0.1",
+            "--duration",
+            "60",
+            "--method",
+            method,
+            "--plot",
+        ])
+    };
+    let value = |printed: &str, name: &str| -> f64 {
+        let line = printed.lines().find_map(|line| line.strip_prefix(name)).expect(name);
+        line.trim().parse().expect("a number")
+    };
+    let (rk4, rkmk4, ours) = (run("rk4"), run("rkmk4"), run("standard"));
+    let (casimir, group) = ("drift of |gamma|²", "largest distance from the group");
+    assert!(value(&rk4, casimir) > 1e-5 && value(&rkmk4, casimir) > 1e-5, "{rk4}{rkmk4}");
+    assert!(value(&ours, casimir) < 1e-13 && !ours.contains(group), "{ours}");
+    assert!(value(&rk4, group) > 1e-7 && value(&rkmk4, group) < 1e-13, "{rk4}{rkmk4}");
+    assert!(rk4.contains("|gamma|²: drifts"), "{rk4}");
+    let svg = scratch.read("out/heavy_top-rk4.svg");
+    assert!(svg.contains("heavy_top, rk4, h = 0.1 s") && !svg.contains("exponential"));
+
+    let json = ["run", "heavy_top", "--method", "tangent-lift", "--format", "json"];
+    let refused = scratch.coadjoint(&json);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+    scratch.prints(&["run", "free_rigid_body", "--method", "rk4", "--duration", "1", "--format", "json"]);
+    let json: Value = serde_json::from_str(&scratch.read("out/free_rigid_body-rk4.json")).expect("JSON");
+    assert_eq!(
+        (&json["method"], &json["order"], &json["retraction"]),
+        (&"rk4".into(), &4.into(), &Value::Null)
+    );
+    scratch.prints(&["run", "free_rigid_body", "--method", "family=2/8", "--duration", "1"]);
+    assert!(scratch.0.join("out/free_rigid_body-family-1-4-exponential.csv").exists());
+}
+
+/// Controls are held in place of what the system's own law chooses, and recorded.
+#[test]
+fn controls_are_set_by_name_and_component() {
+    let scratch = Scratch::new("controls");
+    let json = |name: &str| -> Value { serde_json::from_str(&scratch.read(name)).expect("JSON") };
+    let run = ["run", "quadrotor", "--duration", "1", "--every", "100", "--format", "json"];
+    scratch.prints(&[&run[..], &["--set", "thrust=0", "--set", "moment_z=0.25"]].concat());
+    let free = json("out/quadrotor-exponential.json");
+    assert_eq!(free["controls"], serde_json::json!({ "moment": [null, null, 0.25], "thrust": 0.0 }));
+    let last = free["rows"][1].as_array().expect("two rows");
+    let number = |column: &str| {
+        let columns = free["columns"].as_array().expect("a list");
+        let index = columns.iter().position(|name| name == column).expect(column);
+        last[index].as_f64().expect("a number")
+    };
+    assert!((number("position_z") - (1.0 - 9.81 / 2.0)).abs() < 1e-12);
+    assert!((number("attitude_momentum_z") - 0.25).abs() < 1e-13);
+
+    // described by a file, the same
+    fs::write(
+        scratch.0.join("fall.toml"),
+        "system = \"quadrotor\"\n[controls]\nthrust = 0\nmoment = [0, 0, 0.25]",
+    )
+    .expect("writable");
+    scratch.prints(&[
+        "run",
+        "--config",
+        "fall.toml",
+        "--duration",
+        "1",
+        "--every",
+        "100",
+        "--format",
+        "json",
+    ]);
+    let described = json("out/quadrotor-exponential.json");
+    assert_eq!(described["controls"], serde_json::json!({ "moment": [0.0, 0.0, 0.25], "thrust": 0.0 }));
+    assert_eq!(described["rows"], free["rows"]);
+
+    // its own law, of which nothing is said
+    scratch.prints(&run);
+    let hover = json("out/quadrotor-exponential.json");
+    assert!(hover.get("controls").is_none() && hover["rows"] != free["rows"]);
+
+    let spread = scratch.prints(&[
+        "ensemble",
+        "quadrotor",
+        "--members",
+        "8",
+        "--duration",
+        "1",
+        "--set",
+        "thrust=0",
+        "--spread",
+        "attitude_momentum=0.001",
+        "--quantity",
+        "position_z",
+    ]);
+    assert!(spread.contains("8 members"), "{spread}");
+    let csv = scratch.read("out/quadrotor-ensemble.csv");
+    let last = table(&csv).1.pop().expect("rows");
+    assert!(last.iter().any(|number| (number - (1.0 - 9.81 / 2.0)).abs() < 1e-9), "{last:?}");
 }
 
 #[test]
@@ -412,6 +531,33 @@ fn bad_input_is_refused_with_a_message() {
             2,
             "take one of standard, midpoint, verlet",
         ),
+        (&["run", "heavy_top", "--method", "rk5"], 2, "similar value exists: 'rk4'"),
+        (&["run", "heavy_top", "--method", "family=5/4"], 2, "`5/4` is not a fraction from 0 to 1"),
+        (&["run", "heavy_top", "--method", "family=1/4"], 2, "`methods(…)` in its description asks for it"),
+        (&["run", "heavy_top", "--method", "right-lift"], 2, "something acts on it; free_rigid_body"),
+        (&["run", "heavy_top", "--method", "rk4", "--order", "4"], 2, "method rk4 has its own order, 4"),
+        (&["run", "heavy_top", "--method", "rkmk4", "--order", "2"], 2, "method rkmk4 has its own order, 4"),
+        (
+            &["run", "heavy_top", "--method", "rk4", "--retraction", "exp"],
+            2,
+            "`--retraction` is for methods of ours",
+        ),
+        (&["run", "heavy_top", "--method", "tangent-lift", "--order", "4"], 2, "take one of standard"),
+        (&["run", "--config", "rk4.toml", "--order", "6"], 2, "method rk4 has its own order, 4"),
+        (&["run", "--config", "rk4-order.toml"], 2, "order 4 is composed of symmetric steps"),
+        (&["run", "--config", "method.toml"], 2, "there is no method `leapfrog`"),
+        (&["run", "quadrotor", "--set", "thrst=9"], 2, "did you mean `thrust`?"),
+        (&["run", "quadrotor", "--set", "lift=9"], 2, "controls: moment, thrust"),
+        (&["run", "quadrotor", "--set", "thrust=1,2"], 2, "takes one number, got 2"),
+        (&["run", "quadrotor", "--set", "moment_y=inf"], 2, "`moment_y` must be finite"),
+        (&["run", "--config", "thrust.toml"], 2, "[controls]: `heavy_top` has no control `thrust`"),
+        (
+            &["ensemble", "quadrotor", "--spread", "thrust=1"],
+            2,
+            "has no parameter or state quantity `thrust`",
+        ),
+        (&["certify", "heavy_top", "--method", "rk4"], 2, "claims nothing that a certificate could measure"),
+        (&["certify", "free_rigid_body", "--method", "right-lift"], 2, "takes the steps of euler-a"),
         (&["run", "heavy_top", "--order", "3"], 2, "possible values: 2, 4, 6, 8, 10"),
         (&["run", "planar_pendulum", "--set", "angle=0,0"], 2, "no rotation is 1,0"),
         (&["run", "heavy_top", "--format", "xml"], 2, "possible values: csv, json, parquet"),
@@ -465,6 +611,10 @@ fn bad_input_is_refused_with_a_message() {
         ("key", "system = \"heavy_top\"\n[run]\nstpe = 0.1"),
         ("every", "system = \"heavy_top\"\n[run]\nevery = 0"),
         ("system", "system = \"heavy_tpo\""),
+        ("rk4", "system = \"heavy_top\"\n[run]\nmethod = \"rk4\""),
+        ("rk4-order", "system = \"heavy_top\"\n[run]\nmethod = \"rk4\"\norder = 4"),
+        ("method", "system = \"heavy_top\"\n[run]\nmethod = \"leapfrog\""),
+        ("thrust", "system = \"heavy_top\"\n[controls]\nthrust = 1"),
     ] {
         fs::write(scratch.0.join(format!("{name}.toml")), content).expect("writable");
     }
@@ -617,21 +767,13 @@ fn parquet_holds_what_csv_holds() {
 #[test]
 #[cfg(unix)]
 fn an_interrupted_run_goes_on_to_the_same_bytes() {
-    for format in ["csv", "json", "parquet"] {
-        let scratch = Scratch::new(&format!("resume-{format}"));
-        let run = [
-            "run",
-            "heavy_top",
-            "--retraction",
-            "cayley",
-            "--duration",
-            "4000",
-            "--every",
-            "100",
-            "--plot",
-            "--format",
-        ];
-        let run = [&run[..], &[format]].concat();
+    let (top, quadrotor) =
+        (&["heavy_top"][..], &["quadrotor", "--set", "thrust=20", "--set", "moment_x=1e-6"][..]);
+    for (format, of) in [("csv", top), ("json", top), ("parquet", top), ("json", quadrotor)] {
+        let (system, stem) = (of[0], format!("{}-cayley", of[0]));
+        let scratch = Scratch::new(&format!("resume-{system}-{format}"));
+        let run = ["--retraction", "cayley", "--duration", "4000", "--every", "100", "--plot", "--format"];
+        let run = [&["run"], of, &run[..], &[format]].concat();
         scratch.prints(&[&run[..], &["--html", "whole/view.html", "--out", "whole"]].concat());
 
         let mut child = Command::new(env!("CARGO_BIN_EXE_coadjoint"))
@@ -657,8 +799,7 @@ fn an_interrupted_run_goes_on_to_the_same_bytes() {
             "{printed}"
         );
         // what was computed is written
-        let file = format!("out/heavy_top-cayley.{format}");
-        assert!(scratch.0.join(&file).exists());
+        assert!(scratch.0.join(format!("out/{stem}.{format}")).exists());
 
         scratch.prints(&["resume", "run.ck"]);
         assert_eq!(scratch.files("out"), scratch.files("whole"));

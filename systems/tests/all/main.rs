@@ -8,7 +8,6 @@ macro_rules! entries {
             harmonic_oscillator
             kepler
             two_bodies
-            hanging_plate
             planar_pendulum
             driven_pendulum
             spherical_pendulum
@@ -22,6 +21,7 @@ macro_rules! entries {
             quadrotor
             loose_quadrotor
             rigid_body_in_space
+            hanging_plate
             gyrostat
             coupled_bodies
             kirchhoff
@@ -49,6 +49,7 @@ macro_rules! entries {
 mod applications;
 mod catalogue;
 mod certificates;
+mod classical;
 mod cli;
 mod conservation;
 mod groups;

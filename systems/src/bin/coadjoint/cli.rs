@@ -42,7 +42,7 @@ enum Command {
     Certify(CertifyArguments),
     /// Time the steps of the standard cases against classical methods
     Bench(BenchArguments),
-    /// Draw the paper's figures, and two of our own
+    /// Draw the paper's figures, and five of our own
     Figures(FiguresArguments),
 }
 
@@ -57,8 +57,9 @@ pub(crate) struct RunArguments {
     /// The map that the step is built on; `exp` for short [default: exponential]
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
-    /// What the step makes of it [default: standard]
-    #[arg(long, value_enum)]
+    /// What the step makes of it [default: standard], or a classical method to compare with, by the system's vector field: these have no
+    /// retraction and an order of their own, and are not fast; with most of those in stored numbers rotations drift off their group
+    #[arg(long)]
     pub(crate) method: Option<Method>,
     /// The order: steps of order 2, or symmetric compositions of them [default: 2]
     #[arg(long, value_enum)]
@@ -85,7 +86,8 @@ pub(crate) struct RunArguments {
 /// What every motion needs.
 #[derive(Debug, Args)]
 pub(crate) struct MotionArguments {
-    /// Set a parameter or a part of the initial state: `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`
+    /// Set a parameter or a part of the initial state: `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`; or a control, to be held in place of
+    /// what the system's own law chooses: `thrust=9`
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
     /// The step, s; negative to go back in time [default: the system's own]
@@ -181,7 +183,7 @@ pub(crate) struct CertifyArguments {
     /// The system; `coadjoint list` shows all
     pub(crate) system: String,
     /// Only this method, in place of the standard one and the midpoint
-    #[arg(long, value_enum)]
+    #[arg(long)]
     pub(crate) method: Option<Method>,
     /// Only the steps built on this map; `exp` for short
     #[arg(long, value_enum)]

@@ -27,6 +27,9 @@ pub(crate) struct Config {
     /// Parts of the initial state by their names.
     #[serde(default)]
     pub(crate) state: Table,
+    /// Controls by their names, to be held in place of what the system's own law chooses.
+    #[serde(default)]
+    pub(crate) controls: Table,
 }
 
 /// How to run a system.
@@ -66,8 +69,11 @@ impl Config {
     /// # Errors
     /// If a name is unknown, or a value is not made of as many numbers as its quantity has.
     pub(crate) fn apply(&self, path: &Path, entry: &Entry, setup: &mut Setup) -> Result<(), Error> {
-        let tables =
-            [(Names::Parameters, "parameters", &self.parameters), (Names::State, "state", &self.state)];
+        let tables = [
+            (Names::Parameters, "parameters", &self.parameters),
+            (Names::State, "state", &self.state),
+            (Names::Controls, "controls", &self.controls),
+        ];
         for (which, section, table) in tables {
             for (name, value) in table {
                 numbers(name, value)
@@ -128,7 +134,10 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
             "retraction = \"exponential\"".to_owned(),
             "the map that the step is built on: exponential or cayley",
         ),
-        ("method = \"standard\"".to_owned(), "standard, euler-a, euler-b, midpoint or verlet"),
+        (
+            "method = \"standard\"".to_owned(),
+            "standard, euler-a, euler-b, midpoint, verlet, …; rk4, …: `coadjoint run --help` lists all",
+        ),
         ("order = 2".to_owned(), "2; 4, 6, 8 and 10 are composed of its steps"),
         (format!("step = {:?}", entry.step), "s; negative to go back in time"),
         (format!("duration = {:?}", entry.duration), "s"),
@@ -136,6 +145,16 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
         ("format = \"csv\"".to_owned(), "csv, json or parquet"),
     ] {
         writeln!(text, "{setting:28} # {doc}")?;
+    }
+    if !entry.description.controls.is_empty() {
+        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
+    }
+    for (quantity, slots) in laid_out(entry.description.controls) {
+        let zeros = vec!["0.0"; slots.len()].join(", ");
+        match quantity.components {
+            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
+            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
+        }
     }
     for (section, quantities, values) in [
         ("parameters", entry.description.parameters, &setup.parameters),
@@ -189,6 +208,17 @@ mod tests {
             setup.parameters.iter_mut().take(count).chain(&mut setup.state).for_each(|x| *x = 7.25);
             config.apply(path, entry, &mut setup).expect("its own names");
             assert_eq!(setup, expected, "{}", entry.name);
+            // the controls, which it only mentions
+            let asked = text.replace("# [controls] #", "[controls] #");
+            let mut lines = asked.lines().skip_while(|line| !line.starts_with("[controls]")).peekable();
+            let section: Vec<&str> = lines
+                .by_ref()
+                .take_while(|line| !line.is_empty())
+                .map(|line| line.trim_start_matches("# "))
+                .collect();
+            let config: Config = toml::from_str(&section.join("\n")).expect(&asked);
+            config.apply(path, entry, &mut setup).expect("its own names");
+            assert!(setup.controls.iter().all(|control| *control == Some(0.0)), "{}", entry.name);
         }
     }
 }

@@ -94,7 +94,9 @@ impl Error {
             Error::Simulation(
                 SimulationError::Stepper(_)
                 | SimulationError::Ensemble(_)
-                | SimulationError::NotSymmetric { .. },
+                | SimulationError::NotSymmetric { .. }
+                | SimulationError::NotCertified { .. }
+                | SimulationError::NotIsolated { .. },
             ) => 2,
             Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) | Error::Application(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,

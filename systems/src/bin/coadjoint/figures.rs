@@ -1,4 +1,4 @@
-//! The paper's figures, drawn with our steppers beside the classical ones, and two of our own.
+//! The paper's figures, drawn with our steppers beside the classical ones, and five of our own.
 //!
 //! Each figure is a module with what it measures, as numbers that tests hold against the paper's claims, and how that is drawn. Captions
 //! carry the measured numbers: they are set when the figure is drawn.

@@ -108,17 +108,19 @@ impl std::fmt::Debug for Trajectory {
     }
 }
 
-/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-order4-cayley`.
+/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-order4-cayley`, `heavy_top-rk4`.
 pub(crate) fn name(entry: &Entry, job: &Job) -> String {
-    let method = match job.method {
-        Method::Standard => String::new(),
-        method => format!("-{}", method.name()),
-    };
-    let order = match job.order {
-        Order::Two => String::new(),
-        order => format!("-order{}", order.number()),
-    };
-    format!("{}{method}{order}-{}", entry.name, job.retraction.name())
+    let mut name = entry.name.to_owned();
+    if job.method != Method::Standard {
+        name += &format!("-{}", job.method.stem());
+    }
+    if job.order != Order::Two {
+        name += &format!("-order{}", job.order.number());
+    }
+    if job.method.classical().is_none() {
+        name += &format!("-{}", job.retraction.name());
+    }
+    name
 }
 
 /// Makes a directory and those above it, where they are missing.

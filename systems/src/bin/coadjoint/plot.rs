@@ -483,13 +483,21 @@ impl Placement {
         let (low, high) = self.ends?;
         Some(match self.scale {
             Scale::Linear => (low, high, step(high - low)),
+            // within a decade by powers of two
+            Scale::Logarithmic if self.is_narrow() => (low, high, 2_f64.log10()),
             Scale::Logarithmic => (low, high, ((high - low) / 5.0).ceil()),
         })
+    }
+
+    /// Whether it is a logarithmic axis with no two powers of ten on it.
+    fn is_narrow(&self) -> bool {
+        self.scale == Scale::Logarithmic && self.ends.is_some_and(|(low, high)| high - low < 1.0)
     }
 
     fn tick_format(&self) -> kuva::TickFormat {
         let format = match self.scale {
             Scale::Linear => short,
+            Scale::Logarithmic if self.is_narrow() => |exponent: f64| short(10_f64.powf(exponent)),
             Scale::Logarithmic => power_of_ten,
         };
         kuva::TickFormat::Custom(Arc::new(format))
@@ -581,6 +589,16 @@ mod tests {
         assert_eq!(placement.place(0.0), -15.0);
         assert_eq!(Placement::new(&axis, &[0.0, 0.0], 0.0).ends, Some((-17.0, -16.0)));
         assert_eq!(Placement::new(&axis.within(1e-3, 1e2), &[1e7], 0.0).place(1e7), 2.0);
+    }
+
+    #[test]
+    fn an_axis_within_a_decade_has_powers_of_two() {
+        let placement = Placement::new(&Axis::logarithmic("H").within(0.5, 2.0), &[0.6, 1.7], 0.0);
+        let (low, high, step) = placement.ticks().expect("given");
+        let at: Vec<String> = [low, low + step, high].iter().map(|tick| short(10_f64.powf(*tick))).collect();
+        assert_eq!(at, ["0.5", "1", "2"]);
+        assert!(placement.is_narrow());
+        assert!(!Placement::new(&Axis::logarithmic("H").within(0.5, 20.0), &[], 0.0).is_narrow());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use coadjoint::RunReport;
 
 use coadjoint_systems::catalogue::Entry;
 use coadjoint_systems::conservation::{ConservationReport, DriftStats};
-use coadjoint_systems::simulation::{Job, Method, Order};
+use coadjoint_systems::simulation::{Job, Method};
 
 /// A table with a column for each run.
 #[derive(Debug)]
@@ -24,6 +24,8 @@ pub(crate) struct RunSummary {
     pub(crate) report: RunReport,
     /// The conservation of energy and Casimirs.
     pub(crate) conservation: ConservationReport,
+    /// How far the configuration was off its group, at most.
+    pub(crate) off_group: f64,
     /// The time of a step without an observer, ns; none if there were no steps.
     pub(crate) time_per_step: Option<f64>,
 }
@@ -83,9 +85,12 @@ impl<'a> Table<'a> {
             (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
         };
         let mut rows = vec![
-            row("retraction", &|run| run.job.retraction.name().to_owned()),
+            row("retraction", &|run| match run.job.method.classical() {
+                None => run.job.retraction.name().to_owned(),
+                Some(_) => "–".to_owned(),
+            }),
             row("method", &|run| self.method(&run.job)),
-            row("order", &|run| self.order(&run.job).to_string()),
+            row("order", &|run| self.entry.order(&run.job).to_string()),
             row("steps", &|run| grouped(run.conservation.steps)),
             row("time per step, ns", &|run| {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
@@ -111,6 +116,9 @@ impl<'a> Table<'a> {
                 magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
             }));
         }
+        if self.runs.iter().any(|run| run.job.method.classical().is_some()) {
+            rows.push(row("largest distance from the group", &|run| magnitude(run.off_group)));
+        }
         rows
     }
 }
@@ -119,15 +127,9 @@ impl Table<'_> {
     /// `midpoint`, or `standard (verlet)`
     fn method(&self, job: &Job) -> String {
         match job.method {
-            Method::Standard => format!("standard ({})", self.entry.standard().name()),
-            method => method.name().to_owned(),
+            Method::Standard => format!("standard ({})", self.entry.standard()),
+            method => method.to_string(),
         }
-    }
-
-    /// The order that the step has. The Euler steps are of order 2 only where they are the standard.
-    fn order(&self, job: &Job) -> u32 {
-        let euler = !job.method.is_symmetric() && self.entry.standard() != Method::EulerA;
-        if euler && job.order == Order::Two { 1 } else { job.order.number() }
     }
 }
 

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use coadjoint::erased;
 use serde::{Deserialize, Serialize};
 
 use crate::checkpoint::{self, Journal};
@@ -48,6 +49,8 @@ pub(crate) struct Plan {
 struct Record {
     /// Begins with the first sample.
     conservation: Option<ConservationReport>,
+    /// How far the configuration was off its group, at most.
+    off_group: f64,
     run_plot: Option<RunPlot>,
     html_player: Option<HtmlPlayer>,
 }
@@ -66,9 +69,10 @@ struct CheckpointFile {
 impl CheckpointFile {
     /// Whether it fits this system: all lists have the required lengths.
     fn fits(&self, entry: &Entry) -> bool {
-        let Setup { parameters, state } = (entry.example)();
+        let Setup { parameters, state, controls } = (entry.example)();
         let Self { plan, record, checkpoint, .. } = self;
         plan.setup.parameters.len() == parameters.len()
+            && plan.setup.controls.len() == controls.len()
             && plan.every > 0
             && [&plan.setup.state, &checkpoint.state].iter().all(|list| list.len() == state.len())
             && record.run_plot.as_ref().is_none_or(|run_plot| run_plot.is_of(entry))
@@ -77,9 +81,9 @@ impl CheckpointFile {
 }
 
 /// A run in progress.
-#[derive(Debug)]
 pub(crate) struct Session {
     entry: &'static Entry,
+    system: Box<dyn erased::System>,
     plan: Plan,
     record: Record,
     rows: Rows,
@@ -104,6 +108,8 @@ pub(crate) struct FinishedRun {
     pub(crate) entry: &'static Entry,
     pub(crate) plan: Plan,
     pub(crate) conservation: ConservationReport,
+    /// How far the configuration was off its group, at most.
+    pub(crate) off_group: f64,
     /// Newton iterations and the like, of the steps since it was started or resumed.
     pub(crate) report: coadjoint::RunReport,
     pub(crate) written: Vec<PathBuf>,
@@ -130,10 +136,12 @@ impl Session {
         };
         let record = Record {
             conservation: None,
+            off_group: 0.0,
             run_plot: plan.plot.then(|| RunPlot::new(entry, &plan.job)),
             html_player: plan.html.is_some().then(|| HtmlPlayer::new(entry, &plan.job)),
         };
-        Ok(Self { entry, plan, record, rows, from: None, checkpoint_path })
+        let system = (entry.system)(&plan.setup.parameters);
+        Ok(Self { entry, system, plan, record, rows, from: None, checkpoint_path })
     }
 
     /// Resumes a run from its checkpoint file.
@@ -155,7 +163,8 @@ impl Session {
             Some(_) => Rows::Journal(Journal::resume(Journal::beside(path), width(entry), rows)?),
             None => Rows::Discarded,
         };
-        Ok(Self { entry, plan, record, rows, from: Some(checkpoint), checkpoint_path: Some(path.to_owned()) })
+        let (system, checkpoint_path) = ((entry.system)(&plan.setup.parameters), Some(path.to_owned()));
+        Ok(Self { entry, system, plan, record, rows, from: Some(checkpoint), checkpoint_path })
     }
 
     /// Runs to the end, and writes the output.
@@ -194,8 +203,9 @@ impl Session {
     }
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        let Record { conservation, run_plot, html_player } = &mut self.record;
+        let Record { conservation, off_group, run_plot, html_player } = &mut self.record;
         conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
+        *off_group = off_group.max(self.system.deviation(sample.state));
         if let Some(run_plot) = run_plot {
             run_plot.push(self.entry, sample);
         }
@@ -260,7 +270,8 @@ impl Session {
         if let (Some(path), false) = (&checkpoint_path, interrupted) {
             checkpoint::remove(path);
         }
-        Ok(FinishedRun { entry, plan, conservation, report, written, interrupted })
+        let off_group = record.off_group;
+        Ok(FinishedRun { entry, plan, conservation, off_group, report, written, interrupted })
     }
 }
 
@@ -281,9 +292,11 @@ fn version(entry: &Entry) -> u32 {
 pub(crate) fn title(entry: &Entry, job: &Job) -> String {
     let mut parts = vec![entry.name.to_owned()];
     if job.method != Method::Standard {
-        parts.push(job.method.name().to_owned());
+        parts.push(job.method.to_string());
     }
-    parts.push(job.retraction.name().to_owned());
+    if job.method.classical().is_none() {
+        parts.push(job.retraction.name().to_owned());
+    }
     if job.order != Order::Two {
         parts.push(format!("order {}", job.order.number()));
     }
@@ -308,6 +321,7 @@ mod tests {
         };
         let record = Record {
             conservation: None,
+            off_group: 0.0,
             run_plot: Some(RunPlot::new(entry, &job)),
             html_player: Some(HtmlPlayer::new(entry, &job)),
         };

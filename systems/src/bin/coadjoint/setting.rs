@@ -1,4 +1,4 @@
-//! `--set name=value`: parameters and the initial state, by the names of their quantities or single components.
+//! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single components.
 
 use std::ops::Range;
 
@@ -31,17 +31,21 @@ pub(crate) fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) ->
 /// # Errors
 /// If a name is unknown, a value is not made of one number or as many as its quantity has, or a width is negative or that of a rotation.
 pub(crate) fn widths(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result<Setup, Error> {
-    let mut widths =
-        Setup { parameters: vec![0.0; setup.parameters.len()], state: vec![0.0; setup.state.len()] };
+    let mut widths = Setup {
+        parameters: vec![0.0; setup.parameters.len()],
+        state: vec![0.0; setup.state.len()],
+        controls: Vec::new(),
+    };
     for spread in spreads {
         let wrong = |what: &str| Error::Input(format!("`--spread {spread}`: {what}"));
         let (name, value) =
             spread.split_once('=').ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`"))?;
         let name = name.trim();
-        let target = named(entry, Names::All, name)?;
+        let target = named(entry, Names::Varied, name)?;
+        let of_state = target.part == Part::State;
         for (quantity, slots) in laid_out(entry.description.state) {
             let turns = rotation(quantity).map_or(0, |(count, _)| count);
-            if target.of_state && target.slots.start < slots.start + turns && slots.start < target.slots.end {
+            if of_state && target.slots.start < slots.start + turns && slots.start < target.slots.end {
                 return Err(wrong("the components of a rotation cannot vary one by one"));
             }
         }
@@ -53,7 +57,7 @@ pub(crate) fn widths(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result
         if let Some(number) = numbers.iter().find(|number| !(number.is_finite() && **number >= 0.0)) {
             return Err(wrong(&format!("a width must be finite and not negative, got {number}")));
         }
-        let values = &if target.of_state { &setup.state } else { &setup.parameters }[target.slots.clone()];
+        let values = &if of_state { &setup.state } else { &setup.parameters }[target.slots.clone()];
         let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         let one = numbers.len() == 1;
         if one {
@@ -66,7 +70,8 @@ pub(crate) fn widths(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result
             let of = |value: &f64| if one { largest } else { value.abs() };
             numbers.iter_mut().zip(values).for_each(|(number, value)| *number *= 0.01 * of(value));
         }
-        target.list(&mut widths)[target.slots.clone()].copy_from_slice(&numbers);
+        let list = if of_state { &mut widths.state } else { &mut widths.parameters };
+        list[target.slots].copy_from_slice(&numbers);
     }
     Ok(widths)
 }
@@ -74,12 +79,48 @@ pub(crate) fn widths(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result
 /// Which names can be assigned to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Names {
-    /// Those of parameters and of the state.
+    /// All of them.
     All,
+    /// Those of what members of an ensemble may differ in: parameters and the state.
+    Varied,
     /// Those of parameters.
     Parameters,
     /// Those of the state.
     State,
+    /// Those of controls.
+    Controls,
+}
+
+impl Names {
+    /// Whether they are those of this part, among others.
+    fn include(self, part: Part) -> bool {
+        match self {
+            Names::All => true,
+            Names::Varied => part != Part::Controls,
+            Names::Parameters => part == Part::Parameters,
+            Names::State => part == Part::State,
+            Names::Controls => part == Part::Controls,
+        }
+    }
+
+    /// What they are names of.
+    fn kind(self) -> &'static str {
+        match self {
+            Names::All => "parameter, state quantity or control",
+            Names::Varied => "parameter or state quantity",
+            Names::Parameters => "parameter",
+            Names::State => "state quantity",
+            Names::Controls => "control",
+        }
+    }
+}
+
+/// What is set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Part {
+    Parameters,
+    State,
+    Controls,
 }
 
 /// Sets a quantity or one of its components.
@@ -97,7 +138,7 @@ pub(crate) fn assign(
     if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
         return Err(Error::Input(format!("`{name}` must be finite, got `{number}`")));
     }
-    let slots = &mut target.list(setup)[target.slots.clone()];
+    let slots = target.slots;
     if numbers.len() != slots.len() {
         return Err(Error::Input(format!(
             "`{name}` takes {}, got {}",
@@ -105,7 +146,16 @@ pub(crate) fn assign(
             count(numbers.len())
         )));
     }
-    slots.copy_from_slice(numbers);
+    match target.part {
+        Part::Parameters => setup.parameters[slots].copy_from_slice(numbers),
+        Part::State => setup.state[slots].copy_from_slice(numbers),
+        Part::Controls => {
+            setup.controls[slots]
+                .iter_mut()
+                .zip(numbers)
+                .for_each(|(control, number)| *control = Some(*number));
+        }
+    }
     Ok(())
 }
 
@@ -114,12 +164,12 @@ fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, Error> {
     let mut names = Name::all(entry, which);
     let Some(index) = names.iter().position(|candidate| candidate.name == name) else {
         let hint = did_you_mean(name, names.iter().map(|candidate| candidate.name.as_str()));
-        let kind = match which {
-            Names::All => "parameter or state quantity",
-            Names::Parameters => "parameter",
-            Names::State => "state quantity",
-        };
-        return Err(Error::Input(format!("`{}` has no {kind} `{name}`{hint} {}", entry.name, known(entry))));
+        return Err(Error::Input(format!(
+            "`{}` has no {} `{name}`{hint} {}",
+            entry.name,
+            which.kind(),
+            known(entry, which)
+        )));
     };
     Ok(names.swap_remove(index))
 }
@@ -137,7 +187,7 @@ pub(crate) fn validate(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, 
 /// A name that can be set, and the numbers it stands for.
 struct Name {
     name: String,
-    of_state: bool,
+    part: Part,
     slots: Range<usize>,
 }
 
@@ -146,27 +196,29 @@ impl Name {
     fn all(entry: &Entry, which: Names) -> Vec<Name> {
         let mut whole = Vec::new();
         let mut single = Vec::new();
-        for (of_state, quantities) in [(false, entry.description.parameters), (true, entry.description.state)]
-        {
-            if which == if of_state { Names::Parameters } else { Names::State } {
-                continue;
-            }
+        for (part, quantities) in parts(entry).into_iter().filter(|(part, _)| which.include(*part)) {
             for (quantity, slots) in laid_out(quantities) {
                 if quantity.components.len() > 1 {
                     single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {
-                        Name { name: component_name(quantity, component), of_state, slots: slot..slot + 1 }
+                        Name { name: component_name(quantity, component), part, slots: slot..slot + 1 }
                     }));
                 }
-                whole.push(Name { name: quantity.name.to_owned(), of_state, slots });
+                whole.push(Name { name: quantity.name.to_owned(), part, slots });
             }
         }
         whole.extend(single);
         whole
     }
+}
 
-    fn list<'a>(&self, setup: &'a mut Setup) -> &'a mut Vec<f64> {
-        if self.of_state { &mut setup.state } else { &mut setup.parameters }
-    }
+/// The quantities of each part.
+fn parts(entry: &Entry) -> [(Part, &'static [Quantity]); 3] {
+    let description = &entry.description;
+    [
+        (Part::Parameters, description.parameters),
+        (Part::State, description.state),
+        (Part::Controls, description.controls),
+    ]
 }
 
 /// Each quantity with its place in the flat list.
@@ -178,13 +230,23 @@ pub(crate) fn laid_out(quantities: &[Quantity]) -> impl Iterator<Item = (&Quanti
     })
 }
 
-fn known(entry: &Entry) -> String {
-    let names = |quantities: &[Quantity]| quantities.iter().map(|q| q.name).collect::<Vec<_>>().join(", ");
-    format!(
-        "(parameters: {}; state: {})",
-        names(entry.description.parameters),
-        names(entry.description.state)
-    )
+/// The names of whole quantities: `(parameters: inertia, weight, chi; state: attitude, momentum, gamma)`.
+fn known(entry: &Entry, which: Names) -> String {
+    // most systems have no controls
+    let shown = |part: &Part, quantities: &[Quantity]| match part {
+        Part::Controls => which.include(*part) && !quantities.is_empty(),
+        _ => true,
+    };
+    let parts = parts(entry).into_iter().filter(|(part, quantities)| shown(part, quantities));
+    let known = parts.map(|(part, quantities)| {
+        let title = match part {
+            Part::Parameters => "parameters",
+            Part::State => "state",
+            Part::Controls => "controls",
+        };
+        format!("{title}: {}", quantities.iter().map(|q| q.name).collect::<Vec<_>>().join(", "))
+    });
+    format!("({})", known.collect::<Vec<_>>().join("; "))
 }
 
 fn numbers(name: &str, value: &str) -> Result<Vec<f64>, Error> {

@@ -21,7 +21,7 @@ pub(crate) fn list(console: &mut dyn Write) -> Result<(), Error> {
             let title = if i == 0 { "controls" } else { "" };
             writeln!(
                 console,
-                "  {title:14} {:24} held over each step, by the system's own law",
+                "  {title:14} {:24} held over each step: by the system's own law, or by `--set`",
                 control.name
             )?;
         }

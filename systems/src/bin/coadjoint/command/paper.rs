@@ -55,6 +55,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
             job,
             report: done.report,
             conservation: done.conservation,
+            off_group: done.off_group,
             time_per_step,
         });
     }

@@ -75,6 +75,8 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
         writeln!(console, "note: {note}")?;
     }
     console.flush()?;
+    let method = arguments.method.or(config.run.method).unwrap_or(Method::Standard);
+    check_scheme(method, arguments.order.is_some(), arguments.retraction.is_some())?;
     let every = arguments.every.or(config.run.every).unwrap_or(1);
     if every == 0 {
         return Err(Error::Input("`every` must be 1 or more, got 0".to_owned()));
@@ -83,7 +85,7 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
         system: entry.name.to_owned(),
         setup,
         job: Job {
-            method: arguments.method.or(config.run.method).unwrap_or(Method::Standard),
+            method,
             retraction: arguments.retraction.or(config.run.retraction).unwrap_or(Retraction::Exponential),
             order: order.unwrap_or(Order::Two),
             step,
@@ -95,6 +97,21 @@ fn plan(arguments: &RunArguments, console: &mut dyn Write) -> Result<Plan, Error
         html: arguments.html.clone(),
         out: arguments.motion.out.clone(),
     })
+}
+
+/// Whether what was asked for beside a method means anything to it.
+fn check_scheme(method: Method, order: bool, retraction: bool) -> Result<(), Error> {
+    let Some(classical) = method.classical() else { return Ok(()) };
+    if order {
+        return Err(Error::Input(format!(
+            "`--order` composes steps of ours; method {method} has its own order, {}",
+            classical.order()
+        )));
+    }
+    if retraction {
+        return Err(Error::Input(format!("`--retraction` is for methods of ours; method {method} has none")));
+    }
+    Ok(())
 }
 
 /// How many steps to take, with a note if they do not add up to the duration asked for.
@@ -128,10 +145,10 @@ pub(crate) fn steps(step: f64, duration: f64) -> Result<(u64, Option<String>), E
 
 /// Prints the report.
 fn finish(done: FinishedRun, checkpoint: Option<&Path>, console: &mut dyn Write) -> Result<(), Error> {
-    let FinishedRun { entry, plan, conservation, report, written, interrupted } = done;
+    let FinishedRun { entry, plan, conservation, off_group, report, written, interrupted } = done;
     let time_per_step = if interrupted { None } else { entry.time_per_step(&plan.setup, &plan.job)? };
     let end = conservation.time;
-    let summary = RunSummary { job: plan.job, report, conservation, time_per_step };
+    let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step };
     let conclusions = summary.conclusions(entry);
     write!(console, "{}", Table::new(entry, vec![summary]))?;
     for line in conclusions {

@@ -121,7 +121,10 @@ impl Bodies {
                 run.invariants.iter().skip(1).map(|series| figures(series.stats.error)).collect();
             format!("{}: energy error {energy}; Casimir errors {}.", run.method, casimirs.join(" and "))
         });
-        let paragraphs = [self.given.to_owned()].into_iter().chain(lines).chain([
+        let unlike = "Unlike the paper's, the figure shows errors on a logarithmic scale, of all methods in one panel. Ours are the paper's \
+                      reduced steps with the signs and factors of its definitions, not those that are printed."
+            .to_owned();
+        let paragraphs = [self.given.to_owned(), unlike].into_iter().chain(lines).chain([
             "The steps of order 2 keep the Casimirs to roundoff, and their energy errors do not grow; with the methods of order 4 all \
              errors grow steadily, from a level that a step as small as this makes very low. RK4 and RKMK4 differ in the attitude \
              alone, which is not shown."

@@ -6,7 +6,7 @@ use nalgebra::Vector4;
 use super::{ErrorSeries, figures};
 use crate::error::Error;
 use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
-use coadjoint_systems::classical::{Rk2, integrate};
+use coadjoint_systems::classical::{RungeKutta, Tableau, integrate};
 use coadjoint_systems::kepler::{Kepler, KeplerState};
 use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
@@ -69,7 +69,8 @@ impl Orbits {
             Vector4::new(x[2], x[3], -x[0] * pull, -x[1] * pull)
         };
         let mut rk2 = Orbit::new("RK2 (explicit midpoint)");
-        integrate(&Rk2, &field, 0.0, START, STEP, STEPS, |k, time, x| rk2.push(k, time, x))?;
+        let method = RungeKutta::from(Tableau::rk2());
+        integrate(&method, &field, 0.0, START, STEP, STEPS, |k, time, x| rk2.push(k, time, x))?;
 
         let kepler = Kepler { mass: 1.0, attraction: 1.0 };
         let start = KeplerState { position: vector![1.0, 0.0, 0.0], momentum: vector![0.0, START[3], 0.0] };
@@ -83,9 +84,8 @@ impl Orbits {
         Ok(Self { rk2, verlet })
     }
 
-    /// Orbit, energy and angular momentum.
-    pub(crate) fn figure(&self) -> Figure {
-        let orbits = [&self.rk2, &self.verlet];
+    /// The exact ellipse, RK2's orbit, Störmer–Verlet's first and last revolutions, and the centre.
+    fn plane(&self) -> Vec<Series> {
         // a = 1/(2 − v²), e = 1 − v² at the point farthest away, where the run starts
         let (axis, eccentricity) = (1.0 / (2.0 - START[3] * START[3]), 1.0 - START[3] * START[3]);
         let across = axis * (1.0 - eccentricity * eccentricity).sqrt();
@@ -94,30 +94,50 @@ impl Orbits {
             (axis * (anomaly.cos() + eccentricity), across * anomaly.sin())
         });
         let exact = Series { label: "exact".to_owned(), points: ellipse.collect(), style: Style::Reference };
-        let path = |orbit: &Orbit| Series::line(&orbit.method, orbit.path.clone());
-        let plane: Vec<Series> = [exact].into_iter().chain(orbits.iter().map(|orbit| path(orbit))).collect();
+        // T = 2π √a³, in steps
+        let revolution = (std::f64::consts::TAU * axis.powf(1.5) / STEP).ceil() as usize;
+        let path = &self.verlet.path;
+        let (first, last) = (path.iter().take(revolution), path.iter().rev().take(revolution).rev());
+        vec![
+            exact,
+            Series::line(&self.rk2.method, self.rk2.path.clone()),
+            Series::line(&self.verlet.method, first.copied().collect()),
+            Series::line("Störmer–Verlet, last revolution", last.copied().collect()),
+            Series { label: "centre".to_owned(), points: vec![(0.0, 0.0)], style: Style::Marks },
+        ]
+    }
+
+    /// Orbit, energy and angular momentum.
+    pub(crate) fn figure(&self) -> Figure {
+        let orbits = [&self.rk2, &self.verlet];
         let errors = |series: fn(&Orbit) -> &ErrorSeries| -> Vec<Series> {
             orbits.iter().map(|orbit| Series::line(&orbit.method, series(orbit).upper())).collect()
         };
         let (rk2, verlet) = (&self.rk2, &self.verlet);
         Figure {
             title: "1.2  Kepler problem, G(m₁ + m₂) = 1, h = 0.01, from q = (1, 0), p = (0, 0.5)".to_owned(),
-            caption: vec![format!(
-                "After {STEPS} steps RK2 has an energy error of {} and an error of the angular momentum of {}, both still growing. \
-                 Störmer–Verlet's energy error comes to {} at every passage close to the centre, and goes back each time; its angular \
-                 momentum is kept to {}, which is roundoff. Its orbit turns slowly, and stays closed.",
-                figures(rk2.energy.stats.error),
-                figures(rk2.angular_momentum.stats.error),
-                figures(verlet.energy.stats.error),
-                figures(verlet.angular_momentum.stats.error),
-            )],
+            caption: vec![
+                format!(
+                    "Within {STEPS} steps RK2's energy error comes to {} and that of its angular momentum to {}, and both grow. \
+                     Störmer–Verlet's energy error comes to {} at every passage close to the centre, and goes back each time; its angular \
+                     momentum is kept to {}, which is roundoff. Its ellipse keeps its size and turns slowly.",
+                    figures(rk2.energy.stats.error),
+                    figures(rk2.angular_momentum.stats.error),
+                    figures(verlet.energy.stats.error),
+                    figures(verlet.angular_momentum.stats.error),
+                ),
+                "Unlike the paper's: of Störmer–Verlet (a) shows the first revolution and the last; (b) and (c) show errors on a logarithmic \
+                 scale, where the paper has the quantities themselves. RK2 is the explicit midpoint rule; the paper does not say which it takes. \
+                 Störmer–Verlet is the right one: the tableau that the paper prints is not symplectic."
+                    .to_owned(),
+            ],
             columns: 3,
             cell: (460.0, 400.0),
             key: Key::Below,
             panels: vec![
                 Panel {
                     equal: true,
-                    ..Panel::new(Axis::linear("q₁"), Axis::linear("q₂"), plane).titled("(a) orbit")
+                    ..Panel::new(Axis::linear("q₁"), Axis::linear("q₂"), self.plane()).titled("(a) orbit")
                 },
                 Panel::new(
                     Axis::linear("time"),

@@ -104,8 +104,8 @@ impl Steps {
         let growth = self.methods.get(3).map_or(f64::NAN, Method::growth);
         let smaller = self.methods.iter().take(3).map(|method| match self.methods.get(3) {
             Some(rk4) => match method.better_from(rk4) {
-                Some(step) => format!("of {} above h = {step:.2} s", method.name),
-                None => format!("of {} at none of these steps", method.name),
+                Some(step) => format!("with {} from h = {step:.2} s on", method.name),
+                None => format!("with {} from none of these steps on", method.name),
             },
             None => String::new(),
         });
@@ -117,7 +117,7 @@ impl Steps {
                     .to_owned(),
                 format!(
                     "RK4's energy error after this time grows like h to the power {growth:.1}, and it grows with the time; ours do not. \
-                     Smaller than RK4's is the energy error {}. Our Casimir errors are roundoff with every step.",
+                     The energy error stays below RK4's {}. Our Casimir errors are roundoff with every step.",
                     smaller.collect::<Vec<_>>().join(", ")
                 ),
                 format!("{}.", breaks.collect::<Vec<_>>().join("; ")),

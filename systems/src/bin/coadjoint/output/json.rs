@@ -4,21 +4,26 @@
 //! {
 //!   "system": "heavy_top", "retraction": "exponential", "method": "standard", "order": 2, "step": 0.01,
 //!   "parameters": {"inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.0, 1.0]},
+//!   "controls": {"thrust": 9.0, …},
 //!   "columns": ["time", "attitude_w", …],
 //!   "rows": [[0.0, 1.0, …], …],
 //!   "invariants": {"energy": {"initial": …, "largest_error": …, "slope": …}, …}
 //! }
 //! ```
+//!
+//! Controls are there where any are held in place of the system's own law, and null where it chooses; the retraction is null for a classical method.
 
 use std::io::{self, Write as _};
 
+use coadjoint::system::Quantity;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{AtomicFile, Write};
 use crate::setting::laid_out;
 use coadjoint_systems::catalogue::Entry;
 use coadjoint_systems::conservation::ConservationReport;
-use coadjoint_systems::simulation::{Job, Setup};
+use coadjoint_systems::simulation::{Classical, Job, Setup};
 
 pub(super) struct Json {
     file: AtomicFile,
@@ -44,15 +49,22 @@ impl Json {
 }
 
 /// The properties of a run, by name.
-pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> [(&'static str, Value); 6] {
-    [
+pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> Vec<(&'static str, Value)> {
+    let classical = job.method.classical();
+    let mut run = vec![
         ("system", json!(entry.name)),
-        ("retraction", json!(job.retraction.name())),
-        ("method", json!(job.method.name())),
-        ("order", json!(job.order.number())),
+        // a classical method has none
+        ("retraction", classical.map_or(json!(job.retraction.name()), |_| Value::Null)),
+        ("method", json!(job.method.to_string())),
+        ("order", json!(classical.map_or(job.order.number(), Classical::order))),
         ("step", json!(job.step)),
-        ("parameters", parameters(entry, setup)),
-    ]
+        ("parameters", by_name(entry.description.parameters, &setup.parameters)),
+    ];
+    if setup.controls.iter().any(Option::is_some) {
+        // null where its own law chooses
+        run.push(("controls", by_name(entry.description.controls, &setup.controls)));
+    }
+    run
 }
 
 /// The conservation of the invariants.
@@ -67,15 +79,15 @@ pub(super) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Va
     Value::Object(invariants.collect())
 }
 
-fn parameters(entry: &Entry, setup: &Setup) -> Value {
-    let parameters = laid_out(entry.description.parameters).map(|(quantity, slots)| {
-        let value = match &setup.parameters[slots] {
+fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Value {
+    let named = laid_out(quantities).map(|(quantity, slots)| {
+        let value = match &values[slots] {
             [scalar] => json!(scalar),
             components => json!(components),
         };
         (quantity.name.to_owned(), value)
     });
-    Value::Object(parameters.collect())
+    Value::Object(named.collect())
 }
 
 impl Write for Json {

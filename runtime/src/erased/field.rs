@@ -1,0 +1,122 @@
+//! The motion as a vector field on lists of stored numbers, and steps along it that were not generated: those of methods that know nothing
+//! of groups, to compare with.
+
+use std::boxed::Box;
+use std::vec::Vec;
+
+use super::method::Method;
+use super::system::Geometry;
+use crate::error::StepError;
+use crate::geometry::Map;
+use crate::method::{Clock, Counted, StepsReport};
+use crate::system::Role;
+
+/// How far a configuration is moved along a direction that turns it, in radians: differences of order 8 then miss about as much as rounding.
+const TURN: f64 = 1.0 / 32.0;
+
+/// Of central differences of order 8.
+const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+
+/// The derivative of the stored numbers along the motion.
+pub(super) fn vector_field(system: &dyn Geometry, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+    let motion = system.motion(state, time, control);
+    let quantities = system.description().state;
+    let mut rates = std::vec![0.0; state.len()];
+    // places in the list of stored numbers, and in tangent vectors
+    let (mut stored, mut tangent) = (0, 0);
+    for (index, quantity) in quantities.iter().enumerate() {
+        let count = quantity.components.len();
+        if quantity.role == Role::Configuration {
+            // a configuration has as many directions as the momentum that stands behind it has components
+            let directions = quantities.get(index + 1).map_or(0, |momentum| momentum.components.len());
+            for direction in tangent..tangent + directions {
+                if motion[direction] != 0.0 {
+                    let change = along(system, state, direction, motion.len(), stored..stored + count);
+                    let rates = &mut rates[stored..stored + count];
+                    rates
+                        .iter_mut()
+                        .zip(change)
+                        .for_each(|(rate, change)| *rate += motion[direction] * change);
+                }
+            }
+            tangent += directions;
+        } else {
+            rates[stored..stored + count].copy_from_slice(&motion[tangent..tangent + count]);
+            tangent += count;
+        }
+        stored += count;
+    }
+    rates
+}
+
+/// How the stored numbers of a configuration change along one direction of the algebra: by differences of displacements, which know how each
+/// group is stored, to some parts in 10¹⁵.
+fn along(
+    system: &dyn Geometry,
+    state: &[f64],
+    direction: usize,
+    length: usize,
+    stored: core::ops::Range<usize>,
+) -> Vec<f64> {
+    let at = |by: f64| {
+        let mut tangent = std::vec![0.0; length];
+        tangent[direction] = by;
+        system.displace(state, Map::Exponential, &tangent)[stored.clone()].to_vec()
+    };
+    let difference = |by: f64, weight: f64| -> Vec<f64> {
+        at(by).iter().zip(at(-by)).map(|(after, before)| (after - before) * (weight / by)).collect()
+    };
+    let (after, here, before) = (at(1.0), at(0.0), at(-1.0));
+    let size = here.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+    let bends = after.iter().zip(&here).zip(&before).map(|((a, x), b)| (a - x - x + b).abs());
+    if bends.fold(0.0, f64::max) <= 1e-12 * size {
+        // a straight line: as far as the numbers are large, so that nothing of the difference is lost beside them
+        return difference(size.log2().ceil().exp2(), 0.5);
+    }
+    let mut sum = std::vec![0.0; here.len()];
+    for (k, weight) in (1..).zip(WEIGHTS) {
+        let part = difference(f64::from(k) * TURN, f64::from(k) * weight);
+        sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+    }
+    sum
+}
+
+/// A step that was not generated, as a [`Method`]: see [`by_hand`].
+struct ByHand<F>(F);
+
+/// Writes the state after a step to its last argument, from the state, the time and the control; the answer is how many iterations it took.
+type StepFn = dyn FnMut(&[f64], f64, &[f64], &mut [f64]) -> Result<u32, StepError> + Send + Sync;
+
+/// What takes a step of one size as a function: of the state, the time, the control held over it, and the numbers to write the next state to.
+/// The answer is how many iterations it took. A [`Stepper`](super::Stepper) takes its steps by
+/// [`with_method`](super::Stepper::with_method).
+pub fn by_hand(step: Box<StepFn>) -> Box<dyn Method<f64>> {
+    Box::new(ByHand(step))
+}
+
+impl Method<f64> for ByHand<Box<StepFn>> {
+    // there is but one member
+    fn rebuild(&mut self, _: &[f64], _: f64) {}
+
+    fn advance(
+        &mut self,
+        state: &[f64],
+        next: &mut [f64],
+        time: f64,
+        control: &[f64],
+        _: bool,
+    ) -> Counted<f64> {
+        match (self.0)(state, time, control, next) {
+            Ok(iterations) if next.iter().all(|x| x.is_finite()) => Ok(([iterations], 0.0)),
+            Ok(_) => Err([Some(StepError::NotFinite)]),
+            Err(error) => Err([Some(error)]),
+        }
+    }
+
+    fn advance_n(&mut self, _: &mut [f64], _: Clock, _: &[f64], _: u64) -> StepsReport<f64> {
+        StepsReport::default()
+    }
+
+    // it remembers nothing
+    fn memory(&mut self, _: &mut dyn FnMut(&mut [f64])) {}
+}
