@@ -37,6 +37,7 @@ use quote::quote;
 use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
 use expr::Arena;
+use group::Retraction;
 use model::System;
 use parse::{Attribute, Item};
 use program::Program;
@@ -128,14 +129,14 @@ fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Schem
     rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();
-    let with = |retraction| {
-        let original = move |rule: &Rule| rule.original(system, retraction);
-        let (originals, aliases): (Vec<Rule>, Vec<Rule>) =
-            rules.iter().partition(|rule| original(rule) == **rule);
-        originals.into_iter().map(move |rule| {
-            let aliases = aliases.iter().filter(|alias| original(alias) == rule);
-            (Scheme { retraction, rule }, aliases.map(|&rule| Scheme { retraction, rule }).collect())
-        })
+    let retractions = attribute.retractions();
+    let of = |&retraction: &Retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
+    let all: Vec<Scheme> = retractions.iter().flat_map(of).collect();
+    let original = |scheme: &Scheme| scheme.original(system, retractions[0]);
+    let (originals, aliases): (Vec<Scheme>, Vec<Scheme>) =
+        all.into_iter().partition(|scheme| original(scheme) == *scheme);
+    let with_aliases = |scheme: Scheme| {
+        (scheme, aliases.iter().copied().filter(|alias| original(alias) == scheme).collect())
     };
-    attribute.retractions().iter().copied().flat_map(with).collect()
+    originals.into_iter().map(with_aliases).collect()
 }

@@ -42,6 +42,7 @@ catalogue! {
     kepler: crate::kepler::Kepler,
     two_bodies: crate::two_bodies::TwoBodies,
     planar_pendulum: crate::planar_pendulum::PlanarPendulum,
+    double_pendulum: crate::double_pendulum::DoublePendulum,
     driven_pendulum: crate::driven_pendulum::DrivenPendulum,
     spherical_pendulum: crate::spherical_pendulum::SphericalPendulum,
     free_rigid_body: crate::free_rigid_body::FreeRigidBody as isolated,

@@ -21,7 +21,6 @@ use crate::catalogued::Catalogued;
         2.0 * stiffness * (1.0 - between.w.powi(2))
     },
     methods(Midpoint),
-    retractions(Exponential, Cayley, SecondKind),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CoupledBodies {

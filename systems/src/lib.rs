@@ -16,6 +16,7 @@ pub use coadjoint_classical as classical;
 pub mod catalogued;
 pub mod coupled_bodies;
 #[cfg(feature = "program")]
+pub mod double_pendulum;
 pub mod driven_pendulum;
 pub mod ellipsoidal_fluid;
 pub mod free_rigid_body;

@@ -33,7 +33,9 @@ fn fraction(Member { numerator, denominator }: Member) -> TokenStream {
 /// retraction that there is.
 pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     let Names { system, private, coadjoint, .. } = names;
-    let mut retractions: Vec<_> = steps.iter().map(|step| step.scheme.retraction).collect();
+    let named = |step: &StepProgram| [vec![step.scheme], step.aliases.clone()].concat();
+    let mut retractions: Vec<_> = steps.iter().flat_map(named).map(|scheme| scheme.retraction).collect();
+    retractions.sort_unstable();
     retractions.dedup();
     let retracted = retractions.into_iter().map(|retraction| {
         let name = format_ident!("{}", retraction.name());
@@ -48,20 +50,23 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
             }
         }
     });
-    let arms = steps.iter().map(|StepProgram { scheme, aliases, .. }| {
-        let map = format_ident!("{}", scheme.retraction.name());
-        let rules = std::iter::once(scheme).chain(aliases).map(|scheme| match scheme.rule {
-            Rule::Family(member) => {
-                let s = fraction(member);
-                quote! { #private::Rule::Member(#s) }
-            }
-            Rule::TangentLift(member) => {
-                let s = fraction(member);
-                quote! { #private::Rule::TangentLift(#s) }
-            }
+    let arms = steps.iter().map(|step| {
+        let names_of = named(step).into_iter().map(|scheme| {
+            let map = format_ident!("{}", scheme.retraction.name());
+            let rule = match scheme.rule {
+                Rule::Family(member) => {
+                    let s = fraction(member);
+                    quote! { Member(#s) }
+                }
+                Rule::TangentLift(member) => {
+                    let s = fraction(member);
+                    quote! { TangentLift(#s) }
+                }
+            };
+            quote! { (#private::Map::#map, #private::Rule::#rule) }
         });
-        let marker = marker(names, *scheme);
-        quote! { (#private::Map::#map, #(#rules)|*) => #private::Visitor::visit::<#marker>(visitor) }
+        let marker = marker(names, step.scheme);
+        quote! { #(#names_of)|* => #private::Visitor::visit::<#marker>(visitor) }
     });
     let schemes = quote! {
         #(#retracted)*

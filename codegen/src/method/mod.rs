@@ -47,19 +47,19 @@ pub struct Increment<'a> {
     pub by: Vector<'a>,
 }
 
-impl Rule {
-    /// The rule of which this one is another name for the system: `s = 1` is `s = 0` where nothing but momentum and advected parameters has
-    /// a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`, if the retraction is odd.
-    pub fn original(self, system: &System<'_>, retraction: Retraction) -> Self {
-        let is_other_end = self == Self::Family(Member::SYMPLECTIC_EULER_B);
-        if is_other_end && retraction.is_odd() && system.is_left_invariant() {
-            return Self::Family(Member::SYMPLECTIC_EULER_A);
-        }
-        self
-    }
-}
-
 impl Scheme {
+    /// The scheme of which this one is another name for the system, if `first` is the first of its retractions. `s = 1` is `s = 0` where nothing
+    /// but momentum and advected parameters has a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`, if the retraction is odd;
+    /// and on vector spaces all retractions are the identity.
+    pub fn original(self, system: &System<'_>, first: Retraction) -> Self {
+        let is_linear = system.factors.iter().all(|factor| factor.algebra.group.is_linear());
+        let retraction = if is_linear { first } else { self.retraction };
+        let is_other_end = self.rule == Rule::Family(Member::SYMPLECTIC_EULER_B);
+        let is_first = is_other_end && (is_linear || retraction.is_odd()) && system.is_left_invariant();
+        let rule = if is_first { Rule::Family(Member::SYMPLECTIC_EULER_A) } else { self.rule };
+        Self { retraction, rule }
+    }
+
     /// The step that it makes of a system.
     pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
         match self.rule {

@@ -231,7 +231,7 @@ struct Relativistic {
     stiffness: f64,
 }";
     let steps = expansion(input).steps;
-    let step = steps.iter().find(|step| step.program.scheme.type_name() == "Midpoint<Cayley>");
+    let step = steps.iter().find(|step| step.program.scheme.type_name() == "Midpoint<Exponential>");
     let module = &step.expect("a midpoint step").program.module;
     assert_snapshot("general_hamiltonian", &beside(input, &module.to_string()));
 }
@@ -284,9 +284,7 @@ struct Oscillator {
     stiffness: f64,
 }";
     let steps = expansion(input).steps;
-    let step = steps.iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
-    let step = step.expect("a Cayley step");
-    assert_snapshot("explicit_step", &beside(input, &pretty(step.tokens.clone())));
+    assert_snapshot("explicit_step", &beside(input, &pretty(steps[0].tokens.clone())));
 }
 
 /// Systems that nobody looked at while the generator was made faster have no operation that their equations do not need. Their rotations

@@ -11,7 +11,7 @@ use coadjoint_codegen::method::{Step, family};
 use coadjoint_codegen::model::{Slot, System};
 use coadjoint_codegen::parse::{Attribute, Item};
 use coadjoint_codegen::program::Role;
-use coadjoint_codegen::scheme::{Member, Rule};
+use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use proc_macro2::TokenStream;
 use std::f64::consts::TAU;
 
@@ -144,13 +144,41 @@ fn the_last_member_is_the_first_where_nothing_depends_on_the_configuration() {
         let arena = Arena::new();
         let system = system(&arena, attribute, body);
         let midpoint = Rule::Family(Member::MIDPOINT);
+        let original = |retraction, rule| {
+            let original = Scheme { retraction, rule }.original(&system, Retraction::Exponential);
+            assert_eq!(original.retraction, retraction);
+            original.rule
+        };
         for retraction in Retraction::DEFAULT {
-            assert_eq!(last.original(&system, retraction), if same { first } else { last }, "{attribute}");
-            assert_eq!(midpoint.original(&system, retraction), midpoint);
+            assert_eq!(original(retraction, last), if same { first } else { last }, "{attribute}");
+            assert_eq!(original(retraction, midpoint), midpoint);
         }
         // a retraction that is not odd is another one backwards
-        assert_eq!(last.original(&system, Retraction::SecondKind), last);
+        assert_eq!(original(Retraction::SecondKind, last), last);
     }
+}
+
+/// On a vector space they are all the identity: one kernel has the names of all.
+#[test]
+fn retractions_of_a_vector_space_are_one() {
+    let names = |attribute: &str| -> Vec<Vec<String>> {
+        let (attribute, item) = (attribute.parse().expect("tokens"), "struct Point { #[inertia] m: f64 }");
+        let program =
+            coadjoint_codegen::program(attribute, item.parse().expect("tokens")).expect("a program");
+        let names = |step: &coadjoint_codegen::program::StepProgram| {
+            std::iter::once(&step.scheme).chain(&step.aliases).map(|scheme| scheme.type_name()).collect()
+        };
+        program.steps.iter().map(names).collect()
+    };
+    assert_eq!(
+        names("group = R2, potential = position.x"),
+        [
+            ["SymplecticEulerA<Exponential>", "SymplecticEulerA<Cayley>"],
+            ["SymplecticEulerB<Exponential>", "SymplecticEulerB<Cayley>"]
+        ]
+    );
+    let mixed = names("group(a: R2, b: SO2), retractions(Cayley, SecondKind), force(a = a)");
+    assert!(mixed.iter().all(|names| names.len() == 1), "{mixed:?}");
 }
 
 /// What is multiplied by 2 in the equation is not divided by 2 again in its derivative.

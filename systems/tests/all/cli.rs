@@ -294,8 +294,8 @@ fn classical_methods_are_compared_with_at_ones_own_step() {
         (&json["method"], &json["order"], &json["retraction"]),
         (&"rk4".into(), &4.into(), &Value::Null)
     );
-    scratch.prints(&["run", "free_rigid_body", "--method", "family=2/8", "--duration", "1"]);
-    assert!(scratch.0.join("out/free_rigid_body-family-1-4-exponential.csv").exists());
+    scratch.prints(&["run", "harmonic_oscillator", "--method", "family=2/8", "--duration", "1"]);
+    assert!(scratch.0.join("out/harmonic_oscillator-family-1-4-exponential.csv").exists());
 }
 
 /// Controls are held in place of what the system's own law chooses, and recorded.

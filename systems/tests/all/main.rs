@@ -9,6 +9,7 @@ macro_rules! entries {
             kepler
             two_bodies
             planar_pendulum
+            double_pendulum
             driven_pendulum
             spherical_pendulum
             free_rigid_body
