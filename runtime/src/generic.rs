@@ -1,35 +1,41 @@
 //! A stepper written the ordinary way: traits, matrices, and Newton's iteration on a Jacobian of difference quotients.
 //!
-//! [`GenericStepper`] takes the same discrete steps as generated steppers, for any matrix Lie group with any
-//! left-invariant Hamiltonian, but knows nothing in closed form. Everything follows from the group's
-//! [`hat`](MatrixGroup::hat) map by definition: the bracket is the commutator, `Ad` a conjugation, the exponential its
-//! power series. That makes it slow, and an independent check of what the generator derives. Use it to check a
-//! description, to try a group or a Hamiltonian out before describing it, or as the yardstick of a measurement.
+//! [`GenericStepper`] takes the same discrete steps as generated steppers, for any matrix Lie group with any energy and any
+//! forces, but knows nothing in closed form. Everything follows from the group's [`hat`](MatrixGroup::hat) map by definition:
+//! the bracket is the commutator, `Ad` a conjugation, the exponential its power series, a gradient a difference quotient. That
+//! makes it slow, and an independent check of what the generator derives. Use it to check a description, to try a group or an
+//! energy out before describing it, or as the yardstick of a measurement.
 //!
 //! # Conventions
 //!
 //! - Left trivialization: `g' = g hat(ξ)` with `ξ` in the Lie algebra, in coordinates `R^D`; the momentum `μ` in its
-//!   dual, paired with `ξ` by the dot product of coordinates.
+//!   dual, paired with `ξ` by the dot product of coordinates. [`Side::Right`] has both in space: `g' = hat(ξ) g`.
 //! - `Ad_g x = vee(g hat(x) g⁻¹)` and `Ad*_g` is its transpose; on SO(3), `Ad*_R Π = R⁻¹Π`.
-//! - A retraction `τ` has the right logarithmic derivative `dR τ_x y = Dτ(x)[y] τ(x)⁻¹`.
-//! - The Lie–Poisson equations of `h` are `μ' = ad*_ξ μ`, `g' = g hat(ξ)`, with `ξ = ∂h/∂μ`.
+//! - A retraction `τ` has the right logarithmic derivative `dR τ_x y = Dτ(x)[y] τ(x)⁻¹`, and the left one
+//!   `dL τ_x y = τ(x)⁻¹ Dτ(x)[y]`. Nothing else is assumed of it: neither `τ(−x) = τ(x)⁻¹`, nor that it commutes with conjugations.
+//! - The equations of motion of `h` with the force `F` are `μ' = ad*_ξ μ − T_e*L_g ∂h/∂g + F`, `g' = g hat(ξ)`, with `ξ = ∂h/∂μ`.
 //!
 //! # The step
 //!
-//! With the step `t` and a point `s ∈ [0, 1]` between start and end, where the equation is set up, solve for `η = tξ`
+//! With the step `t` and a point `s ∈ [0, 1]` between start and end, the discretization map `D(ḡ, η) = (ḡ τ(−sη), ḡ τ((1−s)η))` has a
+//! cotangent lift, (5.6) of V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving Integrators for
+//! Mechanical Systems* (2026). With it their (5.8) reads: solve for `η = tξ`
 //!
 //! ```text
-//! m = Ad*_{τ(−sη)⁻¹} μ_k                                      momentum at the intermediate point ḡ = g_k τ(sη)
-//! μ̄ = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m
-//! η = t ∂h/∂μ(μ̄)
+//! ḡ   = g_k τ(−sη)⁻¹,   m⁻ = Ad*_{τ(−sη)⁻¹} μ_k                 where the equation is set up
+//! m⁺  = m⁻ − t T_e*L_ḡ ∂h/∂g(ḡ, μ̄) + t F(ḡ, μ̄, u, t_k + st)     the kick of potentials and forces, with the control u
+//! μ̄   = (1−s) (dR τ_{(1−s)η})* m⁺ + s (dR τ_{−sη})* m⁻
+//! η   = t ∂h/∂μ(ḡ, μ̄)
 //! ```
 //!
-//! and take `μ_{k+1} = Ad*_{τ((1−s)η)} m`, `g_{k+1} = ḡ τ((1−s)η)`. With `s = 0` this is equation (6.5) of V. Vivek,
-//! D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving Integrators for Mechanical
-//! Systems* (2026), which for a quadratic `h` reads `I ξ = (dL τ_{tξ})* μ_{k+1} = (dR τ_{tξ})* μ_k`. For every `s` the
-//! step is a Poisson map, keeps the Casimirs, has order 2, and is undone by the step `−t`.
+//! and take `μ_{k+1} = Ad*_{τ((1−s)η)} m⁺`, `g_{k+1} = ḡ τ((1−s)η)`. On the right side `g` is multiplied from the left, `Ad*` has the inverse
+//! element, and `dL` is in the place of `dR`.
 //!
-//! # Example
+//! With `s = 0` this is their (6.5), which for a quadratic `h` reads `I ξ = (dL τ_{tξ})* μ_{k+1} = (dR τ_{tξ})* μ_k`. For a
+//! [left-invariant energy](Hamiltonian) and the exponential or the Cayley map the step is, for every `s`, a Poisson map, keeps the Casimirs, has
+//! order 2, and is undone by the step `−t`.
+//!
+//! # Examples
 //!
 //! A heavy top, on SE(3) = SO(3) ⋉ R³: the vertical `Γ` seen from the body is the momentum dual to the translations.
 //!
@@ -70,16 +76,51 @@
 //!
 //! let gamma = mu.fixed_rows::<3>(3);
 //! assert!((gamma.norm() - 1.0).abs() < 1e-13);
-//! assert!((stepper.hamiltonian().energy(&mu) - before).abs() < 1e-5);
+//! assert!((stepper.system().energy(&mu) - before).abs() < 1e-5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The same top without the advected vertical: its potential is then one on SO(3), whose gradient is a difference quotient of the energy.
+//!
+//! ```
+//! use coadjoint::generic::{GenericStepper, Mechanics, Phase, SO3};
+//! use coadjoint::Cayley;
+//! use coadjoint::nalgebra::{Matrix3, Vector3};
+//! use coadjoint::vector;
+//!
+//! struct HeavyTop {
+//!     inertia: Vector3<f64>,
+//!     weight_chi: Vector3<f64>,
+//! }
+//!
+//! impl Mechanics<SO3, 3, 3> for HeavyTop {
+//!     type Control = ();
+//!
+//!     fn energy(&self, at: &Phase<3, 3>) -> f64 {
+//!         at.mu.dot(&at.mu.component_div(&self.inertia)) / 2.0 + (at.g * self.weight_chi).z
+//!     }
+//! }
+//!
+//! let top = HeavyTop { inertia: vector![1.0, 2.0, 3.0], weight_chi: Vector3::z() };
+//! let (mut g, mut mu) = (Matrix3::identity(), vector![1.0, 1.0, 1.0]);
+//! let mut stepper = GenericStepper::new(SO3, Cayley, top, 0.01)?.at(0.5)?;
+//! for _ in 0..1_000 {
+//!     stepper.step(&mut g, &mut mu)?;
+//! }
+//! // the angular momentum about the vertical is constant
+//! assert!(((g * mu).z - 1.0).abs() < 1e-11);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod groups;
 mod second_kind;
+
+pub use groups::{MatrixGroup, Product, SE2, SO2, SO3, SO3Semidirect, SU2, Translations};
 
 use core::marker::PhantomData;
 
-use nalgebra::linalg::try_invert_to;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use groups::inverse;
+use nalgebra::{SMatrix, SVector};
 
 use crate::error::{ParameterError, StepError};
 use crate::retraction::{Cayley, Exponential};
@@ -90,197 +131,6 @@ const MAX_ITERATIONS: u32 = 40;
 
 /// Below this, relative to the equation's terms, a residual is rounding; it usually stagnates well below.
 const ROUNDOFF: f64 = 256.0 * f64::EPSILON;
-
-/// A Lie group of `N × N` matrices, with coordinates `R^D` on its Lie algebra.
-///
-/// An implementation chooses the coordinates; all else follows by definition. What needs the inverse of a matrix is
-/// `None` if that matrix has none.
-pub trait MatrixGroup<const N: usize, const D: usize> {
-    /// The matrix in the Lie algebra with coordinates `x`.
-    fn hat(x: &SVector<f64, D>) -> SMatrix<f64, N, N>;
-
-    /// The coordinates of a matrix in the Lie algebra: `vee(hat(x)) = x`.
-    ///
-    /// What rounding has moved off the algebra comes back by a linear projection.
-    fn vee(matrix: &SMatrix<f64, N, N>) -> SVector<f64, D>;
-
-    /// Whether [`exp`](Self::exp) is a local diffeomorphism on the whole way from 0 to `x`: no eigenvalue of `ad_x` is
-    /// a multiple of `2πi` there, except 0.
-    fn exp_is_regular(x: &SVector<f64, D>) -> bool;
-
-    /// The bracket `[x, y]`, by the commutator of matrices.
-    fn bracket(x: &SVector<f64, D>, y: &SVector<f64, D>) -> SVector<f64, D> {
-        let (x, y) = (Self::hat(x), Self::hat(y));
-        Self::vee(&(x * y - y * x))
-    }
-
-    /// The matrix of `ad_x: y ↦ [x, y]`.
-    fn ad(x: &SVector<f64, D>) -> SMatrix<f64, D, D> {
-        columns(|y| Self::bracket(x, y))
-    }
-
-    /// `g⁻¹`.
-    fn inverse(g: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
-        inverse(g)
-    }
-
-    /// The matrix of `Ad_g: x ↦ vee(g hat(x) g⁻¹)`.
-    fn adjoint(g: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, D, D>> {
-        let inverse = Self::inverse(g)?;
-        Some(columns(|x| Self::vee(&(g * Self::hat(x) * inverse))))
-    }
-
-    /// `Ad*_g μ`, the transpose of `Ad_g`: `⟨Ad*_g μ, x⟩ = ⟨μ, Ad_g x⟩`.
-    fn coadjoint(g: &SMatrix<f64, N, N>, mu: &SVector<f64, D>) -> Option<SVector<f64, D>> {
-        Some(Self::adjoint(g)?.tr_mul(mu))
-    }
-
-    /// The exponential `exp(x) = Σ X^k / k!` with `X = hat(x)`.
-    fn exp(x: &SVector<f64, D>) -> SMatrix<f64, N, N> {
-        let x = Self::hat(x);
-        SMatrix::identity() + x * phi1(&x)
-    }
-
-    /// The matrix of the exponential's right logarithmic derivative, `dR exp_x = Σ ad_x^k / (k+1)!`.
-    fn exp_derivative(x: &SVector<f64, D>) -> SMatrix<f64, D, D> {
-        phi1(&Self::ad(x))
-    }
-
-    /// The Cayley map `(I − X/2)⁻¹ (I + X/2)` with `X = hat(x)`.
-    ///
-    /// It leads into the group only for groups given by a quadratic relation `gᵀ J g = J`, and their semidirect
-    /// products with representations.
-    fn cayley(x: &SVector<f64, D>) -> Option<SMatrix<f64, N, N>> {
-        let half = Self::hat(x) * 0.5;
-        Some(Self::inverse(&(SMatrix::identity() - half))? * (SMatrix::identity() + half))
-    }
-
-    /// The matrix of the Cayley map's right logarithmic derivative,
-    /// `dR cay_x y = vee((I − X/2)⁻¹ hat(y) (I + X/2)⁻¹)` with `X = hat(x)`.
-    fn cayley_derivative(x: &SVector<f64, D>) -> Option<SMatrix<f64, D, D>> {
-        let half = Self::hat(x) * 0.5;
-        let left = Self::inverse(&(SMatrix::identity() - half))?;
-        let right = Self::inverse(&(SMatrix::identity() + half))?;
-        Some(columns(|y| Self::vee(&(left * Self::hat(y) * right))))
-    }
-}
-
-/// The inverse, by LU factorization at every order.
-///
-/// Up to order 4, [`SMatrix::try_inverse`] divides cofactors by the determinant. That moves the constant last rows of
-/// semidirect products by a rounding which does not average out: the Casimirs then drift linearly.
-fn inverse<const M: usize>(matrix: &SMatrix<f64, M, M>) -> Option<SMatrix<f64, M, M>> {
-    let mut inverse = SMatrix::zeros();
-    try_invert_to(*matrix, &mut inverse).then_some(inverse)
-}
-
-/// The matrix of a linear map.
-fn columns<const D: usize>(map: impl Fn(&SVector<f64, D>) -> SVector<f64, D>) -> SMatrix<f64, D, D> {
-    let mut matrix = SMatrix::<f64, D, D>::zeros();
-    for j in 0..D {
-        let mut basis = SVector::<f64, D>::zeros();
-        basis[j] = 1.0;
-        matrix.set_column(j, &map(&basis));
-    }
-    matrix
-}
-
-/// `φ₁(A) = Σ A^k / (k+1)!`, so that `exp A = I + A φ₁(A)`.
-///
-/// The series itself loses digits to cancellation once `‖A‖` is a few units. So it is summed for `A / 2ⁿ`, and the
-/// argument doubled `n` times: `exp 2B = (exp B)²` says `φ₁(2B) = φ₁(B) + ½ B φ₁(B)²`.
-fn phi1<const M: usize>(a: &SMatrix<f64, M, M>) -> SMatrix<f64, M, M> {
-    let norm = a.norm();
-    if !norm.is_finite() {
-        return SMatrix::repeat(f64::NAN);
-    }
-    let mut doublings = 0;
-    let mut scale = 1.0;
-    while norm * scale > 0.5 {
-        scale *= 0.5;
-        doublings += 1;
-    }
-    let mut b = a * scale;
-
-    let mut sum = SMatrix::<f64, M, M>::identity();
-    let mut term = sum;
-    let mut divisor = 2.0;
-    while term.amax() > 0.1 * f64::EPSILON {
-        term = term * b / divisor;
-        sum += term;
-        divisor += 1.0;
-    }
-    for _ in 0..doublings {
-        sum += b * sum * sum * 0.5;
-        b *= 2.0;
-    }
-    sum
-}
-
-/// The rotations of space, `R⁻¹ = Rᵀ`, with `hat(x) y = x × y`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SO3;
-
-impl MatrixGroup<3, 3> for SO3 {
-    fn hat(x: &Vector3<f64>) -> Matrix3<f64> {
-        x.cross_matrix()
-    }
-
-    fn vee(matrix: &Matrix3<f64>) -> Vector3<f64> {
-        let skew = matrix - matrix.transpose();
-        Vector3::new(skew.m32, skew.m13, skew.m21) * 0.5
-    }
-
-    fn exp_is_regular(x: &Vector3<f64>) -> bool {
-        x.norm() < core::f64::consts::TAU
-    }
-}
-
-/// SO(3) ⋉ (R³)^K, whose dual carries the body momentum and `K` advected vectors; `K` is 1, 2 or 3.
-///
-/// As matrices of order `3 + K`, with coordinates `(ξ, w₁, …, w_K)` on the algebra:
-///
-/// ```text
-/// g = [ R  p₁ … p_K ]        hat(ξ, w) = [ hat(ξ)  w₁ … w_K ]
-///     [ 0      I    ]                    [   0         0    ]
-/// ```
-///
-/// The dual coordinates are `(Π, a₁, …, a_K)`, with `Ad*_g (Π, a) = (Rᵀ(Π + Σ aᵢ × pᵢ), Rᵀa₁, …, Rᵀa_K)`; the
-/// Lie–Poisson equations read `Π' = Π × Ω + Σ aᵢ × ∂h/∂aᵢ`, `aᵢ' = aᵢ × Ω`, with `Ω = ∂h/∂Π`. The translations `pᵢ` are
-/// not part of the motion: only `R` has a mechanical meaning. With `K = 1` the group is SE(3).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SO3Semidirect<const K: usize>;
-
-macro_rules! so3_semidirect {
-    // stable Rust cannot compute 3 + K and 3 + 3 K itself
-    ($(($k:literal, $n:literal, $d:literal)),*) => {
-        $(impl MatrixGroup<$n, $d> for SO3Semidirect<$k> {
-            fn hat(x: &SVector<f64, $d>) -> SMatrix<f64, $n, $n> {
-                let mut matrix = SMatrix::<f64, $n, $n>::zeros();
-                matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&SO3::hat(&x.fixed_rows::<3>(0).into_owned()));
-                for i in 0..$k {
-                    matrix.fixed_view_mut::<3, 1>(0, 3 + i).copy_from(&x.fixed_rows::<3>(3 + 3 * i));
-                }
-                matrix
-            }
-
-            fn vee(matrix: &SMatrix<f64, $n, $n>) -> SVector<f64, $d> {
-                let mut x = SVector::<f64, $d>::zeros();
-                x.fixed_rows_mut::<3>(0).copy_from(&SO3::vee(&matrix.fixed_view::<3, 3>(0, 0).into_owned()));
-                for i in 0..$k {
-                    x.fixed_rows_mut::<3>(3 + 3 * i).copy_from(&matrix.fixed_view::<3, 1>(0, 3 + i));
-                }
-                x
-            }
-
-            // ad_(ξ, w) is block triangular with ad_ξ on its diagonal
-            fn exp_is_regular(x: &SVector<f64, $d>) -> bool {
-                SO3::exp_is_regular(&x.fixed_rows::<3>(0).into_owned())
-            }
-        })*
-    };
-}
-so3_semidirect!((1, 4, 6), (2, 5, 9), (3, 6, 12));
 
 /// A retraction `τ` of the matrix group `G`, with its right logarithmic derivative.
 pub trait MatrixRetraction<G, const N: usize, const D: usize>
@@ -332,16 +182,126 @@ where
     }
 }
 
+/// On which side of the configuration velocities stand: the trivialization of the cotangent bundle and of the discretization map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Side {
+    /// In the body: `g' = g hat(ξ)`.
+    #[default]
+    Left,
+    /// In space: `g' = hat(ξ) g`.
+    Right,
+}
+
+impl Side {
+    /// `g h`, on the right side `h g`.
+    fn compose<const N: usize>(self, g: &SMatrix<f64, N, N>, h: &SMatrix<f64, N, N>) -> SMatrix<f64, N, N> {
+        match self {
+            Self::Left => g * h,
+            Self::Right => h * g,
+        }
+    }
+
+    /// `Ad*_h μ`, on the right side `Ad*_{h⁻¹} μ`: what the momentum is once the configuration has moved freely by `h`.
+    fn carry<G: MatrixGroup<N, D>, const N: usize, const D: usize>(
+        self,
+        mu: &SVector<f64, D>,
+        h: &SMatrix<f64, N, N>,
+    ) -> Option<SVector<f64, D>> {
+        match self {
+            Self::Left => G::coadjoint(h, mu),
+            Self::Right => G::coadjoint(&G::inverse(h)?, mu),
+        }
+    }
+}
+
+/// Where a system is at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phase<const N: usize, const D: usize> {
+    /// The configuration, an element of the group.
+    pub g: SMatrix<f64, N, N>,
+    /// The momentum: in the body, or in space if the system is taken on the [right side](Side::Right).
+    pub mu: SVector<f64, D>,
+    /// The time.
+    pub time: f64,
+}
+
+/// A mechanical system on the group `G`: its energy, and the forces that act on it.
+///
+/// The energy alone is enough. What is differentiated is so by central differences of order 8 unless the system says how; they are exact to
+/// about 1e-14 where nothing changes much over a tenth of a unit.
+pub trait Mechanics<G, const N: usize, const D: usize>
+where
+    G: MatrixGroup<N, D>,
+{
+    /// What is held over a step; `()` if there is nothing.
+    type Control: Default;
+
+    /// `h(g, μ, t)`.
+    fn energy(&self, at: &Phase<N, D>) -> f64;
+
+    /// The velocity `∂h/∂μ`, in the Lie algebra.
+    fn velocity(&self, at: &Phase<N, D>) -> SVector<f64, D> {
+        differences(|by| self.energy(&Phase { mu: at.mu + by, ..*at }))
+    }
+
+    /// `T_e*L_g ∂h/∂g`, whose components are the derivatives of `h(g exp(ε E_i))` with respect to `ε`; on the right side of `h(exp(ε E_i) g)`.
+    fn slope(&self, at: &Phase<N, D>, side: Side) -> SVector<f64, D> {
+        differences(|by| self.energy(&Phase { g: side.compose(&at.g, &G::exp(by)), ..*at }))
+    }
+
+    /// The force, in the dual of the Lie algebra: what changes the momentum beside the energy.
+    fn force(&self, _at: &Phase<N, D>, _control: &Self::Control) -> SVector<f64, D> {
+        SVector::zeros()
+    }
+}
+
 /// A left-invariant Hamiltonian: a function `h(μ)` on the dual of a Lie algebra with coordinates `R^D`.
 pub trait Hamiltonian<const D: usize> {
     /// `h(μ)`.
     fn energy(&self, mu: &SVector<f64, D>) -> f64;
 
-    /// `∂h/∂μ(μ)`, the velocity in the Lie algebra.
-    fn gradient(&self, mu: &SVector<f64, D>) -> SVector<f64, D>;
+    /// `∂h/∂μ(μ)`, the velocity in the Lie algebra; by central differences of order 8 unless the Hamiltonian says how.
+    fn gradient(&self, mu: &SVector<f64, D>) -> SVector<f64, D> {
+        differences(|by| self.energy(&(mu + by)))
+    }
 }
 
-/// Takes steps of one size on the group `G`, with the retraction `R` and the Hamiltonian `H`: see the
+impl<G, H, const N: usize, const D: usize> Mechanics<G, N, D> for H
+where
+    G: MatrixGroup<N, D>,
+    H: Hamiltonian<D>,
+{
+    type Control = ();
+
+    fn energy(&self, at: &Phase<N, D>) -> f64 {
+        Hamiltonian::energy(self, &at.mu)
+    }
+
+    fn velocity(&self, at: &Phase<N, D>) -> SVector<f64, D> {
+        self.gradient(&at.mu)
+    }
+
+    fn slope(&self, _at: &Phase<N, D>, _side: Side) -> SVector<f64, D> {
+        SVector::zeros()
+    }
+}
+
+/// The gradient of `f` at 0, by central differences of order 8.
+fn differences<const D: usize>(f: impl Fn(&SVector<f64, D>) -> f64) -> SVector<f64, D> {
+    // rounding and what is cut off are about equally small, for functions of the size of 1
+    const SPREAD: f64 = 0.02;
+    const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+    SVector::from_fn(|i, _| {
+        let along = |by: f64| f(&SVector::from_fn(|row, _| if row == i { by } else { 0.0 }));
+        let pairs = WEIGHTS.iter().zip(1_u8..).map(|(weight, k)| {
+            let by = SPREAD * f64::from(k);
+            weight * (along(by) - along(-by))
+        });
+        pairs.sum::<f64>() / SPREAD
+    })
+}
+
+/// Takes steps of one size on the group `G`, with the retraction `R` and the system `H`: see the
 /// [module](self) for the equations.
 ///
 /// The unknown is all of `η`, though often much of it is known from the structure; Newton's Jacobian comes from forward
@@ -349,9 +309,10 @@ pub trait Hamiltonian<const D: usize> {
 /// solving the same equations is rounding.
 #[derive(Clone, Debug)]
 pub struct GenericStepper<G, R, H, const N: usize, const D: usize> {
-    hamiltonian: H,
+    system: H,
     step: f64,
     s: f64,
+    side: Side,
     memory: Option<Memory<D>>,
     group: PhantomData<(G, R)>,
 }
@@ -361,6 +322,19 @@ pub struct GenericStepper<G, R, H, const N: usize, const D: usize> {
 struct Memory<const D: usize> {
     mu: SVector<f64, D>,
     eta: SVector<f64, D>,
+}
+
+/// Where a step starts, and what is held over it.
+struct Start<'c, C, const N: usize, const D: usize> {
+    at: Phase<N, D>,
+    control: &'c C,
+}
+
+/// The point where the equation is set up: `ḡ`, `μ̄` and its time, and the momentum behind the kick.
+struct Intermediate<const N: usize, const D: usize> {
+    at: Phase<N, D>,
+    /// `m⁺`
+    kicked: SVector<f64, D>,
 }
 
 /// A solution of the step's equation.
@@ -374,19 +348,19 @@ impl<G, R, H, const N: usize, const D: usize> GenericStepper<G, R, H, N, D>
 where
     G: MatrixGroup<N, D>,
     R: MatrixRetraction<G, N, D>,
-    H: Hamiltonian<D>,
+    H: Mechanics<G, N, D>,
 {
-    /// A stepper for `hamiltonian` with the given step (negative steps go back in time) and `s = 0`.
+    /// A stepper for `system` with the given step (negative steps go back in time), `s = 0` and velocities in the body.
     ///
     /// `group` and `retraction` only name their types.
     ///
     /// # Errors
     /// If the step is zero or not finite.
-    pub fn new(_group: G, _retraction: R, hamiltonian: H, step: f64) -> Result<Self, ParameterError> {
+    pub fn new(_group: G, _retraction: R, system: H, step: f64) -> Result<Self, ParameterError> {
         if !step.is_finite() || step == 0.0 {
             return Err(ParameterError::Step { step });
         }
-        Ok(Self { hamiltonian, step, s: 0.0, memory: None, group: PhantomData })
+        Ok(Self { system, step, s: 0.0, side: Side::Left, memory: None, group: PhantomData })
     }
 
     /// The same stepper with the equation set up at `s ∈ [0, 1]`: 0 is the start of the step, ½ its middle, 1 its end.
@@ -403,20 +377,26 @@ where
         Ok(Self { s, memory: None, ..self })
     }
 
+    /// The same stepper with momentum, velocity and the discretization map on this side.
+    #[must_use]
+    pub fn on(self, side: Side) -> Self {
+        Self { side, memory: None, ..self }
+    }
+
     /// The step size.
     pub fn step_size(&self) -> f64 {
         self.step
     }
 
-    /// The Hamiltonian.
-    pub fn hamiltonian(&self) -> &H {
-        &self.hamiltonian
+    /// The system.
+    pub fn system(&self) -> &H {
+        &self.system
     }
 
-    /// Takes one step from the group element `g` and the momentum `mu`.
+    /// Takes one step from the group element `g` and the momentum `mu` at the time 0, with the control's default.
     ///
     /// The matrix `g` is multiplied up, never projected back to the group: rounding moves it away from there, by the
-    /// order of `1e-16 √n` after `n` steps. The momentum does not depend on it.
+    /// order of `1e-16 √n` after `n` steps. The momentum of a left-invariant system does not depend on it.
     ///
     /// # Errors
     /// If the state is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
@@ -426,24 +406,38 @@ where
         g: &mut SMatrix<f64, N, N>,
         mu: &mut SVector<f64, D>,
     ) -> Result<StepReport, StepError> {
-        if !is_finite(g) || !is_finite(mu) {
+        self.step_with(g, mu, &H::Control::default(), 0.0)
+    }
+
+    /// Takes [one step](Self::step) that starts at `time`, with `control` held until it ends.
+    ///
+    /// # Errors
+    /// As of [`step`](Self::step).
+    pub fn step_with(
+        &mut self,
+        g: &mut SMatrix<f64, N, N>,
+        mu: &mut SVector<f64, D>,
+        control: &H::Control,
+        time: f64,
+    ) -> Result<StepReport, StepError> {
+        if !is_finite(g) || !is_finite(mu) || !time.is_finite() {
             return Err(StepError::NotFinite);
         }
-        let start = match &self.memory {
+        let start = Start { at: Phase { g: *g, mu: *mu, time }, control };
+        let guess = match &self.memory {
             Some(memory) if memory.mu == *mu => memory.eta,
-            _ => self.hamiltonian.gradient(mu) * self.step,
+            _ => self.system.velocity(&start.at) * self.step,
         };
-        let Solution { eta, iterations, residual } = self.solve(mu, start)?;
+        let Solution { eta, iterations, residual } = self.solve(&start, guess)?;
 
-        let (before, after) = (eta * self.s, eta * (1.0 - self.s));
-        if !R::is_regular(&before) || !R::is_regular(&after) {
+        let (early, late) = (eta * -self.s, eta * (1.0 - self.s));
+        if !R::is_regular(&early) || !R::is_regular(&late) {
             return Err(StepError::OutsideDomain);
         }
-        let onward = R::retract(&after).ok_or(StepError::OutsideDomain)?;
-        let g_mid = *g * R::retract(&before).ok_or(StepError::OutsideDomain)?;
-        let m = self.intermediate_momentum(mu, &eta).ok_or(StepError::OutsideDomain)?;
-        let next_g = g_mid * onward;
-        let next_mu = G::coadjoint(&onward, &m).ok_or(StepError::OutsideDomain)?;
+        let there = self.intermediate(&start, &eta)?;
+        let onward = R::retract(&late).ok_or(StepError::OutsideDomain)?;
+        let next_g = self.side.compose(&there.at.g, &onward);
+        let next_mu = self.side.carry::<G, N, D>(&there.kicked, &onward).ok_or(StepError::OutsideDomain)?;
         if !is_finite(&next_g) || !is_finite(&next_mu) {
             return Err(StepError::NotFinite);
         }
@@ -453,38 +447,85 @@ where
         Ok(StepReport { iterations, residual })
     }
 
-    /// `m = Ad*_{τ(−sη)⁻¹} μ`.
-    fn intermediate_momentum(&self, mu: &SVector<f64, D>, eta: &SVector<f64, D>) -> Option<SVector<f64, D>> {
-        if self.s == 0.0 {
-            return Some(*mu);
-        }
-        let back = R::retract(&(eta * -self.s))?;
-        G::coadjoint(&G::inverse(&back)?, mu)
-    }
+    /// Where the equation is set up if the solution is `eta`.
+    fn intermediate(
+        &self,
+        start: &Start<'_, H::Control, N, D>,
+        eta: &SVector<f64, D>,
+    ) -> Result<Intermediate<N, D>, StepError> {
+        let (g, m) = self.moved_early(start, eta).ok_or(StepError::OutsideDomain)?;
+        let (early, late) = (eta * -self.s, eta * (1.0 - self.s));
+        let before = match self.s {
+            0.0 => SVector::zeros(),
+            s => self.derivative(&early).ok_or(StepError::OutsideDomain)?.tr_mul(&m) * s,
+        };
+        let after = match 1.0 - self.s {
+            0.0 => SMatrix::zeros(),
+            share => self.derivative(&late).ok_or(StepError::OutsideDomain)? * share,
+        };
 
-    /// `μ̄ = (1−s) (dR τ_{(1−s)η})* m + s (dR τ_{−sη})* m`.
-    fn mean_momentum(&self, mu: &SVector<f64, D>, eta: &SVector<f64, D>) -> Option<SVector<f64, D>> {
-        let m = self.intermediate_momentum(mu, eta)?;
-        let mut mean = SVector::zeros();
-        for (weight, x) in [(1.0 - self.s, eta * (1.0 - self.s)), (self.s, eta * -self.s)] {
-            if weight != 0.0 {
-                mean += R::right_derivative(&x)?.tr_mul(&m) * weight;
+        // a kick that depends on μ̄ makes the equation for it implicit, and the step contracts it
+        let mut there = Phase { g, mu: after.tr_mul(&m) + before, time: start.at.time + self.s * self.step };
+        let (mut nearer, mut iterations) = (f64::INFINITY, 0);
+        loop {
+            let kicked = m + self.kick(&there, start.control);
+            let mean = after.tr_mul(&kicked) + before;
+            let moved = (mean - there.mu).amax();
+            there.mu = mean;
+            iterations += 1;
+            if moved == 0.0 || (moved >= nearer && moved <= ROUNDOFF * mean.amax()) {
+                return Ok(Intermediate { at: there, kicked });
             }
+            if !(moved < nearer) {
+                return Err(StepError::NoConvergence { iterations, residual: moved / mean.amax() });
+            }
+            nearer = moved;
         }
-        Some(mean)
     }
 
-    /// `η − t ∂h/∂μ(μ̄)`.
-    fn residual(&self, mu: &SVector<f64, D>, eta: &SVector<f64, D>) -> Result<SVector<f64, D>, StepError> {
-        let mean = self.mean_momentum(mu, eta).ok_or(StepError::OutsideDomain)?;
-        let residual = eta - self.hamiltonian.gradient(&mean) * self.step;
+    /// `ḡ` and `m⁻`
+    fn moved_early(
+        &self,
+        start: &Start<'_, H::Control, N, D>,
+        eta: &SVector<f64, D>,
+    ) -> Option<(SMatrix<f64, N, N>, SVector<f64, D>)> {
+        let Phase { g, mu, .. } = &start.at;
+        if self.s == 0.0 {
+            return Some((*g, *mu));
+        }
+        let by = G::inverse(&R::retract(&(eta * -self.s))?)?;
+        Some((self.side.compose(g, &by), self.side.carry::<G, N, D>(mu, &by)?))
+    }
+
+    /// The matrix of `dR τ_x`, on the right side of `dL τ_x = Ad_{τ(x)⁻¹} dR τ_x`.
+    fn derivative(&self, x: &SVector<f64, D>) -> Option<SMatrix<f64, D, D>> {
+        let right = R::right_derivative(x)?;
+        match self.side {
+            Side::Left => Some(right),
+            Side::Right => Some(G::adjoint(&G::inverse(&R::retract(x)?)?)? * right),
+        }
+    }
+
+    /// `t (F − T_e*L_g ∂h/∂g)`
+    fn kick(&self, at: &Phase<N, D>, control: &H::Control) -> SVector<f64, D> {
+        (self.system.force(at, control) - self.system.slope(at, self.side)) * self.step
+    }
+
+    /// `η − t ∂h/∂μ(ḡ, μ̄)`.
+    fn residual(
+        &self,
+        start: &Start<'_, H::Control, N, D>,
+        eta: &SVector<f64, D>,
+    ) -> Result<SVector<f64, D>, StepError> {
+        let there = self.intermediate(start, eta)?;
+        let residual = eta - self.system.velocity(&there.at) * self.step;
         if is_finite(&residual) { Ok(residual) } else { Err(StepError::NotFinite) }
     }
 
     /// The Jacobian of the residual, by forward differences.
     fn jacobian(
         &self,
-        mu: &SVector<f64, D>,
+        start: &Start<'_, H::Control, N, D>,
         eta: &SVector<f64, D>,
         residual: &SVector<f64, D>,
     ) -> Result<SMatrix<f64, D, D>, StepError> {
@@ -493,7 +534,7 @@ where
             // √ε balances rounding against curvature; the unknown's natural scale is the radian
             let mut shifted = *eta;
             shifted[j] += 1.5e-8 * eta[j].abs().max(1.0);
-            let difference = self.residual(mu, &shifted)? - residual;
+            let difference = self.residual(start, &shifted)? - residual;
             jacobian.set_column(j, &(difference / (shifted[j] - eta[j])));
         }
         Ok(jacobian)
@@ -503,15 +544,19 @@ where
     ///
     /// A Jacobian costs `D` residuals. It serves again as long as corrections bring the residual down tenfold, and for
     /// the last ones, which only chase roundoff.
-    fn solve(&self, mu: &SVector<f64, D>, mut eta: SVector<f64, D>) -> Result<Solution<D>, StepError> {
-        let mut residual = self.residual(mu, &eta)?;
+    fn solve(
+        &self,
+        start: &Start<'_, H::Control, N, D>,
+        mut eta: SVector<f64, D>,
+    ) -> Result<Solution<D>, StepError> {
+        let mut residual = self.residual(start, &eta)?;
         let mut kept = None;
         let mut iterations = 0;
         while residual.amax() > 0.0 && iterations < MAX_ITERATIONS {
             let is_new = kept.is_none();
             let inverse_jacobian = match kept.take() {
                 Some(inverse_jacobian) => inverse_jacobian,
-                None => match inverse(&self.jacobian(mu, &eta, &residual)?) {
+                None => match inverse(&self.jacobian(start, &eta, &residual)?) {
                     Some(inverse_jacobian) => inverse_jacobian,
                     None => break,
                 },
@@ -524,7 +569,7 @@ where
             let mut scales = [1.0, 0.5, 0.25, 0.125, 0.0625].into_iter().take(if near { 1 } else { 5 });
             let better = scales.find_map(|scale| {
                 let candidate = eta - correction * scale;
-                let candidate_residual = self.residual(mu, &candidate).ok()?;
+                let candidate_residual = self.residual(start, &candidate).ok()?;
                 (candidate_residual.amax() < residual.amax()).then_some((candidate, candidate_residual))
             });
             match better {

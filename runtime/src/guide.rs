@@ -9,7 +9,8 @@
 //! 7. [Derivatives](derivatives): control, estimation, identification
 //! 8. [Chosen while the program runs](erased): any system, any scheme, in lists of numbers
 //! 9. [Reading the generated code](reading)
-//! 10. [The mathematics](mathematics), with the paper's equations and its misprints
+//! 10. [The mathematics](mathematics)
+//! 11. [The paper's equations](paper): where each of its methods is, its misprints, and recipes
 //!
 //! The figures, and what each shows, are in the documentation of the crate `coadjoint-systems`: `coadjoint_systems::figures`.
 
@@ -774,14 +775,40 @@ pub mod mathematics {
     //! own adjoint and of order 2. Half a step with `s = 0`, then half a step with `s = 1`, is the Störmer–Verlet method of the group, of order 2. Symmetric steps of order 2 compose to
     //! those of orders 4, 6, 8 and 10.
     //!
-    //! | in the paper | here |
-    //! |---|---|
-    //! | (1.9), (1.10) symplectic Euler A and B | `group = R1`, `s = 0` and `s = 1` |
-    //! | the θ-families of 3.3 and 5.3 | the family, `θ = s` |
-    //! | (5.7) on the Lagrangian side | [`TangentLift`](crate::TangentLift): stays on the group, is not symplectic, order 1 |
-    //! | (6.5), (6.8) free rigid body; (6.15), (6.17) heavy top | `s = 0` with either retraction |
-    //! | (6.6), (6.9) | [`RightLift`](crate::RightLift): carries `π = Ad*_{g⁻¹} μ`, which is constant |
-    //! | (6.20) quadrotor | `s = 0` with forces |
+    //! Which of the paper's methods is which of these is in [the paper's equations](super::paper).
+}
+
+pub mod paper {
+    //! # The paper's equations
+    //!
+    //! V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving Integrators for Mechanical Systems*: every
+    //! numbered method of its chapters 1, 3, 5 and 6, the type that takes its steps, and what runs it; each command after
+    //! `cargo run --release --`. All are held against the same methods from definitions, ten steps long, with both retractions and at several `s`
+    //! where they have one: `tests/tests/all/paper.rs` and `numbered.rs`, with the [generic stepper](crate::generic) as the definition.
+    //!
+    //! | in the paper | here | run by | misprint |
+    //! |---|---|---|---|
+    //! | (1.7), (1.8) Euler's explicit and implicit method | `SymplecticEulerA`, `SymplecticEulerB` of a [vector field](#vector-fields-on-a-group-32) on `R2` | `run harmonic_oscillator --method explicit-euler`, `implicit-euler` | (1.8) |
+    //! | (1.9), (1.10) symplectic Euler A and B | [`SymplecticEulerA`](crate::SymplecticEulerA), [`SymplecticEulerB`](crate::SymplecticEulerB) on `R1` … `R6` | `run harmonic_oscillator --method euler-a`, `euler-b` | |
+    //! | (1.12)–(1.18) two bodies | [a recipe](#two-bodies-112118) | `run two_bodies` | (1.12) |
+    //! | Runge–Kutta methods of 1.2.2 | the crate `coadjoint-classical` | `run kepler --method rk2`, `rk4` | |
+    //! | Störmer–Verlet of 1.2.2 | [`StormerVerlet`](crate::StormerVerlet) | `run kepler --method verlet` | tableau |
+    //! | (1.19), (1.20) planar pendulum; (1.21) with projection | `group = SO2` | `run planar_pendulum`, `figures 1.3` | |
+    //! | (3.1) a discretization map, the θ-family of 3.3 | [`Family<_, N, D>`](crate::Family) of a [vector field](#vector-fields-on-a-group-32) on `R1` … `R6`, `θ = s` | | |
+    //! | (3.2) the same on a group, left and right | [a recipe](#vector-fields-on-a-group-32) | | |
+    //! | (5.1), (5.3) tangent lifts | [`TangentLift`](crate::TangentLift) on `R1` … `R6` | `run harmonic_oscillator --method tangent-lift` | |
+    //! | (5.2), (5.4) cotangent lifts, the θ-family of 5.3 | `Family<_, N, D>` on `R1` … `R6`, `θ = s` | `run harmonic_oscillator --method family=1/4` | |
+    //! | (5.5), (5.7) trivialized tangent lifts | `TangentLift` | `run free_rigid_body --method tangent-lift` | |
+    //! | (5.6), (5.8) trivialized cotangent lifts | `Family<_, N, D>` on every group: of velocities in the body, and with `invariance = right` of those in space | `run free_rigid_body --method family=1/4`, `run coupled_bodies --method midpoint`, `run ellipsoidal_fluid` | |
+    //! | (6.1), (6.3)–(6.5), (6.7), (6.8) a quadratic energy, the rigid body | `SymplecticEulerA`, which is what a retraction alone means | `run free_rigid_body --method euler-a` | right sides |
+    //! | (6.2), (6.6), (6.9) the right lift | [`RightLift`](crate::RightLift), which carries `π = Ad*_{g⁻¹} μ`, a constant | `run free_rigid_body --method right-lift` | (6.2), right sides |
+    //! | (6.10), (6.11) with the exponential | [`Exponential`](crate::Exponential) | `run free_rigid_body` | (6.11) |
+    //! | (6.12), (6.13) with the Cayley map | [`Cayley`](crate::Cayley) | `run free_rigid_body --retraction cayley` | (6.13), and before it |
+    //! | (6.14) the heavy top | `advected(gamma: R3)` | `run heavy_top` | |
+    //! | (6.15), (6.16) with the exponential and `x` | [a recipe](#the-heavy-tops-auxiliary-x-615618) | `run heavy_top_on_se3` | (6.16), `J`, `Q` |
+    //! | (6.17), (6.18) with the Cayley map and `x` | the same | `run heavy_top_on_se3 --retraction cayley` | (6.18) |
+    //! | (6.19), (6.20) the quadrotor | [forces and controls](super::forces), `SymplecticEulerA` | `run loose_quadrotor --method euler-a` | (6.20) |
+    //! | (6.21), (6.22) with either retraction | `SymplecticEulerA<Exponential>`, `SymplecticEulerA<Cayley>` | the same with `--retraction cayley` | both |
     //!
     //! **Trivializations.** The discretization map may stand on the left of the algebra, `ḡ τ(η)`, or on the right, `τ(ω) ḡ` with `ω = Ad_ḡ η`, and its
     //! lift may have momenta in the body or in space: LL, LR, RL and RR.
@@ -800,13 +827,134 @@ pub mod mathematics {
     //!
     //! | display | printed | should be | what the printed one does |
     //! |---|---|---|---|
+    //! | (1.8) | `[[1, −h], [hk/m, 1]]/(1 + h²k/m)` | both signs off the diagonal the other way | runs backwards |
+    //! | (1.12) | `G m₁m₁` | `G m₁m₂` | contradicts (1.13) |
+    //! | Störmer–Verlet's tableau | `a = [[0, 0], [1, 0]]` | `a = [[0, 0], [½, ½]]` | breaks the condition of symplecticity that is printed above it |
+    //! | (4.5) | a sign | that of Definition 1.9 | |
+    //! | (6.2) | a parenthesis that closes too late | `τ⁻¹(g_k⁻¹ g_{k+1}), μ_{k+1} − μ_k` | |
     //! | (6.5)–(6.12), right side of the momentum relation | `𝕀(tξ_k)` | `𝕀(ξ_k)` | velocity off by the factor 1/t |
     //! | (6.11), first bracket and last line | `1 − … tΩ̂ …`, `Π_{k+1} = exp(tΩ̂) Π_k` | both with `−t` | follows the flow backwards |
     //! | Cayley map before (6.13) | `(1 − x̂)⁻¹(1 + x̂)⁻¹` | `(1 − x̂/2)⁻¹(1 + x̂/2)` | is no rotation; without the halves `τ'(0) ≠ 1` |
-    //! | (6.13) | halves missing, signs as in (6.11) | the table above | follows the flow at −4t |
+    //! | (6.13) | halves missing, signs as in (6.11) | [the table of retractions](super::mathematics) | follows the flow at −4t |
     //! | (6.16), updates of `x` and `Π` | `R_k J(tΩ_k) mgχ`; `exp(tΩ̂)(Π_k − Γ_k × J mgχ)` | with the step `t` before `J`; `exp(−tΩ̂)(Π_k + Γ_k × t J mgχ)` | the step is missing; signs |
-    //! | `J` below (6.16) | first coefficient `sin²(θ/2)/(θ/2)²` | half of it | twice too large |
+    //! | (6.16), third line; so are (6.15), (6.17) and (6.18) to be read | `Jᵀ R_kᵀ(Π_k + Γ_k × x_k) + Qᵀ R_kᵀ Γ_k` | `JᵀΠ_k + QᵀΓ_k`, with `Q` at `t mgχ` | the right lift's data with momenta of the body: the error does not shrink with the step |
+    //! | `J` below (6.16) | first coefficient `sin²(θ/2)/(θ/2)²`, of `x̂` | half of it, of `ŷ` | twice too large |
     //! | `Q` below (6.16) | the same; `c₃(ŷẑ − ẑŷ)` | `c₂ ẑ`; `c₃(ŷẑ + ẑŷ)` | is not the logarithmic derivative |
-    //! | (6.18) | `x` with `R_kᵀ`; exponential and `J` in its last two lines | Cayley throughout | mixes two retractions: Casimirs are only nearly kept |
+    //! | (6.18) | `x` with `R_kᵀ`; exponential and `J` in its last two lines | Cayley throughout: with `y = tΩ_k` and `z = t mgχ`, `(1 + ¼&#124;y&#124;²) 𝓘Ω_k = (1 − ½ŷ)(Π_k + ½ Γ_k × z)` and `x` moved by `R_k (1 − ½ŷ)⁻¹ z` | mixes two retractions: Casimirs are only nearly kept |
     //! | (6.20)–(6.22) | `… + M_k`; `p_{k+1} = −p_k + t m g e₃ − t F R e₃` | the moment acts with `t`, at the start of the step; `p_{k+1} = p_k − t m g e₃ + t F R e₃` | contradicts (6.19) |
+    //!
+    //! # Vector fields on a group: (3.2)
+    //!
+    //! `g' = g X(g)^` needs no mechanics. It is the motion of the configuration under the Hamiltonian `⟨μ, X(g)⟩`, whatever the momentum is; a
+    //! momentum of 0 stays 0. Every member of the family then takes the steps of (3.2), and on `Rⁿ` those of (3.1): `s = 0` is Euler's explicit
+    //! method, `s = 1` the implicit one, `s = ½` the midpoint rule of order 2. (The equation of a step is solved to rounding next to the velocity's
+    //! size. Where the field vanishes that is rounding itself, so that an implicit step may fail at an equilibrium.)
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! /// Spins about its third axis, and turns that towards a star.
+    //! #[lie_poisson_system(
+    //!     group = SO3,
+    //!     hamiltonian = {
+    //!         let seen = attitude.inverse() * star;
+    //!         momentum.dot(&(gain * Vector3::z().cross(&seen) + spin * Vector3::z()))
+    //!     },
+    //!     methods(Midpoint),
+    //! )]
+    //! struct Pointing {
+    //!     star: Vector3<f64>,
+    //!     gain: f64,
+    //!     spin: f64,
+    //! }
+    //!
+    //! let pointing = Pointing { star: vector![0.6, 0.0, 0.8], gain: 0.5, spin: 1.0 };
+    //! let mut state = PointingState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros() };
+    //! let mut stepper = pointing.stepper::<Midpoint<Cayley>>(0.1)?;
+    //! for _ in 0..500 {
+    //!     stepper.step(&mut state)?;
+    //! }
+    //! assert!((state.attitude * Vector3::z() - pointing.star).norm() < 1e-9);
+    //! assert_eq!(state.momentum, Vector3::zeros());
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! With `invariance = right` the field is one in space, `g' = X(g)^ g`, and the discretization map the right one. A momentum that is not 0
+    //! is carried as the gradient of something that the motion's end is judged by: backwards in time it is what the adjoint equation asks for.
+    //!
+    //! # Two bodies: (1.12)–(1.18)
+    //!
+    //! Each body is a factor with a momentum of its own, and they meet in the potential. What the paper splits off, the centre of mass (1.14), moves
+    //! uniformly in every step too, and the rest moves as (1.18).
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! #[lie_poisson_system(
+    //!     group(first: R3, second: R3),
+    //!     potential = -gravitation * first_mass * second_mass / (second - first).norm(),
+    //! )]
+    //! struct TwoBodies {
+    //!     #[inertia(first)]
+    //!     first_mass: f64,
+    //!     #[inertia(second)]
+    //!     second_mass: f64,
+    //!     gravitation: f64,
+    //! }
+    //!
+    //! let bodies = TwoBodies { first_mass: 2.0, second_mass: 1.0, gravitation: 1.0 };
+    //! let mut state = TwoBodiesState {
+    //!     first: vector![-1.0, 0.0, 0.0],
+    //!     first_momentum: vector![0.0, -0.8, 0.3],
+    //!     second: vector![2.0, 0.0, 0.0],
+    //!     second_momentum: vector![0.0, 0.8, 0.0],
+    //! };
+    //! let angular_momentum =
+    //!     |s: &TwoBodiesState| s.first.cross(&s.first_momentum) + s.second.cross(&s.second_momentum);
+    //! let before = angular_momentum(&state);
+    //! let mut stepper = bodies.stepper::<Exponential>(0.01)?;
+    //! for _ in 0..1_000 {
+    //!     stepper.step(&mut state)?;
+    //! }
+    //! // after 10 s: their momentum together is 0.3, their mass 3
+    //! let centre = (2.0 * state.first + state.second) / 3.0;
+    //! assert!((centre - vector![0.0, 0.0, 1.0]).norm() < 1e-12);
+    //! assert!((angular_momentum(&state) - before).norm() < 1e-12);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! # The heavy top's auxiliary x: (6.15)–(6.18)
+    //!
+    //! An advected vertical needs no `x`. Who wants the paper's variables takes all of SE(3) as the configuration, the vertical as the linear momentum,
+    //! and a Hamiltonian that is linear in it: `v = mgχ`, and `x` moves with it. Attitude, momentum and vertical are those of the top with the vertical
+    //! advected.
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! #[lie_poisson_system(
+    //!     group = SE3,
+    //!     hamiltonian = 0.5 * angular_momentum.dot(&angular_momentum.component_div(&inertia))
+    //!         + weight * linear_momentum.dot(&chi),
+    //! )]
+    //! struct Top {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //!     weight: f64,
+    //!     chi: Vector3<f64>,
+    //! }
+    //!
+    //! let top = Top { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: Vector3::z() };
+    //! // no rotation and x = 0; Π = (1, 1, 1) and Γ = (0, 0, 1)
+    //! let mut state = TopState { pose: Isometry3::identity(), momentum: vector![1.0, 1.0, 1.0, 0.0, 0.0, 1.0] };
+    //! let mut stepper = top.stepper::<Exponential>(0.01)?;
+    //! for _ in 0..1_000 {
+    //!     stepper.step(&mut state)?;
+    //! }
+    //! // the torque of the weight has changed the angular momentum in space by e₃ × x
+    //! let momentum = state.pose.rotation * vector![state.momentum.x, state.momentum.y, state.momentum.z];
+    //! let x = state.pose.translation.vector;
+    //! assert!((momentum - vector![1.0, 1.0, 1.0] - Vector3::z().cross(&x)).norm() < 1e-12);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
 }

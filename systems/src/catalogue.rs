@@ -40,6 +40,7 @@ macro_rules! source {
 catalogue! {
     harmonic_oscillator: crate::harmonic_oscillator::HarmonicOscillator,
     kepler: crate::kepler::Kepler,
+    two_bodies: crate::two_bodies::TwoBodies,
     planar_pendulum: crate::planar_pendulum::PlanarPendulum,
     driven_pendulum: crate::driven_pendulum::DrivenPendulum,
     spherical_pendulum: crate::spherical_pendulum::SphericalPendulum,
@@ -51,15 +52,19 @@ catalogue! {
         kovalevskaya_top = crate::heavy_top::HeavyTop::kovalevskaya_top, step 0.01, duration 60.0,
             "a heavy top with I1 = I2 = 2 I3 and its centre of mass across";
     },
+    heavy_top_on_se3: crate::heavy_top_on_se3::HeavyTopOnSE3 as isolated,
     magnetic_top: crate::magnetic_top::MagneticTop,
     quadrotor: crate::quadrotor::Quadrotor {
         loose_quadrotor = crate::quadrotor::Quadrotor::loose, step 0.01, duration 10.0,
             "a quadrotor with the thrust of hover that turns over and flies off";
     },
     rigid_body_in_space: crate::rigid_body_in_space::RigidBodyInSpace as isolated,
+    hanging_plate: crate::hanging_plate::HangingPlate,
     gyrostat: crate::gyrostat::Gyrostat as isolated,
     coupled_bodies: crate::coupled_bodies::CoupledBodies,
     kirchhoff: crate::kirchhoff::Kirchhoff,
+    ellipsoidal_fluid: crate::ellipsoidal_fluid::EllipsoidalFluid,
+    nuclear_spin: crate::nuclear_spin::NuclearSpin,
 }
 
 /// One system of the catalogue, its type erased: parameters and states are flat lists of numbers.

@@ -17,19 +17,24 @@ pub mod catalogued;
 pub mod coupled_bodies;
 #[cfg(feature = "program")]
 pub mod driven_pendulum;
+pub mod ellipsoidal_fluid;
 pub mod free_rigid_body;
 pub mod full_rigid_body;
 pub mod guide;
 pub mod gyrostat;
+pub mod hanging_plate;
 pub mod harmonic_oscillator;
 pub mod heavy_top;
+pub mod heavy_top_on_se3;
 pub mod kepler;
 pub mod kirchhoff;
 pub mod magnetic_top;
+pub mod nuclear_spin;
 pub mod planar_pendulum;
 pub mod quadrotor;
 pub mod rigid_body_in_space;
 pub mod spherical_pendulum;
+pub mod two_bodies;
 
 #[cfg(feature = "program")]
 pub mod applications;

@@ -2,9 +2,12 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixGroup, MatrixRetraction, SO3, SO3Semidirect};
+use coadjoint::generic::{
+    GenericStepper, Hamiltonian, MatrixGroup, MatrixRetraction, Product, SE2, SO2, SO3, SO3Semidirect, SU2,
+    Translations,
+};
 use coadjoint::nalgebra::{
-    Matrix3, Matrix4, Quaternion, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3,
+    Matrix2, Matrix3, Matrix4, Quaternion, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3,
 };
 use coadjoint::vector;
 use coadjoint::{Cayley, Exponential, StepError};
@@ -135,23 +138,80 @@ fn group_laws() {
     check_laws::<SO3Semidirect<1>, 4, 6>();
     check_laws::<SO3Semidirect<2>, 5, 9>();
     check_laws::<SO3Semidirect<3>, 6, 12>();
+    check_laws::<Translations<1>, 2, 1>();
+    check_laws::<Translations<6>, 7, 6>();
+    check_laws::<SO2, 2, 1>();
+    check_laws::<SE2, 3, 3>();
+    check_laws::<SU2, 4, 3>();
+    check_laws::<Product<SO3, Translations<3>, 3, 3, 4, 3>, 7, 6>();
+}
+
+#[test]
+fn a_unit_quaternion_turns_by_the_angle_of_its_rotation() {
+    for (seed, angle) in (1..).zip(ANGLES) {
+        let x = sample_turn::<3>(seed, angle);
+        // as its matrix multiplies the quaternion 1
+        let q = SU2::exp(&x).column(0).into_owned();
+        let q = Quaternion::new(q[0], q[1], q[2], q[3]);
+        let turn = UnitQuaternion::new_unchecked(q).to_rotation_matrix();
+        assert!((turn.matrix() - SO3::exp(&x)).amax() < 3e-15, "angle {angle}");
+        // half the angle is that of the quaternion: a whole turn is not the identity
+        assert!((q.w - (angle / 2.0).cos()).abs() < 2e-15, "angle {angle}");
+    }
+}
+
+#[test]
+fn a_motion_of_the_plane_turns_and_moves_together() {
+    let g = SE2::exp(&vector![1.2, 0.3, -0.4]);
+    let turn = Matrix2::new(1.2_f64.cos(), -1.2_f64.sin(), 1.2_f64.sin(), 1.2_f64.cos());
+    assert!((g.fixed_view::<2, 2>(0, 0) - turn).amax() < 1e-15);
+    // an arc about a fixed point c, with v = ω J (x − c)
+    let centre = vector![0.4, 0.3] / 1.2;
+    let end = centre - turn * centre;
+    assert!((g.fixed_view::<2, 1>(0, 2) - end).amax() < 1e-15);
+    assert_eq!(SO2::exp(&vector![1.2]).fixed_view::<2, 2>(0, 0), g.fixed_view::<2, 2>(0, 0));
 }
 
 /// `dR τ_x y` against the central difference of `τ`, extrapolated once: error about 1e-12.
+fn derivative_error<R, G, const N: usize, const D: usize>(x: SVector<f64, D>, y: SVector<f64, D>) -> f64
+where
+    G: MatrixGroup<N, D>,
+    R: MatrixRetraction<G, N, D>,
+{
+    let tau = |x: SVector<f64, D>| R::retract(&x).expect("inside the domain");
+    let central = |d: f64| (tau(x + y * d) - tau(x - y * d)) / (2.0 * d);
+    let difference = (central(1e-3) * 4.0 - central(2e-3)) / 3.0;
+    let expected = G::vee(&(difference * G::inverse(&tau(x)).unwrap()));
+    (R::right_derivative(&x).unwrap() * y - expected).amax()
+}
+
 fn check_derivative<R, G, const N: usize, const D: usize>()
 where
     G: MatrixGroup<N, D>,
     R: MatrixRetraction<G, N, D>,
 {
     for (seed, angle) in (1..).zip(ANGLES) {
-        let (x, y) = (sample_turn::<D>(seed, angle), sample::<D>(seed + 100));
-        let tau = |x: SVector<f64, D>| R::retract(&x).expect("inside the domain");
-        let central = |d: f64| (tau(x + y * d) - tau(x - y * d)) / (2.0 * d);
-        let difference = (central(1e-3) * 4.0 - central(2e-3)) / 3.0;
-        let expected = G::vee(&(difference * G::inverse(&tau(x)).unwrap()));
-        let error = (R::right_derivative(&x).unwrap() * y - expected).amax();
+        let error = derivative_error::<R, G, N, D>(sample_turn::<D>(seed, angle), sample::<D>(seed + 100));
         assert!(error < 5e-12, "D = {D}, angle {angle}: {error:e}");
     }
+}
+
+fn check_small_derivative<G: MatrixGroup<N, D>, const N: usize, const D: usize>() {
+    for seed in 1..20 {
+        let (x, y) = (sample::<D>(seed), sample::<D>(seed + 100));
+        let [exp, cay] =
+            [derivative_error::<Exponential, G, N, D>(x, y), derivative_error::<Cayley, G, N, D>(x, y)];
+        assert!(exp < 5e-12 && cay < 5e-12, "N = {N}, D = {D}: {exp:e} {cay:e}");
+    }
+}
+
+#[test]
+fn right_logarithmic_derivatives_on_the_other_groups() {
+    check_small_derivative::<Translations<3>, 4, 3>();
+    check_small_derivative::<SO2, 2, 1>();
+    check_small_derivative::<SE2, 3, 3>();
+    check_small_derivative::<SU2, 4, 3>();
+    check_small_derivative::<Product<SO3, Translations<2>, 3, 3, 3, 2>, 6, 5>();
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod compensated;
 mod ensemble;
 mod erased;
 mod generic;
+mod generic_mechanics;
 mod map;
 mod second_kind;
 mod together;

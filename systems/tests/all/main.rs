@@ -7,6 +7,7 @@ macro_rules! entries {
             $check:
             harmonic_oscillator
             kepler
+            two_bodies
             planar_pendulum
             driven_pendulum
             spherical_pendulum
@@ -15,13 +16,17 @@ macro_rules! entries {
             heavy_top
             lagrange_top
             kovalevskaya_top
+            heavy_top_on_se3
             magnetic_top
             quadrotor
             loose_quadrotor
             rigid_body_in_space
+            hanging_plate
             gyrostat
             coupled_bodies
             kirchhoff
+            ellipsoidal_fluid
+            nuclear_spin
         }
     };
     ($check:ident: $($name:ident)*) => {
@@ -47,4 +52,5 @@ mod certificates;
 mod classical;
 mod cli;
 mod conservation;
+mod groups;
 mod physics;

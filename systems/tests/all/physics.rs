@@ -19,7 +19,7 @@ use coadjoint_systems::rigid_body_in_space::{RigidBodyInSpace, RigidBodyInSpaceS
 use coadjoint_systems::spherical_pendulum::SphericalPendulum;
 
 /// The states of so many steps with the scheme `M` under the system's own control law, the initial one included.
-fn motion<S: Catalogued + Discretized<M>, M>(
+pub(crate) fn motion<S: Catalogued + Discretized<M>, M>(
     system: &S,
     start: &S::State,
     step: f64,
@@ -37,12 +37,17 @@ fn motion<S: Catalogued + Discretized<M>, M>(
 }
 
 /// The state after a time, in so many steps.
-fn after<S: Catalogued + Discretized<M>, M>(system: &S, start: &S::State, time: f64, steps: u64) -> S::State {
+pub(crate) fn after<S: Catalogued + Discretized<M>, M>(
+    system: &S,
+    start: &S::State,
+    time: f64,
+    steps: u64,
+) -> S::State {
     motion::<S, M>(system, start, time / steps as f64, steps).pop().expect("there is one")
 }
 
 /// The largest distance from the first of a quantity along a motion.
-fn drift<X, const N: usize>(states: &[X], quantity: impl Fn(&X) -> [f64; N]) -> f64 {
+pub(crate) fn drift<X, const N: usize>(states: &[X], quantity: impl Fn(&X) -> [f64; N]) -> f64 {
     let first = quantity(&states[0]);
     let far =
         |now: [f64; N]| now.iter().zip(first).fold(0.0_f64, |far, (x, first)| far.max((x - first).abs()));

@@ -34,7 +34,7 @@ fn descriptions() -> Vec<(TokenStream, TokenStream)> {
     let sources =
         files.filter(|path| path.is_file()).map(|path| std::fs::read_to_string(path).expect("text"));
     let descriptions: Vec<_> = sources.filter_map(|source| description(&source)).collect();
-    assert_eq!(descriptions.len(), 15);
+    assert_eq!(descriptions.len(), 20);
     descriptions
 }
 
@@ -47,9 +47,9 @@ fn the_catalogue_keeps_to_its_budget() {
         emitted += tokens(expansion.into_tokens());
     }
     println!("{kernels} kernels, {emitted} tokens");
-    // counted: 86 and 442,287
-    assert!(kernels <= 86, "{kernels} kernels");
-    assert!(emitted <= 460_000, "{emitted} tokens");
+    // counted: 94 and 503,745
+    assert!(kernels <= 112, "{kernels} kernels");
+    assert!(emitted <= 590_000, "{emitted} tokens");
 }
 
 /// What nobody asked for is not there.

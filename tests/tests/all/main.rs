@@ -19,6 +19,7 @@ mod language;
 mod lie_poisson;
 mod linearization;
 mod longrun;
+mod numbered;
 mod paper;
 mod reference;
 mod structure;

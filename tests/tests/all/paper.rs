@@ -5,6 +5,7 @@
 use coadjoint::nalgebra::{Matrix2, Matrix3};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Family, RightLift};
+use coadjoint_systems::heavy_top_on_se3::{HeavyTopOnSE3, HeavyTopOnSE3State};
 use coadjoint_tests::random::Random;
 
 /// Nothing but rounding, for values of the size of 1.
@@ -15,7 +16,7 @@ const READ_OFF: f64 = 2e-13;
 #[lie_poisson_system(
     group = R1,
     potential = 0.5 * stiffness * position.x.powi(2),
-    methods(Midpoint, Family(1, 4)),
+    methods(Midpoint, Family(1, 4), Family(3, 4)),
 )]
 struct Oscillator {
     #[inertia]
@@ -65,83 +66,78 @@ fn the_theta_family_of_5_3_on_the_oscillator() {
     assert!((matrix::<SymplecticEulerA>(&oscillator, h) - family(0.0)).amax() < ROUNDING);
     assert!((matrix::<Family<Exponential, 1, 4>>(&oscillator, h) - family(0.25)).amax() < ROUNDING);
     assert!((matrix::<Midpoint>(&oscillator, h) - family(0.5)).amax() < ROUNDING);
+    assert!((matrix::<Family<Exponential, 3, 4>>(&oscillator, h) - family(0.75)).amax() < ROUNDING);
     assert!((matrix::<SymplecticEulerB<Cayley>>(&oscillator, h) - family(1.0)).amax() < ROUNDING);
-}
-
-/// A particle whose energy is not a sum of a kinetic and a potential one.
-#[lie_poisson_system(
-    group = R2,
-    hamiltonian = {
-        let stretched = 1.0 + softness * position.norm_squared();
-        stretched * momentum.norm_squared() / 2.0 + position.x.powi(4) + position.x * momentum.y
-    },
-    methods(Midpoint, SymplecticEulerB, Family(1, 4)),
-)]
-struct Bent {
-    softness: f64,
-}
-
-#[test]
-fn the_theta_family_of_5_3_for_a_hamiltonian_that_is_not_separable() {
-    fn check<M>(theta: f64)
-    where
-        Bent: Discretized<M>,
-    {
-        let (bent, h) = (Bent { softness: 0.3 }, 0.1);
-        let mut state = BentState { position: vector![0.4, -0.7], momentum: vector![0.9, 0.2] };
-        let (q, p) = (state.position, state.momentum);
-        bent.stepper::<M>(h).expect("valid").step(&mut state).expect("solvable");
-        // ∂h/∂p and −∂h/∂q by hand
-        let f1 = |q: &Vector2<f64>, p: &Vector2<f64>| p * (1.0 + 0.3 * q.norm_squared()) + vector![0.0, q.x];
-        let f2 = |q: &Vector2<f64>, p: &Vector2<f64>| {
-            -(q * (0.3 * p.norm_squared()) + vector![4.0 * q.x.powi(3) + p.y, 0.0])
-        };
-        let (mut q_next, mut p_next) = (q, p);
-        for _ in 0..200 {
-            let q_bar = q * (1.0 - theta) + q_next * theta;
-            let p_bar = p * theta + p_next * (1.0 - theta);
-            (q_next, p_next) = (q + f1(&q_bar, &p_bar) * h, p + f2(&q_bar, &p_bar) * h);
-        }
-        assert!((state.position - q_next).amax() < ROUNDING, "θ = {theta}: {}", state.position - q_next);
-        assert!((state.momentum - p_next).amax() < ROUNDING, "θ = {theta}: {}", state.momentum - p_next);
-    }
-    check::<SymplecticEulerA>(0.0);
-    check::<Family<Exponential, 1, 4>>(0.25);
-    check::<Midpoint<Cayley>>(0.5);
-    check::<SymplecticEulerB>(1.0);
 }
 
 /// A vector field, lifted to the cotangent bundle by `h = p · f(q)`: predator and prey.
 #[lie_poisson_system(
     group = R2,
     hamiltonian = momentum.x * position.x * (1.0 - position.y) + momentum.y * rate * position.y * (position.x - 1.0),
-    methods(Midpoint, SymplecticEulerB, Family(1, 4)),
+    methods(Family(1, 4), Midpoint, Family(3, 4), SymplecticEulerB),
 )]
 struct Lifted {
     rate: f64,
 }
 
+/// The oscillator (1.4) in the same way, in place and velocity.
+#[lie_poisson_system(
+    group = R2,
+    hamiltonian = momentum.x * position.y - momentum.y * ratio * position.x,
+    methods(SymplecticEulerB),
+)]
+struct LiftedOscillator {
+    ratio: f64,
+}
+
+#[test]
+fn the_explicit_and_the_implicit_euler_method_of_the_oscillator() {
+    fn check<M>(expected: &Matrix2<f64>)
+    where
+        LiftedOscillator: Discretized<M>,
+    {
+        let mut state = LiftedOscillatorState { position: vector![0.4, -0.9], momentum: Vector2::zeros() };
+        let mut stepper = LiftedOscillator { ratio: 2.9 / 1.7 }.stepper::<M>(0.3).expect("valid");
+        let mut x = state.position;
+        for _ in 0..10 {
+            stepper.step(&mut state).expect("solvable");
+            x = expected * x;
+            assert!((state.position - x).amax() < ROUNDING * (1.0 + x.norm()), "{}", state.position - x);
+        }
+    }
+    let (h, ratio) = (0.3, 2.9 / 1.7);
+    let determinant = 1.0 + h * h * ratio;
+    // (1.7), and (1.8) with the signs outside of the diagonal as they should be
+    check::<SymplecticEulerA>(&Matrix2::new(1.0, h, -h * ratio, 1.0));
+    check::<SymplecticEulerB>(&(Matrix2::new(1.0, h, -h * ratio, 1.0) / determinant));
+}
+
 #[test]
 fn the_theta_family_of_3_3_for_a_vector_field() {
-    // x⁺ = x + h f((1−θ) x + θ x⁺): explicit Euler, implicit midpoint, implicit Euler
+    // (3.1): x⁺ = x + h f((1−θ) x + θ x⁺): explicit Euler, implicit midpoint, implicit Euler
     fn check<M>(theta: f64)
     where
         Lifted: Discretized<M>,
     {
         let (lifted, h) = (Lifted { rate: 0.8 }, 0.1);
         let mut state = LiftedState { position: vector![0.5, 1.7], momentum: vector![0.3, -0.4] };
-        let x = state.position;
-        lifted.stepper::<M>(h).expect("valid").step(&mut state).expect("solvable");
+        let mut stepper = lifted.stepper::<M>(h).expect("valid");
         let f = |x: &Vector2<f64>| vector![x.x * (1.0 - x.y), 0.8 * x.y * (x.x - 1.0)];
-        let mut next = x;
-        for _ in 0..200 {
-            next = x + f(&(x * (1.0 - theta) + next * theta)) * h;
+        let mut x = state.position;
+        for _ in 0..10 {
+            stepper.step(&mut state).expect("solvable");
+            let mut next = x;
+            for _ in 0..200 {
+                next = x + f(&(x * (1.0 - theta) + next * theta)) * h;
+            }
+            x = next;
+            assert!((state.position - x).amax() < 10.0 * ROUNDING, "θ = {theta}: {}", state.position - x);
         }
-        assert!((state.position - next).amax() < ROUNDING, "θ = {theta}: {}", state.position - next);
     }
     check::<SymplecticEulerA>(0.0);
     check::<Family<Exponential, 1, 4>>(0.25);
     check::<Midpoint>(0.5);
+    check::<Family<Cayley, 3, 4>>(0.75);
     check::<SymplecticEulerB>(1.0);
 }
 
@@ -327,6 +323,103 @@ fn the_heavy_top_with_the_exponential() {
 #[test]
 fn the_heavy_top_with_cayley() {
     heavy_top::<Cayley>();
+}
+
+/// (6.16), the logarithmic derivative `J` and what `t mgχ = z` adds to it, `Q`, in their right forms.
+fn j_and_q(y: &Vector3<f64>, z: &Vector3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
+    let (angle, y_hat, z_hat) = (y.norm(), hat(y), hat(z));
+    let (sine, cosine) = angle.sin_cos();
+    let c2 = (angle / 2.0).sin().powi(2) / (2.0 * (angle / 2.0).powi(2));
+    let c3 = (angle - sine) / angle.powi(3);
+    let first = (angle * sine + 2.0 * cosine - 2.0) / angle.powi(4);
+    let second = (3.0 * sine - angle * cosine - 2.0 * angle) / angle.powi(5);
+    let j = Matrix3::identity() + y_hat * c2 + y_hat * y_hat * c3;
+    let q = z_hat * c2
+        + (y_hat * z_hat + z_hat * y_hat) * c3
+        + (y_hat * first + y_hat * y_hat * second) * y.dot(z);
+    (j, q)
+}
+
+/// A step of the heavy top with the auxiliary `x`, as the paper writes it, in its right form; `(R, x, Π, Γ)`.
+type TopStep = fn(&HeavyTopOnSE3, f64, &OnSE3) -> OnSE3;
+type OnSE3 = (Matrix3<f64>, Vector3<f64>, Vector3<f64>, Vector3<f64>);
+
+/// (6.16), with the exponential.
+fn top_by_6_16(top: &HeavyTopOnSE3, t: f64, (r, x, pi, gamma): &OnSE3) -> OnSE3 {
+    let z = top.chi * (top.weight * t);
+    let mut y = pi.component_div(&top.inertia) * t;
+    for _ in 0..100 {
+        let (j, q) = j_and_q(&y, &z);
+        y = (j.transpose() * pi + q.transpose() * gamma).component_div(&top.inertia) * t;
+    }
+    let (j, _) = j_and_q(&y, &z);
+    let turn = Exponential::turn(&y);
+    let moved = j * z;
+    (r * turn, x + r * moved, turn.transpose() * (pi + gamma.cross(&moved)), turn.transpose() * gamma)
+}
+
+/// (6.18), with the Cayley map throughout.
+fn top_by_6_18(top: &HeavyTopOnSE3, t: f64, (r, x, pi, gamma): &OnSE3) -> OnSE3 {
+    let z = top.chi * (top.weight * t);
+    let mut y = pi.component_div(&top.inertia) * t;
+    for _ in 0..100 {
+        // (1 + |y|²/4) 𝓘Ω = (1 − ŷ/2)(Π + ½ Γ × t mgχ)
+        let left = (Matrix3::identity() - hat(&y) / 2.0) * (pi + gamma.cross(&z) / 2.0);
+        y = (left / (1.0 + y.norm_squared() / 4.0)).component_div(&top.inertia) * t;
+    }
+    let turn = Cayley::turn(&y);
+    let moved = Cayley::translation(&y) * z;
+    (r * turn, x + r * moved, turn.transpose() * (pi + gamma.cross(&moved)), turn.transpose() * gamma)
+}
+
+fn parts_on_se3(state: &HeavyTopOnSE3State) -> OnSE3 {
+    let (pi, gamma) = (state.momentum.fixed_rows::<3>(0), state.momentum.fixed_rows::<3>(3));
+    let x = state.pose.translation.vector;
+    (rotation(&state.pose.rotation), x, pi.into_owned(), gamma.into_owned())
+}
+
+/// Ten steps of the system of the catalogue, and of the heavy top with the vertical advected.
+fn top_with_x<R>(by_display: TopStep)
+where
+    HeavyTopOnSE3: Discretized<R>,
+    coadjoint_systems::heavy_top::HeavyTop: Discretized<R>,
+{
+    use coadjoint_systems::heavy_top::HeavyTop;
+    let random = &mut Random::new(64);
+    let t = 0.05;
+    let top = HeavyTopOnSE3 { inertia: random.moments(), weight: 1.3, chi: random.vector() };
+    let reduced = HeavyTop { inertia: top.inertia, weight: top.weight, chi: top.chi };
+    let (attitude, momentum) = (random.rotation(), random.vector());
+    let mut state = HeavyTopOnSE3::start(attitude, momentum);
+    let mut reduced_state = HeavyTop::start(attitude, momentum);
+    let mut expected = parts_on_se3(&state);
+    let mut stepper = top.stepper::<R>(t).expect("valid");
+    let mut reduced_stepper = reduced.stepper::<R>(t).expect("valid");
+    for _ in 0..10 {
+        stepper.step(&mut state).expect("solvable");
+        reduced_stepper.step(&mut reduced_state).expect("solvable");
+        expected = by_display(&top, t, &expected);
+        let (r, x, pi, gamma) = parts_on_se3(&state);
+        assert!((r - expected.0).amax() < 1e-14 && (x - expected.1).amax() < 1e-14);
+        assert!((pi - expected.2).amax() < 1e-13 && (gamma - expected.3).amax() < 1e-14);
+        assert!((r - rotation(&reduced_state.attitude)).amax() < 1e-14);
+        assert!((pi - reduced_state.momentum).amax() < 1e-14);
+        assert!((gamma - reduced_state.gamma).amax() < 1e-14);
+    }
+    // what the weight has pulled the angular momentum in space by
+    let pulled = expected.1.cross(&Vector3::z());
+    assert!((expected.0 * expected.2 - attitude * momentum + pulled).amax() < 1e-14);
+    assert!(pulled.norm() > 0.05);
+}
+
+#[test]
+fn the_heavy_tops_auxiliary_x_with_the_exponential() {
+    top_with_x::<Exponential>(top_by_6_16);
+}
+
+#[test]
+fn the_heavy_tops_auxiliary_x_with_cayley() {
+    top_with_x::<Cayley>(top_by_6_18);
 }
 
 /// (6.20) with (6.21) and (6.22): the moment acts at `g_k`, so that `Π_{k+1} = τ⁻¹ (Π_k + t M_k)`; without a moment it is the display
