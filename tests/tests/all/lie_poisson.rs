@@ -321,7 +321,7 @@ fn the_adjoint_of_a_step_is_that_of_the_other_end() {
             residuals.agree("a step back after a step", &back, &start, EXACT);
         } else if matches!(subject.system.factors[..], [Factor { algebra: Semidirect { group, .. }, .. }] if group.name() == "SO3")
         {
-            let far = &(&back - &start).norm() > &Real::ten_to(-9);
+            let far = (&back - &start).norm() > Real::ten_to(-9);
             assert!(
                 far,
                 "{}, s = {}: the claim that it is not symmetric",
