@@ -59,7 +59,8 @@ fn interface(system: &System<'_>) -> Interface {
         state: system.parts().iter().map(part).collect(),
         controls: system.controls.iter().map(part).collect(),
         inertias: system.inertias.iter().map(inertia).collect(),
-        casimirs: system.casimirs().into_iter().map(|(name, _)| name).collect(),
+        casimirs: system.casimirs().found.iter().map(|(name, _)| name.clone()).collect(),
+        missing_casimirs: system.casimirs().missing,
         dimension: system.dimension(),
         is_autonomous: system.is_autonomous(),
         is_left_invariant: system.is_left_invariant(),
@@ -119,7 +120,7 @@ fn at_state(system: &System<'_>) -> Inputs {
 
 /// Energy, velocity and what is conserved.
 fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
-    let casimirs = Vector(system.casimirs().into_iter().map(|(_, value)| value).collect());
+    let casimirs = Vector(system.casimirs().found.iter().map(|&(_, value)| value).collect());
     let inputs = || at_state(system).with(Input::Time, system.time_symbol());
     let mut functions = vec![
         function(arena, system, Role::Energy, &Vector(vec![system.energy()]), inputs()),

@@ -1,6 +1,7 @@
 //! A described system as plain symbolic data: what methods and emitters work from.
 
 mod build;
+mod casimirs;
 mod layout;
 mod legendre;
 mod part;
@@ -11,6 +12,7 @@ use std::cell::OnceCell;
 
 pub use crate::check::InertiaShape;
 pub use crate::language::ForceForm;
+pub use casimirs::Casimirs;
 pub use layout::{FactorPart, Slot};
 pub use legendre::Relation;
 pub use part::{Part, Role, StoredAs};
@@ -18,7 +20,7 @@ pub use part::{Part, Role, StoredAs};
 use proc_macro2::Ident;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{Named, Semidirect, SemidirectVector, Side, trivialized_gradient};
+use crate::group::{Semidirect, SemidirectVector, Side, trivialized_gradient};
 use crate::identifiers::plain;
 use crate::language::Constant;
 use crate::parse::Shape;
@@ -49,6 +51,8 @@ pub struct System<'a> {
     advected: Vec<(usize, usize)>,
     /// The velocity at the state, once it has been worked out.
     velocity: OnceCell<Relation<'a>>,
+    /// The Casimirs, once they have been found.
+    casimirs: OnceCell<Casimirs<'a>>,
 }
 
 /// One factor of the configuration's group.
@@ -275,21 +279,6 @@ impl<'a> System<'a> {
     /// Whether the system is left-invariant: nothing but momentum and advected parameters has a part in its motion.
     pub fn is_left_invariant(&self) -> bool {
         self.is_autonomous() && !self.factors.iter().any(|factor| self.depends_on_configuration(factor))
-    }
-
-    /// The Casimirs of the bracket, with their names: those functions of momenta and advected parameters that the motion keeps
-    /// whatever the energy's dependence on them.
-    pub fn casimirs(&self) -> Vec<(String, Expr<'a>)> {
-        let mut casimirs = Vec::new();
-        for factor in &self.factors {
-            let name = plain(&factor.momentum_name);
-            let momentum = Named { name: &name, value: &factor.momentum };
-            let moved = factor.force.is_some() || self.depends_on_configuration(factor);
-            let advected: Vec<Named<'_, 'a>> =
-                factor.advected.iter().map(|a| Named { name: &a.name, value: &a.value }).collect();
-            casimirs.extend(factor.algebra.group.casimirs((!moved).then_some(&momentum), &advected));
-        }
-        casimirs
     }
 }
 

@@ -259,10 +259,14 @@ fn description(program: &Program, names: &Names) -> TokenStream {
 
 /// What the motion keeps, as a paragraph; nothing if it keeps nothing that is known.
 fn invariants(interface: &Interface) -> Vec<String> {
-    let Interface { casimirs, is_autonomous, .. } = interface;
+    let Interface { casimirs, missing_casimirs, is_autonomous, .. } = interface;
     let mut invariants = Vec::new();
     if !casimirs.is_empty() {
         invariants.push(format!("{}, the Casimirs, up to accumulated rounding", list(casimirs)));
+    }
+    if *missing_casimirs > 0 {
+        let which = if casimirs.is_empty() { "Casimirs" } else { "more Casimirs" };
+        invariants.push(format!("{missing_casimirs} {which} that are no polynomials of a low degree"));
     }
     if *is_autonomous {
         invariants.push("the energy, up to a bounded error of the order of the step".to_owned());

@@ -4,7 +4,7 @@
 //! * Storage: the vector; `g' = ξ`.
 //! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
 
-use super::{EquationNames, Equations, Group, MatrixFunction, Named, Representation, Retraction};
+use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
 use crate::expr::{Expr, Vector};
 
 /// Translations of the Euclidean space of this dimension, 1 to 6.
@@ -102,12 +102,6 @@ impl Group for R {
     }
 
     /// All of the momentum: the bracket is zero.
-    fn casimirs<'a>(&self, momentum: Option<&Named<'_, 'a>>, _: &[Named<'_, 'a>]) -> Vec<(String, Expr<'a>)> {
-        let Some(momentum) = momentum else { return Vec::new() };
-        let named = |(axis, component): (&&str, Expr<'a>)| (format!("{}.{axis}", momentum.name), component);
-        self.axes().iter().zip(momentum.value.iter()).map(named).collect()
-    }
-
     fn is_linear(&self) -> bool {
         true
     }

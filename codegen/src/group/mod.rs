@@ -4,6 +4,7 @@
 //! tested against its definition (power series, matrix products, differences).
 
 mod calculus;
+pub mod casimirs;
 mod euclidean;
 mod representation;
 mod retraction;
@@ -15,6 +16,7 @@ mod semidirect;
 mod side;
 mod so2;
 mod so3;
+mod structure;
 mod su2;
 
 pub(crate) use calculus::{
@@ -30,6 +32,7 @@ pub use semidirect::{Semidirect, SemidirectVector};
 pub use side::Side;
 pub use so2::SO2;
 pub use so3::SO3;
+pub use structure::Structure;
 pub use su2::SU2;
 
 use crate::expr::{Expr, Vector};
@@ -112,13 +115,6 @@ pub trait Group: Sync {
     fn actions(&self) -> &'static [&'static dyn Representation] {
         self.representations()
     }
-    /// The Casimirs of the Lie–Poisson bracket on `(g ⋉ V₁ ⊕ … )*`, with names; `momentum` and the advected parameters come with
-    /// their names. Without a `momentum`, which a potential on the group or a force changes, those of the advected parameters alone.
-    fn casimirs<'a>(
-        &self,
-        momentum: Option<&Named<'_, 'a>>,
-        advected: &[Named<'_, 'a>],
-    ) -> Vec<(String, Expr<'a>)>;
     /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
     fn unknown_scale(&self, _retraction: Retraction) -> i128 {
         1
@@ -190,14 +186,6 @@ pub enum ComponentValue<'a> {
     Element(&'static dyn Group, Vector<'a>),
 }
 
-/// A vector and what users call it.
-pub struct Named<'n, 'a> {
-    /// What users call it.
-    pub name: &'n str,
-    /// The vector.
-    pub value: &'n Vector<'a>,
-}
-
 /// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
 pub(crate) fn part_name(whole: &str, part: &str) -> String {
     let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
@@ -208,17 +196,4 @@ pub(crate) fn part_name(whole: &str, part: &str) -> String {
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
     &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2]
-}
-
-/// What rotations keep of vectors in a space of dimension `leading + 1`: all lengths, and the inner products with the first
-/// `leading` vectors, on which those of the others depend.
-pub(crate) fn inner_products<'a>(vectors: &[Named<'_, 'a>], leading: usize) -> Vec<(String, Expr<'a>)> {
-    let norm = |a: &Named<'_, 'a>| (format!("|{}|²", a.name), a.value.dot(a.value));
-    let product =
-        |a: &Named<'_, 'a>, b: &Named<'_, 'a>| (format!("{}·{}", a.name, b.name), a.value.dot(b.value));
-    let mut kept: Vec<_> = vectors.iter().map(norm).collect();
-    for (i, a) in vectors.iter().take(leading).enumerate() {
-        kept.extend(vectors[i + 1..].iter().map(|b| product(a, b)));
-    }
-    kept
 }

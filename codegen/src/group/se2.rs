@@ -7,8 +7,8 @@
 use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Named, Representation,
-    Retraction, Semidirect, inner_products, part_name,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
+    Semidirect,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -119,20 +119,6 @@ impl Group for SE2 {
     }
 
     /// The linear momentum is one more vector that the rotations act on: lengths and inner products.
-    fn casimirs<'a>(
-        &self,
-        momentum: Option<&Named<'_, 'a>>,
-        advected: &[Named<'_, 'a>],
-    ) -> Vec<(String, Expr<'a>)> {
-        let Some(momentum) = momentum else { return inner_products(advected, 1) };
-        let parts = rigid().split(momentum.value);
-        let name = part_name(momentum.name, "linear");
-        let linear = Named { name: &name, value: &parts.spaces[0] };
-        let mut vectors = vec![linear];
-        vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));
-        inner_products(&vectors, 1)
-    }
-
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

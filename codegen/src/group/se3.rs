@@ -7,8 +7,8 @@
 use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Named, Representation,
-    Retraction, Semidirect, Translation, inner_products, part_name,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
+    Semidirect, Translation,
 };
 use crate::expr::{Expr, Vector};
 
@@ -117,24 +117,6 @@ impl Group for SE3 {
 
     /// The linear momentum is one more vector that the rotations act on: lengths and inner products; without advected vectors also its
     /// product with the angular momentum.
-    fn casimirs<'a>(
-        &self,
-        momentum: Option<&Named<'_, 'a>>,
-        advected: &[Named<'_, 'a>],
-    ) -> Vec<(String, Expr<'a>)> {
-        let Some(momentum) = momentum else { return inner_products(advected, 2) };
-        let parts = rigid().split(momentum.value);
-        let [angular, name] = ["angular", "linear"].map(|part| part_name(momentum.name, part));
-        let linear = Named { name: &name, value: &parts.spaces[0] };
-        let mut vectors = vec![linear];
-        vectors.extend(advected.iter().map(|a| Named { name: a.name, value: a.value }));
-        let mut casimirs = inner_products(&vectors, 2);
-        if advected.is_empty() {
-            casimirs.push((format!("{angular}·{name}"), parts.base.dot(&parts.spaces[0])));
-        }
-        casimirs
-    }
-
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

@@ -6,8 +6,8 @@
 //!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Named, Representation,
-    Retraction, Translation, inner_products,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
+    Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -124,17 +124,6 @@ impl Group for SO2 {
     }
 
     /// Without vectors the momentum; with vectors their lengths and the angles between them.
-    fn casimirs<'a>(
-        &self,
-        momentum: Option<&Named<'_, 'a>>,
-        advected: &[Named<'_, 'a>],
-    ) -> Vec<(String, Expr<'a>)> {
-        match (momentum, advected) {
-            (Some(momentum), []) => vec![(momentum.name.to_owned(), momentum.value.0[0])],
-            _ => inner_products(advected, 1),
-        }
-    }
-
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

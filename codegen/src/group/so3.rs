@@ -8,8 +8,8 @@
 //! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Moved, Named, Representation,
-    Retraction, Side, Translation, inner_products,
+    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Moved, Representation,
+    Retraction, Side, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -187,24 +187,6 @@ impl Group for SO3 {
     }
 
     /// For `k` vectors: the `Γᵢ·Γⱼ`, and for one vector also `Π·Γ`; without vectors `|Π|²`.
-    fn casimirs<'a>(
-        &self,
-        momentum: Option<&Named<'_, 'a>>,
-        advected: &[Named<'_, 'a>],
-    ) -> Vec<(String, Expr<'a>)> {
-        let mut casimirs = inner_products(advected, 2);
-        match (momentum, advected) {
-            (Some(momentum), []) => {
-                casimirs.push((format!("|{}|²", momentum.name), momentum.value.dot(momentum.value)));
-            }
-            (Some(momentum), [one]) => {
-                casimirs.push((format!("{}·{}", momentum.name, one.name), momentum.value.dot(one.value)));
-            }
-            _ => {}
-        }
-        casimirs
-    }
-
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

@@ -7,7 +7,7 @@
 //!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::so3::SO3;
-use super::{Component, EquationNames, Equations, Group, MatrixFunction, Named, Representation, Retraction};
+use super::{Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
 use crate::expr::{Expr, Number, Vector};
 
 /// Unit quaternions.
@@ -124,14 +124,6 @@ impl Group for SU2 {
     /// Those of the rotations that they cover.
     fn actions(&self) -> &'static [&'static dyn Representation] {
         SO3.representations()
-    }
-
-    fn casimirs<'a>(
-        &self,
-        momentum: Option<&Named<'_, 'a>>,
-        advected: &[Named<'_, 'a>],
-    ) -> Vec<(String, Expr<'a>)> {
-        SO3.casimirs(momentum, advected)
     }
 
     fn components(&self) -> &'static [Component] {

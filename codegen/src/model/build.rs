@@ -71,6 +71,7 @@ impl<'a> System<'a> {
             sources,
             advected,
             velocity: OnceCell::new(),
+            casimirs: OnceCell::new(),
         };
         description.is_sound().then_some(system)
     }

@@ -17,6 +17,8 @@ pub struct Interface {
     pub inertias: Vec<Inertia>,
     /// What the Casimirs are called.
     pub casimirs: Vec<String>,
+    /// How many more there are that have no name: of a high degree, or no polynomials.
+    pub missing_casimirs: usize,
     /// The dimension of the configuration.
     pub dimension: usize,
     /// Whether the energy is an invariant of the motion.

@@ -2,6 +2,7 @@
 
 mod bounds;
 mod calculus;
+mod casimirs;
 mod description;
 mod fuzz;
 mod linear;

@@ -81,7 +81,7 @@ fn steps_of_the_free_rigid_body() {
 
 #[test]
 fn the_derivative_of_a_step_of_the_free_rigid_body() {
-    let input = &description(FREE_RIGID_BODY).replace("    methods(", "    derivatives,\n    methods(");
+    let input = &description(FREE_RIGID_BODY).replace("group = SO3,", "group = SO3,\n    derivatives,");
     let steps = expansion(input).steps;
     let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
     let tokens = step.and_then(|step| step.derivative).expect("derivatives are asked for");

@@ -1,8 +1,9 @@
 //! The laws of every group of the catalogue, from its own symbolic forms, held against definitions by matrices with 77 digits.
 
-use coadjoint_codegen::expr::{Arena, Stage, Vector, gradient};
+use coadjoint_codegen::expr::{Arena, Number, Stage, Vector, gradient};
+use coadjoint_codegen::group::casimirs::{Casimirs, Polynomial, casimirs};
 use coadjoint_codegen::group::{
-    Group, MatrixFunction, Named, Representation, Retraction, Semidirect, SemidirectVector, Side,
+    Group, MatrixFunction, Representation, Retraction, Semidirect, SemidirectVector, Side, Structure,
     Translation, catalogue,
 };
 use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization, retract};
@@ -559,12 +560,22 @@ fn casimirs_are_all_that_is_kept_whatever_the_hamiltonian() {
         let n = matrices.dimension();
         let arena = Arena::new();
         let mu = symbols(&arena, "m", n, Stage::Step);
-        let parts = element(&algebra, &mu);
-        let names: Vec<String> = (0..parts.spaces.len()).map(|i| format!("a{i}")).collect();
-        let momentum = Named { name: "m", value: &parts.base };
-        let advected: Vec<_> =
-            names.iter().zip(&parts.spaces).map(|(name, value)| Named { name, value }).collect();
-        let casimirs = algebra.group.casimirs(Some(&momentum), &advected);
+        let structure = Structure::of(&algebra).expect("exact constants");
+        let mut blocks = vec![0..algebra.group.dimension()];
+        for space in &algebra.spaces {
+            let start = blocks.last().map_or(0, |block| block.end);
+            blocks.push(start..start + space.coordinates().len());
+        }
+        let Casimirs { found, missing } = casimirs(&structure, &blocks);
+        assert_eq!(missing, 0);
+        let value = |polynomial: &Polynomial| {
+            let term = |(monomial, &coefficient): (&Vec<usize>, &i64)| {
+                let coefficient = arena.number(Number::ratio(coefficient.into(), 1));
+                monomial.iter().fold(coefficient, |product, &variable| product * mu.0[variable])
+            };
+            polynomial.iter().map(term).fold(arena.zero(), |sum, term| sum + term)
+        };
+        let casimirs: Vec<_> = found.iter().map(|casimir| (format!("{casimir:?}"), value(casimir))).collect();
         let gradients: Vec<_> = casimirs.iter().map(|(_, c)| gradient(*c, &mu.symbols())).collect();
 
         let random = &mut Random::new(28);

@@ -1,0 +1,364 @@
+//! Casimirs, found: the polynomials `C` that every Hamiltonian keeps, `Σ_i ∂C/∂m_i {m_i, m_j} = 0` for all `j`, with the Lie–Poisson bracket
+//! `{m_i, m_j} = Σ_k c_ij^k m_k`.
+//!
+//! Degree by degree, they are the common kernel of the derivations `{·, m_j}` on the polynomials of that degree: of one derivation after the
+//! other, as the kernel of the first ones is small. The number of independent ones is that of the columns of `{m_i, m_j}` less its rank at a
+//! generic point; the search ends there, or behind the largest degree. Elimination is modulo a prime; what is found has small coefficients,
+//! which are read back as fractions, and checked exactly.
+
+use std::collections::BTreeMap;
+
+use num_rational::Ratio;
+
+use super::Structure;
+
+/// The largest degree that is searched.
+const DEGREE: usize = 4;
+/// How many monomials a part of the search may have.
+const MONOMIALS: usize = 1_000;
+/// Modulo this all products fit.
+const PRIME: u64 = 2_147_483_629;
+
+/// Indices of variables, sorted, each as often as its exponent.
+type Monomial = Vec<usize>;
+
+/// A polynomial with whole coefficients without a common divisor.
+pub type Polynomial = BTreeMap<Monomial, i64>;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Casimirs {
+    /// Independent ones, those of a lower degree first.
+    pub found: Vec<Polynomial>,
+    /// How many more there are, of a higher degree or no polynomials at all.
+    pub missing: usize,
+}
+
+/// The Casimirs that are functions of these variables alone. These are given in blocks: a Casimir is searched for among the polynomials of
+/// one degree in each block, so that what is scaled apart stays apart.
+pub fn casimirs(structure: &Structure, blocks: &[std::ops::Range<usize>]) -> Casimirs {
+    let point = generic_point(structure.dimension());
+    let all = number(structure, blocks, &point);
+    let mut independent = Echelon::default();
+    let mut found: Vec<Polynomial> = Vec::new();
+    for degree in 1..=DEGREE {
+        if found.len() == all {
+            break;
+        }
+        for part in parts(blocks.len(), degree) {
+            if found.len() == all {
+                break;
+            }
+            let Some(monomials) = monomials(blocks, &part) else { continue };
+            let products = products(&found, degree).into_iter().map(modular);
+            for kept in kernel(structure, monomials, products) {
+                let Some(polynomial) = exact(&kept).filter(|exact| is_kept(structure, exact)) else {
+                    continue;
+                };
+                if found.len() < all && independent.insert(gradient(&kept, &point)) {
+                    found.push(polynomial);
+                }
+            }
+        }
+    }
+    let missing = all - found.len();
+    Casimirs { found, missing }
+}
+
+/// Numbers modulo the prime at which no polynomial of low degree vanishes by chance, the same each time.
+fn generic_point(dimension: usize) -> Vec<u64> {
+    let next = |x: &u64| Some((x * 1_103_515_245 + 12_345) % PRIME);
+    std::iter::successors(Some(17_u64), next).skip(3).take(dimension).collect()
+}
+
+/// How many independent functions of these variables all derivations leave alone: there are as many as variables, less the rank of the
+/// derivations at a generic point.
+fn number(structure: &Structure, blocks: &[std::ops::Range<usize>], point: &[u64]) -> usize {
+    let mut rank = Echelon::default();
+    let variables = || blocks.iter().cloned().flatten();
+    for j in 0..structure.dimension() {
+        let value = |i: usize| {
+            let constants = structure.bracket(i, j).iter();
+            constants.fold(0, |sum, &(k, constant)| (sum + residue(constant) * point[k]) % PRIME)
+        };
+        rank.insert(variables().map(|i| (i, value(i))).filter(|&(_, value)| value != 0).collect());
+    }
+    variables().count() - rank.rows.len()
+}
+
+/// The ways to share a degree among blocks: squares first, then products of the first blocks, as people list them.
+fn parts(blocks: usize, degree: usize) -> Vec<Vec<usize>> {
+    let mut parts = vec![Vec::new()];
+    for _ in 0..degree {
+        let longer = |part: Vec<usize>| {
+            let first = part.last().copied().unwrap_or(0);
+            (first..blocks).map(move |block| [part.clone(), vec![block]].concat())
+        };
+        parts = parts.into_iter().flat_map(longer).collect();
+        if parts.len() > MONOMIALS * MONOMIALS {
+            return Vec::new();
+        }
+    }
+    parts.sort_by_key(|part| part.windows(2).filter(|pair| pair[0] != pair[1]).count());
+    parts
+}
+
+/// The monomials with one variable of each of these blocks; none if there are too many.
+fn monomials(blocks: &[std::ops::Range<usize>], part: &[usize]) -> Option<Vec<Monomial>> {
+    let mut monomials = vec![Monomial::new()];
+    for &block in part {
+        let longer = |monomial: Monomial| {
+            let first = monomial.last().copied().unwrap_or(0).max(blocks[block].start);
+            (first..blocks[block].end).map(move |variable| [monomial.clone(), vec![variable]].concat())
+        };
+        monomials = monomials.into_iter().flat_map(longer).collect();
+        if monomials.len() > MONOMIALS {
+            return None;
+        }
+    }
+    Some(monomials)
+}
+
+/// The products of polynomials that have this degree.
+fn products(factors: &[Polynomial], degree: usize) -> Vec<Polynomial> {
+    let of = |polynomial: &Polynomial| polynomial.keys().next().map_or(0, Vec::len);
+    let mut products = Vec::new();
+    let one = Polynomial::from([(Monomial::new(), 1)]);
+    let mut open = vec![(one, 0, 0)];
+    while let Some((product, degree_so_far, first)) = open.pop() {
+        if degree_so_far == degree {
+            products.push(product);
+            continue;
+        }
+        for (place, factor) in factors.iter().enumerate().skip(first) {
+            let next = degree_so_far + of(factor);
+            if next <= degree {
+                open.push((times(&product, factor), next, place));
+            }
+        }
+    }
+    products
+}
+
+fn times(a: &Polynomial, b: &Polynomial) -> Polynomial {
+    let mut product = Polynomial::new();
+    for (m, x) in a {
+        for (n, y) in b {
+            let mut monomial = [m.clone(), n.clone()].concat();
+            monomial.sort_unstable();
+            *product.entry(monomial).or_default() += x * y;
+        }
+    }
+    product
+}
+
+/// A sparse vector modulo the prime.
+type Sparse<K> = BTreeMap<K, u64>;
+
+fn modular(polynomial: Polynomial) -> Sparse<Monomial> {
+    let coefficient = |x: i64| residue(Ratio::from_integer(x));
+    polynomial.into_iter().map(|(monomial, x)| (monomial, coefficient(x))).collect()
+}
+
+/// The polynomials in these monomials that all derivations annul and that do not follow from products, in reduced echelon form: the one with the
+/// last monomial first.
+fn kernel(
+    structure: &Structure,
+    monomials: Vec<Monomial>,
+    products: impl Iterator<Item = Sparse<Monomial>>,
+) -> Vec<Sparse<Monomial>> {
+    let mut space: Vec<Sparse<Monomial>> =
+        monomials.into_iter().map(|monomial| Sparse::from([(monomial, 1)])).collect();
+    for j in 0..structure.dimension() {
+        let mut images: Vec<(Sparse<Monomial>, Sparse<Monomial>)> = Vec::new();
+        let mut pivots: BTreeMap<Monomial, usize> = BTreeMap::new();
+        let mut kept = Vec::new();
+        for polynomial in space {
+            let (mut image, mut polynomial) = (derived(structure, &polynomial, j), polynomial);
+            loop {
+                let Some((pivot, &value)) = image.last_key_value() else {
+                    kept.push(polynomial);
+                    break;
+                };
+                let Some(&place) = pivots.get(pivot) else {
+                    pivots.insert(pivot.clone(), images.len());
+                    images.push((image, polynomial));
+                    break;
+                };
+                let (other, source) = &images[place];
+                let factor = value * inverse(other[pivot]) % PRIME;
+                subtract(&mut polynomial, factor, source);
+                subtract(&mut image, factor, other);
+            }
+        }
+        space = kept;
+    }
+    let mut known = Echelon::default();
+    products.for_each(|product| _ = known.insert(product));
+    let old = known.rows.len();
+    space.into_iter().for_each(|polynomial| _ = known.insert(polynomial));
+    known.reduced(old)
+}
+
+/// `Σ_i ∂C/∂m_i {m_i, m_j}`
+fn derived(structure: &Structure, polynomial: &Sparse<Monomial>, j: usize) -> Sparse<Monomial> {
+    let mut image = Sparse::new();
+    for (monomial, &coefficient) in polynomial {
+        for (place, &i) in monomial.iter().enumerate() {
+            for &(k, constant) in structure.bracket(i, j) {
+                let mut changed = monomial.clone();
+                changed[place] = k;
+                changed.sort_unstable();
+                let entry = image.entry(changed).or_insert(0);
+                *entry = (*entry + coefficient * residue(constant)) % PRIME;
+            }
+        }
+    }
+    image.retain(|_, coefficient| *coefficient != 0);
+    image
+}
+
+/// Rows that are independent, each with a last entry that no other one has.
+struct Echelon<K> {
+    rows: Vec<Sparse<K>>,
+    pivots: BTreeMap<K, usize>,
+}
+
+impl<K> Default for Echelon<K> {
+    fn default() -> Self {
+        Self { rows: Vec::new(), pivots: BTreeMap::new() }
+    }
+}
+
+impl<K: Ord + Clone> Echelon<K> {
+    /// Adds what a row has beside those that there are; says whether there is anything.
+    fn insert(&mut self, mut row: Sparse<K>) -> bool {
+        while let Some((pivot, &value)) = row.last_key_value() {
+            let Some(&place) = self.pivots.get(pivot) else {
+                let scale = inverse(value);
+                self.pivots.insert(pivot.clone(), self.rows.len());
+                row.values_mut().for_each(|x| *x = *x * scale % PRIME);
+                self.rows.push(row);
+                return true;
+            };
+            subtract(&mut row, value, &self.rows[place]);
+        }
+        false
+    }
+
+    /// The rows from this one on, without the last entries of all others; those with the last ones first.
+    fn reduced(&self, from: usize) -> Vec<Sparse<K>> {
+        let places = self.pivots.iter().rev().filter(|&(_, &place)| place >= from);
+        let reduced = |(own, &place): (&K, &usize)| {
+            let mut row = self.rows[place].clone();
+            for (pivot, &other) in self.pivots.iter().rev().filter(|&(pivot, _)| pivot != own) {
+                if let Some(&value) = row.get(pivot) {
+                    subtract(&mut row, value, &self.rows[other]);
+                }
+            }
+            row
+        };
+        places.map(reduced).collect()
+    }
+}
+
+/// `row −= factor · other`
+fn subtract<K: Ord + Clone>(row: &mut Sparse<K>, factor: u64, other: &Sparse<K>) {
+    for (key, value) in other {
+        let entry = row.entry(key.clone()).or_insert(0);
+        *entry = (*entry + PRIME - factor * value % PRIME) % PRIME;
+        if *entry == 0 {
+            row.remove(key);
+        }
+    }
+}
+
+fn residue(number: Ratio<i64>) -> u64 {
+    let prime = PRIME as i64;
+    let part = |x: i64| x.rem_euclid(prime) as u64;
+    part(*number.numer()) * inverse(part(*number.denom())) % PRIME
+}
+
+/// `x⁻¹`, by Fermat's little theorem.
+fn inverse(x: u64) -> u64 {
+    let (mut power, mut exponent, mut result) = (x, PRIME - 2, 1);
+    while exponent > 0 {
+        if exponent % 2 == 1 {
+            result = result * power % PRIME;
+        }
+        power = power * power % PRIME;
+        exponent /= 2;
+    }
+    result
+}
+
+/// The fraction with a small numerator and a small denominator that is `x` modulo the prime.
+fn fraction(x: u64) -> Option<Ratio<i64>> {
+    let bound = (PRIME as f64 / 2.0).sqrt() as i64;
+    let (mut a, mut b, mut s, mut t) = (PRIME as i64, x as i64, 0, 1);
+    while b > bound {
+        let quotient = a / b;
+        (a, b, s, t) = (b, a - quotient * b, t, s - quotient * t);
+    }
+    (t != 0 && t.abs() <= bound).then(|| Ratio::new(b, t))
+}
+
+/// With whole coefficients that have no common divisor; the last one is positive.
+fn exact(polynomial: &Sparse<Monomial>) -> Option<Polynomial> {
+    let coefficients = polynomial.iter().map(|(monomial, &x)| Some((monomial.clone(), fraction(x)?)));
+    let coefficients: Vec<(Monomial, Ratio<i64>)> = coefficients.collect::<Option<_>>()?;
+    let multiple = coefficients.iter().try_fold(1_i64, |multiple, (_, x)| {
+        multiple.checked_mul(*(Ratio::from_integer(multiple) * *x).denom())
+    })?;
+    let whole = coefficients.iter().map(|(_, x)| (*x * multiple).to_integer());
+    let whole: Vec<i64> = whole.collect();
+    let divisor = whole.iter().fold(0, |divisor, &x| greatest_common_divisor(divisor, x));
+    let sign = whole.last()?.signum();
+    Some(
+        coefficients
+            .into_iter()
+            .zip(whole)
+            .map(|((monomial, _), x)| (monomial, sign * x / divisor))
+            .collect(),
+    )
+}
+
+fn greatest_common_divisor(mut a: i64, mut b: i64) -> i64 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a.abs()
+}
+
+/// Whether all derivations annul a polynomial, exactly.
+fn is_kept(structure: &Structure, polynomial: &Polynomial) -> bool {
+    (0..structure.dimension()).all(|j| {
+        let mut image: BTreeMap<Monomial, Ratio<i64>> = BTreeMap::new();
+        for (monomial, &coefficient) in polynomial {
+            for (place, &i) in monomial.iter().enumerate() {
+                for &(k, constant) in structure.bracket(i, j) {
+                    let mut changed = monomial.clone();
+                    changed[place] = k;
+                    changed.sort_unstable();
+                    *image.entry(changed).or_default() += constant * coefficient;
+                }
+            }
+        }
+        image.values().all(|coefficient| *coefficient.numer() == 0)
+    })
+}
+
+/// The gradient at a point.
+fn gradient(polynomial: &Sparse<Monomial>, point: &[u64]) -> Sparse<usize> {
+    let mut gradient = Sparse::new();
+    for (monomial, &coefficient) in polynomial {
+        for (place, &variable) in monomial.iter().enumerate() {
+            let others = monomial.iter().enumerate().filter(|&(other, _)| other != place);
+            let product = others.fold(coefficient, |product, (_, &other)| product * point[other] % PRIME);
+            let entry = gradient.entry(variable).or_insert(0);
+            *entry = (*entry + product) % PRIME;
+        }
+    }
+    gradient.retain(|_, value| *value != 0);
+    gradient
+}

@@ -1,0 +1,149 @@
+//! The Casimirs of a system by names that people know.
+
+use super::{Factor, System};
+use crate::expr::{Expr, Number, Vector};
+use crate::group::casimirs::{Polynomial, casimirs};
+use crate::group::{Structure, part_name};
+use crate::identifiers::plain;
+
+/// What a system's bracket keeps.
+#[derive(Clone, Default)]
+pub struct Casimirs<'a> {
+    /// With their names.
+    pub found: Vec<(String, Expr<'a>)>,
+    /// How many more there are that were not found.
+    pub missing: usize,
+}
+
+/// Components that have a name in common, and a unit.
+struct Block<'a> {
+    name: String,
+    axes: Vec<&'static str>,
+    value: Vector<'a>,
+}
+
+impl<'a> System<'a> {
+    /// The Casimirs of the bracket: those functions of momenta and advected parameters that the motion keeps whatever the energy's dependence
+    /// on them. Of a momentum that a force or the energy's dependence on the configuration changes none is a function.
+    pub fn casimirs(&self) -> &Casimirs<'a> {
+        self.casimirs.get_or_init(|| {
+            let mut all = Casimirs::default();
+            for factor in &self.factors {
+                let is_moved = factor.force.is_some() || self.depends_on_configuration(factor);
+                let Casimirs { found, missing } = of_factor(factor, is_moved);
+                all.found.extend(found);
+                all.missing += missing;
+            }
+            all
+        })
+    }
+}
+
+fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
+    let Some(structure) = Structure::of(&factor.algebra) else { return Casimirs::default() };
+    let mut blocks = momenta(factor);
+    let momenta = blocks.len();
+    let spaces = factor.advected.iter().zip(&factor.algebra.spaces);
+    blocks.extend(spaces.map(|(advected, space)| Block {
+        name: advected.name.clone(),
+        axes: space.coordinates().to_vec(),
+        value: advected.value.clone(),
+    }));
+    // the momentum is one block: its parts are not scaled apart
+    let dimension = factor.momentum.len();
+    let mut ranges = vec![0..dimension];
+    for block in &blocks[momenta..] {
+        let start = ranges.last().map_or(0, |range| range.end);
+        ranges.push(start..start + block.value.len());
+    }
+    let variables = if is_moved { &ranges[1..] } else { &ranges[..] };
+    let found = casimirs(&structure, variables);
+    let named = found.found.iter().map(|polynomial| named(polynomial, &blocks));
+    Casimirs { found: named.collect(), missing: found.missing }
+}
+
+/// The parts of a factor's momentum.
+fn momenta<'a>(factor: &Factor<'a>) -> Vec<Block<'a>> {
+    let (group, whole) = (factor.algebra.group, plain(&factor.momentum_name));
+    let names = match group.parts() {
+        [] => vec![whole],
+        parts => parts.iter().map(|part| part_name(&whole, part)).collect(),
+    };
+    let mut from = 0;
+    let block = |(name, length): (String, usize)| {
+        let rows = from..from + length;
+        from = rows.end;
+        Block {
+            name,
+            axes: group.axes()[rows.clone()].to_vec(),
+            value: Vector(factor.momentum.0[rows].to_vec()),
+        }
+    };
+    names.into_iter().zip(group.blocks()).map(block).collect()
+}
+
+/// A polynomial of the components of these blocks: an inner product of two of them, or its terms.
+fn named<'a>(polynomial: &Polynomial, blocks: &[Block<'a>]) -> (String, Expr<'a>) {
+    let inner = (0..blocks.len()).flat_map(|i| (i..blocks.len()).map(move |j| (i, j)));
+    let starts: Vec<usize> = blocks
+        .iter()
+        .scan(0, |next, block| Some(std::mem::replace(next, *next + block.value.len())))
+        .collect();
+    for (i, j) in inner {
+        let (a, b) = (&blocks[i], &blocks[j]);
+        let length = a.value.len();
+        let product = (0..length).map(|k| (vec![starts[i] + k, starts[j] + k], 1));
+        if length > 1 && length == b.value.len() && *polynomial == product.collect::<Polynomial>() {
+            let name = if i == j { format!("|{}|²", a.name) } else { format!("{}·{}", a.name, b.name) };
+            return (name, a.value.dot(&b.value));
+        }
+    }
+    let components: Vec<(String, Expr<'a>)> = blocks.iter().flat_map(components).collect();
+    let mut text = String::new();
+    let mut sum: Option<Expr<'a>> = None;
+    for (monomial, &coefficient) in polynomial {
+        let (name, value) = term(monomial, coefficient, &components);
+        text = match (text.is_empty(), name.strip_prefix('−')) {
+            (true, _) => name,
+            (false, Some(name)) => format!("{text} − {name}"),
+            (false, None) => format!("{text} + {name}"),
+        };
+        sum = Some(sum.map_or(value, |sum| sum + value));
+    }
+    (text, sum.unwrap_or_else(|| blocks[0].value.0[0]))
+}
+
+/// `momentum.x`; `momentum` where there is only one.
+fn components<'b, 'a>(block: &'b Block<'a>) -> Vec<(String, Expr<'a>)> {
+    let name = |axis: &str| match block.axes.len() {
+        1 => block.name.clone(),
+        _ => format!("{}.{axis}", block.name),
+    };
+    block.axes.iter().map(|axis| name(axis)).zip(block.value.iter()).collect()
+}
+
+/// `4 momentum.e momentum.f`
+fn term<'a>(monomial: &[usize], coefficient: i64, components: &[(String, Expr<'a>)]) -> (String, Expr<'a>) {
+    let arena = components[0].1.arena();
+    let mut value = arena.number(Number::ratio(coefficient.into(), 1));
+    let mut factors = match coefficient {
+        1 => Vec::new(),
+        -1 => vec!["−".to_owned()],
+        _ => vec![coefficient.to_string().replace('-', "−")],
+    };
+    let mut rest = monomial;
+    while let Some(&first) = rest.first() {
+        let exponent = rest.iter().take_while(|&&variable| variable == first).count();
+        rest = &rest[exponent..];
+        let (name, component) = &components[first];
+        let power = match exponent {
+            1 => String::new(),
+            2 => "²".to_owned(),
+            3 => "³".to_owned(),
+            _ => "⁴".to_owned(),
+        };
+        factors.push(format!("{name}{power}"));
+        (0..exponent).for_each(|_| value = value * *component);
+    }
+    (factors.join(" ").replacen("− ", "−", 1), value)
+}
