@@ -64,7 +64,7 @@ catalogue! {
     gyrostat: crate::gyrostat::Gyrostat as isolated,
     coupled_bodies: crate::coupled_bodies::CoupledBodies,
     kirchhoff: crate::kirchhoff::Kirchhoff,
-    ellipsoidal_fluid: crate::ellipsoidal_fluid::EllipsoidalFluid,
+    ellipsoidal_fluid: crate::ellipsoidal_fluid::EllipsoidalFluid as isolated,
     nuclear_spin: crate::nuclear_spin::NuclearSpin,
 }
 

@@ -175,10 +175,11 @@ fn implicit_midpoint_keeps_quadratic_invariants_in_stored_numbers() {
     }
 }
 
-/// The right lift takes the same steps, and carries the momentum in space.
+/// The right lift takes the same steps, and carries the momentum in space; of the fluid, a right-invariant system, that on the other side.
 #[test]
 fn the_right_lift_takes_the_steps_of_symplectic_euler() {
-    for name in ["free_rigid_body", "full_rigid_body", "gyrostat", "rigid_body_in_space"] {
+    for name in ["free_rigid_body", "full_rigid_body", "gyrostat", "rigid_body_in_space", "ellipsoidal_fluid"]
+    {
         let entry = find(name).expect("it is there");
         let setup = (entry.example)();
         let run = (entry.step, 1_000);

@@ -316,18 +316,10 @@ fn the_adjoint_of_a_step_is_that_of_the_other_end() {
         let back = with_member(subject, retraction, other, |other| other.advance(&-tenth(), &next));
         residuals.agree("a step back with 1 − s after a step with s", &back, &start, EXACT);
 
-        let back = member.advance(&-tenth(), &next);
+        // what is not symmetric has no even order: see below
         if member.is_symmetric() {
+            let back = member.advance(&-tenth(), &next);
             residuals.agree("a step back after a step", &back, &start, EXACT);
-        } else if matches!(subject.system.factors[..], [Factor { algebra: Semidirect { group, .. }, .. }] if group.name() == "SO3")
-        {
-            let far = &(&back - &start).norm() > &Real::ten_to(-9);
-            assert!(
-                far,
-                "{}, s = {}: the claim that it is not symmetric",
-                retraction.name(),
-                member.member.s()
-            );
         }
     });
 }
