@@ -249,6 +249,51 @@ pub mod describing {
     //! # Ok::<(), Box<dyn std::error::Error>>(())
     //! ```
     //!
+    //! **A Lagrangian** of configuration, velocity, advected parameters and time takes their place too, as it stands in a textbook: a mass matrix
+    //! may depend on the configuration, and nothing is inverted by hand. The state has the momentum `∂l/∂ξ`; begin with a velocity:
+    //!
+    //! ```
+    //! use coadjoint::prelude::*;
+    //!
+    //! /// A satellite with a mass on a spring that slides along its first axis.
+    //! #[lie_poisson_system(
+    //!     group(attitude: SO3, slider: R1),
+    //!     lagrangian = {
+    //!         let at = slider.x * Vector3::x();
+    //!         let velocity = attitude_velocity.cross(&at) + slider_velocity.x * Vector3::x();
+    //!         let turning = attitude_velocity.dot(&attitude_velocity.component_mul(&inertia)) / 2.0;
+    //!         turning + mass * velocity.norm_squared() / 2.0 - stiffness * slider.x.powi(2) / 2.0
+    //!     },
+    //! )]
+    //! struct Satellite {
+    //!     #[inertia]
+    //!     inertia: Vector3<f64>,
+    //!     mass: f64,
+    //!     stiffness: f64,
+    //! }
+    //!
+    //! let satellite = Satellite { inertia: vector![1.0, 2.0, 2.5], mass: 0.3, stiffness: 4.0 };
+    //! let rest = SatelliteState {
+    //!     attitude: UnitQuaternion::identity(),
+    //!     attitude_momentum: Vector3::zeros(),
+    //!     slider: vector![0.2],
+    //!     slider_momentum: vector![0.0],
+    //! };
+    //! let velocity = vector![0.1, 0.4, -0.2, 0.0];
+    //! let mut state = satellite.with_velocity(&rest, &velocity, 0.0)?;
+    //! assert!((satellite.velocity(&state) - velocity).norm() < 1e-14);
+    //! let energy = satellite.energy(&state);
+    //! let mut stepper = satellite.stepper::<Exponential>(0.01)?;
+    //! for _ in 0..1_000 {
+    //!     stepper.step(&mut state)?;
+    //! }
+    //! assert!((satellite.energy(&state) - energy).abs() < 1e-5);
+    //! # Ok::<(), Box<dyn std::error::Error>>(())
+    //! ```
+    //!
+    //! Every component of the velocity needs a kinetic energy: where `∂²l/∂ξ²` is singular whatever the values, the description is an error; where it
+    //! is at a state, [`velocity_of`](crate::System::velocity_of) and steps fail there.
+    //!
     //! `invariance = right` takes momentum and velocity in space, `g' = ξ g`, for energies that are functions of these.
     //!
     //! # Written and read
@@ -319,6 +364,7 @@ pub mod choosing {
     //! | [`Order4`](crate::composition::Order4) … `Order10` | 4 to 10 | yes | as its base | 5, 9, 17, 35 steps of a symmetric base |
     //! | [`RightLift`](crate::RightLift) | as its base | as its base | as its base | carries the momentum in space, where nothing acts; with `invariance = right` that in the body |
     //! | [`TangentLift`](crate::TangentLift) | 1 | no | **no** | explicit, to compare with; `methods(TangentLift)` |
+    //! | [`TangentLift<R, N, D>`](crate::TangentLift) | 1; 2 for [`TangentMidpoint`](crate::TangentMidpoint), `s = ½` | then | **no** | implicit; `methods(TangentLift(1, 4), TangentMidpoint)` |
     //!
     //! ```
     //! use coadjoint::certify;
@@ -775,6 +821,13 @@ pub mod mathematics {
     //! own adjoint and of order 2. Half a step with `s = 0`, then half a step with `s = 1`, is the Störmer–Verlet method of the group, of order 2. Symmetric steps of order 2 compose to
     //! those of orders 4, 6, 8 and 10.
     //!
+    //! **A Lagrangian** `l(g, ξ, a)` needs no inverse. By Legendre's transform `μ = ∂l/∂ξ`, `h = ⟨μ, ξ⟩ − l`, and where the momentum is kept
+    //! `∂h/∂g = −∂l/∂g`, `∂h/∂a = −∂l/∂a`: the equation to be solved is `∂l/∂ξ(ḡ, η/t, ā) = μ̄`, and all else stays. Energy and velocity of a state
+    //! are in closed form where `l` is quadratic in the velocity, else found by Newton's iteration.
+    //!
+    //! **The tangent lifts** are the tangent maps of the same discretization of the configuration, along the motion `ξ' = ξ'(g, ξ)`: solve
+    //! `ξ_k = Ad_{τ(−sη)⁻¹} η/t − s dL τ_{−sη} t ξ'(ḡ, η/t)` for `η`, and take `ξ_{k+1} = Ad_{τ((1−s)η)⁻¹} η/t + (1−s) dL τ_{(1−s)η} t ξ'(ḡ, η/t)`.
+    //!
     //! Which of the paper's methods is which of these is in [the paper's equations](super::paper).
 }
 
@@ -796,9 +849,10 @@ pub mod paper {
     //! | (1.19), (1.20) planar pendulum; (1.21) with projection | `group = SO2` | `run planar_pendulum`, `figures 1.3` | |
     //! | (3.1) a discretization map, the θ-family of 3.3 | [`Family<_, N, D>`](crate::Family) of a [vector field](#vector-fields-on-a-group-32) on `R1` … `R6`, `θ = s` | | |
     //! | (3.2) the same on a group, left and right | [a recipe](#vector-fields-on-a-group-32) | | |
-    //! | (5.1), (5.3) tangent lifts | [`TangentLift`](crate::TangentLift) on `R1` … `R6` | `run harmonic_oscillator --method tangent-lift` | |
+    //! | (4.6)–(4.10) Legendre's transform | `lagrangian = …`; [`momentum_of`](crate::System::momentum_of), [`velocity_of`](crate::System::velocity_of) | `run double_pendulum` | (4.5) |
+    //! | (5.1), (5.3) tangent lifts, the θ-family on TQ | [`TangentLift<_, N, D>`](crate::TangentLift) on `R1` … `R6`, `θ = s` | `run harmonic_oscillator --method tangent-lift` | |
     //! | (5.2), (5.4) cotangent lifts, the θ-family of 5.3 | `Family<_, N, D>` on `R1` … `R6`, `θ = s` | `run harmonic_oscillator --method family=1/4` | |
-    //! | (5.5), (5.7) trivialized tangent lifts | `TangentLift` | `run free_rigid_body --method tangent-lift` | |
+    //! | (5.5), (5.7) trivialized tangent lifts | `TangentLift<_, N, D>`, [`TangentMidpoint`](crate::TangentMidpoint) | `run free_rigid_body --method tangent-lift`, `tangent-lift=1/2` | |
     //! | (5.6), (5.8) trivialized cotangent lifts | `Family<_, N, D>` on every group: of velocities in the body, and with `invariance = right` of those in space | `run free_rigid_body --method family=1/4`, `run coupled_bodies --method midpoint`, `run ellipsoidal_fluid` | |
     //! | (6.1), (6.3)–(6.5), (6.7), (6.8) a quadratic energy, the rigid body | `SymplecticEulerA`, which is what a retraction alone means | `run free_rigid_body --method euler-a` | right sides |
     //! | (6.2), (6.6), (6.9) the right lift | [`RightLift`](crate::RightLift), which carries `π = Ad*_{g⁻¹} μ`, a constant | `run free_rigid_body --method right-lift` | (6.2), right sides |

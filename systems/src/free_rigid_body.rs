@@ -14,7 +14,7 @@ use crate::catalogued::Catalogued;
 /// Invariants: the energy `H`, the Casimir `|Π|²`, and the angular momentum in space, `RΠ`.
 #[lie_poisson_system(
     group = SO3,
-    methods(Midpoint, TangentLift, TangentMidpoint),
+    methods(Midpoint, Family(1, 4), TangentLift, TangentMidpoint),
     retractions(Exponential, Cayley, SecondKind),
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,7 @@
 //! The Casimirs of a system by names that people know.
 
+use std::ops::Range;
+
 use super::{Factor, System};
 use crate::expr::{Expr, Number, Vector};
 use crate::group::casimirs::{Polynomial, casimirs};
@@ -50,12 +52,14 @@ fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
         value: advected.value.clone(),
     }));
     // the momentum is one block: its parts are not scaled apart
-    let dimension = factor.momentum.len();
-    let mut ranges = vec![0..dimension];
-    for block in &blocks[momenta..] {
-        let start = ranges.last().map_or(0, |range| range.end);
-        ranges.push(start..start + block.value.len());
-    }
+    let lengths = std::iter::once(factor.momentum.len());
+    let lengths = lengths.chain(blocks[momenta..].iter().map(|block| block.value.len()));
+    let mut end = 0;
+    let range = |length: usize| {
+        end += length;
+        end - length..end
+    };
+    let ranges: Vec<Range<usize>> = lengths.map(range).collect();
     let variables = if is_moved { &ranges[1..] } else { &ranges[..] };
     let found = casimirs(&structure, variables);
     let named = found.found.iter().map(|polynomial| named(polynomial, &blocks));
@@ -114,7 +118,7 @@ fn named<'a>(polynomial: &Polynomial, blocks: &[Block<'a>]) -> (String, Expr<'a>
 }
 
 /// `momentum.x`; `momentum` where there is only one.
-fn components<'b, 'a>(block: &'b Block<'a>) -> Vec<(String, Expr<'a>)> {
+fn components<'a>(block: &Block<'a>) -> Vec<(String, Expr<'a>)> {
     let name = |axis: &str| match block.axes.len() {
         1 => block.name.clone(),
         _ => format!("{}.{axis}", block.name),

@@ -30,10 +30,8 @@ fn reduced(mut rows: Vec<Vec<Fraction>>) -> Vec<Vec<Fraction>> {
         rows[done].iter_mut().for_each(|x| *x /= scale);
         for row in (0..rows.len()).filter(|&row| row != done) {
             let factor = rows[row][column];
-            for k in 0..columns {
-                let change = factor * rows[done][k];
-                rows[row][k] -= change;
-            }
+            let pivot = rows[done].clone();
+            rows[row].iter_mut().zip(pivot).for_each(|(x, y)| *x -= factor * y);
         }
         done += 1;
     }

@@ -561,11 +561,13 @@ fn casimirs_are_all_that_is_kept_whatever_the_hamiltonian() {
         let arena = Arena::new();
         let mu = symbols(&arena, "m", n, Stage::Step);
         let structure = Structure::of(&algebra).expect("exact constants");
-        let mut blocks = vec![0..algebra.group.dimension()];
-        for space in &algebra.spaces {
-            let start = blocks.last().map_or(0, |block| block.end);
-            blocks.push(start..start + space.coordinates().len());
-        }
+        let spaces = algebra.spaces.iter().map(|space| space.coordinates().len());
+        let mut end = 0;
+        let block = |length: usize| {
+            end += length;
+            end - length..end
+        };
+        let blocks: Vec<_> = std::iter::once(algebra.group.dimension()).chain(spaces).map(block).collect();
         let Casimirs { found, missing } = casimirs(&structure, &blocks);
         assert_eq!(missing, 0);
         let value = |polynomial: &Polynomial| {

@@ -436,6 +436,7 @@ mod orders {
         let start =
             TopState { attitude: turn(), momentum: vector![0.3, 1.0, -0.5], gamma: vector![0.0, 0.6, 0.8] };
         has_orders(&top, &start);
+        stays::<_, TangentMidpoint<Cayley>>(&top, &start);
         let start = SpinState { spin: turn(), momentum: vector![0.3, 1.0, -0.5] };
         has_orders(&Spin {}, &start);
         stays::<_, TangentMidpoint>(&Spin {}, &start);
@@ -451,5 +452,6 @@ mod orders {
         let pose = Isometry3::from_parts(Translation3::new(0.3, 0.1, 0.2), turn());
         let start = FluidState { pose, momentum: Vector6::new(0.3, 1.0, -0.5, 0.2, 0.1, 0.4) };
         has_orders(&fluid, &start);
+        stays::<_, TangentMidpoint>(&fluid, &start);
     }
 }
