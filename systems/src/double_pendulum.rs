@@ -67,9 +67,8 @@ impl Catalogued for DoublePendulum {
     const DURATION: f64 = 30.0;
     const CASIMIR_UNITS: &'static [&'static str] = &[];
 
-    /// Let go with both rods level, on the same side.
+    /// Let go with the upper rod 100° and the lower one 150° from hanging: both turn over, again and again.
     fn example() -> (Self, DoublePendulumState) {
-        let quarter = std::f64::consts::FRAC_PI_2;
-        (Self::equal(), Self::at_rest(quarter, quarter))
+        (Self::equal(), Self::at_rest(100_f64.to_radians(), 150_f64.to_radians()))
     }
 }

@@ -495,8 +495,9 @@ impl Sample<'_> {
         let along = |i: usize, j: usize, k: usize| -> f64 {
             (0..n).map(|l| tensor[(i, l)] * changes[l][(j, k)]).sum()
         };
-        let size =
-            tensor.amax() * changes.iter().fold(f64::MIN_POSITIVE, |size, change| size.max(change.amax()));
+        // a constant tensor changes by rounding alone
+        let least = tensor.amax().max(f64::MIN_POSITIVE);
+        let size = least * changes.iter().fold(least, |size, change| size.max(change.amax()));
         let mut error = 0.0;
         for i in 0..n {
             for j in 0..i {

@@ -205,7 +205,6 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
 fn members_of_the_family_and_the_tangent_lift_have_their_orders() {
     for (name, method, order) in [
         ("free_rigid_body", Method::Family(1, 4), 2.0),
-        ("free_rigid_body", Method::Family(3, 4), 2.0),
         ("free_rigid_body", Method::TangentLift(0, 1), 1.0),
         ("free_rigid_body", Method::TangentLift(1, 2), 2.0),
         ("harmonic_oscillator", Method::Family(1, 4), 1.0),

@@ -47,8 +47,8 @@ fn the_catalogue_keeps_to_its_budget() {
         emitted += tokens(expansion.into_tokens());
     }
     println!("{kernels} kernels, {emitted} tokens");
-    // counted: 105 and 559,241
-    assert!(kernels <= 105, "{kernels} kernels");
+    // counted: 108 and 572,253
+    assert!(kernels <= 108, "{kernels} kernels");
     assert!(emitted <= 580_000, "{emitted} tokens");
 }
 

@@ -2,7 +2,9 @@
 
 use std::io::Write;
 
+use coadjoint_codegen::emit::StepExpansion;
 use coadjoint_codegen::group;
+use coadjoint_codegen::scheme::Scheme;
 use proc_macro2::TokenStream;
 use quote::ToTokens;
 use syn::{Item, ItemStruct, Meta};
@@ -43,7 +45,10 @@ fn expand(
             Retraction::Cayley => group::Retraction::Cayley,
             Retraction::SecondKind => group::Retraction::SecondKind,
         };
-        expansion.steps.retain(|step| step.program.scheme.retraction == wanted);
+        let is_wanted = |scheme: &Scheme| scheme.retraction == wanted;
+        expansion.steps.retain(|StepExpansion { program, .. }| {
+            is_wanted(&program.scheme) || program.aliases.iter().any(is_wanted)
+        });
         // it names all steps
         expansion.schemes = TokenStream::new();
     }
