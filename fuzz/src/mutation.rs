@@ -16,6 +16,7 @@ const PIECES: &[&str] = &[
     "advected(v: R3, p: AffineR3)",
     "potential = 1.0",
     "hamiltonian = 1.0",
+    "lagrangian = 1.0",
     "control(u: f64)",
     "control(u: Vector3<f64>)",
     "force = velocity",

@@ -34,9 +34,10 @@
 //!   A Hamiltonian has `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
+use super::discretization::{Discretization, Path};
 use super::names::ValueNames;
-use super::presolve::{Equation, Presolved, presolve};
-use super::{Increment, Step, step_symbol};
+use super::presolve::{Equation, presolve};
+use super::{Increment, Step};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Energy, Factor, FactorPart, Relation, Slot, System};
@@ -45,23 +46,7 @@ use crate::scheme::Member;
 /// A member of the family for a system.
 struct Family<'s, 'a> {
     system: &'s System<'a>,
-    /// What moves configurations.
-    moving: Halves,
-    /// What carries momenta and advected parameters where configurations are moved so.
-    carrying: Halves,
-    /// `t`
-    step: Expr<'a>,
-    /// `s`, the share of the step before the intermediate point.
-    early: Expr<'a>,
-    /// `1 − s`, the share behind it.
-    late: Expr<'a>,
-}
-
-/// The retractions before the intermediate point and behind it.
-#[derive(Clone, Copy)]
-struct Halves {
-    before: Retraction,
-    behind: Retraction,
+    map: Discretization<'a>,
 }
 
 /// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
@@ -74,8 +59,6 @@ struct Motion<'s, 'a> {
     x: Vector<'a>,
     /// The group's part of `η`.
     y: Vector<'a>,
-    /// `s y`
-    y_early: Vector<'a>,
     /// `(1−s) y`
     y_late: Vector<'a>,
     /// Stands for `μ̄` in the energy's derivatives, where they need it.
@@ -104,46 +87,21 @@ struct Arrival<'a> {
 
 /// The step of a member of the family.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
-    let s = member.s();
-    let h = step_symbol(arena);
-    let (early, late) = (arena.number(s), arena.number(Number::ONE + -s));
-    let moving = Halves { before: retraction.reversed(), behind: retraction };
-    let Halves { before, behind } = moving;
-    let carrying = Halves { before: system.side.carrying(before), behind: system.side.carrying(behind) };
-    let family = Family { system, moving, carrying, step: h, early, late };
-
+    let family = Family { system, map: Discretization::new(arena, system, retraction, member) };
     let motions: Vec<Motion<'_, 'a>> =
         system.factors.iter().map(|factor| Motion::new(&family, factor)).collect();
     let intermediate = family.intermediate(&motions);
     let arrivals: Vec<Arrival<'a>> =
         motions.iter().map(|motion| family.arrival(motion, &intermediate)).collect();
-    let Presolved { equations, found } = presolve(family.equations(&motions, &arrivals, &intermediate));
-
-    let increments: Vec<Vec<Increment<'a>>> =
-        motions.iter().map(|motion| family.increments(motion, &found)).collect();
-    let domain = motions.iter().filter_map(|motion| Some(family.domain(motion)?.substitute(&found)));
-    let domain = domain.collect();
+    let presolved = presolve(family.equations(&motions, &arrivals, &intermediate));
+    let paths: Vec<Path<'_, 'a>> = motions.iter().map(Motion::path).collect();
     let next: Vec<FactorPart<'a>> = arrivals.into_iter().map(|arrival| arrival.next).collect();
-    let join =
-        |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
-    Step {
-        h,
-        given: [system.time_symbol(), system.control_symbols()].concat(),
-        domain,
-        unknown: join(|equation| &equation.unknown),
-        blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
-        start: join(|equation| &equation.start),
-        left: join(|equation| &equation.left),
-        right: join(|equation| &equation.right),
-        next: system.join(&next).substitute(&found),
-        bounded: bounded(system, &increments),
-        increments,
-    }
+    family.map.lifted(system, presolved, &paths, &next)
 }
 
 impl<'s, 'a> Motion<'s, 'a> {
     fn new(family: &Family<'_, 'a>, factor: &'s Factor<'a>) -> Self {
-        let Family { system, moving, carrying, early, late, .. } = *family;
+        let Family { system, map: Discretization { moving, carrying, early, late, .. } } = *family;
         let (arena, algebra) = (early.arena(), &factor.algebra);
         let group = algebra.group;
         let scale = group.unknown_scale(moving.behind);
@@ -165,7 +123,7 @@ impl<'s, 'a> Motion<'s, 'a> {
         let increment = names.group("increment_early", &group.retract(moving.before, &y_early).hold());
         let g_bar = system.side.compose(group, &factor.configuration, &increment).hold();
         let g_bar = names.configuration("mean", &g_bar);
-        Self { factor, names, unknown_scale, x, y, y_early, y_late, mean, a_bar, g_bar }
+        Self { factor, names, unknown_scale, x, y, y_late, mean, a_bar, g_bar }
     }
 
     /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by it again has that
@@ -202,12 +160,17 @@ impl<'s, 'a> Motion<'s, 'a> {
             names: self.names.components(self.names.unknown()),
         }
     }
+
+    /// The way of its configuration.
+    fn path(&self) -> Path<'s, 'a> {
+        Path { factor: self.factor, middle: self.g_bar.clone(), y: self.y.clone() }
+    }
 }
 
 impl<'a> Family<'_, 'a> {
     /// Everything that the energy and the forces are functions of.
     fn intermediate(&self, motions: &[Motion<'_, 'a>]) -> Intermediate<'a> {
-        let Self { system, step, early, .. } = *self;
+        let Self { system, map: Discretization { step, early, .. } } = *self;
         let y = Vector::concat(motions.iter().map(|motion| &motion.y));
         let velocity = y.scale(step.recip());
         let later = step * early;
@@ -238,7 +201,7 @@ impl<'a> Family<'_, 'a> {
 
     /// `m̄`, `m_{k+1}` and `g_{k+1}` of a factor.
     fn arrival(&self, motion: &Motion<'_, 'a>, intermediate: &Intermediate<'a>) -> Arrival<'a> {
-        let Self { system, moving, carrying, early, late, .. } = *self;
+        let Self { system, map: Discretization { moving, carrying, early, late, .. } } = *self;
         let Motion { factor, names, y, .. } = motion;
         let (algebra, arena) = (&factor.algebra, early.arena());
         let w = self.advected_velocity(motion, intermediate);
@@ -280,7 +243,7 @@ impl<'a> Family<'_, 'a> {
         let energy = self.system.potential();
         let w = motion.factor.advected.iter().map(|a| {
             let gradient = gradient(energy, &a.value.symbols());
-            gradient.substitute(&there.values).scale(self.step)
+            gradient.substitute(&there.values).scale(self.map.step)
         });
         let w: Vec<_> = w.collect();
         motion.names.advected("kick", &w);
@@ -290,30 +253,8 @@ impl<'a> Family<'_, 'a> {
     /// `−t T*L_ḡ ∂h/∂g + t F`, if anything but the bracket changes the momentum.
     fn kick(&self, motion: &Motion<'_, 'a>, there: &Intermediate<'a>) -> Option<Vector<'a>> {
         let kick = self.system.kick(motion.factor)?;
-        let kick = kick.substitute(&there.values).scale(self.step).hold();
+        let kick = kick.substitute(&there.values).scale(self.map.step).hold();
         Some(motion.names.algebra("kick", &kick))
-    }
-
-    /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
-    fn increments(&self, motion: &Motion<'_, 'a>, found: &[(Symbol, Expr<'a>)]) -> Vec<Increment<'a>> {
-        let increments = [
-            (self.early, self.moving.before, &motion.factor.configuration, &motion.y_early),
-            (self.late, self.moving.behind, &motion.g_bar, &motion.y_late),
-        ];
-        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
-        increments
-            .map(|(_, retraction, from, by)| Increment {
-                retraction,
-                from: from.substitute(found),
-                by: by.substitute(found),
-            })
-            .collect()
-    }
-
-    /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
-    fn domain(&self, motion: &Motion<'_, 'a>) -> Option<Expr<'a>> {
-        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        motion.factor.algebra.group.domain(self.moving.behind, &motion.y.scale(longer))
     }
 
     /// The equations for all unknowns.
@@ -333,7 +274,7 @@ impl<'a> Family<'_, 'a> {
             return sets.map(equation).collect();
         };
         let velocity = gradient(*energy, &system.momentum().symbols());
-        let velocity = velocity.substitute(&intermediate.values).scale(self.step);
+        let velocity = velocity.substitute(&intermediate.values).scale(self.map.step);
         let velocities = system.split_momentum(&velocity);
         let means = motions.iter().zip(arrivals).map(|(motion, arrival)| motion.mean_equation(arrival));
         let means: Vec<Equation<'a>> = means.collect();
@@ -347,9 +288,9 @@ impl<'a> Family<'_, 'a> {
     /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
     fn start(&self) -> Vector<'a> {
         match self.system.velocity_relation() {
-            Relation::Explicit(velocity) => velocity.scale(self.step),
+            Relation::Explicit(velocity) => velocity.scale(self.map.step),
             Relation::Implicit(_) | Relation::Singular => {
-                Vector::zeros(self.step.arena(), self.system.dimension())
+                Vector::zeros(self.map.step.arena(), self.system.dimension())
             }
         }
     }
@@ -376,7 +317,7 @@ impl<'a> Family<'_, 'a> {
         let rows: Vec<usize> = set.iter().flat_map(|&factor| self.system.momentum_range(factor)).collect();
         let solved = match &self.system.energy {
             Energy::Mechanical { inertia, .. } => {
-                Some(inertia.block(&rows).solve_symmetric(&per(&right)).scale(self.step))
+                Some(inertia.block(&rows).solve_symmetric(&per(&right)).scale(self.map.step))
             }
             _ => None,
         };

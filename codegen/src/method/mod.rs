@@ -1,5 +1,6 @@
 //! Methods: from a system and a retraction to the equations of one step. They make expressions, never tokens.
 
+mod discretization;
 pub mod family;
 pub mod linearization;
 mod names;

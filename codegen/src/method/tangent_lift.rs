@@ -15,10 +15,10 @@
 //! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs to `μ_k`, and
 //! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which was reported, the step makes no sense.
 
-use super::family::bounded;
+use super::Step;
+use super::discretization::{Discretization, Path};
 use super::names::ValueNames;
-use super::presolve::{Equation, Presolved, presolve};
-use super::{Increment, Step, step_symbol};
+use super::presolve::{Equation, presolve};
 use crate::expr::{Arena, Derivative, Expr, Number, Symbol, Vector, gradient};
 use crate::group::{
     Retraction, SemidirectVector, Side, carried_back, d_left, d_right, stored_perturbation, to_body,
@@ -29,13 +29,7 @@ use crate::scheme::Member;
 /// A tangent lift of a system.
 struct Lift<'s, 'a> {
     system: &'s System<'a>,
-    retraction: Retraction,
-    /// `t`
-    step: Expr<'a>,
-    /// `s`
-    early: Expr<'a>,
-    /// `1 − s`
-    late: Expr<'a>,
+    map: Discretization<'a>,
 }
 
 /// A factor on its way.
@@ -63,10 +57,7 @@ type Values<'a> = Vec<(Symbol, Expr<'a>)>;
 
 /// The step of a member of the family of lifts.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
-    let t = step_symbol(arena);
-    let s = member.s();
-    let lift =
-        Lift { system, retraction, step: t, early: arena.number(s), late: arena.number(Number::ONE + -s) };
+    let lift = Lift { system, map: Discretization::new(arena, system, retraction, member) };
     let motions: Vec<Motion<'_, 'a>> =
         system.factors.iter().map(|factor| Motion::new(&lift, factor)).collect();
     let mut equations = Vec::new();
@@ -75,30 +66,14 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     equations.push(lift.equation(&motions, &velocity, &kick));
     let next = lift.next(&motions, &kick, &mut equations);
 
-    let Presolved { equations, found } = presolve(equations);
-    let increments: Vec<Vec<Increment<'a>>> =
-        motions.iter().map(|motion| lift.increments(motion, &found)).collect();
-    let domain = motions.iter().filter_map(|motion| Some(lift.domain(motion)?.substitute(&found)));
-    let join =
-        |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
-    Step {
-        h: t,
-        given: [system.time_symbol(), system.control_symbols()].concat(),
-        domain: domain.collect(),
-        unknown: join(|equation| &equation.unknown),
-        blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
-        start: join(|equation| &equation.start),
-        left: join(|equation| &equation.left),
-        right: join(|equation| &equation.right),
-        next: system.join(&next).substitute(&found),
-        bounded: bounded(system, &increments),
-        increments,
-    }
+    let paths: Vec<Path<'_, 'a>> = motions.iter().map(Motion::path).collect();
+    lift.map.lifted(system, presolve(equations), &paths, &next)
 }
 
 impl<'s, 'a> Motion<'s, 'a> {
     fn new(lift: &Lift<'_, 'a>, factor: &'s Factor<'a>) -> Self {
-        let Lift { system, retraction, early, late, .. } = *lift;
+        let Lift { system, map: Discretization { moving, carrying, early, late, .. } } = *lift;
+        let retraction = moving.behind;
         let (arena, algebra) = (early.arena(), &factor.algebra);
         let scale = algebra.group.unknown_scale(retraction);
         let names = ValueNames::new(system, factor, scale);
@@ -106,12 +81,12 @@ impl<'s, 'a> Motion<'s, 'a> {
         let unknown_scale = arena.number(Number::ratio(scale, 1));
         let y = x.scale(unknown_scale);
         let (y_early, y_late) = (y.scale(early), y.scale(late));
-        let increment = algebra.group.retract(retraction.reversed(), &y_early).hold();
+        let increment = algebra.group.retract(moving.before, &y_early).hold();
         let middle = system.side.compose(algebra.group, &factor.configuration, &increment).hold();
         let end = algebra.group.moved(system.side, retraction, &middle, &y_late).next;
         let before = factor.advected_values();
-        let advected = lift.carried_along(factor, retraction.reversed(), &before, &y_early);
-        let advected_next = lift.carried_along(factor, retraction, &advected, &y_late);
+        let advected = lift.carried_along(factor, carrying.before, &before, &y_early);
+        let advected_next = lift.carried_along(factor, carrying.behind, &advected, &y_late);
         let stations = [
             Station { configuration: middle, advected },
             Station { configuration: end, advected: advected_next },
@@ -131,6 +106,11 @@ impl<'s, 'a> Motion<'s, 'a> {
             names: self.names.components(what),
         }
     }
+
+    /// The way of its configuration.
+    fn path(&self) -> Path<'s, 'a> {
+        Path { factor: self.factor, middle: self.stations[0].configuration.clone(), y: self.y.clone() }
+    }
 }
 
 impl<'a> Lift<'_, 'a> {
@@ -138,12 +118,11 @@ impl<'a> Lift<'_, 'a> {
     fn carried_along(
         &self,
         factor: &Factor<'a>,
-        retraction: Retraction,
+        carrying: Retraction,
         from: &[Vector<'a>],
         by: &Vector<'a>,
     ) -> Vec<Vector<'a>> {
-        let carrying = self.system.side.carrying(retraction);
-        let signed = by.scale(self.early.arena().number(self.system.side.sign()));
+        let signed = by.scale(self.map.early.arena().number(self.system.side.sign()));
         let carry = |(space, a)| factor.algebra.carry(space, carrying, &signed, a);
         from.iter().enumerate().map(carry).collect()
     }
@@ -169,7 +148,7 @@ impl<'a> Lift<'_, 'a> {
                 is(&advected.value, value);
             }
         }
-        is(&Vector(vec![system.time]), &Vector(vec![system.time + self.step * share]));
+        is(&Vector(vec![system.time]), &Vector(vec![system.time + self.map.step * share]));
         values
     }
 
@@ -182,7 +161,7 @@ impl<'a> Lift<'_, 'a> {
             Relation::Singular => return system.velocity_symbols(),
         };
         let momentum = system.momentum();
-        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.step.arena(), "velocity");
+        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.map.step.arena(), "velocity");
         let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
         let velocity = Vector::concat(&unknowns);
         let symbols = system.velocity_symbols().symbols().into_iter();
@@ -208,7 +187,7 @@ impl<'a> Lift<'_, 'a> {
             Relation::Implicit(residual) => residual,
             Relation::Singular => return system.momentum(),
         };
-        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.step.arena(), what);
+        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.map.step.arena(), what);
         let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
         let momentum = Vector::concat(&unknowns);
         let mut at = values.clone();
@@ -226,16 +205,16 @@ impl<'a> Lift<'_, 'a> {
 
     /// `t ξ'(ḡ, η)`
     fn kick(&self, motions: &[Motion<'_, 'a>], equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
-        let eta = Vector::concat(motions.iter().map(|motion| &motion.y)).scale(self.step.recip());
-        let mut values = self.values(motions, 0, &eta, self.early);
+        let eta = Vector::concat(motions.iter().map(|motion| &motion.y)).scale(self.map.step.recip());
+        let mut values = self.values(motions, 0, &eta, self.map.early);
         let momentum = self.momentum(motions, &values, "mu", equations);
         values.extend(self.system.momentum().symbols().into_iter().zip(momentum.iter()));
-        acceleration(self.step.arena(), self.system).substitute(&values).scale(self.step).hold()
+        acceleration(self.map.step.arena(), self.system).substitute(&values).scale(self.map.step).hold()
     }
 
     /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.
     fn carried(&self, factor: &Factor<'a>, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let (group, retraction) = (factor.algebra.group, self.retraction);
+        let (group, retraction) = (factor.algebra.group, self.map.moving.behind);
         match self.system.side {
             Side::Left => d_left(group, retraction, x, v),
             Side::Right => d_right(group, retraction, x, v),
@@ -244,12 +223,12 @@ impl<'a> Lift<'_, 'a> {
 
     /// `Ad_{τ(x)⁻¹} y` for a multiple `x` of `y` and velocities in the body, `Ad_{τ(x)} y` for those in space: `y`, where `τ` is equivariant.
     fn turned(&self, factor: &Factor<'a>, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
-        if self.retraction.is_equivariant() {
+        if self.map.moving.behind.is_equivariant() {
             return y.clone();
         }
         let side = self.system.side;
-        let signed = x.scale(self.step.arena().number(side.sign()));
-        carried_back(factor.algebra.group, side.carrying(self.retraction), &signed, y)
+        let signed = x.scale(self.map.step.arena().number(side.sign()));
+        carried_back(factor.algebra.group, self.map.carrying.behind, &signed, y)
     }
 
     /// `Ad_{τ(−sy)⁻¹} y = t ξ_k + s t dL τ_{−sy} t ξ'`
@@ -257,19 +236,20 @@ impl<'a> Lift<'_, 'a> {
         let split = |vector: &Vector<'a>| self.system.split_momentum(vector).into_iter();
         let parts = motions.iter().zip(split(velocity).zip(split(kick)));
         let right = parts.map(|(motion, (velocity, kick))| {
-            let back = self.carried(motion.factor, &motion.y.scale(-self.early), &kick).scale(self.early);
-            (&velocity + &back).scale(self.step / motion.unknown_scale)
+            let back =
+                self.carried(motion.factor, &motion.y.scale(-self.map.early), &kick).scale(self.map.early);
+            (&velocity + &back).scale(self.map.step / motion.unknown_scale)
         });
         let right = Vector::concat(&right.collect::<Vec<_>>());
         let start = motions.iter().zip(split(velocity));
-        let start = start.map(|(motion, velocity)| velocity.scale(self.step / motion.unknown_scale));
+        let start = start.map(|(motion, velocity)| velocity.scale(self.map.step / motion.unknown_scale));
         let start = match self.system.velocity_relation() {
             Relation::Explicit(_) => Vector::concat(&start.collect::<Vec<_>>()),
-            _ => Vector::zeros(self.step.arena(), right.len()),
+            _ => Vector::zeros(self.map.step.arena(), right.len()),
         };
         let unknown = Vector::concat(motions.iter().map(|motion| &motion.x));
         let left = motions.iter().map(|motion| {
-            let turned = self.turned(motion.factor, &motion.y.scale(-self.early), &motion.y);
+            let turned = self.turned(motion.factor, &motion.y.scale(-self.map.early), &motion.y);
             turned.scale(motion.unknown_scale.recip())
         });
         let left = Vector::concat(&left.collect::<Vec<_>>());
@@ -293,12 +273,12 @@ impl<'a> Lift<'_, 'a> {
     ) -> Vec<FactorPart<'a>> {
         let parts = motions.iter().zip(self.system.split_momentum(kick));
         let velocity = parts.map(|(motion, kick)| {
-            let late = motion.y.scale(self.late);
-            let change = self.carried(motion.factor, &late, &kick).scale(self.late);
-            &self.turned(motion.factor, &late, &motion.y).scale(self.step.recip()) + &change
+            let late = motion.y.scale(self.map.late);
+            let change = self.carried(motion.factor, &late, &kick).scale(self.map.late);
+            &self.turned(motion.factor, &late, &motion.y).scale(self.map.step.recip()) + &change
         });
         let velocity = Vector::concat(&velocity.collect::<Vec<_>>());
-        let values = self.values(motions, 1, &velocity, self.step.arena().one());
+        let values = self.values(motions, 1, &velocity, self.map.step.arena().one());
         let momentum = self.momentum(motions, &values, "momentum_next", equations);
         let next = motions.iter().zip(self.system.split_momentum(&momentum));
         let part = |(motion, momentum): (&Motion<'_, 'a>, Vector<'a>)| {
@@ -306,27 +286,6 @@ impl<'a> Lift<'_, 'a> {
             FactorPart { configuration: configuration.clone(), momentum, advected: advected.clone() }
         };
         next.map(part).collect()
-    }
-
-    /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
-    fn increments(&self, motion: &Motion<'_, 'a>, found: &Values<'a>) -> Vec<Increment<'a>> {
-        let increments = [
-            (self.early, self.retraction.reversed(), &motion.factor.configuration),
-            (self.late, self.retraction, &motion.stations[0].configuration),
-        ];
-        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
-        let increment = |(share, retraction, from): (Expr<'a>, Retraction, &Vector<'a>)| Increment {
-            retraction,
-            from: from.substitute(found),
-            by: motion.y.scale(share).substitute(found),
-        };
-        increments.map(increment).collect()
-    }
-
-    /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
-    fn domain(&self, motion: &Motion<'_, 'a>) -> Option<Expr<'a>> {
-        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        motion.factor.algebra.group.domain(self.retraction, &motion.y.scale(longer))
     }
 }
 

@@ -1,0 +1,105 @@
+//! The discretization map that steps are lifts of: `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))`, from an intermediate point `ḡ` to both ends of a step.
+
+use super::family::bounded;
+use super::presolve::{Equation, Presolved};
+use super::{Increment, Step, step_symbol};
+use crate::expr::{Arena, Expr, Number, Symbol, Vector};
+use crate::group::Retraction;
+use crate::model::{Factor, FactorPart, System};
+use crate::scheme::Member;
+
+/// A discretization map and the step that it is taken with.
+#[derive(Clone, Copy)]
+pub(super) struct Discretization<'a> {
+    /// What moves configurations.
+    pub moving: Halves,
+    /// What carries momenta and advected parameters where configurations are moved so.
+    pub carrying: Halves,
+    /// `t`
+    pub step: Expr<'a>,
+    /// `s`, the share of the step before the intermediate point.
+    pub early: Expr<'a>,
+    /// `1 − s`, the share behind it.
+    pub late: Expr<'a>,
+}
+
+/// The retractions before the intermediate point and behind it.
+#[derive(Clone, Copy)]
+pub(super) struct Halves {
+    pub before: Retraction,
+    pub behind: Retraction,
+}
+
+/// The way of a factor's configuration through a step.
+pub(super) struct Path<'p, 'a> {
+    pub factor: &'p Factor<'a>,
+    /// `ḡ`
+    pub middle: Vector<'a>,
+    /// `v`
+    pub y: Vector<'a>,
+}
+
+impl<'a> Discretization<'a> {
+    /// The map with this `s` for a system.
+    pub(super) fn new(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Self {
+        let s = member.s();
+        let moving = Halves { before: retraction.reversed(), behind: retraction };
+        let Halves { before, behind } = moving;
+        Self {
+            moving,
+            carrying: Halves { before: system.side.carrying(before), behind: system.side.carrying(behind) },
+            step: step_symbol(arena),
+            early: arena.number(s),
+            late: arena.number(Number::ONE + -s),
+        }
+    }
+
+    /// How a configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
+    fn increments(&self, path: &Path<'_, 'a>, found: &[(Symbol, Expr<'a>)]) -> Vec<Increment<'a>> {
+        let increments = [
+            (self.early, self.moving.before, &path.factor.configuration),
+            (self.late, self.moving.behind, &path.middle),
+        ];
+        let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
+        let increment = |(share, retraction, from): (Expr<'a>, Retraction, &Vector<'a>)| Increment {
+            retraction,
+            from: from.substitute(found),
+            by: path.y.scale(share).substitute(found),
+        };
+        increments.map(increment).collect()
+    }
+
+    /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
+    fn domain(&self, path: &Path<'_, 'a>) -> Option<Expr<'a>> {
+        let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
+        path.factor.algebra.group.domain(self.moving.behind, &path.y.scale(longer))
+    }
+
+    /// The step from what is left of its equations, the ways of all factors' configurations, and the state after it.
+    pub(super) fn lifted(
+        &self,
+        system: &System<'a>,
+        Presolved { equations, found }: Presolved<'a>,
+        paths: &[Path<'_, 'a>],
+        next: &[FactorPart<'a>],
+    ) -> Step<'a> {
+        let increments: Vec<Vec<Increment<'a>>> =
+            paths.iter().map(|path| self.increments(path, &found)).collect();
+        let domain = paths.iter().filter_map(|path| Some(self.domain(path)?.substitute(&found)));
+        let join =
+            |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
+        Step {
+            h: self.step,
+            given: [system.time_symbol(), system.control_symbols()].concat(),
+            domain: domain.collect(),
+            unknown: join(|equation| &equation.unknown),
+            blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
+            start: join(|equation| &equation.start),
+            left: join(|equation| &equation.left),
+            right: join(|equation| &equation.right),
+            next: system.join(next).substitute(&found),
+            bounded: bounded(system, &increments),
+            increments,
+        }
+    }
+}
