@@ -7,7 +7,8 @@ use coadjoint::generic::{
 };
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector};
 use coadjoint::prelude::*;
-use coadjoint::{Discretized, Family, RightLift, System};
+use coadjoint::{Control, Discretized, Family, RightLift, State, System};
+use coadjoint_tests::dual::AnyStep;
 use coadjoint_tests::random::Random;
 
 /// The largest difference after ten steps, of values of the size of 1.
@@ -32,6 +33,35 @@ macro_rules! for_each_member {
     )+};
 }
 
+/// A scheme that can be compared with the generic stepper.
+trait Steps<S: System> {
+    /// The state after a step.
+    fn after(system: &S, state: &S::State, control: &S::Control, time: f64) -> S::State;
+}
+
+/// By the step's equation alone, as generated: steppers that solve it are compared with it elsewhere, and take longer to compile.
+impl<S, R, const N: u32, const D: u32> Steps<S> for Family<R, N, D>
+where
+    S: System<Scalar = f64>,
+    Self: AnyStep<S>,
+{
+    fn after(system: &S, state: &S::State, control: &S::Control, time: f64) -> S::State {
+        let (parameters, state) = (system.to_parameters(), state.to_components());
+        S::State::from_components(&Self::step(&parameters, STEP, &state, time, &control.to_components()))
+    }
+}
+
+impl<S, M> Steps<S> for RightLift<M>
+where
+    S: System<Scalar = f64> + Discretized<Self>,
+{
+    fn after(system: &S, state: &S::State, control: &S::Control, _: f64) -> S::State {
+        let mut state = state.clone();
+        system.stepper::<Self>(STEP).expect("valid").step_with(&mut state, control).expect("solvable");
+        state
+    }
+}
+
 /// Ten steps of the scheme `M`, each with a control of its own, beside those of the generic stepper.
 fn follow<S, M, G, R, H, const N: usize, const D: usize>(
     of: (&S, S::State),
@@ -40,7 +70,8 @@ fn follow<S, M, G, R, H, const N: usize, const D: usize>(
     s: f64,
     matrices: impl Fn(&S::State) -> Matrices<N, D>,
 ) where
-    S: Discretized<M> + System<Scalar = f64>,
+    S: System<Scalar = f64>,
+    M: Steps<S>,
     S::State: Clone,
     G: MatrixGroup<N, D>,
     R: MatrixRetraction<G, N, D> + Default,
@@ -58,20 +89,20 @@ fn follow_columns<S, M, G, R, H, const N: usize, const D: usize>(
     columns: usize,
     matrices: impl Fn(&S::State) -> Matrices<N, D>,
 ) where
-    S: Discretized<M> + System<Scalar = f64>,
+    S: System<Scalar = f64>,
+    M: Steps<S>,
     S::State: Clone,
     G: MatrixGroup<N, D>,
     R: MatrixRetraction<G, N, D> + Default,
     H: Mechanics<G, N, D, Control = S::Control>,
 {
-    let mut stepper = system.stepper::<M>(STEP).expect("valid");
     let generic = GenericStepper::new(group, R::default(), mechanics, STEP).expect("valid");
     let mut generic = generic.at(s).expect("finite").on(side);
     let (start, (mut g, mut mu)) = (matrices(&state), matrices(&state));
     let mut worst = 0.0_f64;
     for k in 0..STEPS {
         let control = &controls[k as usize % controls.len()];
-        stepper.step_with(&mut state, control).expect("solvable");
+        state = M::after(system, &state, control, f64::from(k) * STEP);
         generic.step_with(&mut g, &mut mu, control, f64::from(k) * STEP).expect("solvable");
         let (of_g, of_mu) = matrices(&state);
         worst = worst.max((of_g - g).columns(0, columns).amax()).max((of_mu - mu).amax());
@@ -155,8 +186,8 @@ fn discretized_field<R: MatrixRetraction<SO3, 3, 3>>(g: &Matrix3<f64>, s: f64, s
 fn vector_fields_on_a_group_3_2() {
     fn check<M, R>(s: f64)
     where
-        Aimed: Discretized<M>,
-        AimedInSpace: Discretized<M>,
+        M: Steps<Aimed>,
+        M: Steps<AimedInSpace>,
         R: MatrixRetraction<SO3, 3, 3>,
     {
         let (target, axis, drift, gain) = (TARGET, AXIS, DRIFT, 0.8);
@@ -166,11 +197,9 @@ fn vector_fields_on_a_group_3_2() {
             let mut left = AimedState { attitude: attitude(), momentum };
             let mut right = AimedInSpaceState { attitude: attitude(), momentum };
             let (mut g, mut h) = (rotation(&attitude()), rotation(&attitude()));
-            let mut left_stepper = body.stepper::<M>(STEP).expect("valid");
-            let mut right_stepper = space.stepper::<M>(STEP).expect("valid");
             for _ in 0..STEPS {
-                left_stepper.step(&mut left).expect("solvable");
-                right_stepper.step(&mut right).expect("solvable");
+                left = <M as Steps<Aimed>>::after(&body, &left, &NoControl::default(), 0.0);
+                right = <M as Steps<AimedInSpace>>::after(&space, &right, &NoControl::default(), 0.0);
                 g = discretized_field::<R>(&g, s, Side::Left);
                 h = discretized_field::<R>(&h, s, Side::Right);
             }
@@ -213,7 +242,7 @@ impl Mechanics<Translations<2>, 3, 2> for Bent {
 fn cotangent_lifts_on_a_vector_space_5_4() {
     fn check<M, R>(s: f64)
     where
-        Bent: Discretized<M>,
+        M: Steps<Bent>,
         R: MatrixRetraction<Translations<2>, 3, 2> + Default,
     {
         let bent = || Bent { softness: 0.3 };
@@ -278,7 +307,7 @@ impl Mechanics<SO3, 3, 3> for SwayingEnergy {
 fn cotangent_lifts_on_the_rotations_5_8() {
     fn check<M, R>(s: f64)
     where
-        Swaying: Discretized<M>,
+        M: Steps<Swaying>,
         R: MatrixRetraction<SO3, 3, 3> + Default,
     {
         let swaying = Swaying { moments: INERTIA, arm: ARM };
@@ -295,7 +324,7 @@ fn cotangent_lifts_on_the_rotations_5_8() {
 fn right_cotangent_lifts_on_the_rotations_5_8() {
     fn check<M, R>(s: f64)
     where
-        SwayingInSpace: Discretized<M>,
+        M: Steps<SwayingInSpace>,
         R: MatrixRetraction<SO3, 3, 3> + Default,
     {
         let swaying = SwayingInSpace { moments: INERTIA, arm: ARM };
@@ -341,7 +370,7 @@ impl Mechanics<SE2, 3, 3> for Plate {
 fn cotangent_lifts_on_the_motions_of_the_plane_5_8() {
     fn check<M, R>(s: f64)
     where
-        Plate: Discretized<M>,
+        M: Steps<Plate>,
         R: MatrixRetraction<SE2, 3, 3> + Default,
     {
         let inertia = matrix![2.0, 0.1, 0.3; 0.1, 1.5, 0.2; 0.3, 0.2, 1.2];
@@ -381,7 +410,7 @@ impl Mechanics<SU2, 4, 3> for Twisted {
 fn cotangent_lifts_on_the_unit_quaternions_5_8() {
     fn check<M, R>(s: f64)
     where
-        Twisted: Discretized<M>,
+        M: Steps<Twisted>,
         R: MatrixRetraction<SU2, 4, 3> + Default,
     {
         let twisted = || Twisted { inertia: INERTIA, twist: 0.8 };
@@ -427,7 +456,7 @@ impl Mechanics<SO3Semidirect<1>, 4, 6> for Buoy {
 fn cotangent_lifts_on_the_motions_of_space_5_8() {
     fn check<M, R>(s: f64)
     where
-        Buoy: Discretized<M>,
+        M: Steps<Buoy>,
         R: MatrixRetraction<SO3Semidirect<1>, 4, 6> + Default,
     {
         let inertia = vector![1.0, 1.2, 0.8, 1.5, 1.4, 1.1];
@@ -467,7 +496,8 @@ impl Mechanics<SO3, 3, 3> for Body {
 fn the_rigid_body_6_5_6_8_6_11_6_13_and_the_right_lift_6_6_6_9() {
     fn check<M, R>(s: f64)
     where
-        Body: Discretized<M> + Discretized<RightLift<SymplecticEulerA<R>>>,
+        M: Steps<Body>,
+        RightLift<SymplecticEulerA<R>>: Steps<Body>,
         R: MatrixRetraction<SO3, 3, 3> + Default,
     {
         let inertia = Random::new(61).inertia();
@@ -514,7 +544,7 @@ impl Mechanics<SO3Semidirect<1>, 4, 6> for Top {
 fn the_heavy_top_6_15_6_17() {
     fn check<M, R>(s: f64)
     where
-        Top: Discretized<M>,
+        M: Steps<Top>,
         R: MatrixRetraction<SO3Semidirect<1>, 4, 6> + Default,
     {
         let inertia = Random::new(62).inertia();
@@ -586,7 +616,7 @@ impl Mechanics<Flight, 7, 6> for Quadrotor {
 fn the_quadrotor_6_20_6_21_6_22() {
     fn check<M, R>(s: f64)
     where
-        Quadrotor: Discretized<M>,
+        M: Steps<Quadrotor>,
         R: MatrixRetraction<Flight, 7, 6> + Default,
     {
         let random = &mut Random::new(63);
