@@ -307,8 +307,10 @@ fn fraction(x: u64) -> Option<Ratio<i64>> {
 fn exact(polynomial: &Sparse<Monomial>) -> Option<Polynomial> {
     let coefficients = polynomial.iter().map(|(monomial, &x)| Some((monomial.clone(), fraction(x)?)));
     let coefficients: Vec<(Monomial, Ratio<i64>)> = coefficients.collect::<Option<_>>()?;
+    // numerators have 15 bits and this has 31, so that no product overflows
     let multiple = coefficients.iter().try_fold(1_i64, |multiple, (_, x)| {
-        multiple.checked_mul(*(Ratio::from_integer(multiple) * *x).denom())
+        let next = multiple * (Ratio::from_integer(multiple) * *x).denom();
+        (next < PRIME as i64).then_some(next)
     })?;
     let whole = coefficients.iter().map(|(_, x)| (*x * multiple).to_integer());
     let whole: Vec<i64> = whole.collect();
