@@ -13,6 +13,10 @@ pub(crate) fn legendre(
 ) -> Option<()> {
     let Attribute { hamiltonian, lagrangian, methods, .. } = attribute;
     if let (Some(lagrangian), Relation::Singular) = (lagrangian, system.velocity_relation()) {
+        if system.sources.lagrangian.as_ref().is_some_and(|source| !source.has_meaning) {
+            // what is wrong with it was reported, and stands for nothing
+            return None;
+        }
         let message = "the second derivative of this by the velocity is singular, so that no velocity belongs to a momentum; \
                        each component of the velocity needs a kinetic energy";
         diagnostics.push(lagrangian, message);

@@ -172,6 +172,18 @@ fn they_read_as_in_textbooks() {
     assert!(product.keys().all(|monomial| monomial[0] < 3 && monomial[1] >= 3));
 }
 
+/// Of vectors in the plane, `a·b` and `a × b` are both kept, but `(a·b)² + (a × b)² = |a|²|b|²`: as people list them, inner products.
+#[test]
+fn those_that_depend_on_others_are_left_out() {
+    let circle = catalogue().iter().find(|group| group.name() == "SO2").expect("it is there");
+    let algebra = Semidirect { group: *circle, spaces: vec![circle.representations()[0]; 3] };
+    let structure = Structure::of(&algebra).expect("exact constants");
+    let Casimirs { found, missing } = casimirs(&structure, &[0..1, 1..3, 3..5, 5..7]);
+    let inner = |a: usize, b: usize| Polynomial::from([(vec![a, b], 1), (vec![a + 1, b + 1], 1)]);
+    assert_eq!(found, [inner(1, 1), inner(3, 3), inner(5, 5), inner(1, 3), inner(1, 5)]);
+    assert_eq!(missing, 0);
+}
+
 /// Some transcendental or rational ones are out of reach: of `[h, x] = x`, `[h, y] = α y` there is `y/x^α`.
 #[test]
 fn those_that_are_no_polynomials_are_missing() {

@@ -284,6 +284,13 @@ fn energies_without_a_legendre_transform() {
     for degenerate in ["j * velocity.x.powi(2)", "j * velocity.y", sum] {
         expands(&format!("group = SO3, lagrangian = {degenerate}"), bare, &[(degenerate, singular)]);
     }
+    // one problem, one error
+    let vector = "velocity * j";
+    expands(
+        &format!("group = SO3, lagrangian = {vector}"),
+        bare,
+        &[(vector, "the Lagrangian must be a scalar, but this is a vector of 3")],
+    );
     // no velocity has a momentum here, but only a tangent lift needs one
     let linear = "group = SO3, hamiltonian = j * momentum.z";
     expands(linear, bare, &[]);
