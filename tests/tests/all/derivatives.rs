@@ -45,7 +45,7 @@ macro_rules! examples {
             fn example() -> (Self, Self::State, Self::Control) {
                 let examples = [$(|| $example,)? <$module::$system as coadjoint_app::Example>::example];
                 let (known, start) = examples[0]();
-                let control = known.control(&start, 0.0);
+                let control = coadjoint_app::Example::control(&known, &start, 0.0);
                 let system = Self::from_parameters(&known.to_parameters());
                 let state = <Self as System>::State::from_components(&start.to_components());
                 // it is the same system
