@@ -6,6 +6,9 @@
 mod calculus;
 pub mod casimirs;
 mod euclidean;
+mod exact;
+mod families;
+mod matrix;
 mod representation;
 mod retraction;
 mod rigid;
@@ -23,6 +26,8 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
+pub use families::family;
+pub use matrix::{BasisError, MatrixGroup};
 pub use representation::{Representation, Translation};
 pub(crate) use retraction::{Law, Order};
 pub use retraction::{MatrixFunction, Retraction};
@@ -52,8 +57,8 @@ pub trait Group: Sync {
     fn configuration_type(&self) -> &'static str;
     /// Suffixes of the stored coordinates.
     fn coordinates(&self) -> &'static [&'static str];
-    /// The type an element of the dual of the algebra is stored as, within nalgebra, generic over the scalar.
-    fn momentum_type(&self) -> &'static str;
+    /// The type an element of the dual of the algebra is stored as.
+    fn momentum_type(&self) -> StorageType;
     /// The equations of motion of a left-invariant system, for generated documentation.
     fn equations(&self, names: &EquationNames<'_>) -> Equations;
     /// Dimension of the algebra.
@@ -87,6 +92,10 @@ pub trait Group: Sync {
             Law::Function(f) => self.closed_d_right_dual(f, x, m),
             Law::Product(order) => second_kind::d_right_dual(self, order, x, m),
         }
+    }
+    /// Whether there are steps with a retraction: not with a map that leaves the group, or of which no closed form is known.
+    fn has(&self, _retraction: Retraction) -> bool {
+        true
     }
     /// Positive where the retraction is a local diffeomorphism, zero on the edge; `None` if that is everywhere.
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>>;
@@ -131,6 +140,25 @@ pub trait Group: Sync {
     /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
     fn components(&self) -> &'static [Component] {
         &[]
+    }
+}
+
+/// A type of nalgebra's, generic over the scalar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StorageType {
+    /// One with a name of its own: `UnitQuaternion`.
+    Named(&'static str),
+    /// A column of so many numbers.
+    Vector(usize),
+}
+
+impl std::fmt::Display for StorageType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Named(name) => f.write_str(name),
+            Self::Vector(n @ 1..=6) => write!(f, "Vector{n}"),
+            Self::Vector(n) => write!(f, "SVector<_, {n}>"),
+        }
     }
 }
 

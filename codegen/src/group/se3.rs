@@ -8,7 +8,7 @@ use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Semidirect, Translation,
+    Semidirect, StorageType, Translation,
 };
 use crate::expr::{Expr, Vector};
 
@@ -44,8 +44,8 @@ impl Group for SE3 {
         SO3.unit_coordinates()
     }
 
-    fn momentum_type(&self) -> &'static str {
-        "Vector6"
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(6)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {

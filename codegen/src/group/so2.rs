@@ -7,7 +7,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Translation,
+    StorageType, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -50,8 +50,8 @@ impl Group for SO2 {
         self.coordinates().len()
     }
 
-    fn momentum_type(&self) -> &'static str {
-        "Vector1"
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(1)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {

@@ -7,7 +7,9 @@
 //!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::so3::SO3;
-use super::{Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
+use super::{
+    Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, StorageType,
+};
 use crate::expr::{Expr, Number, Vector};
 
 /// Unit quaternions.
@@ -45,7 +47,7 @@ impl Group for SU2 {
         SO3.unit_coordinates()
     }
 
-    fn momentum_type(&self) -> &'static str {
+    fn momentum_type(&self) -> StorageType {
         SO3.momentum_type()
     }
 

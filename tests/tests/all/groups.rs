@@ -1,10 +1,12 @@
 //! The laws of every group of the catalogue, from its own symbolic forms, held against definitions by matrices with 77 digits.
 
+use std::sync::LazyLock;
+
 use coadjoint_codegen::expr::{Arena, Number, Stage, Vector, gradient};
 use coadjoint_codegen::group::casimirs::{Casimirs, Polynomial, casimirs};
 use coadjoint_codegen::group::{
     Group, MatrixFunction, Representation, Retraction, Semidirect, SemidirectVector, Side, Structure,
-    Translation, catalogue,
+    Translation, catalogue, family,
 };
 use coadjoint_tests::precise::definition::{Realization, SemidirectMatrices, realization, retract};
 use coadjoint_tests::precise::formula::{Formula, Point, symbols};
@@ -13,8 +15,8 @@ use coadjoint_tests::precise::real::Real;
 use coadjoint_tests::precise::residuals::Residuals;
 use coadjoint_tests::random::Random;
 
-/// For what holds to the last digits.
-const EXACT: f64 = 2e-76;
+/// For what holds to the last digits: elements of groups that are not compact have large entries.
+const EXACT: f64 = 1e-72;
 /// For comparisons with central differences.
 const DIFFERENCES: f64 = 2e-50;
 
@@ -29,9 +31,21 @@ struct Subject<'a> {
     arena: &'a Arena,
 }
 
-/// Checks every group of the catalogue.
+/// Groups from their bases alone.
+const FAMILIES: [&str; 9] = ["SO4", "SO21", "SL2", "SP4", "SE23", "SGAL3", "HEISENBERG", "AFF1", "GL2"];
+
+/// The groups of the catalogue, and those from their bases.
+fn groups() -> &'static [&'static dyn Group] {
+    static GROUPS: LazyLock<Vec<&'static dyn Group>> = LazyLock::new(|| {
+        let family = |name: &&str| -> &'static dyn Group { Box::leak(Box::new(family(name).expect("there is one"))) };
+        catalogue().iter().copied().chain(FAMILIES.iter().map(family)).collect()
+    });
+    &GROUPS
+}
+
+/// Checks every group.
 fn for_each_group(check: impl Fn(&Subject<'_>, &mut Residuals)) {
-    for &group in catalogue() {
+    for &group in groups() {
         let arena = Arena::new();
         let mut residuals = Residuals::new();
         check(&Subject { group, definition: realization(group), arena: &arena }, &mut residuals);
@@ -42,7 +56,9 @@ fn for_each_group(check: impl Fn(&Subject<'_>, &mut Residuals)) {
 fn for_each_retraction(check: impl Fn(&Subject<'_>, Retraction, &mut Residuals)) {
     for_each_group(|subject, residuals| {
         for retraction in RETRACTIONS {
-            check(subject, retraction, residuals);
+            if subject.group.has(retraction) {
+                check(subject, retraction, residuals);
+            }
         }
     });
 }
@@ -91,6 +107,7 @@ impl<'a> Subject<'a> {
         let points = self.points();
         Retraction::ALL
             .into_iter()
+            .filter(|&retraction| self.group.has(retraction))
             .flat_map(|retraction| {
                 let retract = self.retract(retraction);
                 points[3..].iter().map(|x| retract.at([x])).collect::<Vec<_>>()
@@ -101,6 +118,16 @@ impl<'a> Subject<'a> {
     /// `τ(x)` by definition.
     fn defined(&self, retraction: Retraction, x: &Column) -> Matrix {
         retract(retraction, x, |x| self.definition.hat(x))
+    }
+
+    /// Whether commutators commute with everything: then the axes of coordinates of the second kind are as good as any others.
+    fn is_two_step_nilpotent(&self) -> bool {
+        self.is_abelian() || self.group.name() == "HEISENBERG"
+    }
+
+    /// Whether rays of the algebra end in the group where they began, or nearly so; with translations beside the rotations it counts too.
+    fn is_compact(&self) -> bool {
+        !["SO21", "SL2", "SP4", "GL2", "AFF1"].contains(&self.group.name())
     }
 
     /// Whether no two elements fail to commute: then all that differs between retractions is how far they go.
@@ -160,7 +187,7 @@ fn functions_of_a_matrix_are_equivariant() {
             let turned = |m: &Matrix| &(&g * m) * &g.inverse();
             let there = matrix(&subject.definition.vee(&turned(&subject.definition.hat(&x))));
             let carried = turned(&matrix(&x));
-            if retraction.is_equivariant() || subject.is_abelian() {
+            if retraction.is_equivariant() || subject.is_two_step_nilpotent() {
                 residuals.agree("τ(Ad_g x) = g τ(x) g⁻¹", &there.entries(), &carried.entries(), EXACT);
             } else {
                 assert!((&there - &carried).norm() > Real::ratio(1, 1000), "{}", subject.group.name());
@@ -217,8 +244,8 @@ fn normalization_takes_the_error_of_a_product_away() {
             let off = &g + &Column::random(n, random).scale(&Real::ten_to(-30));
             let back = normalize.at([&off]);
             let defect = subject.definition.defect(&back).norm();
-            residuals.vanish("what is off by 1e-30 comes back to 1e-59", &defect, 1e-59);
-            residuals.vanish("and no farther than it was off", &(&back - &g).norm(), 3e-30);
+            residuals.vanish("what is off by 1e-30 comes back to 1e-58", &defect, 1e-58);
+            residuals.vanish("and no farther than it was off", &(&back - &g).norm(), 6e-30);
         }
     });
 }
@@ -304,7 +331,7 @@ fn the_domain_ends_where_the_retraction_is_singular() {
             // regular everywhere
             for direction in directions {
                 let far = direction.scale(&Real::from(100));
-                assert!(d_right(&far).determinant_magnitude() > Real::ten_to(-20));
+                assert!(d_right(&far).determinant_magnitude() > Real::ten_to(-40));
             }
             return;
         };
@@ -315,9 +342,16 @@ fn the_domain_ends_where_the_retraction_is_singular() {
         };
         for direction in directions {
             // the first zero on a ray, by bisection between where it is positive and where it is negative
-            let (mut inside, mut outside) = (Real::from(0), Real::from(100));
-            assert!(margin(&direction.scale(&inside)) > Real::from(0));
-            assert!(margin(&direction.scale(&outside)) < Real::from(0));
+            let is_within = |far: &Real| margin(&direction.scale(far)) > Real::from(0);
+            assert!(is_within(&Real::from(0)));
+            let mut distances = (1..=40).map(|part| Real::ratio(part, 2));
+            let Some(mut outside) = distances.find(|far| !is_within(far)) else {
+                // on groups that are not compact some rays are regular everywhere
+                assert!(!subject.is_compact(), "{}", subject.group.name());
+                assert!(d_right(&direction.scale(&Real::from(3))).determinant_magnitude() > Real::ten_to(-9));
+                continue;
+            };
+            let mut inside = &outside - &Real::ratio(1, 2);
             for _ in 0..270 {
                 let middle = (&inside + &outside) / Real::from(2);
                 let within = margin(&direction.scale(&middle)) > Real::from(0);
@@ -325,6 +359,9 @@ fn the_domain_ends_where_the_retraction_is_singular() {
             }
             // the edge is a double: 1e-16 remains, and its square where the determinant has a double zero
             let at_edge = d_right(&direction.scale(&inside)).determinant_magnitude();
+            // the Cayley map itself ends where 1 − X/2 is singular
+            let ends = retraction == Retraction::Cayley && at_edge > Real::from(1);
+            let at_edge = if ends { Real::from(1) / at_edge } else { at_edge };
             let rounding = if retraction.is_equivariant() { 1e-32 } else { 1e-15 };
             residuals.vanish("dR is singular at the edge", &at_edge, rounding);
             for part in 1..=9 {
