@@ -6,7 +6,7 @@ use syn::Ident;
 
 use super::{Advected, Factor, Force, Inertia, InertiaShape, momentum_name};
 use crate::diagnostics::{Diagnostics, list, suggestion};
-use crate::group::{self, Group, Representation, part_name};
+use crate::group::{self, Group, Representation, Retraction, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::parse::{self, Attribute, Field, GROUP, Item, Shape};
 
@@ -20,7 +20,8 @@ pub(super) struct Subject<'d> {
 
 /// The group of this name.
 fn group(name: &Ident) -> Option<&'static dyn Group> {
-    group::catalogue().iter().copied().find(|group| name == group.name())
+    let known = group::catalogue().iter().copied().find(|group| name == group.name());
+    known.or_else(|| group::family(&name.to_string()).map(|group| group as &dyn Group))
 }
 
 /// The space of this name that a group acts on.
@@ -40,6 +41,21 @@ impl<'d> Subject<'d> {
                 diagnostics.push(&factor.group, message);
                 continue;
             };
+            if let Some(retraction) =
+                Retraction::DEFAULT.into_iter().find(|&retraction| !group.has(retraction))
+            {
+                let name = group.name();
+                let message = match retraction {
+                    Retraction::Cayley => format!(
+                        "there are no steps on {name}: its Cayley map (1 − X/2)⁻¹(1 + X/2) leaves the group"
+                    ),
+                    _ => format!(
+                        "there are no steps on {name}: no closed form of its exponential map is known"
+                    ),
+                };
+                diagnostics.push(&factor.group, message);
+                continue;
+            }
             let name = factor.name.clone();
             factors.push(Factor {
                 name: name.unwrap_or_else(|| format_ident!("{}", group.configuration_name())),

@@ -97,7 +97,7 @@ impl Group for R {
         m.clone()
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[]
     }
 

@@ -13,13 +13,13 @@ type Named = (&'static str, Vec<i64>);
 /// `SO(n)` rotations, `SL(n)` matrices of determinant 1, `GL(n)` all that can be inverted, `SP(2n)` symplectic ones, `SU(n)` as real matrices of
 /// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGAL(3)` Galilei's group, `SO21` Lorentz's group of the
 /// plane, `HEISENBERG` and `AFF(1)`.
-pub fn family(name: &str) -> Option<MatrixGroup> {
+pub fn family(name: &str) -> Option<&'static MatrixGroup> {
     let name = &*name.to_uppercase();
-    let (family, n) = match name.find(|letter: char| letter.is_ascii_digit()) {
-        Some(digits) if name != "SO21" && !name.starts_with("SE2") => {
-            (&name[..digits], name[digits..].parse().ok()?)
-        }
-        _ if name.starts_with("SE2") && name.len() == 4 => ("SE2", name[3..].parse().ok()?),
+    let two_vectors = name.strip_prefix("SE2").filter(|n| !n.is_empty());
+    let digits = name.find(|letter: char| letter.is_ascii_digit());
+    let (family, n) = match (two_vectors, digits) {
+        (Some(n), _) => ("SE2", n.parse().ok()?),
+        (None, Some(digits)) if name != "SO21" => (&name[..digits], name[digits..].parse().ok()?),
         _ => (name, 3),
     };
     let (size, basis) = match family {
@@ -45,7 +45,8 @@ pub fn family(name: &str) -> Option<MatrixGroup> {
     };
     let is_there = (1..=LARGEST).contains(&size) && n > 0;
     // the names live as long as the group, which is as long as the process
-    is_there.then(|| MatrixGroup::new(name.to_owned().leak(), size, &basis).ok()).flatten()
+    let group = is_there.then(|| MatrixGroup::new(name.to_owned().leak(), size, &basis).ok()).flatten();
+    group.map(MatrixGroup::leaked)
 }
 
 /// A matrix with these entries.

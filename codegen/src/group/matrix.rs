@@ -4,22 +4,24 @@
 //!
 //! * Algebra: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra, `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
 //! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`Hull`], not from storage.
-//! * `exp x` and `dR exp_x = φ₁(ad_x)`, where `X` and `ad_x` are [annihilated](Annihilator) by a polynomial `λᵃ (λ² + z)` with `z` quadratic in `x`,
-//!   or by `λᵃ`: then their power series are finite sums with Stumpff functions of `z`.
+//! * `exp x` and `dR exp_x = φ₁(ad_x)`, where `X` and `ad_x` are [annihilated](Annihilator) by a polynomial `λᵃ (λ² + z)^q` with `z` quadratic in
+//!   `x`: then their power series are finite sums with Stumpff functions of `z`.
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
 //! * Most groups keep a form, `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding away.
+
+use std::sync::OnceLock;
 
 use num_traits::{One, Zero};
 
 use super::exact::{Exact, Fraction};
 use super::{
-    EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, StorageType, Structure,
+    EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, Side, StorageType,
+    Structure, Translation,
 };
 use crate::expr::{Arena, Expr, Matrix, Number, Vector};
 
 /// A group of matrices.
-#[derive(Debug)]
 pub struct MatrixGroup {
     name: &'static str,
     configuration_type: &'static str,
@@ -38,6 +40,17 @@ pub struct MatrixGroup {
     /// Of `ad_x`.
     adjoint_annihilator: Option<Annihilator>,
     has_cayley: bool,
+    /// Set when it is [leaked](Self::leaked).
+    spaces: OnceLock<[&'static dyn Representation; 1]>,
+}
+
+impl std::fmt::Debug for MatrixGroup {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MatrixGroup")
+            .field("name", &self.name)
+            .field("basis", &self.basis)
+            .finish_non_exhaustive()
+    }
 }
 
 /// Why matrices are no basis of a group.
@@ -109,10 +122,13 @@ struct Form {
     is_definite: bool,
 }
 
-/// A polynomial `λᵃ (λ² + z)`, or `λᵃ` where there is no `z`, that annihilates a matrix linear in `x`; `z` is quadratic in `x`.
+/// A polynomial `λᵃ (λ² + z)^q`, or `λᵃ` where there is no `z`, that annihilates a matrix linear in `x`; `z` is quadratic in `x`.
 #[derive(Debug)]
 struct Annihilator {
+    /// `a`
     power: usize,
+    /// `q`
+    multiplicity: usize,
     /// `z = Σ z_ij xᵢ x_j`
     quadratic: Option<Exact>,
 }
@@ -131,22 +147,24 @@ impl Annihilator {
         let points = POINTS.map(|point| at(&point));
         let power = |x: &Exact, a: usize| (0..a).fold(Exact::identity(n), |power, _| power.times(x));
         if let Some(power) = (1..=n).find(|&a| points.iter().all(|x| power(x, a).is_zero())) {
-            return Some(Self { power, quadratic: None });
+            return Some(Self { power, multiplicity: 0, quadratic: None });
         }
-        let is_annihilated = |a: usize, m: usize| {
+        let is_annihilated = |(a, m, q): &(usize, usize, usize)| {
             points.iter().all(|x| {
                 let square = x.times(x);
-                let z = -square.trace() / Fraction::from(2 * m as i128);
-                power(x, a).times(&square.plus(&Exact::identity(n), z)).is_zero()
+                let z = -square.trace() / Fraction::from(2 * *m as i128);
+                let factor = square.plus(&Exact::identity(n), z);
+                (0..*q).fold(power(x, *a), |power, _| power.times(&factor)).is_zero()
             })
         };
-        let (power, m) =
-            (0..n).flat_map(|a| (1..=n / 2).map(move |m| (a, m))).find(|&(a, m)| is_annihilated(a, m))?;
+        let kinds = (1..=3).flat_map(|q| (0..n).map(move |a| (q, a)));
+        let mut kinds = kinds.flat_map(|(q, a)| (1..=n / 2).map(move |m| (a, m, q)));
+        let (power, m, multiplicity) = kinds.find(is_annihilated)?;
         let d = matrices.len();
         let quadratic = Exact::from_fn(d, d, |i, j| {
             -matrices[i].times(&matrices[j]).trace() / Fraction::from(2 * m as i128)
         });
-        Some(Self { power, quadratic: Some(quadratic) })
+        Some(Self { power, multiplicity, quadratic: Some(quadratic) })
     }
 
     /// `z`, if there is one.
@@ -172,15 +190,34 @@ impl Annihilator {
             power = map(&power);
         }
         let Some(z) = self.argument(x) else { return sum };
-        let first = self.power as u32 + shift;
-        let next = map(&power);
-        &(&sum + &power.scale(z.stumpff(first))) + &next.scale(z.stumpff(first + 1))
+        // A^{k+2j} = Aᵏ (N − z)ʲ with N = A² + z, of which the q-th power is zero on Aᵏ: Taylor's series of the Stumpff function
+        for k in [self.power as u32 + shift, self.power as u32 + shift + 1] {
+            let next = map(&power);
+            let mut term = power;
+            for i in 0..self.multiplicity {
+                if i > 0 {
+                    term = &map(&map(&term)) + &term.scale(z);
+                }
+                sum = &sum + &term.scale(taylor(z, k, i));
+            }
+            power = next;
+        }
+        sum
     }
 
     /// Whether `z` is never negative.
     fn is_elliptic(&self) -> bool {
         self.quadratic.as_ref().is_none_or(Exact::is_positive_semidefinite)
     }
+}
+
+/// `(−1)ⁱ c_k⁽ⁱ⁾(z) / i!`, by `2 c_k′ = k c_{k+2} − c_{k+1}`.
+fn taylor(z: Expr<'_>, k: u32, i: usize) -> Expr<'_> {
+    if i == 0 {
+        return z.stumpff(k);
+    }
+    let (first, second) = (taylor(z, k + 1, i - 1), taylor(z, k + 2, i - 1));
+    (first - second.scale(i64::from(k))).scale(Number::ratio(1, 2 * i as i128))
 }
 
 /// `1/k!`
@@ -236,7 +273,17 @@ impl MatrixGroup {
             hull,
             form,
             is_special,
+            spaces: OnceLock::new(),
         })
+    }
+
+    /// The same for as long as the process lives, with the spaces that it acts on.
+    pub fn leaked(self) -> &'static Self {
+        let group: &'static Self = Box::leak(Box::new(self));
+        let standard: &'static Standard = Box::leak(Box::new(Standard::of(group)));
+        // it is new: nothing has been set
+        let _ = group.spaces.set([standard]);
+        group
     }
 
     /// Rows and columns of the matrices.
@@ -625,8 +672,10 @@ impl Group for MatrixGroup {
 
     fn has(&self, retraction: Retraction) -> bool {
         match retraction {
+            Retraction::Exponential => self.annihilator.is_some() && self.adjoint_annihilator.is_some(),
             Retraction::Cayley => self.has_cayley,
-            _ => self.annihilator.is_some() && self.adjoint_annihilator.is_some(),
+            // where it is singular is not known
+            Retraction::SecondKind | Retraction::ReversedSecondKind => false,
         }
     }
 
@@ -685,7 +734,91 @@ impl Group for MatrixGroup {
         self.pulled_back(&back, m, &self.matrix(g))
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
-        &[]
+    /// The standard one.
+    fn representations(&self) -> &[&'static dyn Representation] {
+        self.spaces.get().map_or(&[], |spaces| spaces)
+    }
+
+    fn matrix_rows(&self) -> Option<usize> {
+        Some(self.size())
+    }
+
+    /// `1 + D`, to first order.
+    fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+        let increment = Vector(self.one_plus(delta, Number::ONE).entries);
+        side.compose(self, g, &increment)
+    }
+}
+
+/// Columns of as many numbers as the matrices have rows, `ρ_x v = X v`.
+struct Standard {
+    group: &'static MatrixGroup,
+    name: &'static str,
+    type_name: StorageType,
+    coordinates: &'static [&'static str],
+}
+
+impl Standard {
+    fn of(group: &'static MatrixGroup) -> Self {
+        let n = group.size();
+        let coordinates =
+            if n <= 4 { &["x", "y", "z", "w"][..n] } else { leaked((1..=n).map(|i| i.to_string())) };
+        Self { group, name: format!("R{n}").leak(), type_name: StorageType::Vector(n), coordinates }
+    }
+}
+
+impl Representation for Standard {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn storage(&self) -> StorageType {
+        self.type_name
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        self.coordinates
+    }
+
+    fn algebra_dimension(&self) -> usize {
+        self.group.dimension()
+    }
+
+    fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.group.hat(x).times(v)
+    }
+
+    /// `φ₁(X) w`; for the Cayley map half the way before the rest, half of it after.
+    fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        match (f, &self.group.annihilator) {
+            (MatrixFunction::Exponential, Some(annihilator)) => {
+                let hat = self.group.hat(x);
+                Translation {
+                    body_part: annihilator.series(x, 1, w, |v| hat.times(v)),
+                    rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
+                    is_tangent_group: false,
+                }
+            }
+            _ => {
+                let half = w.map(|component| component / 2);
+                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
+            }
+        }
+    }
+
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.group.matrix(g).times(v)
+    }
+
+    /// `exp(X) v`, or `2 (1 − X/2)⁻¹ v − v`
+    fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let hat = self.group.hat(x);
+        match (f, &self.group.annihilator) {
+            (MatrixFunction::Exponential, Some(annihilator)) => annihilator.series(x, 0, v, |v| hat.times(v)),
+            _ => {
+                let solved = self.group.one_plus(x, Number::ratio(-1, 2)).solve(v);
+                &solved.map(|component| component.scale(2)) - v
+            }
+        }
     }
 }

@@ -119,9 +119,9 @@ pub trait Group: Sync {
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
     /// The linear spaces the group acts on.
-    fn representations(&self) -> &'static [&'static dyn Representation];
+    fn representations(&self) -> &[&'static dyn Representation];
     /// What elements do to vectors in a user's expressions, as those of the type they are stored as do.
-    fn actions(&self) -> &'static [&'static dyn Representation] {
+    fn actions(&self) -> &[&'static dyn Representation] {
         self.representations()
     }
     /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
@@ -136,6 +136,18 @@ pub trait Group: Sync {
     /// Whether the group is a vector space, and its elements are vectors to a user's expressions.
     fn is_linear(&self) -> bool {
         false
+    }
+    /// The rows of the matrix that an element is stored as, which is then a matrix to a user's expressions.
+    fn matrix_rows(&self) -> Option<usize> {
+        None
+    }
+    /// `g τ(δ)`, on the other side `τ(δ) g`, to first order in `δ`.
+    fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+        let increment = self.retract(Retraction::Exponential, delta);
+        match side {
+            Side::Left => self.compose(g, &increment),
+            Side::Right => self.compose(&increment, g),
+        }
     }
     /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
     fn components(&self) -> &'static [Component] {

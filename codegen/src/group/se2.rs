@@ -114,7 +114,7 @@ impl Group for SE2 {
         rigid().to_space(g, m)
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Plane(3)]
     }
 

@@ -111,7 +111,7 @@ impl Group for SE3 {
         rigid().to_space(g, m)
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Directions]
     }
 
@@ -144,8 +144,8 @@ impl Representation for Directions {
         Space.name()
     }
 
-    fn type_name(&self) -> &'static str {
-        Space.type_name()
+    fn storage(&self) -> StorageType {
+        Space.storage()
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

@@ -119,7 +119,7 @@ impl Group for SO2 {
         m.clone()
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Plane(1)]
     }
 
@@ -146,8 +146,8 @@ impl Representation for Plane {
         "R2"
     }
 
-    fn type_name(&self) -> &'static str {
-        "Vector2"
+    fn storage(&self) -> StorageType {
+        StorageType::Vector(2)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

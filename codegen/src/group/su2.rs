@@ -119,12 +119,12 @@ impl Group for SU2 {
     }
 
     /// None: the Cayley map of the quaternions rotates space otherwise than that of the rotation matrices does.
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[]
     }
 
     /// Those of the rotations that they cover.
-    fn actions(&self) -> &'static [&'static dyn Representation] {
+    fn actions(&self) -> &[&'static dyn Representation] {
         SO3.representations()
     }
 

@@ -116,7 +116,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Advected,
             name: advected.ident.clone(),
-            stored: StoredAs::Named(space.type_name()),
+            stored: space.storage().into(),
             suffixes: owned(space.coordinates()),
             symbols: advected.value.symbols(),
             value: advected.value.clone(),

@@ -37,7 +37,7 @@ pub fn realization(group: &dyn Group) -> &'static dyn Realization {
 }
 
 /// A group of matrices, stored as what they are.
-struct Basis(MatrixGroup);
+struct Basis(&'static MatrixGroup);
 
 impl Basis {
     fn matrix_of(&self, axis: usize) -> Matrix {
@@ -104,8 +104,9 @@ impl Realization for Basis {
         }
     }
 
-    fn representation(&self, name: &str, _: &Column) -> Matrix {
-        panic!("give {name} its definition by matrices")
+    /// The standard one.
+    fn representation(&self, _: &str, x: &Column) -> Matrix {
+        self.hat(x)
     }
 }
 
