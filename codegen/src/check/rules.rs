@@ -20,18 +20,23 @@ pub(super) struct Subject<'d> {
     factors: Vec<Factor>,
 }
 
-/// A group that systems can move on.
-fn group(factor: &parse::Factor, diagnostics: &mut Diagnostics) -> Option<&'static dyn Group> {
+/// The group of a factor, with all steps that are asked for.
+fn group(
+    factor: &parse::Factor,
+    retractions: &[Retraction],
+    diagnostics: &mut Diagnostics,
+) -> Option<&'static dyn Group> {
     let group =
         if factor.basis.is_empty() { named(&factor.group, diagnostics) } else { own(factor, diagnostics) }?;
-    let missing = Retraction::DEFAULT.into_iter().find(|&retraction| !group.has(retraction));
-    let message = match missing {
-        None => return Some(group),
-        Some(Retraction::Cayley) => "its Cayley map (1 − X/2)⁻¹(1 + X/2) leaves the group",
-        Some(_) => "no closed form of its exponential map is known",
-    };
-    diagnostics.push(&factor.group, format!("there are no steps on {}: {message}", group.name()));
-    None
+    for retraction in retractions.iter().filter(|&&retraction| !group.has(retraction)) {
+        let why = match retraction {
+            Retraction::Cayley => "(1 − X/2)⁻¹(1 + X/2) leaves the group",
+            _ => "where they are singular is not known",
+        };
+        let message = format!("there are no steps on {} with `{}`: {why}", group.name(), retraction.name());
+        diagnostics.push(&factor.group, message);
+    }
+    Some(group)
 }
 
 /// The group of this name.
@@ -97,7 +102,9 @@ fn representation(group: &dyn Group, name: &str) -> Option<&'static dyn Represen
 impl<'d> Subject<'d> {
     /// Finds the groups: a system moves on groups of the catalogue.
     pub(super) fn new(attribute: &'d Attribute, item: &'d Item, diagnostics: &mut Diagnostics) -> Self {
-        let groups: Vec<_> = attribute.factors.iter().map(|factor| group(factor, diagnostics)).collect();
+        let retractions = attribute.named_retractions();
+        let groups: Vec<_> =
+            attribute.factors.iter().map(|factor| group(factor, retractions, diagnostics)).collect();
         let mut factors = Vec::new();
         for (factor, group) in attribute.factors.iter().zip(&groups) {
             let Some(group) = *group else { continue };

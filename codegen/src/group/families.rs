@@ -1,6 +1,7 @@
 //! Families of groups by name: `SO(4)`, `SL(2)`, `SE2(3)`, …, each from its basis.
 
 use super::MatrixGroup;
+use super::matrix::TERMS;
 
 /// The largest matrices: beyond, code would take minutes to compile.
 const LARGEST: usize = 6;
@@ -14,6 +15,11 @@ type Named = (&'static str, Vec<i64>);
 /// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGAL(3)` Galilei's group, `SO21` Lorentz's group of the
 /// plane, `HEISENBERG` and `AFF(1)`.
 pub fn family(name: &str) -> Option<&'static MatrixGroup> {
+    family_with_terms(name, TERMS)
+}
+
+/// The same with so many terms of series that have no closed form.
+pub fn family_with_terms(name: &str, terms: usize) -> Option<&'static MatrixGroup> {
     let name = &*name.to_uppercase();
     let two_vectors = name.strip_prefix("SE2").filter(|n| !n.is_empty());
     let digits = name.find(|letter: char| letter.is_ascii_digit());
@@ -45,7 +51,8 @@ pub fn family(name: &str) -> Option<&'static MatrixGroup> {
     };
     let is_there = (1..=LARGEST).contains(&size) && n > 0;
     // the names live as long as the group, which is as long as the process
-    let group = is_there.then(|| MatrixGroup::new(name.to_owned().leak(), size, &basis).ok()).flatten();
+    let group =
+        is_there.then(|| MatrixGroup::with_terms(name.to_owned().leak(), size, &basis, terms).ok()).flatten();
     group.map(MatrixGroup::leaked)
 }
 

@@ -5,7 +5,8 @@
 //! * Algebra: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra, `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
 //! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`Hull`], not from storage.
 //! * `exp x` and `dR exp_x = φ₁(ad_x)`, where `X` and `ad_x` are [annihilated](Annihilator) by a polynomial `λᵃ (λ² + z)^q` with `z` quadratic in
-//!   `x`: then their power series are finite sums with Stumpff functions of `z`.
+//!   `x`: then their power series are finite sums with Stumpff functions of `z`. Otherwise the series are summed up to the rounding of a double within
+//!   [a ball](RADIUS) about zero.
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
 //! * Most groups keep a form, `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding away.
@@ -36,9 +37,11 @@ pub struct MatrixGroup {
     /// Whether all elements have determinant 1, and no form says so.
     is_special: bool,
     /// Of `X`.
-    annihilator: Option<Annihilator>,
+    powers: Powers,
     /// Of `ad_x`.
-    adjoint_annihilator: Option<Annihilator>,
+    adjoint_powers: Powers,
+    /// `|ad_x|² + |X|²` in Frobenius' norm, as a quadratic form in `x`.
+    size: Exact,
     has_cayley: bool,
     /// Set when it is [leaked](Self::leaked).
     spaces: OnceLock<[&'static dyn Representation; 1]>,
@@ -122,6 +125,20 @@ struct Form {
     is_definite: bool,
 }
 
+/// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
+const RADIUS: (i128, i128) = (3, 2);
+/// So many powers of a matrix as large as that, over their factorials, are below half an ulp of the sum.
+pub(super) const TERMS: usize = 20;
+
+/// How power series of a matrix linear in `x` are summed.
+#[derive(Debug)]
+enum Powers {
+    /// As finite sums.
+    Closed(Annihilator),
+    /// So many terms of them.
+    Series(usize),
+}
+
 /// A polynomial `λᵃ (λ² + z)^q`, or `λᵃ` where there is no `z`, that annihilates a matrix linear in `x`; `z` is quadratic in `x`.
 #[derive(Debug)]
 struct Annihilator {
@@ -169,14 +186,11 @@ impl Annihilator {
 
     /// `z`, if there is one.
     fn argument<'a>(&self, x: &Vector<'a>) -> Option<Expr<'a>> {
-        let quadratic = self.quadratic.as_ref()?;
-        let terms = (0..x.len()).flat_map(|i| (0..x.len()).map(move |j| (i, j)));
-        let terms = terms.map(|(i, j)| (x.0[i] * x.0[j]).scale(number(quadratic.at(i, j))));
-        Some(terms.fold(x.0[0].arena().zero(), |sum, term| sum + term))
+        Some(quadratic(self.quadratic.as_ref()?, x))
     }
 
     /// `Σ_k Aᵏ v / (k + shift)!` for a linear map `A` that it annihilates.
-    fn series<'a>(
+    fn sum<'a>(
         &self,
         x: &Vector<'a>,
         shift: u32,
@@ -211,6 +225,42 @@ impl Annihilator {
     }
 }
 
+impl Powers {
+    fn of(matrices: &[Exact], terms: usize) -> Self {
+        Annihilator::of(matrices).map_or(Self::Series(terms), Self::Closed)
+    }
+
+    /// `Σ_k Aᵏ v / (k + shift)!`
+    fn series<'a>(
+        &self,
+        x: &Vector<'a>,
+        shift: u32,
+        v: &Vector<'a>,
+        map: impl Fn(&Vector<'a>) -> Vector<'a>,
+    ) -> Vector<'a> {
+        match self {
+            Self::Closed(annihilator) => annihilator.sum(x, shift, v, map),
+            // v + A/(s+1) (v + A/(s+2) (v + …)), over s!
+            Self::Series(terms) => {
+                let sum = (1..=*terms as u32).rev().fold(v.clone(), |sum, k| {
+                    let next = map(&sum).map(|entry| entry.scale(Number::ratio(1, i128::from(k + shift))));
+                    (v + &next).hold()
+                });
+                sum.map(|entry| entry.scale(reciprocal_factorial(shift)))
+            }
+        }
+    }
+
+    fn is_closed(&self) -> bool {
+        matches!(self, Self::Closed(_))
+    }
+
+    /// Whether no element has a real eigenvalue but zero.
+    fn is_elliptic(&self) -> bool {
+        matches!(self, Self::Closed(annihilator) if annihilator.is_elliptic())
+    }
+}
+
 /// `(−1)ⁱ c_k⁽ⁱ⁾(z) / i!`, by `2 c_k′ = k c_{k+2} − c_{k+1}`.
 fn taylor(z: Expr<'_>, k: u32, i: usize) -> Expr<'_> {
     if i == 0 {
@@ -223,6 +273,19 @@ fn taylor(z: Expr<'_>, k: u32, i: usize) -> Expr<'_> {
 /// `1/k!`
 fn reciprocal_factorial(k: u32) -> Number {
     Number::ratio(1, (1..=i128::from(k)).product())
+}
+
+/// `Σ q_ij xᵢ x_j`
+fn quadratic<'a>(form: &Exact, x: &Vector<'a>) -> Expr<'a> {
+    let terms = (0..x.len()).flat_map(|i| (0..x.len()).map(move |j| (i, j)));
+    let terms = terms.map(|(i, j)| (x.0[i] * x.0[j]).scale(number(form.at(i, j))));
+    terms.fold(x.0[0].arena().zero(), |sum, term| sum + term)
+}
+
+/// `tr EᵢᵀE_j`
+fn frobenius(matrices: &[Exact]) -> Exact {
+    let d = matrices.len();
+    Exact::from_fn(d, d, |i, j| matrices[i].transpose().times(&matrices[j]).trace())
 }
 
 fn number(fraction: Fraction) -> Number {
@@ -238,6 +301,19 @@ impl MatrixGroup {
         name: &'static str,
         size: usize,
         basis: &[(&'static str, Vec<i64>)],
+    ) -> Result<Self, BasisError> {
+        Self::with_terms(name, size, basis, TERMS)
+    }
+
+    /// The same with so many terms of series that have no closed form: for numbers of more digits than a double's.
+    ///
+    /// # Errors
+    /// If the matrices are dependent or not closed under the commutator.
+    pub fn with_terms(
+        name: &'static str,
+        size: usize,
+        basis: &[(&'static str, Vec<i64>)],
+        terms: usize,
     ) -> Result<Self, BasisError> {
         let is_square = size > 0 && basis.iter().all(|(_, entries)| entries.len() == size * size);
         if basis.is_empty() || !is_square {
@@ -264,8 +340,9 @@ impl MatrixGroup {
                 .ok_or(BasisError::TooLarge)?,
             coordinates: leaked((0..size * size).map(|k| entry_name(k / size, k % size))),
             axes: leaked(basis.iter().map(|(name, _)| (*name).to_owned())),
-            annihilator: Annihilator::of(&matrices),
-            adjoint_annihilator: Annihilator::of(&adjoint),
+            powers: Powers::of(&matrices, terms),
+            adjoint_powers: Powers::of(&adjoint, terms),
+            size: frobenius(&matrices).plus(&frobenius(&adjoint), Fraction::one()),
             has_cayley: has_cayley(&matrices, &readout),
             basis: matrices,
             structure,
@@ -389,17 +466,16 @@ impl MatrixGroup {
     /// The entries of `f(x)`.
     fn function<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Matrix<'a> {
         let (n, arena) = (self.size(), x.0[0].arena());
-        match (f, &self.annihilator) {
-            (MatrixFunction::Exponential, Some(annihilator)) => {
+        match f {
+            MatrixFunction::Exponential => {
                 let hat = self.hat(x);
                 let column = |j: usize| {
                     let unit = Vector((0..n).map(|i| arena.number(i64::from(i == j))).collect());
-                    annihilator.series(x, 0, &unit, |v| hat.times(v))
+                    self.powers.series(x, 0, &unit, |v| hat.times(v))
                 };
                 from_columns(&(0..n).map(column).collect::<Vec<_>>())
             }
-            // where there is no closed form of the exponential nothing is generated with it
-            _ => {
+            MatrixFunction::Cayley => {
                 let resolvent = self.resolvent(x);
                 resolvent.zip(&identity(arena, n), |inverse, one| inverse.scale(2) - one)
             }
@@ -659,11 +735,9 @@ impl Group for MatrixGroup {
     }
 
     fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        match (f, &self.adjoint_annihilator) {
-            (MatrixFunction::Exponential, Some(annihilator)) => {
-                annihilator.series(x, 1, m, |m| self.coadjoint(x, m))
-            }
-            _ => {
+        match f {
+            MatrixFunction::Exponential => self.adjoint_powers.series(x, 1, m, |m| self.coadjoint(x, m)),
+            MatrixFunction::Cayley => {
                 let resolvent = self.resolvent(x);
                 self.pulled_back(&resolvent, m, &self.other_resolvent(x, &resolvent))
             }
@@ -672,7 +746,7 @@ impl Group for MatrixGroup {
 
     fn has(&self, retraction: Retraction) -> bool {
         match retraction {
-            Retraction::Exponential => self.annihilator.is_some() && self.adjoint_annihilator.is_some(),
+            Retraction::Exponential => true,
             Retraction::Cayley => self.has_cayley,
             // where it is singular is not known
             Retraction::SecondKind | Retraction::ReversedSecondKind => false,
@@ -681,14 +755,20 @@ impl Group for MatrixGroup {
 
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
         match retraction {
-            // dR exp is singular where ad_x has the eigenvalue 2πi
-            Retraction::Exponential => {
-                let z = self.adjoint_annihilator.as_ref()?.argument(x)?;
-                Some(z.arena().number(Number::FOUR_PI_SQUARED) - z)
-            }
+            Retraction::Exponential => match &self.adjoint_powers {
+                // dR exp is singular where ad_x has the eigenvalue 2πi
+                Powers::Closed(annihilator) if self.powers.is_closed() => {
+                    let z = annihilator.argument(x)?;
+                    Some(z.arena().number(Number::FOUR_PI_SQUARED) - z)
+                }
+                _ => Some(
+                    x.0[0].arena().number(Number::ratio(RADIUS.0, RADIUS.1).powi(2))
+                        - quadratic(&self.size, x),
+                ),
+            },
             // the eigenvalue 2 of X is that of no element that is skew with respect to a definite form, or nilpotent
             Retraction::Cayley => {
-                let is_elliptic = self.annihilator.as_ref().is_some_and(Annihilator::is_elliptic);
+                let is_elliptic = self.powers.is_elliptic();
                 let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
                 (!is_elliptic && !is_definite).then(|| determinant(&self.one_plus(x, Number::ratio(-1, 2))))
             }
@@ -790,16 +870,16 @@ impl Representation for Standard {
 
     /// `φ₁(X) w`; for the Cayley map half the way before the rest, half of it after.
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
-        match (f, &self.group.annihilator) {
-            (MatrixFunction::Exponential, Some(annihilator)) => {
+        match f {
+            MatrixFunction::Exponential => {
                 let hat = self.group.hat(x);
                 Translation {
-                    body_part: annihilator.series(x, 1, w, |v| hat.times(v)),
+                    body_part: self.group.powers.series(x, 1, w, |v| hat.times(v)),
                     rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
                     is_tangent_group: false,
                 }
             }
-            _ => {
+            MatrixFunction::Cayley => {
                 let half = w.map(|component| component / 2);
                 Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
             }
@@ -813,9 +893,9 @@ impl Representation for Standard {
     /// `exp(X) v`, or `2 (1 − X/2)⁻¹ v − v`
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
         let hat = self.group.hat(x);
-        match (f, &self.group.annihilator) {
-            (MatrixFunction::Exponential, Some(annihilator)) => annihilator.series(x, 0, v, |v| hat.times(v)),
-            _ => {
+        match f {
+            MatrixFunction::Exponential => self.group.powers.series(x, 0, v, |v| hat.times(v)),
+            MatrixFunction::Cayley => {
                 let solved = self.group.one_plus(x, Number::ratio(-1, 2)).solve(v);
                 &solved.map(|component| component.scale(2)) - v
             }

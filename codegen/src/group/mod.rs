@@ -26,7 +26,7 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
-pub use families::family;
+pub use families::{family, family_with_terms};
 pub use matrix::{BasisError, MatrixGroup};
 pub use representation::{Representation, Translation};
 pub(crate) use retraction::{Law, Order};

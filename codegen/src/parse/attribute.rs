@@ -196,7 +196,12 @@ impl Attribute {
         self.has(HAMILTONIAN) || self.has(LAGRANGIAN)
     }
 
-    /// The retractions to generate steps with.
+    /// The retractions that are named.
+    pub fn named_retractions(&self) -> &[Retraction] {
+        &self.retractions
+    }
+
+    /// The retractions to generate steps with, where the group has them.
     pub fn retractions(&self) -> &[Retraction] {
         if self.retractions.is_empty() { &Retraction::DEFAULT } else { &self.retractions }
     }

@@ -87,6 +87,18 @@ impl Realization for Basis {
             (&(&rotation * &rotation.transpose()) - &Matrix::identity(count)).entries()
         };
         match self.0.name() {
+            "SL3" => {
+                let m = |i: usize, j: usize| g.at(i % 3, j % 3);
+                let cofactor = |j: usize| m(1, j + 1) * m(2, j + 2) - m(1, j + 2) * m(2, j + 1);
+                let determinant = (0..3).fold(zero(), |sum, j| sum + m(0, j) * &cofactor(j));
+                Column(vec![determinant - Real::from(1)])
+            }
+            "SU3" => {
+                let blocks = (0..n * n).map(|k| (k / n, k % n)).filter(|(i, j)| i % 2 == 0 && j % 2 == 0);
+                let complex =
+                    blocks.flat_map(|(i, j)| [g.at(i, j) - g.at(i + 1, j + 1), g.at(i + 1, j) + g.at(i, j + 1)]);
+                Column::stack([&kept(&first(n)), &Column(complex.collect())])
+            }
             "SL2" | "SP4" => {
                 let half = n / 2;
                 kept(&Matrix::from_fn(n, n, |i, j| {
