@@ -28,9 +28,19 @@ fn group(
 ) -> Option<&'static dyn Group> {
     let group =
         if factor.basis.is_empty() { named(&factor.group, diagnostics) } else { own(factor, diagnostics) }?;
+    if !Retraction::DEFAULT.into_iter().any(|retraction| group.has(retraction)) {
+        let message = format!(
+            "there are no steps on {}: its Cayley map leaves the group, and its exponential has no closed form and too many coordinates to be \
+             summed",
+            group.name()
+        );
+        diagnostics.push(&factor.group, message);
+        return None;
+    }
     for retraction in retractions.iter().filter(|&&retraction| !group.has(retraction)) {
         let why = match retraction {
             Retraction::Cayley => "(1 − X/2)⁻¹(1 + X/2) leaves the group",
+            Retraction::Exponential => "it has no closed form and too many coordinates to be summed",
             _ => "where they are singular is not known",
         };
         let message = format!("there are no steps on {} with `{}`: {why}", group.name(), retraction.name());

@@ -130,6 +130,10 @@ const RADIUS: (i128, i128) = (3, 2);
 /// So many powers of a matrix as large as that, over their factorials, are below half an ulp of the sum.
 pub(super) const TERMS: usize = 20;
 
+/// The largest dimension of an algebra whose series are summed: Newton's correction has their derivative, which is ten thousand operations in eight
+/// dimensions.
+const LARGEST_SUMMED: usize = 6;
+
 /// How power series of a matrix linear in `x` are summed.
 #[derive(Debug)]
 enum Powers {
@@ -746,7 +750,10 @@ impl Group for MatrixGroup {
 
     fn has(&self, retraction: Retraction) -> bool {
         match retraction {
-            Retraction::Exponential => true,
+            Retraction::Exponential => {
+                self.adjoint_powers.is_closed() && self.powers.is_closed()
+                    || self.dimension() <= LARGEST_SUMMED
+            }
             Retraction::Cayley => self.has_cayley,
             // where it is singular is not known
             Retraction::SecondKind | Retraction::ReversedSecondKind => false,

@@ -65,10 +65,12 @@ fn for_each_retraction(check: impl Fn(&Subject<'_>, Retraction, &mut Residuals))
 }
 
 impl<'a> Subject<'a> {
-    /// Those that there are steps with.
+    /// Those that there are steps with, and the exponential, which there are forms of even where steps would be too much code.
     fn retractions(&self) -> impl Iterator<Item = Retraction> {
         let group = self.group;
-        RETRACTIONS.into_iter().filter(move |&retraction| group.has(retraction))
+        RETRACTIONS
+            .into_iter()
+            .filter(move |&retraction| retraction == Retraction::Exponential || group.has(retraction))
     }
 
     fn dimension(&self) -> usize {
