@@ -129,3 +129,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     print(&attitudes, &format!("a million steps of {step:.2} ms: Casimirs kept within {worst:.0e}"));
     Ok(())
 }
+
+#[test]
+fn runs() -> Result<(), Box<dyn std::error::Error>> {
+    main()
+}
