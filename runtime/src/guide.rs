@@ -3,6 +3,8 @@
 //! **Getting started**
 //!
 //! * [From nothing to a system of your own](beginning), in ten minutes
+//! * [The program](program): run, plot and view the systems of the catalogue
+//! * [A program of your own](your_program), with all of that, for your systems
 //!
 //! **Concepts**
 //!
@@ -32,6 +34,15 @@
 
 pub mod beginning {
     #![doc = include_str!("guide/beginning.md")]
+}
+
+pub mod program {
+    #![doc = include_str!("guide/program.md")]
+}
+
+// its code needs a crate that depends on this one, which compiles it
+pub mod your_program {
+    #![cfg_attr(not(doctest), doc = include_str!("guide/your_program.md"))]
 }
 
 pub mod describing {
