@@ -9,7 +9,7 @@ use coadjoint::generic::{
 use coadjoint::nalgebra::{SMatrix, SVector};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
-use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_app::Example;
 use coadjoint_systems::coupled_bodies::{CoupledBodies, CoupledBodiesState};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl, QuadrotorState};
 use divan::Bencher;
@@ -145,7 +145,7 @@ fn quadrotor_generated<R>(bencher: Bencher<'_, '_>)
 where
     Quadrotor: Discretized<SymplecticEulerA<R>>,
 {
-    let (quadrotor, start) = Quadrotor::loose();
+    let (quadrotor, start) = Quadrotor::example();
     generated::<_, SymplecticEulerA<R>>(bencher, &quadrotor, start, &quadrotor.hover());
 }
 
@@ -155,7 +155,7 @@ where
     Quadrotor: Discretized<SymplecticEulerA<R>>,
     R: MatrixRetraction<Flight, 7, 6> + Default,
 {
-    let (quadrotor, start) = Quadrotor::loose();
+    let (quadrotor, start) = Quadrotor::example();
     let group = Product::of(SO3, Translations::<3>);
     let stepper = GenericStepper::new(group, R::default(), FlyingByHand(quadrotor.clone()), STEP).unwrap();
     let (system, control) = (&quadrotor, &quadrotor.hover());

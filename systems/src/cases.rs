@@ -10,12 +10,12 @@ use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Ensemble, System};
 
-use crate::catalogued::Catalogued;
 use crate::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies};
 use crate::coupled_bodies::CoupledBodies;
 use crate::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use crate::heavy_top::HeavyTop;
 use crate::quadrotor::Quadrotor;
+use coadjoint_app::Example;
 
 /// One benchmark case.
 pub struct Case {
@@ -122,7 +122,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
         cases.extend(ensembles(TOP, &top, &top_start, &config)?);
     }
     cases.sort_by_key(|case| case.problem);
-    let (quadrotor, loose) = Quadrotor::loose();
+    let (quadrotor, loose) = Quadrotor::example();
     cases.push(ours("quadrotor", "Cayley", at_once::<_, Cayley>, &quadrotor, loose)?);
     cases.push(ours("quadrotor", "exponential", at_once::<_, Exponential>, &quadrotor, loose)?);
     let (coupled, still) = CoupledBodies::example();
@@ -138,7 +138,7 @@ fn ours_of_order_2<S>(
     state: &S::State,
 ) -> Result<[Case; 6], ParameterError>
 where
-    S: Catalogued + 'static,
+    S: Example + Discretized<Cayley> + Discretized<Exponential>,
 {
     Ok([
         ours(problem, "Cayley", at_once::<_, Cayley>, system, state.clone())?,
@@ -159,7 +159,7 @@ fn ours<S, M>(
     mut state: S::State,
 ) -> Result<Case, ParameterError>
 where
-    S: Catalogued + Discretized<M> + 'static,
+    S: Example + Discretized<M>,
     M: 'static,
 {
     let mut stepper = system.stepper::<M>(0.01)?;
@@ -223,7 +223,7 @@ fn ensembles<S>(
     config: &BenchConfig,
 ) -> Result<Vec<Case>, Box<dyn std::error::Error>>
 where
-    S: Catalogued + 'static,
+    S: Example + Discretized<Cayley> + Discretized<Exponential>,
 {
     let mut cases = vec![
         ensemble_case::<_, Cayley>(problem, "Cayley", system, state, config)?,
@@ -251,7 +251,7 @@ fn ensemble_case<S, M>(
     config: &BenchConfig,
 ) -> Result<Case, Box<dyn std::error::Error>>
 where
-    S: Catalogued + Discretized<M> + 'static,
+    S: Example + Discretized<M>,
     M: 'static,
 {
     // all members differ

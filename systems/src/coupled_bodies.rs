@@ -1,9 +1,8 @@
 //! Two rigid bodies on a spring of torsion.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// Two rigid bodies that share their centre of mass, and a spring that turns each towards the other's attitude.
 ///
@@ -41,11 +40,17 @@ impl CoupledBodies {
     }
 }
 
-impl Catalogued for CoupledBodies {
+impl Example for CoupledBodies {
     const ABOUT: &'static str = "two rigid bodies on a spring of torsion";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("first_inertia", "kg m²"),
+        ("second_inertia", "kg m²"),
+        ("stiffness", "N m"),
+        ("first_momentum", "kg m²/s"),
+        ("second_momentum", "kg m²/s"),
+    ];
 
     /// A body and one half as large, turned against each other by a radian.
     fn example() -> (Self, CoupledBodiesState) {

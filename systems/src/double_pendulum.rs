@@ -1,9 +1,8 @@
 //! The double pendulum.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A pendulum that hangs from another one: two point masses on light rods in a vertical plane.
 ///
@@ -61,11 +60,19 @@ impl DoublePendulum {
     }
 }
 
-impl Catalogued for DoublePendulum {
+impl Example for DoublePendulum {
     const ABOUT: &'static str = "a pendulum that hangs from another one, described by its Lagrangian";
     const STEP: f64 = 0.005;
     const DURATION: f64 = 30.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("upper_mass", "kg"),
+        ("lower_mass", "kg"),
+        ("upper_length", "m"),
+        ("lower_length", "m"),
+        ("gravity", "m/s²"),
+        ("first_momentum", "kg m²/s"),
+        ("second_momentum", "kg m²/s"),
+    ];
 
     /// Let go with the upper rod 100° and the lower one 150° from hanging: both turn over, again and again.
     fn example() -> (Self, DoublePendulumState) {

@@ -1,9 +1,8 @@
 //! The driven and damped pendulum.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A pendulum whose axis has friction and a motor that turns it to and fro.
 ///
@@ -54,11 +53,19 @@ impl DrivenPendulum {
     }
 }
 
-impl Catalogued for DrivenPendulum {
+impl Example for DrivenPendulum {
     const ABOUT: &'static str = "a pendulum with friction, driven to and fro: chaos";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 120.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("weight", "N"),
+        ("length", "m"),
+        ("damping", "N m s"),
+        ("torque", "N m"),
+        ("frequency", "rad/s"),
+        ("momentum", "kg m²/s"),
+    ];
 
     /// One kilogram on a rod of one metre with quality 2, driven by 1.15 times the torque of its weight at 2/3 of its own frequency:
     /// chaotic (Baker and Gollub, *Chaotic Dynamics*).

@@ -1,9 +1,8 @@
 //! An ideal fluid in an ellipsoid.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A fluid without friction that fills a vessel at rest, an ellipsoid, and turns in it with the same vorticity everywhere.
 ///
@@ -54,11 +53,12 @@ impl EllipsoidalFluid {
     }
 }
 
-impl Catalogued for EllipsoidalFluid {
+impl Example for EllipsoidalFluid {
     const ABOUT: &'static str = "an ideal fluid that turns in a vessel at rest, an ellipsoid";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 120.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("mass", "kg"), ("semi_axes", "m"), ("momentum", "kg m²/s"), ("|momentum|²", "kg² m⁴/s²")];
 
     /// A tonne of water that turns nearly about the middle axis of its vessel: it does not stay there.
     fn example() -> (Self, EllipsoidalFluidState) {

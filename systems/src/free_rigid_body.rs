@@ -1,9 +1,8 @@
 //! The free rigid body.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body on which nothing acts: it tumbles.
 ///
@@ -24,11 +23,12 @@ pub struct FreeRigidBody {
     pub inertia: Vector3<f64>,
 }
 
-impl Catalogued for FreeRigidBody {
+impl Example for FreeRigidBody {
     const ABOUT: &'static str = "a rigid body on which nothing acts";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("inertia", "kg m²"), ("momentum", "kg m²/s"), ("|momentum|²", "kg² m⁴/s²")];
 
     /// A brick turning close to its middle axis: it flips over, again and again.
     fn example() -> (Self, FreeRigidBodyState) {

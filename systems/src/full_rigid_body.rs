@@ -1,9 +1,8 @@
 //! The free rigid body in axes of any direction.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body on which nothing acts, described in axes that are not its principal ones: those of its drawing, or of its instruments.
 ///
@@ -20,11 +19,12 @@ pub struct FullRigidBody {
     pub inertia: Matrix3<f64>,
 }
 
-impl Catalogued for FullRigidBody {
+impl Example for FullRigidBody {
     const ABOUT: &'static str = "a rigid body on which nothing acts, in axes of any direction";
     const STEP: f64 = 0.05;
     const DURATION: f64 = 300.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²"];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("inertia", "kg m²"), ("momentum", "kg m²/s"), ("|momentum|²", "kg² m⁴/s²")];
 
     /// A small satellite with its panels out, tumbling at about two turns a minute.
     fn example() -> (Self, FullRigidBodyState) {

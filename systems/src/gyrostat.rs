@@ -1,9 +1,8 @@
 //! The gyrostat.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body that carries a rotor on a bearing without friction, and nothing acts on the two: a satellite with a flywheel.
 ///
@@ -34,13 +33,19 @@ pub struct Gyrostat {
     pub axis: Vector3<f64>,
 }
 
-impl Catalogued for Gyrostat {
+impl Example for Gyrostat {
     const ABOUT: &'static str = "a rigid body with a rotor: a satellite and its flywheel";
     const STEP: f64 = 0.01;
     /// The energy's error swings slowly.
     const CERTIFIED_STEP: Option<f64> = Some(4e-3);
     const DURATION: f64 = 300.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m⁴/s²", "kg m²/s"];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("rotor_inertia", "kg m²"),
+        ("attitude_momentum", "kg m²/s"),
+        ("rotor_momentum", "kg m²/s"),
+        ("|attitude_momentum|²", "kg² m⁴/s²"),
+    ];
 
     /// A satellite turning about its middle axis, which a flywheel along that axis makes stable: below 2 kg m²/s it would turn over.
     fn example() -> (Self, GyrostatState) {

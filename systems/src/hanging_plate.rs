@@ -1,9 +1,8 @@
 //! A plate on an elastic band.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A plate that hangs on an elastic band, tied off its centre, and moves in a vertical plane: it swings, bounces and turns at once.
 ///
@@ -57,12 +56,20 @@ impl HangingPlate {
     }
 }
 
-impl Catalogued for HangingPlate {
+impl Example for HangingPlate {
     const ABOUT: &'static str =
         "a plate on an elastic band that swings, bounces and turns in a vertical plane";
     const STEP: f64 = 0.002;
     const DURATION: f64 = 20.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("weight", "N"),
+        ("eye", "m"),
+        ("stiffness", "N/m"),
+        ("length", "m"),
+        ("pose_p", "m"),
+        ("momentum_angular", "kg m²/s"),
+        ("momentum_linear", "kg m/s"),
+    ];
 
     /// A plate of 200 g, 20 cm wide and 10 cm high, let go beside the place where it would hang.
     fn example() -> (Self, HangingPlateState) {

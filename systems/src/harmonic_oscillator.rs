@@ -1,9 +1,8 @@
 //! The harmonic oscillator.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A mass on a spring, on a line.
 ///
@@ -33,11 +32,12 @@ impl HarmonicOscillator {
     }
 }
 
-impl Catalogued for HarmonicOscillator {
+impl Example for HarmonicOscillator {
     const ABOUT: &'static str = "a mass on a spring";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("mass", "kg"), ("stiffness", "N/m"), ("position", "m"), ("momentum", "kg m/s")];
 
     /// Half a kilogram on a spring of 20 N/m, let go 10 cm from where it rests.
     fn example() -> (Self, HarmonicOscillatorState) {

@@ -1,9 +1,8 @@
 //! The heavy top.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body that turns about a fixed point under gravity.
 ///
@@ -72,11 +71,17 @@ impl HeavyTop {
     }
 }
 
-impl Catalogued for HeavyTop {
+impl Example for HeavyTop {
     const ABOUT: &'static str = "a rigid body that turns about a fixed point under gravity";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["", "kg m²/s"];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("weight", "N"),
+        ("chi", "m"),
+        ("momentum", "kg m²/s"),
+        ("momentum·gamma", "kg m²/s"),
+    ];
 
     /// The top of the paper's figure 6.2.
     fn example() -> (Self, HeavyTopState) {

@@ -1,9 +1,8 @@
 //! The heavy top on SE(3).
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// The [heavy top](crate::heavy_top::HeavyTop) as the paper integrates it: on all of SE(3), with an auxiliary vector `x` beside the attitude, (6.15)
 /// to (6.18).
@@ -44,12 +43,13 @@ impl HeavyTopOnSE3 {
     }
 }
 
-impl Catalogued for HeavyTopOnSE3 {
+impl Example for HeavyTopOnSE3 {
     const ABOUT: &'static str =
         "the heavy top on SE(3), with the auxiliary x of the paper's (6.15) to (6.18)";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["", "kg m²/s"];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("inertia", "kg m²"), ("weight", "N"), ("chi", "m"), ("momentum_angular", "kg m²/s")];
 
     /// The top of the paper's figure 6.2.
     fn example() -> (Self, HeavyTopOnSE3State) {

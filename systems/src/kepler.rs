@@ -1,9 +1,8 @@
 //! The Kepler problem.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A satellite of a body so heavy that it stays where it is.
 ///
@@ -50,11 +49,12 @@ impl Kepler {
     }
 }
 
-impl Catalogued for Kepler {
+impl Example for Kepler {
     const ABOUT: &'static str = "a satellite on an ellipse about the Earth";
     const STEP: f64 = 20.0;
     const DURATION: f64 = 200_000.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("mass", "kg"), ("attraction", "m³/s²"), ("position", "m"), ("momentum", "kg m/s")];
 
     /// A tonne on an ellipse about the Earth of eccentricity 0.6, from 8 000 km to 32 000 km from its centre: 7.8 hours.
     fn example() -> (Self, KeplerState) {

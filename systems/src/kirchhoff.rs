@@ -1,9 +1,8 @@
 //! A body in an ideal fluid.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body without weight in a fluid without friction, which it sets in motion and which is at rest far away: Kirchhoff's equations.
 ///
@@ -43,11 +42,17 @@ impl Kirchhoff {
     }
 }
 
-impl Catalogued for Kirchhoff {
+impl Example for Kirchhoff {
     const ABOUT: &'static str = "a body that moves through an ideal fluid";
     const STEP: f64 = 0.02;
     const DURATION: f64 = 120.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m²/s²", "kg² m³/s²"];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("mass", "kg"),
+        ("screw", "1/(kg m)"),
+        ("momentum", "kg m²/s"),
+        ("impulse", "kg m/s"),
+    ];
 
     /// A slender ellipsoid with a little of a screw, moving nearly along its long axis, which is not stable: it turns broadside on.
     fn example() -> (Self, KirchhoffState) {

@@ -1,9 +1,9 @@
 //! Mechanical systems described with `coadjoint`; the program of that name runs, plots and shows them.
 //!
-//! A system is one file holding its annotated struct and the example it is shown with, plus its line in the [`catalogue`].
+//! A system is one file holding its annotated struct and the example it is shown with, plus its line in the `catalogue`.
 //! Everything else here treats all systems alike.
 //!
-//! * [`catalogue`]: all systems behind one interface, and [`simulation`]: their runs with flat lists of numbers
+//! * `catalogue`: all systems as entries of the program, which is `coadjoint_app`
 //! * `applications`: identification, steering and estimation with the exact derivatives of steps
 //! * [`classical`]: the integrators that ours are compared with
 //! * [`guide`]: the figures that the program draws, and when a structure-preserving step pays
@@ -13,7 +13,6 @@
 
 pub use coadjoint_classical as classical;
 
-pub mod catalogued;
 pub mod coupled_bodies;
 #[cfg(feature = "program")]
 pub mod double_pendulum;
@@ -43,9 +42,3 @@ pub mod applications;
 pub mod cases;
 #[cfg(feature = "program")]
 pub mod catalogue;
-#[cfg(feature = "program")]
-pub mod conservation;
-#[cfg(feature = "program")]
-pub mod ensemble;
-#[cfg(feature = "program")]
-pub mod simulation;

@@ -1,9 +1,8 @@
 //! The magnetic top.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A magnet that turns about a fixed point in two fields at once: that of gravity, and a magnetic one.
 ///
@@ -45,11 +44,18 @@ impl MagneticTop {
     }
 }
 
-impl Catalogued for MagneticTop {
+impl Example for MagneticTop {
     const ABOUT: &'static str = "a magnet that turns about a fixed point under gravity, in a magnetic field";
     const STEP: f64 = 0.001;
     const DURATION: f64 = 10.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["", "T²", "T"];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("weight", "N"),
+        ("chi", "m"),
+        ("dipole", "A m²"),
+        ("momentum", "kg m²/s"),
+        ("field", "T"),
+    ];
 
     /// A spinning magnet of 40 g, somewhat upright, in a field of 10 mT across.
     fn example() -> (Self, MagneticTopState) {

@@ -1,9 +1,8 @@
 //! Nuclear magnetic resonance.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// The spins of protons in a constant magnetic field, and a weak one across it that turns: nuclear magnetic resonance without relaxation.
 ///
@@ -60,12 +59,18 @@ impl NuclearSpin {
     }
 }
 
-impl Catalogued for NuclearSpin {
+impl Example for NuclearSpin {
     const ABOUT: &'static str =
         "the spins of protons in a magnetic field, turned over by a weak one that turns";
     const STEP: f64 = 1e-5;
     const DURATION: f64 = 0.1;
-    const CASIMIR_UNITS: &'static [&'static str] = &["N² m² s²"];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("gyromagnetic_ratio", "rad/(s T)"),
+        ("along_field", "T"),
+        ("across_field", "T"),
+        ("frequency", "rad/s"),
+        ("momentum", "N m s"),
+    ];
 
     /// A litre of water magnetized at 1 T, in the field of the Earth; over in 23 ms, and back.
     fn example() -> (Self, NuclearSpinState) {

@@ -1,9 +1,8 @@
 //! The planar pendulum.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A body that swings about a horizontal axis under gravity.
 ///
@@ -46,11 +45,12 @@ impl PlanarPendulum {
     }
 }
 
-impl Catalogued for PlanarPendulum {
+impl Example for PlanarPendulum {
     const ABOUT: &'static str = "a pendulum that swings about a horizontal axis";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("inertia", "kg m²"), ("weight", "N"), ("length", "m"), ("momentum", "kg m²/s")];
 
     /// One kilogram on a rod of one metre, let go high above its axis: 150° from its lowest position.
     fn example() -> (Self, PlanarPendulumState) {

@@ -1,9 +1,8 @@
 //! The quadrotor.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body with four propellers: they pull along its third axis, and turn it by pulling unequally.
 ///
@@ -55,22 +54,32 @@ impl Quadrotor {
         Self { inertia: vector![0.082, 0.0845, 0.1377], mass: 4.34, gravity: 9.81 }
     }
 
-    /// With the thrust of hover, but rotating and without attitude control: it turns over and flies off.
-    pub fn loose() -> (Self, QuadrotorState) {
-        let start = QuadrotorState { attitude_momentum: vector![0.004, 0.002, 0.05], ..Self::at_rest(1.0) };
-        (Self::lee(), start)
+    /// In hover, one metre above the ground.
+    pub fn hovering() -> (Self, QuadrotorState) {
+        (Self::lee(), Self::at_rest(1.0))
     }
 }
 
-impl Catalogued for Quadrotor {
-    const ABOUT: &'static str = "a body with four propellers, in hover: thrust m g, moment 0";
+impl Example for Quadrotor {
+    const ABOUT: &'static str =
+        "a body with four propellers and the thrust of hover that turns over and flies off";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 10.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("mass", "kg"),
+        ("gravity", "m/s²"),
+        ("attitude_momentum", "kg m²/s"),
+        ("position", "m"),
+        ("position_momentum", "kg m/s"),
+        ("moment", "N m"),
+        ("thrust", "N"),
+    ];
 
-    /// In hover, one metre above the ground.
+    /// With the thrust of hover, but rotating and without attitude control.
     fn example() -> (Self, QuadrotorState) {
-        (Self::lee(), Self::at_rest(1.0))
+        let start = QuadrotorState { attitude_momentum: vector![0.004, 0.002, 0.05], ..Self::at_rest(1.0) };
+        (Self::lee(), start)
     }
 
     fn control(&self, _: &QuadrotorState, _: f64) -> QuadrotorControl {

@@ -1,9 +1,8 @@
 //! The rigid body that moves through space.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rigid body on which nothing acts, tumbling and drifting, seen from a point of it that is not its centre of mass: the corner where
 /// its instruments are, say.
@@ -51,12 +50,13 @@ impl RigidBodyInSpace {
     }
 }
 
-impl Catalogued for RigidBodyInSpace {
+impl Example for RigidBodyInSpace {
     const ABOUT: &'static str =
         "a rigid body tumbling through space, seen from a point off its centre of mass";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["kg² m²/s²", "kg² m³/s²"];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("pose_p", "m"), ("momentum_angular", "kg m²/s"), ("momentum_linear", "kg m/s")];
 
     /// A hammer thrown end over end, seen from the end of its handle.
     fn example() -> (Self, RigidBodyInSpaceState) {

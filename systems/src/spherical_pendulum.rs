@@ -1,9 +1,8 @@
 //! The spherical pendulum.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// A rod that hangs from a joint and swings in all directions.
 ///
@@ -57,13 +56,14 @@ impl SphericalPendulum {
     }
 }
 
-impl Catalogued for SphericalPendulum {
+impl Example for SphericalPendulum {
     const ABOUT: &'static str = "a slender rod that swings from a joint in all directions";
     const STEP: f64 = 0.01;
     /// About its own axis the rod is quick.
     const CERTIFIED_STEP: Option<f64> = Some(2e-3);
     const DURATION: f64 = 60.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &["", "kg m²/s"];
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("inertia", "kg m²"), ("weight", "N"), ("length", "m"), ("momentum", "kg m²/s")];
 
     /// A steel rod of one metre and one kilogram, pushed sideways at 60° from its lowest position.
     fn example() -> (Self, SphericalPendulumState) {

@@ -1,9 +1,8 @@
 //! The two-body problem.
 
 use coadjoint::prelude::*;
+use coadjoint_app::Example;
 use serde::{Deserialize, Serialize};
-
-use crate::catalogued::Catalogued;
 
 /// Two masses that attract each other, both of them moving, as the stars of a double star do: (1.12) to (1.18) of the paper.
 ///
@@ -70,11 +69,19 @@ impl TwoBodies {
     }
 }
 
-impl Catalogued for TwoBodies {
+impl Example for TwoBodies {
     const ABOUT: &'static str = "two balls of lead that fall about each other";
     const STEP: f64 = 100.0;
     const DURATION: f64 = 200_000.0;
-    const CASIMIR_UNITS: &'static [&'static str] = &[];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("first_mass", "kg"),
+        ("second_mass", "kg"),
+        ("gravitation", "m³/(kg s²)"),
+        ("first", "m"),
+        ("second", "m"),
+        ("first_momentum", "kg m/s"),
+        ("second_momentum", "kg m/s"),
+    ];
 
     /// A tonne of lead and 300 kg of it, far from everything else, from 0.8 m to 3.2 m apart: once about each other in 16.8 hours.
     fn example() -> (Self, TwoBodiesState) {

@@ -53,6 +53,12 @@ pub enum Failure {
     Singular,
 }
 
+impl From<Failure> for coadjoint_app::Error {
+    fn from(failure: Failure) -> Self {
+        Self::other(failure)
+    }
+}
+
 /// Noise that is the same for the same seed.
 struct Noise(ChaCha8Rng);
 

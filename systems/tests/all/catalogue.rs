@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 
 use coadjoint::system::{Quantity, Role};
-use coadjoint_systems::catalogue::{CATALOGUE, Entry, find};
-use coadjoint_systems::conservation::ConservationReport;
-use coadjoint_systems::simulation::{Checkpoint, Classical, Job, Method, Order, Retraction, Sample};
+use coadjoint_app::Entry;
+use coadjoint_app::conservation::ConservationReport;
+use coadjoint_app::simulation::{Checkpoint, Classical, Job, Method, Order, Retraction, Sample};
+use coadjoint_systems::catalogue::CATALOGUE;
 
 /// The largest energy error relative to the energy that steps of order 2 may make.
 const SECOND: f64 = 5e-3;
@@ -17,8 +18,8 @@ const FIRST: f64 = 0.1;
 entries!(examine);
 
 fn examine(name: &str) {
-    let entry = find(name).expect("it is there");
-    let setup = (entry.example)();
+    let entry = CATALOGUE.find(name).expect("it is there");
+    let setup = entry.example.clone();
     let run = |method, retraction, order| -> ConservationReport {
         let job = Job { method, retraction, order, step: entry.step, steps: 500 };
         let mut conservation = None;
@@ -69,7 +70,7 @@ fn examine(name: &str) {
         let job = Job { method, retraction: Retraction::Cayley, order, step: entry.step, steps: 60 };
         comes_to_the_same(entry, &job);
     }
-    if entry.right_lift.is_some() {
+    if entry.has_right_lift() {
         // what it carries is the momentum in space
         let (method, order) = (Method::RightLift, Order::Two);
         let job = Job { method, retraction: Retraction::Exponential, order, step: entry.step, steps: 60 };
@@ -79,7 +80,7 @@ fn examine(name: &str) {
 
 /// A run that is interrupted and gone on with, twice, comes to the last bit to where one that was not does, and sees the same.
 fn comes_to_the_same(entry: &Entry, job: &Job) {
-    let setup = (entry.example)();
+    let setup = entry.example.clone();
     // the samples from `from` to the step `until`, as their bits, and where the run is then
     let run = |from: Option<&Checkpoint>, until: u64| {
         let mut seen = Vec::new();
@@ -107,8 +108,8 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
 
 #[test]
 fn compositions_need_symmetric_steps() {
-    for entry in CATALOGUE {
-        let setup = (entry.example)();
+    for entry in CATALOGUE.entries() {
+        let setup = entry.example.clone();
         for method in
             [Method::EulerA, Method::EulerB, Method::TangentLift(0, 1), Method::Classical(Classical::Gauss4)]
         {
@@ -128,11 +129,11 @@ fn compositions_need_symmetric_steps() {
 
 #[test]
 fn entries_are_complete_and_consistent() {
-    for entry in CATALOGUE {
+    for entry in CATALOGUE.entries() {
         assert!(!entry.about.is_empty() && !entry.about.ends_with('.'), "{}", entry.name);
         assert!(entry.step > 0.0 && entry.duration > entry.step, "{}", entry.name);
-        assert_eq!(entry.description.casimirs.len(), entry.casimir_units.len(), "{}", entry.name);
-        let setup = (entry.example)();
+        assert_eq!(entry.unknown_units(), [""; 0], "{}", entry.name);
+        let setup = entry.example.clone();
         let count = |quantities: &[Quantity]| quantities.iter().map(|q| q.components.len()).sum::<usize>();
         // constants of the description follow the parameters
         assert!(setup.parameters.len() >= count(entry.description.parameters), "{}", entry.name);
@@ -159,16 +160,16 @@ fn entries_are_complete_and_consistent() {
 #[test]
 fn names_are_found_however_they_are_written() {
     for name in ["heavy_top", "heavy-top", "HeavyTop", "heavytop"] {
-        assert_eq!(find(name).expect("it is there").name, "heavy_top");
+        assert_eq!(CATALOGUE.find(name).expect("it is there").name, "heavy_top");
     }
-    assert!(find("heavy_tip").is_none());
+    assert!(CATALOGUE.find("heavy_tip").is_none());
 }
 
 #[test]
 fn the_triangle_inequality_is_noticed() {
-    let entry = find("free_rigid_body").expect("it is there");
+    let entry = CATALOGUE.find("free_rigid_body").expect("it is there");
     let note = |inertia: [f64; 3]| {
-        let mut setup = (entry.example)();
+        let mut setup = entry.example.clone();
         setup.parameters.copy_from_slice(&inertia);
         entry.check(&setup).expect("positive definite")
     };

@@ -1,18 +1,18 @@
 //! What the schemes claim, measured on every system of the catalogue.
 
-use coadjoint_systems::catalogue::find;
-use coadjoint_systems::simulation::{Method, Retraction};
+use coadjoint_app::simulation::{Method, Retraction};
+use coadjoint_systems::catalogue::CATALOGUE;
 
 entries!(every_claim_holds);
 
 fn every_claim_holds(name: &str) {
-    let entry = find(name).expect("it is there");
+    let entry = CATALOGUE.find(name).expect("it is there");
     let retractions = Retraction::of(entry);
     let (mut failures, mut reports, mut measured) = (String::new(), 0, 0);
     for method in [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint] {
         for &retraction in &retractions {
             let what = format!("{name} {method} {}", retraction.name());
-            match entry.certify(&(entry.example)(), method, retraction) {
+            match entry.certify(&entry.example.clone(), method, retraction) {
                 Ok(report) if report.passed() => {
                     reports += 1;
                     measured += report.certificates.len();
@@ -32,11 +32,11 @@ fn every_claim_holds(name: &str) {
 #[test]
 fn a_system_whose_example_rests_is_certified_in_motion() {
     for (name, at_rest) in [("quadrotor", true), ("loose_quadrotor", false), ("heavy_top", false)] {
-        let entry = find(name).expect("it is there");
-        let setup = (entry.example)();
+        let entry = CATALOGUE.find(name).expect("it is there");
+        let setup = entry.example.clone();
         let (states, rests) = entry.states_in_motion(&setup).expect("solvable");
         assert_eq!((states.len(), rests), (3, at_rest), "{name}");
-        let system = (entry.system)(&setup.parameters);
+        let system = entry.system(&setup.parameters);
         for state in &states {
             assert!(system.deviation(state) < 1e-14, "{name}");
             let motion = system.motion(state, 0.0, &[]);
@@ -45,8 +45,8 @@ fn a_system_whose_example_rests_is_certified_in_motion() {
         assert_ne!(states[0], states[1], "{name}");
     }
     // a rate of up to 1 rad/s and 1 m/s: momenta of 0.1 kg m²/s and of some kg m/s
-    let entry = find("quadrotor").expect("it is there");
-    let setup = (entry.example)();
+    let entry = CATALOGUE.find("quadrotor").expect("it is there");
+    let setup = entry.example.clone();
     let (states, _) = entry.states_in_motion(&setup).expect("solvable");
     let [inertia_x, inertia_y, inertia_z, mass, _] = setup.parameters[..] else { panic!("five parameters") };
     for state in states {

@@ -6,11 +6,12 @@ use coadjoint::composition::{KahanLi8, SofroniouSpaletta10};
 use coadjoint::erased::{Map, Scheme, Stepper};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
-use coadjoint_systems::catalogue::{Entry, find};
-use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_app::Entry;
+use coadjoint_app::Example;
+use coadjoint_app::simulation::{Classical, Job, Method, Order, Retraction, Setup, classical_stepper};
+use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::classical::{AttitudeState, Rkmk4, bodies, integrate};
 use coadjoint_systems::heavy_top::HeavyTop;
-use coadjoint_systems::simulation::{Classical, Job, Method, Order, Retraction, Setup, classical_stepper};
 use nalgebra::Vector6;
 
 /// The states of a run, the initial one included.
@@ -39,9 +40,9 @@ entries!(the_vector_field_is_the_motion_of_generated_steps);
 
 /// The derivative by the step, at 0, of steps of order 10: what they have in common with the vector field is the description.
 fn the_vector_field_is_the_motion_of_generated_steps(name: &str) {
-    let entry = find(name).expect("it is there");
-    let setup = (entry.example)();
-    let system = (entry.system)(&setup.parameters);
+    let entry = CATALOGUE.find(name).expect("it is there");
+    let setup = entry.example.clone();
+    let system = entry.system(&setup.parameters);
     let law = entry.law(&setup);
     let scheme = Scheme::composed::<SofroniouSpaletta10>(Scheme::Standard(Map::Exponential));
     let (states, _) = entry.states_in_motion(&setup).expect("solvable");
@@ -91,8 +92,8 @@ fn classical_methods_have_their_orders_on_every_kind_of_system() {
         ("coupled_bodies", 1.0),
         ("kepler", 3000.0),
     ] {
-        let entry = find(name).expect("it is there");
-        let setup = (entry.example)();
+        let entry = CATALOGUE.find(name).expect("it is there");
+        let setup = entry.example.clone();
         let reference = {
             let (method, retraction) = (Method::Standard, Retraction::Exponential);
             let job = Job { method, retraction, order: Order::Eight, step: duration / 400.0, steps: 400 };
@@ -129,8 +130,8 @@ fn classical_methods_have_their_orders_on_every_kind_of_system() {
 /// RK4 on the numbers as they are stored, and RKMK4, are those that are written by hand for bodies.
 #[test]
 fn rk4_and_rkmk4_take_the_steps_of_those_written_by_hand() {
-    let entry = find("heavy_top").expect("it is there");
-    let mut setup = (entry.example)();
+    let entry = CATALOGUE.find("heavy_top").expect("it is there");
+    let mut setup = entry.example.clone();
     let attitude = UnitQuaternion::from_scaled_axis(vector![0.5, -0.3, 0.8]);
     let gamma = attitude.inverse() * Vector3::z();
     setup.parameters = vec![1.0, 2.0, 2.5, 1.5, 0.2, 0.0, 0.9];
@@ -152,7 +153,7 @@ fn rk4_and_rkmk4_take_the_steps_of_those_written_by_hand() {
     let off = |state: &[f64]| ((state[..4].iter().map(|x| x * x).sum::<f64>()).sqrt() - 1.0).abs();
     assert!(off(&rk4) > 1e-8 && off(&rkmk4) < 1e-14, "{} {}", off(&rk4), off(&rkmk4));
     // and neither keeps energy or Casimirs, while ours do
-    let system = (entry.system)(&setup.parameters);
+    let system = entry.system(&setup.parameters);
     let drift = |state: &[f64]| {
         let casimirs = system.casimirs(state).into_iter().zip(system.casimirs(&setup.state));
         casimirs.map(|(now, then)| (now - then).abs()).fold(0.0, f64::max)
@@ -165,9 +166,9 @@ fn rk4_and_rkmk4_take_the_steps_of_those_written_by_hand() {
 /// the invariants.
 #[test]
 fn implicit_midpoint_keeps_quadratic_invariants_in_stored_numbers() {
-    let entry = find("free_rigid_body").expect("it is there");
-    let setup = (entry.example)();
-    let system = (entry.system)(&setup.parameters);
+    let entry = CATALOGUE.find("free_rigid_body").expect("it is there");
+    let setup = entry.example.clone();
+    let system = entry.system(&setup.parameters);
     for classical in [Classical::ImplicitMidpoint, Classical::Gauss4] {
         let state = end(entry, &setup, Method::Classical(classical), (0.1, 300));
         let energy = (system.energy(&state, 0.0) - system.energy(&setup.state, 0.0)).abs();
@@ -180,8 +181,8 @@ fn implicit_midpoint_keeps_quadratic_invariants_in_stored_numbers() {
 fn the_right_lift_takes_the_steps_of_symplectic_euler() {
     for name in ["free_rigid_body", "full_rigid_body", "gyrostat", "rigid_body_in_space", "ellipsoidal_fluid"]
     {
-        let entry = find(name).expect("it is there");
-        let setup = (entry.example)();
+        let entry = CATALOGUE.find(name).expect("it is there");
+        let setup = entry.example.clone();
         let run = (entry.step, 1_000);
         let (plain, lifted) =
             (states(entry, &setup, Method::EulerA, run), states(entry, &setup, Method::RightLift, run));
@@ -192,10 +193,10 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
         assert!(plain.iter().zip(&lifted).any(|(a, b)| a != b), "{name}: not another computation");
     }
     let error = {
-        let (entry, method) = (find("heavy_top").expect("it is there"), Method::RightLift);
+        let (entry, method) = (CATALOGUE.find("heavy_top").expect("it is there"), Method::RightLift);
         let job = Job { method, retraction: Retraction::Cayley, order: Order::Two, step: 0.1, steps: 1 };
         let ignore = &mut |_: &coadjoint::erased::Sample<'_>| ControlFlow::Continue(());
-        entry.simulate(&(entry.example)(), &job, None, &|_| u64::MAX, ignore).expect_err("gravity acts")
+        entry.simulate(&entry.example.clone(), &job, None, &|_| u64::MAX, ignore).expect_err("gravity acts")
     };
     assert!(error.to_string().contains("free_rigid_body, full_rigid_body"), "{error}");
 }
@@ -210,8 +211,8 @@ fn members_of_the_family_and_the_tangent_lift_have_their_orders() {
         ("harmonic_oscillator", Method::Family(1, 4), 1.0),
         ("harmonic_oscillator", Method::TangentLift(0, 1), 1.0),
     ] {
-        let entry = find(name).expect("it is there");
-        let setup = (entry.example)();
+        let entry = CATALOGUE.find(name).expect("it is there");
+        let setup = entry.example.clone();
         let exact = end(entry, &setup, Method::Classical(Classical::Gauss6), (0.01, 130));
         let errors = [100, 200, 400]
             .map(|count: u64| distance(&end(entry, &setup, method, (1.3 / count as f64, count)), &exact));
@@ -226,8 +227,8 @@ fn members_of_the_family_and_the_tangent_lift_have_their_orders() {
 /// A control that is set is held; the others stay with the system's own law.
 #[test]
 fn controls_that_are_set_take_the_place_of_the_law() {
-    let entry = find("quadrotor").expect("it is there");
-    let mut setup = (entry.example)();
+    let entry = CATALOGUE.find("quadrotor").expect("it is there");
+    let mut setup = entry.example.clone();
     let fallen = |setup: &Setup, method| end(entry, setup, method, (0.01, 100));
     let height = |state: &[f64]| state[9];
     // hover
@@ -243,7 +244,7 @@ fn controls_that_are_set_take_the_place_of_the_law() {
         assert!((height - expected).abs() < 1e-12, "{method}: {height}");
     }
     // a moment about the third axis, and hover's thrust by its own law
-    let mut setup = (entry.example)();
+    let mut setup = entry.example.clone();
     setup.controls[..3].copy_from_slice(&[Some(0.0), Some(0.0), Some(0.5)]);
     let state = fallen(&setup, Method::Standard);
     assert!((state[6] - 0.5).abs() < 1e-13 && (height(&state) - 1.0).abs() < 1e-13, "{state:?}");

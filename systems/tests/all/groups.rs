@@ -2,7 +2,7 @@
 
 use coadjoint::Discretized;
 use coadjoint::prelude::*;
-use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_app::Example;
 use coadjoint_systems::ellipsoidal_fluid::{EllipsoidalFluid, EllipsoidalFluidState};
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use coadjoint_systems::hanging_plate::{HangingPlate, HangingPlateState};

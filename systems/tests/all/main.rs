@@ -41,7 +41,7 @@ macro_rules! entries {
         #[test]
         fn no_entry_is_left_out() {
             let names: Vec<&str> =
-                coadjoint_systems::catalogue::CATALOGUE.iter().map(|entry| entry.name).collect();
+                coadjoint_systems::catalogue::CATALOGUE.entries().iter().map(|entry| entry.name).collect();
             assert_eq!(names, [$(stringify!($name)),*]);
         }
     };

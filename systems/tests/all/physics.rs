@@ -2,7 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Record, Run, System};
-use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_app::Example;
 use coadjoint_systems::coupled_bodies::CoupledBodies;
 use coadjoint_systems::driven_pendulum::{DrivenPendulum, DrivenPendulumState};
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
@@ -19,7 +19,7 @@ use coadjoint_systems::rigid_body_in_space::{RigidBodyInSpace, RigidBodyInSpaceS
 use coadjoint_systems::spherical_pendulum::SphericalPendulum;
 
 /// The states of so many steps with the scheme `M` under the system's own control law, the initial one included.
-pub(crate) fn motion<S: Catalogued + Discretized<M>, M>(
+pub(crate) fn motion<S: Example + Discretized<M>, M>(
     system: &S,
     start: &S::State,
     step: f64,
@@ -37,7 +37,7 @@ pub(crate) fn motion<S: Catalogued + Discretized<M>, M>(
 }
 
 /// The state after a time, in so many steps.
-pub(crate) fn after<S: Catalogued + Discretized<M>, M>(
+pub(crate) fn after<S: Example + Discretized<M>, M>(
     system: &S,
     start: &S::State,
     time: f64,

@@ -13,7 +13,6 @@ use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
 use coadjoint::{Control, Discretized, RightLift, State, System, TangentLift};
-use coadjoint_systems::catalogued::Catalogued;
 use coadjoint_systems::*;
 use coadjoint_tests::array;
 use coadjoint_tests::dual::{self, AnyStep, Input};
@@ -42,11 +41,11 @@ trait Example:
 macro_rules! examples {
     ($($module:ident::$system:ident $(= $example:expr)?),* $(,)?) => {
         $(impl Example for described::$system {
-            const STEP: f64 = <$module::$system as Catalogued>::STEP;
+            const STEP: f64 = <$module::$system as coadjoint_app::Example>::STEP;
             fn example() -> (Self, Self::State, Self::Control) {
-                let examples = [$(|| $example,)? <$module::$system as Catalogued>::example];
+                let examples = [$(|| $example,)? <$module::$system as coadjoint_app::Example>::example];
                 let (known, start) = examples[0]();
-                let control = known.control(&start, 0.0);
+                let control = coadjoint_app::Example::control(&known, &start, 0.0);
                 let system = Self::from_parameters(&known.to_parameters());
                 let state = <Self as System>::State::from_components(&start.to_components());
                 // it is the same system

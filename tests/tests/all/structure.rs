@@ -392,7 +392,7 @@ fn a_settled_stepper_gives_the_same_steps() {
         settled::<S, M>(what, &system, state, &[S::Control::default(), S::Control::default()]);
     }
     for_each_system_and_retraction!(check);
-    let (quadrotor, loose) = Quadrotor::loose();
+    let (quadrotor, loose) = Quadrotor::example();
     let push = |thrust: f64, moment: f64| QuadrotorControl { thrust, moment: vector![moment, 0.1, -moment] };
     let controls = [push(5.0, 0.0), push(-3.0, 0.02)];
     settled::<Quadrotor, Cayley>("quadrotor, Cayley", &quadrotor, loose, &controls);

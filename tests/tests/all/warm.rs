@@ -3,7 +3,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
-use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_app::Example;
 use coadjoint_systems::gyrostat::Gyrostat;
 use coadjoint_systems::kepler::Kepler;
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl};

@@ -1,11 +1,5 @@
-//! The commands of the program, one file each.
+//! The commands that this program has beside those of every other.
 
-#[cfg(feature = "bench")]
 pub(crate) mod bench;
-pub(crate) mod certify;
-pub(crate) mod ensemble;
 pub(crate) mod figures;
-pub(crate) mod list;
 pub(crate) mod paper;
-pub(crate) mod run;
-pub(crate) mod show;

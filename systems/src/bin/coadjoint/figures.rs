@@ -36,10 +36,10 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use invariant_errors::{ErrorSeries, InvariantErrors};
 
-use crate::error::Error;
-use crate::output::{make_directory, write_text};
-use crate::plot::Figure;
-use crate::suggest::did_you_mean;
+use coadjoint_app::Error;
+use coadjoint_app::output::{make_directory, write_text};
+use coadjoint_app::plot::Figure;
+use coadjoint_app::suggest::did_you_mean;
 
 /// One figure.
 #[derive(Clone, Copy, Debug)]
@@ -176,7 +176,7 @@ pub(crate) fn figures(value: f64) -> String {
     match text.split_once('e') {
         Some((digits, exponent)) => {
             let exponent: f64 = exponent.parse().unwrap_or(0.0);
-            format!("{digits}·{}", crate::plot::power_of_ten(exponent))
+            format!("{digits}·{}", coadjoint_app::plot::power_of_ten(exponent))
         }
         None => text,
     }

@@ -1,28 +1,23 @@
-//! The program `coadjoint`: runs the systems of the catalogue, draws and shows them.
-//!
-//! It contains no mechanics, and treats all systems alike.
+//! The program `coadjoint`: `coadjoint_app` for the systems of the catalogue, with the paper's figures and the benchmarks.
 // they panic where the stream is closed
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-mod checkpoint;
-mod cli;
 mod command;
-mod config;
-mod error;
 mod figures;
-mod html_player;
-mod interrupt;
-mod output;
-mod plot;
-mod progress;
-mod report;
-mod run_plot;
-mod session;
-mod setting;
-mod suggest;
 
 use std::process::ExitCode;
 
+use coadjoint_app::App;
+
+/// Without a command: the heavy top for 30 minutes of its motion with both retractions, as a table, trajectories and a picture under `out/`.
 fn main() -> ExitCode {
-    cli::main()
+    App::new(coadjoint_systems::catalogue::entries())
+        .command(
+            "bench",
+            "Time the steps of the standard cases against classical methods",
+            command::bench::bench,
+        )
+        .command("figures", "Draw the paper's figures, and five of our own", command::figures::figures)
+        .without_command(command::paper::paper)
+        .main()
 }

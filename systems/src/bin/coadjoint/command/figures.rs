@@ -2,14 +2,26 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
+use std::path::PathBuf;
 
-use crate::cli::FiguresArguments;
-use crate::error::Error;
+use clap::Args;
+use coadjoint_app::output::write_text;
+use coadjoint_app::{Catalogue, Error};
+
 use crate::figures::{Drawing, chosen};
-use crate::output::write_text;
+
+/// Which figures to draw.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// By number or name [default: all]
+    pub(crate) figures: Vec<String>,
+    /// The directory to write to
+    #[arg(long, value_name = "DIR", default_value = "out/figures")]
+    pub(crate) out: PathBuf,
+}
 
 /// Draws figures, each with its data, and a page with all of them and their captions.
-pub(crate) fn figures(arguments: &FiguresArguments, console: &mut dyn Write) -> Result<(), Error> {
+pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
     let drawings = chosen(&arguments.figures)?;
     let mut drawn = Vec::new();
     for drawing in drawings {

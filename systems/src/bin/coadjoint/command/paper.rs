@@ -3,12 +3,12 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::error::Error;
 use crate::figures::chosen;
-use crate::output::Format;
-use crate::report::{RunSummary, Table, grouped};
-use crate::session::{Plan, Session};
-use coadjoint_systems::simulation::{Job, Method, Order, Retraction};
+use coadjoint_app::output::Format;
+use coadjoint_app::report::{RunSummary, Table, grouped};
+use coadjoint_app::session::{Plan, Session};
+use coadjoint_app::simulation::{Job, Method, Order, Retraction};
+use coadjoint_app::{Catalogue, Error};
 
 const SYSTEM: &str = "heavy_top";
 const FIGURE: &str = "6.2";
@@ -17,9 +17,9 @@ const STEPS: u64 = 180_000;
 /// Trajectories of every step would fill 100 MB.
 const EVERY: u64 = 10;
 
-pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
-    let entry = crate::suggest::system(SYSTEM)?;
-    let setup = (entry.example)();
+pub(crate) fn paper(catalogue: Catalogue, console: &mut dyn Write) -> Result<(), Error> {
+    let entry = catalogue.system(SYSTEM)?;
+    let setup = entry.example.clone();
     let out = PathBuf::from("out");
     writeln!(
         console,
@@ -45,7 +45,7 @@ pub(crate) fn paper(console: &mut dyn Write) -> Result<(), Error> {
             html: None,
             out: out.clone(),
         };
-        let done = Session::begin(plan, None)?.run()?;
+        let done = Session::begin(catalogue, plan, None)?.run()?;
         written.extend(done.written);
         if done.interrupted {
             return Err(Error::Interrupted);

@@ -4,8 +4,8 @@ use coadjoint::prelude::*;
 use coadjoint_systems::applications::{Failure, Spacecraft, estimation, identification, steering};
 
 use super::figures;
-use crate::error::Error;
-use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::Error;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const SEED: u64 = 1;

@@ -5,15 +5,15 @@ use nalgebra::Vector6;
 
 use super::invariant_errors::panel;
 use super::{ErrorSeries, InvariantErrors, figures};
-use crate::error::Error;
-use crate::plot::{Figure, Key};
-use coadjoint_systems::catalogued::Catalogued;
+use coadjoint_app::Error;
+use coadjoint_app::Example;
+use coadjoint_app::plot::{Figure, Key};
+use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::classical::{
     AttitudeState, Integrator, OnSo3, Rk4Quaternion, Rkmk4, bodies, integrate,
 };
 use coadjoint_systems::free_rigid_body::{FreeRigidBody, FreeRigidBodyState};
 use coadjoint_systems::heavy_top::HeavyTop;
-use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, s.
 pub(crate) const STEP: f64 = 0.01;
@@ -135,7 +135,7 @@ impl Bodies {
 }
 
 /// A run of ours.
-fn ours<S: Catalogued, const N: usize>(
+fn ours<S: Example, const N: usize>(
     name: &str,
     retraction: Retraction,
     system: &S,

@@ -7,7 +7,7 @@ use crate::figures::pendulum::Swings;
 use crate::figures::quadrotor::Hover;
 use crate::figures::steps::Steps;
 use crate::figures::work::{Sampling, Work};
-use coadjoint_systems::conservation::DriftStats;
+use coadjoint_app::conservation::DriftStats;
 
 /// Whether a quantity drifts: whether a linear trend makes up most of its range.
 fn drifts(stats: &DriftStats) -> bool {

@@ -1,7 +1,7 @@
 //! The errors of invariants over a long run, with one method.
 
-use crate::plot::{Axis, Envelope, Panel, Series, Style};
-use coadjoint_systems::conservation::DriftStats;
+use coadjoint_app::conservation::DriftStats;
+use coadjoint_app::plot::{Axis, Envelope, Panel, Series, Style};
 
 /// The plot shows the largest error in each of this many bins of the run.
 const BINS: usize = 450;

@@ -4,11 +4,11 @@ use coadjoint::prelude::*;
 use nalgebra::Vector4;
 
 use super::{ErrorSeries, figures};
-use crate::error::Error;
-use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::Error;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::classical::{RungeKutta, Tableau, integrate};
 use coadjoint_systems::kepler::{Kepler, KeplerState};
-use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, in standard units.
 pub(crate) const STEP: f64 = 0.01;

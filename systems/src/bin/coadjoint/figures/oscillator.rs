@@ -3,11 +3,11 @@
 use coadjoint::prelude::*;
 use nalgebra::Vector2;
 
-use crate::error::Error;
-use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::Error;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::classical::{Method as _, RungeKutta, Tableau, integrate};
 use coadjoint_systems::harmonic_oscillator::{HarmonicOscillator, HarmonicOscillatorState};
-use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, in standard units.
 pub(crate) const STEP: f64 = 0.1;

@@ -3,11 +3,11 @@
 use nalgebra::Vector3;
 
 use super::{ErrorSeries, figures};
-use crate::error::Error;
-use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::Error;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::classical::{Integrator, Projected, RungeKutta, Tableau, integrate, unit_leading};
 use coadjoint_systems::planar_pendulum::{PlanarPendulum, PlanarPendulumState};
-use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// The step, in standard units.
 pub(crate) const STEP: f64 = 0.1;

@@ -5,10 +5,10 @@ use coadjoint::prelude::*;
 use super::bodies::STEP;
 use super::invariant_errors::panel;
 use super::{InvariantErrors, figures};
-use crate::error::Error;
-use crate::plot::{Axis, Envelope, Figure, Key, Panel, Series};
+use coadjoint_app::Error;
+use coadjoint_app::plot::{Axis, Envelope, Figure, Key, Panel, Series};
+use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorState};
-use coadjoint_systems::simulation::{Method, Order, Retraction, each_step};
 
 /// Both retractions, each with the paper's step and with the one that its text recommends: `𝓘 = diag(1, 10, 100)`, `Π₀ = (1, 1, 1)`, `R₀ = 1`,
 /// `p₀ = 0`, `q₀ = (0, 0, 1)`, with thrust `mg` along the third axis and no moment. The paper leaves mass and gravity open: ours are 1 kg and

@@ -1,11 +1,11 @@
 //! Large steps for long times: the errors of each method, up to the step at which it fails.
 
 use super::work::{body, invariants, top};
-use crate::error::Error;
-use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::Error;
+use coadjoint_app::conservation::DriftStats;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::simulation::{self, Order, Retraction, each_step};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
-use coadjoint_systems::conservation::DriftStats;
-use coadjoint_systems::simulation::{self, Order, Retraction, each_step};
 
 /// How long the motion is followed, s: some six hundred of the top's swings.
 pub(crate) const DURATION: f64 = 5_000.0;

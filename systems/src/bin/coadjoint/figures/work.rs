@@ -6,11 +6,11 @@ use coadjoint::erased;
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
-use crate::error::Error;
-use crate::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::Error;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::simulation::{self, Order, Retraction, SimulationError, each_step};
 use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies, integrate};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
-use coadjoint_systems::simulation::{self, Order, Retraction, SimulationError, each_step};
 
 /// How long the motion is followed, s.
 pub(crate) const DURATION: f64 = 20.0;

@@ -1,0 +1,38 @@
+//! `init`: a file that describes a run.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::cli::program;
+use crate::entry::Catalogue;
+use crate::error::Error;
+
+/// Which file to write.
+#[derive(Debug, Args)]
+pub(crate) struct InitArguments {
+    /// The system; `coadjoint list` shows all
+    pub(crate) system: String,
+    /// Where to write it [default: `<system>.toml`]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace a file that is there
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+pub(crate) fn init(
+    catalogue: Catalogue,
+    arguments: &InitArguments,
+    console: &mut dyn Write,
+) -> Result<(), Error> {
+    let entry = catalogue.system(&arguments.system)?;
+    let path = arguments.out.clone().unwrap_or_else(|| format!("{}.toml", entry.name).into());
+    if path.exists() && !arguments.force {
+        return Err(Error::Input(format!("{} exists already; `--force` replaces it", path.display())));
+    }
+    crate::output::write_text(&path, &crate::config::example(entry))?;
+    writeln!(console, "wrote {}; run it with `{} run --config {0}`", path.display(), program())?;
+    Ok(())
+}

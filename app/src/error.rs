@@ -1,0 +1,112 @@
+//! The errors of the program and their exit codes.
+
+use std::io;
+use std::path::PathBuf;
+
+use coadjoint::{ParameterError, RunError};
+use thiserror::Error;
+
+use crate::interrupt;
+use crate::simulation::SimulationError;
+use coadjoint_classical::Diverged;
+
+/// An error of the program; its message is for the user.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// Invalid input; the message says what is valid.
+    #[error("{0}")]
+    Input(String),
+    /// No stepper can be built with these parameters.
+    #[error("{0}")]
+    Parameter(#[from] ParameterError),
+    /// A run could not be started or finished.
+    #[error("{0}")]
+    Simulation(#[from] SimulationError),
+    /// The motion of a figure could not be computed to its end.
+    #[error(transparent)]
+    Motion(#[from] RunError),
+    /// A classical integrator could not go on.
+    #[error("{0}")]
+    Diverged(#[from] Diverged),
+    /// A command of the program's own failed.
+    #[error("{0}")]
+    Command(Box<dyn std::error::Error + Send + Sync>),
+    /// A file or directory could not be written.
+    #[error("cannot write {}: {source}", .path.display())]
+    Write {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", .path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Ctrl-C ended a run; what was computed is written.
+    #[error("interrupted")]
+    Interrupted,
+    /// A picture could not be drawn.
+    #[error("cannot draw {}: {reason}", .path.display())]
+    Draw {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The terminal, or the program this one is piped into, is closed.
+    #[error("cannot write to standard output: {0}")]
+    Console(#[from] io::Error),
+    /// A scheme's claims do not hold.
+    #[error("wrong claims of {wrong} of the schemes for `{system}`: see the table")]
+    Claim {
+        /// Which system.
+        system: &'static str,
+        /// Of how many schemes.
+        wrong: usize,
+    },
+    /// The generator rejects a system's description.
+    #[error("the generator rejects `{system}`: {reason}")]
+    Generator {
+        /// Which system.
+        system: &'static str,
+        /// What it says.
+        reason: String,
+    },
+}
+
+impl Error {
+    /// Of a command of the program's own.
+    pub fn other(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        Self::Command(error.into())
+    }
+
+    /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
+    /// be written, 130 for Ctrl-C, 1 for bugs.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
+            Error::Interrupted => interrupt::EXIT_CODE,
+            Error::Simulation(
+                SimulationError::Stepper(_)
+                | SimulationError::Ensemble(_)
+                | SimulationError::NotSymmetric { .. }
+                | SimulationError::NotCertified { .. }
+                | SimulationError::NotIsolated { .. }
+                | SimulationError::NotLifted { .. },
+            ) => 2,
+            Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) | Error::Command(_) => 3,
+            Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
+            Error::Generator { .. } | Error::Claim { .. } => 1,
+        }
+    }
+
+    /// Whether standard output was closed, as in `coadjoint list | head -1`: not an error.
+    pub fn is_broken_pipe(&self) -> bool {
+        matches!(self, Error::Console(source) if source.kind() == io::ErrorKind::BrokenPipe)
+    }
+}

@@ -1,0 +1,98 @@
+//! A program for systems described with [`coadjoint`]: it runs and plots them, shows them moving in three dimensions, makes ensembles of them and
+//! measures the claims of their steps.
+//!
+//! ```no_run
+//! use coadjoint::prelude::*;
+//! use coadjoint_app::Example;
+//!
+//! /// A pendulum that swings in a plane.
+//! #[lie_poisson_system(group = SO2, potential = -weight * length * angle.cos_angle(), methods(Midpoint))]
+//! struct Pendulum {
+//!     /// Moment of inertia about the pivot, kg m².
+//!     #[inertia]
+//!     inertia: f64,
+//!     /// N.
+//!     weight: f64,
+//!     /// From the pivot to the centre of mass, m.
+//!     length: f64,
+//! }
+//!
+//! impl Example for Pendulum {
+//!     fn example() -> (Self, PendulumState) {
+//!         let pendulum = Pendulum { inertia: 0.1, weight: 9.81, length: 0.3 };
+//!         (pendulum, PendulumState { angle: UnitComplex::new(1.0), momentum: vector![0.0] })
+//!     }
+//! }
+//!
+//! fn main() -> std::process::ExitCode {
+//!     coadjoint_app::main([Pendulum::entry()])
+//! }
+//! ```
+//!
+//! Then `cargo run --release -- run pendulum --plot`, `view pendulum`, `ensemble pendulum`, `certify pendulum`, `list`.
+//!
+//! The program offers what was generated: `methods(Midpoint)` adds its method `midpoint`, `retractions(Cayley)` leaves the exponential out.
+//!
+//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of systems.
+#![cfg_attr(not(feature = "program"), allow(rustdoc::broken_intra_doc_links))]
+// they panic where the stream is closed
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
+pub mod example;
+
+pub use example::Example;
+#[cfg(feature = "program")]
+pub use {
+    clap,
+    cli::App,
+    entry::{Catalogue, Entry},
+    error::Error,
+};
+
+#[cfg(feature = "program")]
+mod checkpoint;
+#[cfg(feature = "program")]
+mod cli;
+#[cfg(feature = "program")]
+mod command;
+#[cfg(feature = "program")]
+mod config;
+#[cfg(feature = "program")]
+pub mod conservation;
+#[cfg(feature = "program")]
+pub mod ensemble;
+#[cfg(feature = "program")]
+pub mod entry;
+#[cfg(feature = "program")]
+pub mod error;
+#[cfg(feature = "program")]
+mod interrupt;
+#[cfg(feature = "program")]
+pub mod output;
+#[cfg(feature = "program")]
+mod page;
+#[cfg(feature = "program")]
+pub mod plot;
+#[cfg(feature = "program")]
+mod progress;
+#[cfg(feature = "program")]
+pub mod report;
+#[cfg(feature = "program")]
+mod run_plot;
+#[cfg(feature = "program")]
+pub mod session;
+#[cfg(feature = "program")]
+mod setting;
+#[cfg(feature = "program")]
+pub mod simulation;
+#[cfg(feature = "program")]
+pub mod suggest;
+
+#[cfg(all(test, feature = "program"))]
+mod test_systems;
+
+/// A program for these systems, with the arguments it was started with.
+#[cfg(feature = "program")]
+pub fn main(entries: impl IntoIterator<Item = Entry>) -> std::process::ExitCode {
+    App::new(entries).main()
+}

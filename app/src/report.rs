@@ -1,0 +1,224 @@
+//! The report of a run, for the user.
+
+use std::fmt;
+
+use coadjoint::RunReport;
+
+use crate::conservation::{ConservationReport, DriftStats};
+use crate::entry::Entry;
+use crate::simulation::{Job, Method};
+
+/// A table with a column for each run.
+#[derive(Debug)]
+pub struct Table<'a> {
+    entry: &'a Entry,
+    runs: Vec<RunSummary>,
+}
+
+/// One run's column.
+#[derive(Clone, Debug)]
+pub struct RunSummary {
+    /// The job.
+    pub job: Job,
+    /// Steps and iterations.
+    pub report: RunReport,
+    /// The conservation of energy and Casimirs.
+    pub conservation: ConservationReport,
+    /// How far the configuration was off its group, at most.
+    pub off_group: f64,
+    /// The time of a step without an observer, ns; none if there were no steps.
+    pub time_per_step: Option<f64>,
+}
+
+impl RunSummary {
+    /// The conservation of energy and Casimirs, in words.
+    pub fn conclusions(&self, entry: &Entry) -> Vec<String> {
+        let mut lines = Vec::new();
+        let energy = &self.conservation.energy;
+        lines.push(if entry.description.autonomous {
+            format!("energy: {}", describe(energy, self.conservation.steps, "J"))
+        } else {
+            "energy: not conserved by this system".to_owned()
+        });
+        for ((name, unit), stats) in entry.casimirs().zip(&self.conservation.casimirs) {
+            lines.push(format!("{name}: {}", describe(stats, self.conservation.steps, unit)));
+        }
+        lines
+    }
+}
+
+/// How well a quantity was conserved, in words.
+fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
+    // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
+    let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * stats.initial.abs().max(stats.error);
+    let (least, greatest) = stats.range;
+    if stats.error.is_nan() {
+        "became not a number".to_owned()
+    } else if stats.error <= roundoff {
+        "kept to roundoff".to_owned()
+    } else if steps < 100 {
+        format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
+    } else if stats.drift() < 0.5 {
+        format!(
+            "bounded: its error oscillates between {} and {} and does not grow",
+            magnitude(least),
+            with_unit_behind(greatest, unit)
+        )
+    } else {
+        format!(
+            "drifts: by {} per second, or oscillates more slowly than this run can show",
+            with_unit_behind(stats.slope(), unit)
+        )
+    }
+}
+
+impl<'a> Table<'a> {
+    /// A table of runs of one system.
+    pub fn new(entry: &'a Entry, runs: Vec<RunSummary>) -> Self {
+        Self { entry, runs }
+    }
+
+    fn rows(&self) -> Vec<(String, Vec<String>)> {
+        let row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
+            (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
+        };
+        let mut rows = vec![
+            row("retraction", &|run| match run.job.method.classical() {
+                None => run.job.retraction.name().to_owned(),
+                Some(_) => "–".to_owned(),
+            }),
+            row("method", &|run| self.method(&run.job)),
+            row("order", &|run| self.entry.order(&run.job).to_string()),
+            row("steps", &|run| grouped(run.conservation.steps)),
+            row("time per step, ns", &|run| {
+                run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
+            }),
+            row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
+            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.conservation.energy.initial))),
+            row(
+                if self.entry.description.autonomous {
+                    "largest energy error, J"
+                } else {
+                    // forces act, or the time has a part in it
+                    "largest change of energy, J (it is not conserved)"
+                },
+                &|run| magnitude(run.conservation.energy.error),
+            ),
+        ];
+        for (i, (name, unit)) in self.entry.casimirs().enumerate() {
+            let name = with_unit(&format!("drift of {name}"), unit);
+            rows.push(row(&name, &|run| {
+                magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
+            }));
+        }
+        if self.runs.iter().any(|run| run.job.method.classical().is_some()) {
+            rows.push(row("largest distance from the group", &|run| magnitude(run.off_group)));
+        }
+        rows
+    }
+}
+
+impl Table<'_> {
+    /// `midpoint`, or `standard (verlet)`
+    fn method(&self, job: &Job) -> String {
+        match job.method {
+            Method::Standard => format!("standard ({})", self.entry.standard(job.retraction)),
+            method => method.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for Table<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = self.rows();
+        let names = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let cells =
+            rows.iter().flat_map(|(_, cells)| cells).map(|cell| cell.chars().count()).max().unwrap_or(0);
+        for (i, (name, row)) in rows.iter().enumerate() {
+            write!(f, "{name:names$}")?;
+            for cell in row {
+                write!(f, "  {cell:>cells$}")?;
+            }
+            writeln!(f)?;
+            if i == 0 {
+                writeln!(f, "{}", "─".repeat(names + row.len() * (cells + 2)))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `1.5e-6 J`
+fn with_unit_behind(value: f64, unit: &str) -> String {
+    format!("{} {unit}", magnitude(value)).trim_end().to_owned()
+}
+
+/// `energy, J`, or only the name of a pure number.
+pub fn with_unit(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name}, {unit}") }
+}
+
+/// `180 000`
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A number with so many digits behind the first, written out where that is short.
+struct Figures(f64);
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision().unwrap_or(2);
+        let exponent = self.0.abs().log10().floor();
+        if self.0 == 0.0 || (-2.0..5.0).contains(&exponent) {
+            let behind = (digits as f64 - exponent.max(-2.0)).clamp(0.0, 9.0);
+            let text = format!("{:.*}", if self.0 == 0.0 { 0 } else { behind as usize }, self.0);
+            let short =
+                if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+            f.write_str(short)
+        } else {
+            write!(f, "{:.digits$e}", self.0)
+        }
+    }
+}
+
+/// Two digits say how large an error is.
+fn magnitude(value: f64) -> String {
+    if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_set_for_reading() {
+        assert_eq!(grouped(0), "0");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(grouped(180_000), "180 000");
+        assert_eq!(grouped(1_234_567), "1 234 567");
+        assert_eq!(magnitude(0.0), "0");
+        assert_eq!(magnitude(1.26e-14), "1.3e-14");
+        for (number, text) in [
+            (0.0, "0"),
+            (1.555, "1.555"),
+            (-12.5, "-12.5"),
+            (0.012_345_67, "0.012346"),
+            (98_765.432, "98765"),
+            (-9.965_011e9, "-9.9650e9"),
+            (1e-7, "1.0000e-7"),
+        ] {
+            assert_eq!(format!("{:.4}", Figures(number)), text);
+        }
+        assert_eq!(with_unit("time", "s"), "time, s");
+        assert_eq!(with_unit("|Γ|²", ""), "|Γ|²");
+    }
+}

@@ -1,0 +1,522 @@
+//! Runs of any system of the catalogue, with parameters and states as flat lists of numbers.
+
+mod classical;
+mod method;
+
+use std::error::Error as _;
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use coadjoint::__private::Map;
+use coadjoint::certify::{CertifyError, Report, certify_erased};
+use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
+use coadjoint::ensemble::EnsembleError;
+pub use coadjoint::erased::Sample;
+use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
+use coadjoint::prelude::*;
+use coadjoint::system::Role;
+use coadjoint::{RunError, RunReport};
+pub use method::{Classical, Method};
+use nalgebra::{DMatrix, DVector};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::entry::{ControlLaw, Entry};
+use crate::example::Example;
+
+/// The map from the Lie algebra to the group that a step is built on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Retraction {
+    /// The exponential map: the most accurate step of a given size.
+    #[value(alias = "exp")]
+    Exponential,
+    /// The Cayley map: rational, and defined for every angle.
+    #[value(alias = "cay")]
+    Cayley,
+    /// Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to compare with; there for some systems.
+    #[value(alias = "ccsk")]
+    SecondKind,
+}
+
+impl Retraction {
+    /// All of them.
+    pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
+    /// Those with which there are steps of every system.
+    pub const COMMON: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
+
+    /// Those with which there are steps of this system.
+    pub fn of(entry: &Entry) -> Vec<Self> {
+        let system = entry.system(&entry.example.parameters);
+        let is_there = |retraction: &Self| {
+            let first = Scheme::member(retraction.map(), 0, 1);
+            erased::Stepper::new(&*system, &first, entry.step).is_ok()
+        };
+        Self::ALL.into_iter().filter(is_there).collect()
+    }
+
+    /// Its name on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Retraction::Exponential => "exponential",
+            Retraction::Cayley => "cayley",
+            Retraction::SecondKind => "second-kind",
+        }
+    }
+
+    fn map(self) -> Map {
+        match self {
+            Retraction::Exponential => Map::Exponential,
+            Retraction::Cayley => Map::Cayley,
+            Retraction::SecondKind => Map::SecondKind,
+        }
+    }
+}
+
+/// The order asked for: 2 for the method itself, higher ones composed of its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+pub enum Order {
+    /// The method itself.
+    #[default]
+    #[value(name = "2")]
+    Two,
+    /// Five steps in one.
+    #[value(name = "4")]
+    Four,
+    /// Nine steps in one.
+    #[value(name = "6")]
+    Six,
+    /// Seventeen steps in one.
+    #[value(name = "8")]
+    Eight,
+    /// Thirty-five steps in one.
+    #[value(name = "10")]
+    Ten,
+}
+
+impl Order {
+    /// All of them.
+    pub const ALL: [Order; 5] = [Order::Two, Order::Four, Order::Six, Order::Eight, Order::Ten];
+
+    /// As a number.
+    pub fn number(self) -> u32 {
+        match self {
+            Order::Two => 2,
+            Order::Four => 4,
+            Order::Six => 6,
+            Order::Eight => 8,
+            Order::Ten => 10,
+        }
+    }
+}
+
+/// Parameters, an initial state and controls, in the order of the system's quantities.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Setup {
+    /// The parameters' components.
+    pub parameters: Vec<f64>,
+    /// The initial state's components.
+    pub state: Vec<f64>,
+    /// The controls' components, where they are held all the time; where there is none, the system's own law chooses.
+    pub controls: Vec<Option<f64>>,
+}
+
+/// What to run: the scheme, the step and the number of steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// The scheme's method.
+    pub method: Method,
+    /// The scheme's retraction; of no meaning to a classical method.
+    pub retraction: Retraction,
+    /// The scheme's order; that of the method itself where steps of it cannot be composed.
+    pub order: Order,
+    /// The step, s.
+    pub step: f64,
+    /// How many of them.
+    pub steps: u64,
+}
+
+/// The state of a run from which it can be resumed, bit for bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// The state's components.
+    pub state: Vec<f64>,
+    /// What the stepper carries.
+    pub memory: Vec<f64>,
+}
+
+impl Checkpoint {
+    /// The checkpoint at a sample.
+    pub fn at(sample: &Sample<'_>) -> Self {
+        Self { state: sample.state.to_vec(), memory: sample.snapshot() }
+    }
+}
+
+/// Observes samples; may end the run.
+pub type SampleObserver<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
+
+/// An error of a simulation.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SimulationError {
+    /// No stepper can be built with these parameters, this scheme or this step, or it is not the one that an earlier run was made with.
+    #[error(transparent)]
+    Stepper(#[from] StepperError),
+    /// The motion could not be computed to its end.
+    #[error(transparent)]
+    Motion(#[from] RunError),
+    /// A certificate could not be measured.
+    #[error(transparent)]
+    Certificate(#[from] CertifyError),
+    /// An ensemble cannot be built.
+    #[error("{}: {}", .0, .0.source().map(ToString::to_string).unwrap_or_default())]
+    Ensemble(#[from] EnsembleError),
+    /// Steps of higher order are composed of symmetric ones.
+    #[error(
+        "order {order} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}"
+    )]
+    NotSymmetric {
+        /// The order asked for.
+        order: u32,
+        /// The method asked for.
+        method: Method,
+        /// Those whose steps are symmetric.
+        symmetric: String,
+    },
+    /// The method is no scheme whose claims could be measured.
+    #[error("method {method} {}", not_certified(*.method))]
+    NotCertified {
+        /// The method asked for.
+        method: Method,
+    },
+    /// The momentum in space is constant only where nothing acts.
+    #[error(
+        "`{system}` has no steps with the method right-lift, which carries the momentum in space: something acts on it"
+    )]
+    NotIsolated {
+        /// The system.
+        system: &'static str,
+    },
+    /// The program has right lifts with the retractions alone that there are of every system.
+    #[error(
+        "there are no steps of the method right-lift with the retraction {retraction}; take one of exponential, cayley"
+    )]
+    NotLifted {
+        /// The retraction asked for.
+        retraction: &'static str,
+    },
+}
+
+/// Why there are no certificates of a method.
+fn not_certified(method: Method) -> &'static str {
+    match method {
+        Method::RightLift => "takes the steps of euler-a: certify these",
+        _ => "claims nothing that a certificate could measure",
+    }
+}
+
+/// The scheme of a method with a retraction, of an order.
+///
+/// # Errors
+/// If an order above 2 is asked for of a method whose steps are not symmetric, or the method is no scheme.
+pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Scheme, SimulationError> {
+    let map = retraction.map();
+    let base = match method {
+        Method::Standard => Scheme::Standard(map),
+        Method::EulerA => Scheme::member(map, 0, 1),
+        Method::EulerB => Scheme::member(map, 1, 1),
+        Method::Midpoint => Scheme::member(map, 1, 2),
+        Method::Verlet => Scheme::StormerVerlet(map),
+        Method::Family(numerator, denominator) => Scheme::member(map, numerator, denominator),
+        Method::TangentLift(numerator, denominator) => {
+            Scheme::Step(map, Rule::TangentLift(numerator, denominator))
+        }
+        Method::RightLift | Method::Classical(_) => return Err(SimulationError::NotCertified { method }),
+    };
+    check_order(method, order)?;
+    Ok(match order {
+        Order::Two => base,
+        Order::Four => Scheme::composed::<Suzuki4>(base),
+        Order::Six => Scheme::composed::<KahanLi6>(base),
+        Order::Eight => Scheme::composed::<KahanLi8>(base),
+        Order::Ten => Scheme::composed::<SofroniouSpaletta10>(base),
+    })
+}
+
+/// Whether steps of this order can be composed of the method's.
+fn check_order(method: Method, order: Order) -> Result<(), SimulationError> {
+    if order == Order::Two || method.is_symmetric() {
+        return Ok(());
+    }
+    let symmetric = Method::COMMON.into_iter().filter(|method| method.is_symmetric());
+    let symmetric = symmetric.map(|method| method.to_string()).collect::<Vec<_>>().join(", ");
+    Err(SimulationError::NotSymmetric { order: order.number(), method, symmetric })
+}
+
+/// A stepper that takes the steps of a classical method of any system, by its vector field.
+///
+/// # Errors
+/// If the parameters are not valid, or the step is zero or not finite.
+pub fn classical_stepper(
+    system: &dyn erased::System,
+    method: Classical,
+    step: f64,
+) -> Result<erased::Stepper<'_>, ParameterError> {
+    let method = classical::method(method, system.with_parameters(&[]), step);
+    erased::Stepper::with_method(system, method, step)
+}
+
+/// Takes so many steps of a system with its own control law from the time 0, and shows the initial state and the state after each step, with its
+/// index and time.
+///
+/// # Errors
+/// If parameters or step are not valid, or a step cannot be taken.
+pub fn each_step<S: Example>(
+    system: &S,
+    start: &S::State,
+    (method, retraction, order): (Method, Retraction, Order),
+    (step, steps): (f64, u64),
+    mut observe: impl FnMut(u64, f64, &S::State),
+) -> Result<(), SimulationError> {
+    let mut stepper = erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?;
+    let mut components = start.to_components();
+    for index in 0..=steps {
+        let (state, time) = (S::State::from_components(&components), stepper.time());
+        observe(index, time, &state);
+        if index < steps {
+            let control = system.control(&state, time).to_components();
+            let step = |cause| RunError::new(index + 1, time, RunReport::default(), cause);
+            stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
+        }
+    }
+    Ok(())
+}
+
+impl Entry {
+    /// Checks parameters; returns a note where valid ones are unphysical.
+    ///
+    /// # Errors
+    /// If no stepper can be built with them.
+    pub fn check(&self, setup: &Setup) -> Result<Option<String>, ParameterError> {
+        self.system(&setup.parameters).validate()?;
+        Ok((self.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
+    }
+
+    /// What acts on the system from outside: the controls that are held, and for the others its own law. None if it has no controls.
+    pub fn law(&self, setup: &Setup) -> Option<ControlLaw> {
+        let own = self.control?(&setup.parameters);
+        let held = setup.controls.clone();
+        Some(Box::new(move |state, time, to| {
+            own(state, time, to);
+            for (to, held) in to.iter_mut().zip(&held) {
+                *to = held.unwrap_or(*to);
+            }
+        }))
+    }
+
+    /// What takes the steps of a run.
+    fn stepper<'s>(
+        &self,
+        system: &'s dyn erased::System,
+        job: &Job,
+    ) -> Result<erased::Stepper<'s>, SimulationError> {
+        let &Job { method, retraction, order, step, .. } = job;
+        let stepper = match method {
+            Method::Classical(classical) => {
+                check_order(method, order)?;
+                classical_stepper(system, classical, step)
+            }
+            Method::RightLift => {
+                check_order(method, order)?;
+                let lifted = self.right_lift.ok_or(SimulationError::NotIsolated { system: self.name })?;
+                let lifted = lifted(&system.parameters(), retraction, step);
+                let lifted = lifted.ok_or(SimulationError::NotLifted { retraction: retraction.name() })?;
+                erased::Stepper::with_method(system, lifted, step)
+            }
+            _ => return Ok(erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?),
+        };
+        Ok(stepper.map_err(StepperError::from)?)
+    }
+
+    /// Makes a run, with the controls of the setup: from the setup's state at time 0, or on from a checkpoint. The observer
+    /// sees the initial state, the samples whose indices `next` gives, and the last one.
+    ///
+    /// # Errors
+    /// If parameters or step are not valid, or a step cannot be taken.
+    pub fn simulate(
+        &self,
+        setup: &Setup,
+        job: &Job,
+        from: Option<&Checkpoint>,
+        next: &dyn Fn(u64) -> u64,
+        observer: &mut SampleObserver<'_>,
+    ) -> Result<RunReport, SimulationError> {
+        let system = self.system(&setup.parameters);
+        let mut stepper = self.stepper(&*system, job)?;
+        let mut state = setup.state.clone();
+        if let Some(from) = from {
+            state.clone_from(&from.state);
+            stepper.restore(&from.memory).map_err(StepperError::from)?;
+        }
+        let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
+        let law = if held.is_some() { None } else { self.law(setup) };
+        let controls = match (&law, &held) {
+            (Some(law), _) => Controls::Chosen(law),
+            (None, held) => Controls::Held(held.as_deref().unwrap_or(&[])),
+        };
+        let steps = job.steps.saturating_sub(stepper.steps_taken());
+        Ok(erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer)?)
+    }
+
+    /// Measures the time that a step takes without an observer, ns: the best of three short runs; none without steps.
+    ///
+    /// # Errors
+    /// If parameters or step are not valid, or a step cannot be taken.
+    pub fn time_per_step(&self, setup: &Setup, job: &Job) -> Result<Option<f64>, SimulationError> {
+        /// Enough to tell nanoseconds, and still short; those of methods that are written to be right, not to be fast, take longer.
+        const STEPS: [u64; 2] = [50_000, 500];
+        let most = STEPS[usize::from(job.method.classical().is_some())];
+        let job = Job { steps: job.steps.min(most), ..*job };
+        if job.steps == 0 {
+            return Ok(None);
+        }
+        let mut best = f64::INFINITY;
+        for _ in 0..3 {
+            let start = Instant::now();
+            self.simulate(setup, &job, None, &|_| u64::MAX, &mut |_| ControlFlow::Continue(()))?;
+            best = best.min(start.elapsed().as_secs_f64());
+        }
+        Ok(Some(best / job.steps as f64 * 1e9))
+    }
+
+    /// Measures the claims of a scheme at [`states_in_motion`](Self::states_in_motion), with the controls of the setup there.
+    ///
+    /// # Errors
+    /// If parameters are not valid, or a step cannot be taken.
+    pub fn certify(
+        &self,
+        setup: &Setup,
+        method: Method,
+        retraction: Retraction,
+    ) -> Result<Report, SimulationError> {
+        let method = if method == Method::Standard { self.standard(retraction) } else { method };
+        let scheme = scheme(method, retraction, Order::Two)?;
+        let (states, _) = self.states_in_motion(setup)?;
+        let law = self.law(setup);
+        let chosen = |state: &Vec<f64>| {
+            let mut control = vec![0.0; setup.controls.len()];
+            law.as_ref().map(|law| {
+                law(state, 0.0, &mut control);
+                control
+            })
+        };
+        let controls: Vec<Vec<f64>> = states.iter().filter_map(chosen).collect();
+        let system = self.system(&setup.parameters);
+        Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
+    }
+
+    /// Three states at which the motion shows what it can: the example's, and where 40 and 80 steps lead from there; if it rests, three near it,
+    /// chosen at random, with momenta that turn it by up to a radian, or move it by up to a metre, in a tenth of its usual duration. The answer is also
+    /// whether it rests.
+    ///
+    /// # Errors
+    /// If parameters are not valid, or a step cannot be taken.
+    pub fn states_in_motion(&self, setup: &Setup) -> Result<(Vec<Vec<f64>>, bool), SimulationError> {
+        let job = Job {
+            method: Method::Standard,
+            retraction: Retraction::Exponential,
+            order: Order::Two,
+            step: self.step,
+            steps: 80,
+        };
+        let mut states = Vec::new();
+        self.simulate(setup, &job, None, &|index| index + 40, &mut |sample| {
+            states.push(sample.state.to_vec());
+            ControlFlow::Continue(())
+        })?;
+        let moves = |(x, y): (&f64, &f64)| (x - y).abs() > 1e-9 * (1.0 + y.abs());
+        let rests = !states.iter().any(|state| state.iter().zip(&setup.state).any(moves));
+        if rests {
+            let system = self.system(&setup.parameters);
+            let mut random = ChaCha8Rng::seed_from_u64(1);
+            // 53 bits, from −1 to 1
+            let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
+            states =
+                (0..3).map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut even)).collect();
+        }
+        Ok((states, rests))
+    }
+
+    /// The order that a job's step has.
+    pub fn order(&self, job: &Job) -> u32 {
+        match job.method {
+            Method::Classical(classical) => classical.order(),
+            Method::RightLift => 2,
+            method if method.is_symmetric() => job.order.number(),
+            Method::TangentLift(..) => 1,
+            // of the family's other members it is 2 only where they are all symmetric
+            _ if self.standard(job.retraction) == Method::EulerA => 2,
+            _ => 1,
+        }
+    }
+
+    /// What its standard scheme of order 2 is with a retraction: `euler-a` or `verlet`.
+    pub fn standard(&self, retraction: Retraction) -> Method {
+        match Scheme::Standard(retraction.map()).resolved(self.description.invariant) {
+            Scheme::StormerVerlet(_) => Method::Verlet,
+            _ => Method::EulerA,
+        }
+    }
+}
+
+/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
+fn in_motion(
+    system: &dyn erased::System,
+    state: &[f64],
+    rate: f64,
+    random: &mut dyn FnMut() -> f64,
+) -> Vec<f64> {
+    let places: Vec<_> = classical::tangent_places(system.description().state).collect();
+    let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
+    let (turns, momenta) =
+        (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());
+    let length = places.last().map_or(0, |place| place.1.end);
+    let mut by = vec![0.0; length];
+    turns.iter().for_each(|&turn| by[turn] = 0.5 * random());
+    let displaced = system.displace(state, Map::Exponential, &by);
+    // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
+    let velocity = |by: &[f64]| {
+        let differential = system.differential(&system.displace(&displaced, Map::Exponential, by), 0.0);
+        DVector::from_iterator(momenta.len(), momenta.iter().map(|&place| differential[place]))
+    };
+    let at_rest = velocity(&vec![0.0; length]);
+    let columns: Vec<DVector<f64>> = momenta
+        .iter()
+        .map(|&place| {
+            let mut unit = vec![0.0; length];
+            unit[place] = 1.0;
+            velocity(&unit) - &at_rest
+        })
+        .collect();
+    let wanted = DVector::from_fn(momenta.len(), |_, _| rate * random());
+    let mut by = vec![0.0; length];
+    if let Some(momentum) = DMatrix::from_columns(&columns).lu().solve(&(wanted - at_rest)) {
+        momenta.iter().zip(momentum.iter()).for_each(|(&place, momentum)| by[place] = *momentum);
+    }
+    system.displace(&displaced, Map::Exponential, &by)
+}
+
+/// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.
+fn triangle_note(inertia: &Matrix3<f64>) -> Option<String> {
+    let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let [small, middle, large] = moments;
+    (large > (small + middle) * (1.0 + 1e-12)).then(|| {
+        format!(
+            "no body of mass has principal moments of inertia {small}, {middle}, {large}: \
+             the largest exceeds the sum of the others"
+        )
+    })
+}

@@ -1,0 +1,130 @@
+//! A few systems of different kinds, for tests.
+
+use coadjoint::prelude::*;
+
+use crate::{Catalogue, Example};
+
+/// A heavy top: an attitude and an advected vector.
+#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
+pub(crate) struct HeavyTop {
+    /// Principal moments of inertia about the fixed point, kg m².
+    #[inertia]
+    pub(crate) inertia: Vector3<f64>,
+    /// Mass times gravitational acceleration, N.
+    pub(crate) weight: f64,
+    /// From the fixed point to the centre of mass, in body axes, m.
+    pub(crate) chi: Vector3<f64>,
+}
+
+impl Example for HeavyTop {
+    const ABOUT: &'static str = "a rigid body that turns about a fixed point under gravity";
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("weight", "N"),
+        ("chi", "m"),
+        ("momentum", "kg m²/s"),
+        ("momentum·gamma", "kg m²/s"),
+    ];
+
+    fn example() -> (Self, HeavyTopState) {
+        let top = HeavyTop { inertia: vector![1.0, 10.0, 100.0], weight: 1.0, chi: Vector3::z() };
+        let start = HeavyTopState {
+            attitude: UnitQuaternion::identity(),
+            momentum: vector![1.0, 1.0, 1.0],
+            gamma: Vector3::z(),
+        };
+        (top, start)
+    }
+
+    fn body_inertia(&self) -> Option<Matrix3<f64>> {
+        Some(Matrix3::from_diagonal(&self.inertia))
+    }
+}
+
+/// A pendulum: a rotation in the plane, and a motor.
+#[lie_poisson_system(
+    group = SO2,
+    control(torque: R1),
+    potential = -weight * length * angle.cos_angle(),
+    force = torque,
+    methods(Midpoint)
+)]
+pub(crate) struct PlanarPendulum {
+    /// Moment of inertia about the axis, kg m².
+    #[inertia]
+    pub(crate) inertia: f64,
+    /// Mass times gravitational acceleration, N.
+    pub(crate) weight: f64,
+    /// From the axis to the centre of mass, m.
+    pub(crate) length: f64,
+}
+
+impl Example for PlanarPendulum {
+    const ABOUT: &'static str = "a pendulum that swings in a plane";
+
+    fn example() -> (Self, PlanarPendulumState) {
+        let pendulum = PlanarPendulum { inertia: 0.1, weight: 9.81, length: 0.3 };
+        (pendulum, PlanarPendulumState { angle: UnitComplex::new(1.0), momentum: vector![0.0] })
+    }
+}
+
+/// A body in space: a rigid motion.
+#[lie_poisson_system(group = SE3, methods(Midpoint))]
+pub(crate) struct RigidBodyInSpace {
+    /// Inertia of turning and moving together.
+    #[inertia]
+    pub(crate) inertia: Matrix6<f64>,
+}
+
+impl Example for RigidBodyInSpace {
+    const ABOUT: &'static str = "a rigid body that turns and moves in space";
+
+    fn example() -> (Self, RigidBodyInSpaceState) {
+        let body =
+            RigidBodyInSpace { inertia: Matrix6::from_diagonal(&Vector6::new(1.0, 2.0, 2.5, 3.0, 3.0, 3.0)) };
+        let start = RigidBodyInSpaceState {
+            pose: Isometry3::identity(),
+            momentum: Vector6::new(1.0, 0.1, 0.2, 0.5, 0.0, 0.0),
+        };
+        (body, start)
+    }
+}
+
+/// A planet: a position, and a potential that is infinite at the centre.
+#[lie_poisson_system(group = R3, potential = -mass * attraction / position.norm(), methods(Midpoint))]
+pub(crate) struct Kepler {
+    /// Mass of the satellite, kg.
+    #[inertia]
+    pub(crate) mass: f64,
+    /// Constant of gravitation times the mass of the heavy body, m³/s².
+    pub(crate) attraction: f64,
+}
+
+impl Example for Kepler {
+    const ABOUT: &'static str = "a planet about the sun";
+
+    fn example() -> (Self, KeplerState) {
+        let start = KeplerState { position: vector![1.0, 0.0, 0.0], momentum: vector![0.0, 0.8, 0.0] };
+        (Kepler { mass: 1.0, attraction: 1.0 }, start)
+    }
+}
+
+/// All of them.
+pub(crate) fn catalogue() -> Catalogue {
+    let entries = [HeavyTop::entry(), PlanarPendulum::entry(), RigidBodyInSpace::entry(), Kepler::entry()];
+    Catalogue::new(entries.map(|entry| entry.with_source(include_str!("test_systems.rs"))))
+}
+
+#[test]
+fn units_are_of_quantities() {
+    for entry in catalogue().entries() {
+        assert_eq!(entry.unknown_units(), [""; 0], "{}", entry.name);
+    }
+    let top = catalogue().find("heavy_top").expect("it is there");
+    for (name, unit) in
+        [("momentum_x", "kg m²/s"), ("chi", "m"), ("|gamma|²", ""), ("energy", "J"), ("time", "s")]
+    {
+        assert_eq!(top.unit(name), unit, "{name}");
+    }
+    assert_eq!(top.casimirs().map(|(_, unit)| unit).collect::<Vec<_>>(), ["", "kg m²/s"]);
+}

@@ -1,0 +1,91 @@
+//! Timing, in turns.
+
+use std::io::Write;
+use std::time::Instant;
+
+use coadjoint_app::Error;
+use coadjoint_app::output::write_text;
+use coadjoint_systems::cases::{self, BASELINE, Case};
+use serde::Serialize;
+
+/// Rounds of measurement; the cases alternate.
+const ROUNDS: usize = 40;
+
+/// The results.
+#[derive(Serialize)]
+struct Results {
+    processor: String,
+    version: &'static str,
+    /// The best time of each case.
+    cases: Vec<Timed>,
+}
+
+#[derive(Serialize)]
+struct Timed {
+    problem: &'static str,
+    method: String,
+    ns_per_step: f64,
+    /// Relative to the time of the baseline; none where that is not timed.
+    ratio: Option<f64>,
+}
+
+/// Times the standard cases in turns, so that a slow machine slows all of them alike.
+pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Result<(), Error> {
+    let mut cases = cases::all().map_err(|error| Error::other(error.to_string()))?;
+    let mut best = vec![f64::INFINITY; cases.len()];
+    for round in 0..=ROUNDS {
+        for (case, best) in cases.iter_mut().zip(&mut best) {
+            let start = Instant::now();
+            if !case.run(case.steps) {
+                return Err(Error::Command(
+                    format!("{}, {}: a step failed", case.problem, case.method).into(),
+                ));
+            }
+            // the first time is for warming up
+            if round > 0 {
+                *best = best.min(start.elapsed().as_secs_f64() / case.steps as f64 * 1e9);
+            }
+        }
+    }
+    let baseline = |problem: &str| {
+        let is = |case: &Case| case.problem == problem && case.method == BASELINE;
+        cases.iter().position(is).map(|index| best[index])
+    };
+    let timed = cases.iter().zip(&best).map(|(case, &ns_per_step)| Timed {
+        problem: case.problem,
+        method: case.method.clone(),
+        ns_per_step,
+        ratio: baseline(case.problem).map(|other| ns_per_step / other),
+    });
+    let results =
+        Results { processor: processor(), version: env!("CARGO_PKG_VERSION"), cases: timed.collect() };
+    print(&results, console)?;
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&results).map_err(Error::other)?;
+        write_text(path, &(text + "\n"))?;
+        writeln!(console, "wrote {}", path.display())?;
+    }
+    Ok(())
+}
+
+fn print(results: &Results, console: &mut dyn Write) -> Result<(), Error> {
+    writeln!(console, "{}", results.processor)?;
+    writeln!(console, "best of {ROUNDS} rounds, steps of 0.01 s, ratios to {BASELINE}")?;
+    let mut problem = "";
+    for timed in &results.cases {
+        if timed.problem != problem {
+            problem = timed.problem;
+            writeln!(console, "\n{problem:50} {:>8} {:>8}", "ns/step", "ratio")?;
+        }
+        let ratio = timed.ratio.map_or(String::new(), |ratio| format!("{ratio:8.2}"));
+        writeln!(console, "  {:48} {:8.1} {ratio}", timed.method, timed.ns_per_step)?;
+    }
+    Ok(())
+}
+
+/// The name of the processor, where it is known.
+fn processor() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    name.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}
