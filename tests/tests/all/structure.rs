@@ -3,6 +3,7 @@
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
+use coadjoint_app::Example;
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl};
 use coadjoint_tests::for_each_system_and_retraction;
 use coadjoint_tests::measure::largest;
