@@ -109,6 +109,20 @@ impl Solid {
         Self { centre: centre.into(), ..self }
     }
 
+    /// With its third axis along this direction in body axes.
+    #[must_use]
+    pub fn along(self, axis: Vector3<f64>) -> Self {
+        let turn = UnitQuaternion::rotation_between(&Vector3::z(), &axis);
+        // opposite directions: any half turn across
+        self.turned(&turn.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)))
+    }
+
+    /// Drawn at a size that suits the scene: only the ratios of its lengths have a meaning.
+    #[must_use]
+    pub fn of_any_size(self) -> Self {
+        Self { relative: true, ..self }
+    }
+
     /// A homogeneous solid with this moment of inertia about its centre of mass, of a size that is not known: a rod, a disc, a ball or an
     /// ellipsoid where it is round, otherwise a box. Of moments that no body has, the momental ellipsoid, and a note that says so. None if the
     /// moments are not positive.
@@ -131,14 +145,9 @@ impl Solid {
     }
 
     fn turned(self, by: &UnitQuaternion<f64>) -> Self {
-        let [i, j, k, w] = self.rotation_quaternion(by);
-        Self { rotation: [w, i, j, k], ..self }
-    }
-
-    fn rotation_quaternion(&self, by: &UnitQuaternion<f64>) -> [f64; 4] {
         let [w, i, j, k] = self.rotation;
-        let own = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-        (by * own).coords.into()
+        let [i, j, k, w]: [f64; 4] = (by.into_inner() * Quaternion::new(w, i, j, k)).coords.into();
+        Self { rotation: [w, i, j, k], ..self }
     }
 }
 

@@ -42,8 +42,10 @@ class SpaceScene {
     // bodies that turn about a fixed point are drawn large; moving ones small, so that their way is seen
     const still = bodies.filter(body => !moving(body)).map(real);
     this.reach = reach;
-    this.size = this.free ? 0.16 * reach || Math.max(...bodies.map(real)) || 1 : Math.max(...still, 0) || reach || 1;
-    this.wide = this.free || reach > 1.2 * this.size; // what moves goes farther than bodies are large
+    const largest = Math.max(...still, 0);
+    this.wide = this.free || reach > 1.2 * (largest || Infinity); // what moves goes farther than bodies are large
+    const offset = this.wide ? 0 : Math.max(...bodies.map(body => length(body.mesh?.centre ?? ORIGIN)), 0);
+    this.size = this.free ? 0.16 * reach || Math.max(...bodies.map(real)) || 1 : largest + offset || 1;
     this.centre = this.wide ? scaled(sum(low, high), 0.5) : ORIGIN;
     this.radius = this.wide ? 1.08 * reach + this.size * (this.free ? 0.5 : 1) : 1.62 * this.size;
     this.low = low;
@@ -58,10 +60,11 @@ class SpaceScene {
     const under = body.run.bodies.slice(0, body.order).some(other => other.mesh && !moving(other) && !moving(body) && shape?.relative);
     if (under) body.magnification *= 0.72;
     body.extent = extent * body.magnification;
-    body.reach = (mesh ? 1.3 : this.free ? 0.5 : 1.3) * (mesh ? body.extent : this.size);
+    const own = body.extent + (moving(body) ? 0 : length(mesh?.centre ?? ORIGIN));
+    body.reach = mesh ? 1.3 * own : (this.free ? 0.5 : 1.3) * this.size;
     body.dots = !mesh && !body.axes;
-    const centre = mesh?.centre ?? ORIGIN, own = length(centre) > 0 || moving(body) ? centre : [0, 0, body.reach];
-    body.trailPoint = body.trail === false ? null : Array.isArray(body.trail) ? body.trail : body.rotation || moving(body) ? own : null;
+    const centre = mesh?.centre ?? ORIGIN, tracer = moving(body) || !body.axes ? centre : [0, 0, body.reach];
+    body.trailPoint = body.trail === false ? null : Array.isArray(body.trail) ? body.trail : body.rotation || moving(body) ? tracer : null;
     body.trailPath = body.trailPoint && Array.from({ length: body.run.samples }, (_, k) => body.run.point({ body: body.order, at: body.trailPoint }, k));
     body.paint = body.colour ?? ['solid', 'second'][body.order % 2];
   }
@@ -74,7 +77,7 @@ class SpaceScene {
       arrow.kind = arrow.unit || arrow.name;
       longest.set(arrow.kind, Math.max(longest.get(arrow.kind) ?? 0, most(arrow)));
     }
-    const reach = this.wide ? 0.22 * this.radius : 1.2 * Math.max(...bodies.map(body => body.extent), 0.5 * this.size);
+    const reach = this.wide ? 0.22 * this.radius : 1.2 * this.size;
     for (const arrow of arrows) arrow.scale = arrow.true_length ? 1 : reach / longest.get(arrow.kind) || 0;
   }
 
@@ -138,8 +141,8 @@ class SpaceScene {
         view.arrow(place, tip, 'c' + k, body.ghost || body.order ? 1.6 : 2.4, body.ghost || (this.free && !mesh) ? '' : k + 1 + '′'.repeat(body.order), body.ghost ? 0.45 : 1);
       });
     }
-    if (moving(body) && Number.isFinite(space.ground)) {
-      const below = [place[0], place[1], space.ground];
+    if (moving(body) && body.mesh && this.square && this.low[2] < place[2]) {
+      const below = [place[0], place[1], space.ground ?? this.low[2]];
       view.line(place, below, 'muted', 1, 0.5, 24, true);
       view.dot(below, 'muted', 3, 0.6);
     }
@@ -163,7 +166,7 @@ class SpaceScene {
         const [a, b] = [run.point(from ?? {}), run.point(to ?? {})], alpha = run.ghost ? 0.35 : 1;
         if (!a || !b) continue;
         if (spring) view.spring(a, b, alpha); else view.line(a, b, 'ink', 2.5, alpha, 12);
-        if (!from || from.body === undefined) view.dot(a, 'ink', 3.5, alpha);
+        view.dot(a, 'ink', 3.5, alpha);
       }
     }
     for (const body of bodies) this.drawBody(view, body);
@@ -189,7 +192,7 @@ class BodyScene {
       arrow.bodyUnit = unit;
     }
     this.reach = this.vectors.flatMap(arrow => arrow.bodyPath).reduce((most, v) => Math.max(most, v ? length(v) : 0), 1);
-    Object.assign(this, { centre: ORIGIN, radius: Math.max(this.reach * 1.08, 1.42), look: [-0.95, 0.38] });
+    Object.assign(this, { centre: ORIGIN, radius: Math.max(this.reach * 1.08, 1.6), look: [-0.95, 0.38] });
   }
 
   draw(view) {
