@@ -68,7 +68,7 @@ pub struct Arrow {
     pub body: Option<usize>,
     /// Where in the body's axes, m.
     pub from: [f64; 3],
-    /// Its colour: `c3` to `c6`.
+    /// Its colour: `c3` to `c6` or `ink`.
     pub colour: &'static str,
 }
 
@@ -190,7 +190,7 @@ impl Arrow {
         self
     }
 
-    /// In this colour: `c3` to `c6`.
+    /// In this colour: `c3` to `c6` or `ink`.
     #[must_use]
     pub fn colour(self, colour: &'static str) -> Self {
         Self { colour, ..self }
@@ -242,7 +242,7 @@ impl Scene {
     #[must_use]
     pub fn mount(self, body: usize, on: usize, axis: Vector3<f64>) -> Self {
         let (mount, axis) = (Some((on, [0.0; 3], true)), Some(axis.into()));
-        self.changed(body, |body| Body { mount, axis, ..body })
+        self.changed(body, |body| Body { mount, axis, trace: false, ..body })
     }
 
     /// With a body whose axes are not shown.
@@ -295,7 +295,7 @@ impl Scene {
             Some(solid) => self.solid(body, solid.at(lever)).rod(Vector3::zeros(), body, lever),
             None => self.solid(body, Solid::of_inertia(inertia)),
         };
-        let arrow = Arrow::constant("lever", lever, "m").symbol("χ").colour("c5").in_body();
+        let arrow = Arrow::constant("lever", lever, "m").symbol("χ").colour("ink").in_body();
         scene.arrow(arrow.on(body, Vector3::zeros())).weight(body, weight, lever)
     }
 }

@@ -66,7 +66,7 @@ impl Example for HeavyTopOnSE3 {
     fn scene(&self, by_state: Scene) -> Scene {
         let angular = Arrow::quantity("momentum").named("angular momentum").symbol("Π").in_body();
         let vertical = Arrow::quantity("momentum").from_component(3).named("vertical").symbol("Γ").colour("c4");
-        let scene = Scene::default().body(Body::turning("pose")).arrow(angular).arrow(vertical.in_body());
+        let scene = Scene::default().body(Body::turning("pose").named("body")).arrow(angular).arrow(vertical.in_body());
         scene.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, self.chi)
     }
 }

@@ -76,7 +76,7 @@ impl Example for MagneticTop {
     }
 
     fn scene(&self, by_state: Scene) -> Scene {
-        let dipole = Arrow::constant("dipole", self.dipole, "A m²").symbol("d").colour("ink").in_body();
+        let dipole = Arrow::constant("dipole", self.dipole, "A m²").symbol("d").colour("c5").in_body();
         by_state.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, self.chi).arrow(dipole)
     }
 }

@@ -97,7 +97,11 @@ impl Film<'_> {
 
     fn path(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Track {
         let path = self.moments.kept.iter().map(|moment| of(&moment.state).into_iter().map(rounded).collect());
-        Track::Path(path.collect())
+        let path: Vec<Vec<f64>> = path.collect();
+        match path.as_slice() {
+            [first, rest @ ..] if rest.iter().all(|other| other == first) => Track::Constant(first.clone()),
+            _ => Track::Path(path),
+        }
     }
 
     fn body(&self, scene: &Scene, k: usize) -> format::Body {
@@ -170,7 +174,10 @@ impl Film<'_> {
             let unit = self.entry.unit(quantity.name);
             let names: Vec<String> = scenery::component_names(self.entry, quantity);
             match rotation(quantity) {
-                Some((2, _)) => plots.push(plot(", angle", "rad", vec![self.angle(slots.start)])),
+                Some((2, _)) => {
+                    let part = if quantity.name.contains("angle") { "" } else { ", angle" };
+                    plots.push(plot(part, "rad", vec![self.angle(slots.start)]));
+                }
                 Some((count, _)) => plots.push(plot(", rotation", "", series(&names[..count], 0))),
                 None => plots.push(plot("", unit, series(&names, 0))),
             }

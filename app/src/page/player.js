@@ -169,7 +169,7 @@ function sceneNow() {
     runs: runs.map(run => ({
       name: run.name,
       bodies: run.bodies.map(body => {
-        const pose = run.pose(body), centre = run.point({ body: body.order, at: body.mesh?.centre ?? ORIGIN });
+        const pose = run.pose(body), centre = run.point({ body: body.order, at: body.middle });
         return {
           name: body.name, shape: body.shape?.kind ?? null, magnification: body.magnification, centre, screen: onScreen(centre),
           origin: pose?.place, axes: pose && UNIT.map(axis => turned(pose.attitude, axis)),

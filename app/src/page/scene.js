@@ -29,10 +29,11 @@ class SpaceScene {
       low[k] = Math.min(low[k], x);
       high[k] = Math.max(high[k], x);
     });
-    const real = body => body.mesh && !body.shape.relative ? body.mesh.extent : 0;
+    const sized = body => body.mesh && !body.shape.relative, real = body => sized(body) ? body.mesh.extent : 0;
+    const middle = body => sized(body) ? body.mesh.centre : ORIGIN;
     for (const run of runs) {
       for (const k of thinned(run)) {
-        run.bodies.forEach((body, order) => include(run.point({ body: order, at: body.mesh?.centre }, k)));
+        run.bodies.forEach((body, order) => include(run.point({ body: order, at: middle(body) }, k)));
         for (const { from, to } of run.links) [from, to].forEach(end => include(run.point(end ?? {}, k)));
       }
     }
@@ -43,27 +44,28 @@ class SpaceScene {
     const still = bodies.filter(body => !moving(body)).map(real);
     this.reach = reach;
     const largest = Math.max(...still, 0);
-    this.wide = this.free || reach > 1.2 * (largest || Infinity); // what moves goes farther than bodies are large
-    const offset = this.wide ? 0 : Math.max(...bodies.map(body => length(body.mesh?.centre ?? ORIGIN)), 0);
+    this.wide = this.free || reach > 2 * (largest || Infinity); // what moves goes farther than bodies are large
+    const offset = this.wide ? 0 : Math.max(...bodies.map(body => length(middle(body))), 0);
     this.size = this.free ? 0.16 * reach || Math.max(...bodies.map(real)) || 1 : largest + offset || 1;
     this.centre = this.wide ? scaled(sum(low, high), 0.5) : ORIGIN;
-    this.radius = this.wide ? 1.08 * reach + this.size * (this.free ? 0.5 : 1) : 1.62 * this.size;
+    const margin = Math.max(0.5 * this.size, ...bodies.filter(moving).map(real));
+    this.radius = this.wide ? 1.08 * reach + Math.min(this.free ? margin : this.size, reach || Infinity) : 1.62 * this.size;
     this.low = low;
   }
 
   /** Chooses how large a body is drawn, how long its axes are, and which of its points leaves a trace. */
   equip(body) {
-    const { mesh, shape } = body, extent = mesh?.extent || 1;
-    const least = this.free ? 0.06 * (body.mesh?.centre === ORIGIN) * this.radius : 0;
+    const { mesh, shape } = body, extent = (mesh?.extent || 1) + length(mesh?.centre ?? ORIGIN);
+    const least = this.free ? 0.06 * this.radius : 0;
     body.magnification = shape?.relative ? this.size / extent : extent < least ? 0.12 * this.radius / extent : 1;
     // where bodies share a place, the later ones are slimmer
     const under = body.run.bodies.slice(0, body.order).some(other => other.mesh && !moving(other) && !moving(body) && shape?.relative);
     if (under) body.magnification *= 0.72;
+    body.middle = scaled(mesh?.centre ?? ORIGIN, body.magnification);
     body.extent = extent * body.magnification;
-    const own = body.extent + (moving(body) ? 0 : length(mesh?.centre ?? ORIGIN));
-    body.reach = mesh ? 1.3 * own : (this.free ? 0.5 : 1.3) * this.size;
+    body.reach = mesh ? 1.3 * body.extent : (this.free ? 0.5 : 1.3) * this.size;
     body.dots = !mesh && !body.axes;
-    const centre = mesh?.centre ?? ORIGIN, tracer = moving(body) || !body.axes ? centre : [0, 0, body.reach];
+    const tracer = moving(body) || !body.axes ? body.middle : [0, 0, body.reach];
     body.trailPoint = body.trail === false ? null : Array.isArray(body.trail) ? body.trail : body.rotation || moving(body) ? tracer : null;
     body.trailPath = body.trailPoint && Array.from({ length: body.run.samples }, (_, k) => body.run.point({ body: body.order, at: body.trailPoint }, k));
     body.paint = body.colour ?? ['solid', 'second'][body.order % 2];
@@ -84,8 +86,8 @@ class SpaceScene {
   /** A motion in a plane is seen best from before it. */
   chooseLook() {
     if (Array.isArray(space.look)) return space.look;
-    if (this.wide && this.flat[2]) return [-1.2, 0.95];
     if (this.wide && this.flat[1]) return [-1.42, 0.12];
+    if (this.wide && this.flat[2]) return [-1.2, 0.95];
     return [-0.95, 0.32];
   }
 
@@ -121,8 +123,8 @@ class SpaceScene {
 
   /** The depth that divides traces into those behind the first solid and those before it; a trace that it leaves itself is behind it. */
   division(view) {
-    const body = bodies.find(({ mesh }) => mesh), middle = body?.run.point({ body: body.order, at: body.mesh.centre });
-    return middle ? view.project(middle)[2] + (body.trailPoint === body.mesh.centre ? body.extent / this.radius : 0) : 0;
+    const body = bodies.find(({ mesh }) => mesh), middle = body?.run.point({ body: body.order, at: body.middle });
+    return middle ? view.project(middle)[2] + (body.trailPoint === body.middle ? body.mesh.extent * body.magnification / this.radius : 0) : 0;
   }
 
   traceColour(body) {
@@ -134,7 +136,7 @@ class SpaceScene {
     if (!pose) return;
     const { place, attitude } = pose;
     if (body.dots) view.dot(place, body.paint === 'solid' ? 'ink' : body.paint, 5, body.ghost ? 0.5 : 1);
-    if (mesh) view.solid(mesh, place, attitude, body.magnification, body.paint, alpha);
+    if (mesh) view.solid(mesh.facets, sum(place, turned(attitude, body.middle)), attitude, body.magnification, body.paint, alpha);
     if (body.axes) {
       UNIT.forEach((axis, k) => {
         const tip = sum(place, scaled(turned(attitude, axis), body.reach));

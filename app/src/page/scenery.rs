@@ -35,32 +35,36 @@ fn by_state(entry: &Entry) -> Scene {
     let mut scene = Scene::default();
     let configurations: Vec<usize> =
         (0..quantities.len()).filter(|&k| quantities[k].role == Role::Configuration).collect();
+    let kinds = |spatial| configurations.iter().filter(|&&k| rotation(&quantities[k]).is_some() == spatial).count();
+    let alone = kinds(true) <= 1 && kinds(false) <= 1;
     for &k in &configurations {
         let quantity = &quantities[k];
-        let momentum = quantities[k + 1..].iter().take_while(|next| next.role != Role::Configuration);
-        let momentum = momentum.filter(|next| next.role == Role::Momentum).next();
+        let mut after = quantities[k + 1..].iter().take_while(|next| next.role != Role::Configuration);
+        let momentum = after.find(|next| next.role == Role::Momentum);
         let position_of_the_body = configurations.len() == 2
             && rotation(quantity).is_none()
             && matches!(scene.bodies.as_slice(), [Body { rotation: Some(_), position: None, .. }]);
         if position_of_the_body {
             scene.bodies = scene.bodies.into_iter().map(|body| body.and_moving(quantity.name)).collect();
         } else if let Some((count, _)) = rotation(quantity) {
-            let body = Body::turning(quantity.name);
+            let body = Body::turning(quantity.name).named(if alone { "body" } else { quantity.name });
             let moves = quantity.components.len() > count;
             scene = scene.body(if moves { body.and_moving(quantity.name) } else { body });
         } else if quantity.components.len() <= 3 {
-            scene = scene.body(Body::moving(quantity.name));
+            scene = scene.body(Body::moving(quantity.name).named(if alone { "point" } else { quantity.name }));
         } else {
             continue;
         }
         let body = scene.bodies.len() - 1;
         for arrow in momentum.into_iter().flat_map(|momentum| momenta(quantity, momentum, in_body)) {
-            scene = scene.arrow(arrow.on(body, Vector3::zeros()));
+            let name = if alone { arrow.name.clone() } else { format!("{} of {}", arrow.name, quantity.name) };
+            scene = scene.arrow(arrow.named(&name).on(body, Vector3::zeros()));
         }
     }
     let seen = quantities.iter().filter(|quantity| quantity.role == Role::Advected && quantity.components.len() == 3);
-    for quantity in seen.filter(|_| !scene.bodies.is_empty()).collect::<Vec<_>>() {
-        let arrow = Arrow { in_body, ..Arrow::quantity(quantity.name).colour("c4") };
+    for (quantity, colour) in seen.zip(["c4", "c5"].into_iter().cycle()) {
+        let on = (!scene.bodies.is_empty()).then_some(0);
+        let arrow = Arrow { in_body, body: on, ..Arrow::quantity(quantity.name).colour(colour) };
         scene = scene.arrow(arrow.symbol(&symbol(quantity.name)));
     }
     scene
@@ -144,6 +148,9 @@ pub(super) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
 /// The names of a quantity's components; of the momentum of a rigid motion those of its two parts.
 pub(super) fn component_names(entry: &Entry, quantity: &Quantity) -> Vec<String> {
     let own = || quantity.components.iter().map(|&name| name.to_owned()).collect();
+    if quantity.components.len() == 1 {
+        return vec![String::new()];
+    }
     if quantity.role != Role::Momentum {
         return own();
     }

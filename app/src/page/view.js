@@ -17,7 +17,7 @@ function sharpCanvas(owner, parent, label) {
     canvas.width = Math.max(1, Math.round(width * ratio));
     canvas.height = Math.max(1, Math.round(height * ratio));
     Object.assign(owner, { width, height, ratio, stale: true });
-    redraw();
+    owner.draw(); // at once: a canvas of a new size is empty
   }).observe(canvas);
   return canvas;
 }
@@ -93,7 +93,7 @@ class View {
     const { centre, radius } = this.scene;
     this.lens = this.axes.map(axis => [...axis, -dot(axis, centre)].map(x => x / radius));
     this.light = [0, 1, 2].map(k => -0.35 * this.axes[0][k] + 0.6 * this.axes[1][k] + 0.72 * this.axes[2][k]);
-    this.scale = Math.min(this.width, this.height) * 0.47 * this.zoom;
+    this.scale = Math.min(this.width * 0.47, this.height * (this.scene.free ? 0.6 : 0.47)) * this.zoom;
     this.pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     this.pen.globalAlpha = 1;
     this.pen.fillStyle = theme.panel;
@@ -191,9 +191,8 @@ class View {
     this.pieces.push({ depth: at[2], draw: pen => disc(pen, at, size, colour, alpha) });
   }
 
-  /** The facets of a solid that are turned to the eye, shaded. */
-  solid({ facets, centre }, place, attitude, magnification, colour, alpha) {
-    const middle = sum(place, turned(attitude, centre));
+  /** The facets of a solid about its middle that are turned to the eye, shaded. */
+  solid(facets, middle, attitude, magnification, colour, alpha) {
     const [along, across, beyond] = UNIT.map(axis => turned(attitude, axis));
     const carry = ([x, y, z]) => [0, 1, 2].map(k => x * along[k] + y * across[k] + z * beyond[k]);
     const distance = 6 * this.scene.radius, eye = sum(this.scene.centre, scaled(this.axes[2], distance));
