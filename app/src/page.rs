@@ -56,9 +56,11 @@ impl Page {
         let mut html = String::with_capacity(PAGE.len() + STYLE.len() + data.len());
         let mut rest = PAGE;
         let script = SCRIPTS.concat();
-        for (place, part) in
-            [("__COADJOINT_STYLE__", STYLE), ("__COADJOINT_DATA__", data.as_str()), ("__COADJOINT_SCRIPT__", script.as_str())]
-        {
+        for (place, part) in [
+            ("__COADJOINT_STYLE__", STYLE),
+            ("__COADJOINT_DATA__", data.as_str()),
+            ("__COADJOINT_SCRIPT__", script.as_str()),
+        ] {
             let (before, after) = rest.split_once(place).unwrap_or((rest, ""));
             html.push_str(before);
             html.push_str(part);
@@ -89,8 +91,8 @@ impl Page {
     /// # Errors
     /// If there is no such file, or it is no page; the message names the place.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
         let in_page = text.split_once(DATA[0]).and_then(|(_, rest)| rest.split_once(DATA[1]));
         Self::from_json(in_page.map_or(text.as_str(), |(data, _)| data))
             .map_err(|error| Error::Input(format!("{}: {error}", path.display())))

@@ -290,7 +290,8 @@ impl Scene {
     #[must_use]
     pub fn top(self, body: usize, inertia: &Matrix3<f64>, weight: f64, lever: Vector3<f64>) -> Self {
         let mass = weight / EARTH;
-        let about_centre = inertia - (Matrix3::from_diagonal_element(lever.norm_squared()) - lever * lever.transpose()) * mass;
+        let about_centre = inertia
+            - (Matrix3::from_diagonal_element(lever.norm_squared()) - lever * lever.transpose()) * mass;
         let scene = match Solid::of_mass(&about_centre, mass) {
             Some(solid) => self.solid(body, solid.at(lever)).rod(Vector3::zeros(), body, lever),
             None => self.solid(body, Solid::of_inertia(inertia)),

@@ -114,7 +114,10 @@ impl Solid {
     pub fn along(self, axis: Vector3<f64>) -> Self {
         let turn = UnitQuaternion::rotation_between(&Vector3::z(), &axis);
         // opposite directions: any half turn across
-        self.turned(&turn.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)))
+        self.turned(
+            &turn
+                .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI)),
+        )
     }
 
     /// Drawn at a size that suits the scene: only the ratios of its lengths have a meaning.
@@ -132,7 +135,9 @@ impl Solid {
             Some(solid) => solid,
             None => Self {
                 note: Some("momental ellipsoid, as no body has these moments of inertia".to_owned()),
-                ..Self::new(Shape::Ellipsoid { semi_axes: moments.map(|moment| moment.sqrt().recip()).into() })
+                ..Self::new(Shape::Ellipsoid {
+                    semi_axes: moments.map(|moment| moment.sqrt().recip()).into(),
+                })
             },
         };
         Some(Self { relative: true, ..solid.turned(&axes) })
@@ -254,8 +259,7 @@ mod tests {
         // the longest edge lies along the axis of the least moment
         let longest = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).expect("three");
         let [w, x, y, z] = solid.rotation;
-        let turned =
-            UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)) * Vector3::ith(longest, 1.0);
+        let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)) * Vector3::ith(longest, 1.0);
         assert!((turned.dot(&(rotation * Vector3::x())).abs() - 1.0).abs() < 1e-9, "{turned}");
     }
 
@@ -264,7 +268,8 @@ mod tests {
         let (mass, radius) = (0.2_f64, 0.04);
         let about = mass * radius * radius / 2.0;
         let disc = Matrix3::from_diagonal(&vector![about / 2.0, about / 2.0, about]);
-        let Some(Shape::Disc { radius: found, .. }) = Solid::of_mass(&disc, mass).map(|solid| solid.shape) else {
+        let Some(Shape::Disc { radius: found, .. }) = Solid::of_mass(&disc, mass).map(|solid| solid.shape)
+        else {
             panic!("a disc")
         };
         assert!((found - radius).abs() < 1e-12, "{found}");

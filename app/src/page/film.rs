@@ -3,7 +3,9 @@
 use coadjoint::prelude::*;
 use coadjoint::system::{Quantity, Role};
 
-use super::format::{self, Detail, DetailValue, End, Frame, Page, Plot, Run, Scale, Series, Space, Track, Trail};
+use super::format::{
+    self, Detail, DetailValue, End, Frame, Page, Plot, Run, Scale, Series, Space, Track, Trail,
+};
 use super::recording::{HtmlPlayer, Moments};
 use super::scenery;
 use crate::entry::Entry;
@@ -40,7 +42,8 @@ pub(super) fn page(player: &HtmlPlayer, entry: &Entry, plan: &Plan) -> Page {
 }
 
 fn details(entry: &Entry, plan: &Plan) -> Vec<Detail> {
-    let detail = |name: &str, value, unit: &str| Detail { name: name.to_owned(), value, unit: unit.to_owned() };
+    let detail =
+        |name: &str, value, unit: &str| Detail { name: name.to_owned(), value, unit: unit.to_owned() };
     let mut details = Vec::new();
     for (quantity, slots) in laid_out(entry.description.parameters) {
         let value = match plan.setup.parameters.get(slots).unwrap_or_default() {
@@ -52,7 +55,11 @@ fn details(entry: &Entry, plan: &Plan) -> Vec<Detail> {
     details.push(detail("scheme", DetailValue::Text(title(entry, &plan.job)), ""));
     details.push(detail("step", DetailValue::Number(plan.job.step), "s"));
     details.push(detail("steps", DetailValue::Number(plan.job.steps as f64), ""));
-    details.push(detail("made by", DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION"))), ""));
+    details.push(detail(
+        "made by",
+        DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION"))),
+        "",
+    ));
     details
 }
 
@@ -81,10 +88,10 @@ impl Film<'_> {
     fn pose(&self, scene: &Scene, k: usize, state: &[f64]) -> Pose {
         let Some(body) = scene.bodies.get(k) else { return (Vector3::zeros(), UnitQuaternion::identity()) };
         let of = |name: &Option<String>| name.as_ref().and_then(|name| self.quantity(state, name));
-        let attitude = of(&body.rotation).map_or(UnitQuaternion::identity(), |(quantity, numbers)| {
-            attitude(quantity, numbers, body)
-        });
-        let place = of(&body.position).map_or(Vector3::zeros(), |(quantity, numbers)| place(quantity, numbers));
+        let attitude = of(&body.rotation)
+            .map_or(UnitQuaternion::identity(), |(quantity, numbers)| attitude(quantity, numbers, body));
+        let place =
+            of(&body.position).map_or(Vector3::zeros(), |(quantity, numbers)| place(quantity, numbers));
         match body.mount {
             Some((other, point, carried)) if other < k => {
                 let (origin, turned) = self.pose(scene, other, state);
@@ -96,7 +103,8 @@ impl Film<'_> {
     }
 
     fn path(&self, of: impl Fn(&[f64]) -> Vec<f64>) -> Track {
-        let path = self.moments.kept.iter().map(|moment| of(&moment.state).into_iter().map(rounded).collect());
+        let path =
+            self.moments.kept.iter().map(|moment| of(&moment.state).into_iter().map(rounded).collect());
         let path: Vec<Vec<f64>> = path.collect();
         match path.as_slice() {
             [first, rest @ ..] if rest.iter().all(|other| other == first) => Track::Constant(first.clone()),
@@ -115,7 +123,8 @@ impl Film<'_> {
         });
         let position = (body.position.is_some() || on_moving(body.mount))
             .then(|| self.path(|state| self.pose(scene, k, state).0.as_slice().to_vec()));
-        let spatial = body.axis.is_none() && body.rotation.as_ref().is_some_and(|name| scenery::is_spatial(self.entry, name));
+        let spatial = body.axis.is_none()
+            && body.rotation.as_ref().is_some_and(|name| scenery::is_spatial(self.entry, name));
         format::Body {
             name: body.name.clone(),
             rotation,
@@ -161,7 +170,8 @@ impl Film<'_> {
         let mut plots = Vec::new();
         for (quantity, slots) in laid_out(self.entry.description.state) {
             let series = |names: &[String], first: usize| -> Vec<Series> {
-                let one = |(k, name): (usize, &String)| self.series(name, |state| state[slots.start + first + k]);
+                let one =
+                    |(k, name): (usize, &String)| self.series(name, |state| state[slots.start + first + k]);
                 names.iter().enumerate().map(one).collect()
             };
             let plot = |part: &str, unit: &str, series| Plot {
@@ -182,7 +192,11 @@ impl Film<'_> {
                 None => plots.push(plot("", unit, series(&names, 0))),
             }
             if let Some((count, _)) = rotation(quantity).filter(|(count, _)| *count < names.len()) {
-                plots.push(plot(", position", if unit.is_empty() { "m" } else { unit }, series(&names[count..], count)));
+                plots.push(plot(
+                    ", position",
+                    if unit.is_empty() { "m" } else { unit },
+                    series(&names[count..], count),
+                ));
             }
         }
         plots.extend(self.errors());

@@ -39,7 +39,11 @@ mod tests {
 
     #[test]
     fn without_an_opener_the_message_says_what_to_do() {
-        let message = open_with(&[("coadjoint-no-such-opener", &[])], Path::new("out/top.html")).expect_err("there is none");
-        assert_eq!(message, "cannot open out/top.html (coadjoint-no-such-opener not found): open it in a browser");
+        let message = open_with(&[("coadjoint-no-such-opener", &[])], Path::new("out/top.html"))
+            .expect_err("there is none");
+        assert_eq!(
+            message,
+            "cannot open out/top.html (coadjoint-no-such-opener not found): open it in a browser"
+        );
     }
 }

@@ -186,8 +186,9 @@ function sceneNow() {
 
 /** The colour of the motion's picture at a place, in pixels of the page, as red, green, blue. */
 function pixel([x, y]) {
-  const { pen, ratio } = views[0];
-  return [...pen.getImageData(Math.round(x * ratio), Math.round(y * ratio), 1, 1).data].slice(0, 3);
+  const { canvas, ratio } = views[0], copy = document.createElement('canvas').getContext('2d');
+  copy.drawImage(canvas, -Math.round(x * ratio), -Math.round(y * ratio));
+  return [...copy.getImageData(0, 0, 1, 1).data].slice(0, 3);
 }
 
 function setUpDetails() {

@@ -35,7 +35,8 @@ fn by_state(entry: &Entry) -> Scene {
     let mut scene = Scene::default();
     let configurations: Vec<usize> =
         (0..quantities.len()).filter(|&k| quantities[k].role == Role::Configuration).collect();
-    let kinds = |spatial| configurations.iter().filter(|&&k| rotation(&quantities[k]).is_some() == spatial).count();
+    let kinds =
+        |spatial| configurations.iter().filter(|&&k| rotation(&quantities[k]).is_some() == spatial).count();
     let alone = kinds(true) <= 1 && kinds(false) <= 1;
     for &k in &configurations {
         let quantity = &quantities[k];
@@ -51,17 +52,21 @@ fn by_state(entry: &Entry) -> Scene {
             let moves = quantity.components.len() > count;
             scene = scene.body(if moves { body.and_moving(quantity.name) } else { body });
         } else if quantity.components.len() <= 3 {
-            scene = scene.body(Body::moving(quantity.name).named(if alone { "point" } else { quantity.name }));
+            scene =
+                scene.body(Body::moving(quantity.name).named(if alone { "point" } else { quantity.name }));
         } else {
             continue;
         }
         let body = scene.bodies.len() - 1;
         for arrow in momentum.into_iter().flat_map(|momentum| momenta(quantity, momentum, in_body)) {
-            let name = if alone { arrow.name.clone() } else { format!("{} of {}", arrow.name, quantity.name) };
+            let name =
+                if alone { arrow.name.clone() } else { format!("{} of {}", arrow.name, quantity.name) };
             scene = scene.arrow(arrow.named(&name).on(body, Vector3::zeros()));
         }
     }
-    let seen = quantities.iter().filter(|quantity| quantity.role == Role::Advected && quantity.components.len() == 3);
+    let seen = quantities
+        .iter()
+        .filter(|quantity| quantity.role == Role::Advected && quantity.components.len() == 3);
     for (quantity, colour) in seen.zip(["c4", "c5"].into_iter().cycle()) {
         let on = (!scene.bodies.is_empty()).then_some(0);
         let arrow = Arrow { in_body, body: on, ..Arrow::quantity(quantity.name).colour(colour) };
@@ -133,15 +138,19 @@ fn is_rotation_in_space(quantity: &Quantity) -> bool {
 /// Whether a quantity turns or moves in space, not only in a plane or on a line.
 pub(super) fn is_spatial(entry: &Entry, name: &str) -> bool {
     entry.description.state.iter().any(|quantity| {
-        quantity.name == name && (is_rotation_in_space(quantity) || rotation(quantity).is_none() && quantity.components.len() == 3)
+        quantity.name == name
+            && (is_rotation_in_space(quantity)
+                || rotation(quantity).is_none() && quantity.components.len() == 3)
     })
 }
 
 /// The names of the axes, where the motion is in an upright plane or on a line.
 pub(super) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
-    let mut quantities = scene.bodies.iter().flat_map(|body| body.rotation.iter().chain(&body.position)).peekable();
+    let mut quantities =
+        scene.bodies.iter().flat_map(|body| body.rotation.iter().chain(&body.position)).peekable();
     quantities.peek()?;
-    let plane = quantities.all(|name| !is_spatial(entry, name)) && scene.bodies.iter().all(|body| body.axis.is_none());
+    let plane = quantities.all(|name| !is_spatial(entry, name))
+        && scene.bodies.iter().all(|body| body.axis.is_none());
     plane.then(|| ["x", "", "y"].map(str::to_owned))
 }
 
@@ -156,7 +165,8 @@ pub(super) fn component_names(entry: &Entry, quantity: &Quantity) -> Vec<String>
     }
     let before = entry.description.state.iter().take_while(|other| other.name != quantity.name);
     let configuration = before.filter(|other| other.role == Role::Configuration).last();
-    let rigid = configuration.and_then(|other| rotation(other).filter(|(count, _)| *count < other.components.len()));
+    let rigid =
+        configuration.and_then(|other| rotation(other).filter(|(count, _)| *count < other.components.len()));
     let names: &[&str] = match (rigid, quantity.components.len()) {
         (Some((4, _)), 6) => &["angular x", "angular y", "angular z", "linear x", "linear y", "linear z"],
         (Some((2, _)), 3) => &["angular", "linear x", "linear y"],

@@ -66,9 +66,12 @@ impl Page {
 
 fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), PageError> {
     moments(&format!("{place}.time"), &run.time)?;
-    for (name, count) in
-        [("bodies", run.bodies.len()), ("arrows", run.arrows.len()), ("links", run.links.len()), ("plots", run.plots.len())]
-    {
+    for (name, count) in [
+        ("bodies", run.bodies.len()),
+        ("arrows", run.arrows.len()),
+        ("links", run.links.len()),
+        ("plots", run.plots.len()),
+    ] {
         few(&format!("{place}.{name}"), count)?;
     }
     for (name, number) in [("turn", run.turn), ("rate", run.rate)] {
@@ -148,7 +151,8 @@ fn moments(place: &str, time: &[f64]) -> Result<(), PageError> {
     }
     vector(place, time)?;
     let backwards = time.last() < time.first();
-    let wrong_way = time.windows(2).position(|pair| if backwards { pair[1] >= pair[0] } else { pair[1] <= pair[0] });
+    let wrong_way =
+        time.windows(2).position(|pair| if backwards { pair[1] >= pair[0] } else { pair[1] <= pair[0] });
     match wrong_way {
         Some(k) => wrong(&format!("{place}[{}]", k + 1), "moments must follow each other in one direction"),
         None => Ok(()),
@@ -174,7 +178,10 @@ fn check_track<const N: usize>(place: &str, track: &mut Track, moment_count: usi
 fn normalise(place: &str, quaternion: &mut [f64]) -> Result<(), PageError> {
     let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
     if !((length - 1.0).abs() <= NEARLY_UNIT) {
-        return wrong(place, format!("a rotation is a quaternion [w, x, y, z] of length 1; this one has {length}"));
+        return wrong(
+            place,
+            format!("a rotation is a quaternion [w, x, y, z] of length 1; this one has {length}"),
+        );
     }
     quaternion.iter_mut().for_each(|x| *x /= length);
     Ok(())
@@ -196,14 +203,19 @@ fn as_many(place: &str, count: usize, moment_count: usize) -> Result<(), PageErr
 }
 
 fn few(place: &str, count: usize) -> Result<(), PageError> {
-    if count <= MOST_THINGS { Ok(()) } else { wrong(place, format!("has {count} entries; at most {MOST_THINGS} can be shown")) }
+    if count <= MOST_THINGS {
+        Ok(())
+    } else {
+        wrong(place, format!("has {count} entries; at most {MOST_THINGS} can be shown"))
+    }
 }
 
 fn known(place: &str, body: Option<usize>, bodies: usize) -> Result<(), PageError> {
     match body {
-        Some(body) if body >= bodies => {
-            wrong(&format!("{place}.body"), format!("there is no body {body}; there are {bodies}, counted from 0"))
-        }
+        Some(body) if body >= bodies => wrong(
+            &format!("{place}.body"),
+            format!("there is no body {body}; there are {bodies}, counted from 0"),
+        ),
         _ => Ok(()),
     }
 }
@@ -212,9 +224,10 @@ fn colour(place: &str, colour: Option<&str>) -> Result<(), PageError> {
     const COLOURS: [&str; 11] =
         ["solid", "second", "planet", "ink", "c0", "c1", "c2", "c3", "c4", "c5", "c6"];
     match colour {
-        Some(other) if !COLOURS.contains(&other) => {
-            wrong(&format!("{place}.colour"), format!("expected one of {}, got {other:?}", COLOURS.join(", ")))
-        }
+        Some(other) if !COLOURS.contains(&other) => wrong(
+            &format!("{place}.colour"),
+            format!("expected one of {}, got {other:?}", COLOURS.join(", ")),
+        ),
         _ => Ok(()),
     }
 }
@@ -246,16 +259,54 @@ mod tests {
             (r#""runs": [{}]"#, "`runs[0]`", "no moments"),
             (r#""time": [0, 1, 1]"#, "`time[2]`", "one direction"),
             (r#""time": [0, 2, 1]"#, "`time[2]`", "one direction"),
-            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [[1,0,0,0]]}}]}}]"#), "`runs[0].bodies[0].rotation`", "1 entries for 2 moments"),
-            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [1,0,0]}}]}}]"#), "`runs[0].bodies[0].rotation`", "expected 4 numbers, got 3"),
-            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [[1,0,0,0],[2,0,0,0]]}}]}}]"#), "`runs[0].bodies[0].rotation[1]`", "this one has 2"),
-            (&format!(r#"{TWO}, "runs": [{{"arrows": [{{"vector": [1,0,0], "body": 3}}]}}]"#), "`runs[0].arrows[0].body`", "no body 3"),
-            (&format!(r#"{TWO}, "runs": [{{"arrows": [{{"vector": [1,0,0], "frame": "body"}}]}}]"#), "`runs[0].arrows[0].frame`", "say which"),
-            (&format!(r#"{TWO}, "runs": [{{"plots": [{{"series": [{{"values": [1]}}]}}]}}]"#), "`runs[0].plots[0].series[0].values`", "1 entries for 2"),
-            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"shape": {{"kind": "sphere", "radius": -1}}}}]}}]"#), "`runs[0].bodies[0].shape`", "positive"),
-            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"colour": "red"}}]}}]"#), "`runs[0].bodies[0].colour`", "expected one of"),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [[1,0,0,0]]}}]}}]"#),
+                "`runs[0].bodies[0].rotation`",
+                "1 entries for 2 moments",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [1,0,0]}}]}}]"#),
+                "`runs[0].bodies[0].rotation`",
+                "expected 4 numbers, got 3",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [[1,0,0,0],[2,0,0,0]]}}]}}]"#),
+                "`runs[0].bodies[0].rotation[1]`",
+                "this one has 2",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"arrows": [{{"vector": [1,0,0], "body": 3}}]}}]"#),
+                "`runs[0].arrows[0].body`",
+                "no body 3",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"arrows": [{{"vector": [1,0,0], "frame": "body"}}]}}]"#),
+                "`runs[0].arrows[0].frame`",
+                "say which",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"plots": [{{"series": [{{"values": [1]}}]}}]}}]"#),
+                "`runs[0].plots[0].series[0].values`",
+                "1 entries for 2",
+            ),
+            (
+                &format!(
+                    r#"{TWO}, "runs": [{{"bodies": [{{"shape": {{"kind": "sphere", "radius": -1}}}}]}}]"#
+                ),
+                "`runs[0].bodies[0].shape`",
+                "positive",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"colour": "red"}}]}}]"#),
+                "`runs[0].bodies[0].colour`",
+                "expected one of",
+            ),
             (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"roation": []}}]}}]"#), "roation", "expected one of"),
-            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"position": [[0,0,null],[0,0,0]]}}]}}]"#), "line 1", "list of vectors of numbers"),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"position": [[0,0,null],[0,0,0]]}}]}}]"#),
+                "line 1",
+                "list of vectors of numbers",
+            ),
             (r#""time": 1e999"#, "line 1", "out of range"),
         ] {
             let message = rejected(rest);
