@@ -269,8 +269,7 @@ fn place(quantity: &Quantity, numbers: &[f64]) -> Vector3<f64> {
     }
 }
 
-/// To the digits of a 32-bit number: no screen shows more, and they halve the page.
+/// To seven digits: no screen shows more, and they halve the page.
 fn rounded(x: f64) -> f64 {
-    let short = x as f32;
-    if short.is_finite() && (short != 0.0 || x == 0.0) { short.to_string().parse().unwrap_or(x) } else { x }
+    format!("{x:.6e}").parse().unwrap_or(x)
 }

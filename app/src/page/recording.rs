@@ -13,7 +13,7 @@ pub(super) const MOST: usize = 8192;
 /// More are not kept without need: more than a screen shows.
 const ENOUGH: usize = 2000;
 /// Need is a body that turns by more between two of them, rad.
-const SEEN: f64 = 0.5;
+const SEEN: f64 = 0.25;
 
 /// Evenly spaced moments of a run. Once there are too many, every second one is dropped, so that memory stays bounded without knowing beforehand
 /// how fast the run turns.
@@ -213,10 +213,10 @@ mod tests {
 
     #[test]
     fn memory_is_bounded_and_no_turning_is_lost() {
-        let player = recording(100_000, 0.03);
+        let player = recording(100_000, 0.015);
         assert!(player.moments.len() <= MOST, "{}", player.moments.len());
         let total: f64 = player.moments.iter().map(|moment| moment.turned[0]).sum();
-        assert!((total - 3000.0).abs() < 1e-6, "{total}");
+        assert!((total - 1500.0).abs() < 1e-6, "{total}");
         let moments = player.moments();
         assert_eq!(moments.kept.last().map(|moment| moment.index), Some(100_000));
         assert!(moments.turn <= SEEN, "{}", moments.turn);

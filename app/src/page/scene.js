@@ -187,19 +187,18 @@ class SpaceScene {
 class BodyScene {
   constructor() {
     this.vectors = runs.flatMap(run => run.arrows).filter(({ frame, vector }) => frame === 'body' && !vector.constant);
-    // vectors of different kinds are compared by direction: each in units of its initial length
+    // vectors of different kinds are compared by direction: each in units of its greatest length
     for (const arrow of this.vectors) {
-      const unit = length(arrow.vector.list.find(v => v && length(v) > 0) ?? UNIT[0]);
+      const unit = arrow.vector.list.reduce((most, v) => Math.max(most, v ? length(v) : 0), 0) || 1;
       arrow.bodyPath = arrow.vector.list.map(v => v && scaled(v, 1 / unit));
       arrow.bodyUnit = unit;
     }
-    this.reach = this.vectors.flatMap(arrow => arrow.bodyPath).reduce((most, v) => Math.max(most, v ? length(v) : 0), 1);
-    Object.assign(this, { centre: ORIGIN, radius: Math.max(this.reach * 1.08, 1.6), look: [-0.95, 0.38] });
+    Object.assign(this, { centre: ORIGIN, radius: 1.6, look: [-0.95, 0.38] });
   }
 
   draw(view) {
     view.sphere(1, [0, 1, 2]);
-    UNIT.forEach((axis, k) => view.arrow(ORIGIN, scaled(axis, 1.15 * Math.min(this.reach, 1.3)), 'c' + k, 1.4, String(k + 1)));
+    UNIT.forEach((axis, k) => view.arrow(ORIGIN, scaled(axis, 1.2), 'c' + k, 1.4, String(k + 1)));
     for (const { run, vector, bodyPath, bodyUnit, colour } of this.vectors) {
       const now = vector.now(), head = now && scaled(now, 1 / bodyUnit);
       spaceScene.trace(view, bodyPath, run, head, colour, null, run.ghost ? 0.5 : 1);

@@ -314,4 +314,18 @@ mod tests {
         }
         assert!(Page::from_json("{}").expect_err("no format").to_string().contains("`format`"));
     }
+
+    #[test]
+    fn the_examples_of_the_documentation_are_valid() {
+        let text = include_str!("../../PAGE_FORMAT.md");
+        let blocks: Vec<&str> =
+            text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+        let [page, shapes] = blocks.as_slice() else { panic!("{} blocks", blocks.len()) };
+        assert_eq!(Page::from_json(page).expect("valid").runs.len(), 1);
+        for shape in shapes.lines() {
+            let solid: crate::shape::Solid = serde_json::from_str(shape).expect(shape);
+            assert!(solid.shape.lengths().iter().all(|length| *length > 0.0), "{shape}");
+        }
+        assert_eq!(shapes.lines().count(), 7);
+    }
 }
