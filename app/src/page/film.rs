@@ -114,14 +114,14 @@ impl Film<'_> {
 
     fn body(&self, scene: &Scene, k: usize) -> format::Body {
         let body = &scene.bodies[k];
-        let on_moving = |mount: Option<(usize, _, _)>| mount.is_some();
-        let rotation = (body.rotation.is_some() || on_moving(body.mount)).then(|| {
+        let mounted = body.mount.is_some();
+        let rotation = (body.rotation.is_some() || mounted).then(|| {
             self.path(|state| {
                 let q = self.pose(scene, k, state).1;
                 vec![q.w, q.i, q.j, q.k]
             })
         });
-        let position = (body.position.is_some() || on_moving(body.mount))
+        let position = (body.position.is_some() || mounted)
             .then(|| self.path(|state| self.pose(scene, k, state).0.as_slice().to_vec()));
         let spatial = body.axis.is_none()
             && body.rotation.as_ref().is_some_and(|name| scenery::is_spatial(self.entry, name));
