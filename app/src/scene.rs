@@ -4,6 +4,16 @@
 //!
 //! Motion in a plane is shown upright: the plane's first axis leads to the right, its second one up. So a pendulum whose angle is counted from
 //! its lowest position hangs down, and swings about a horizontal axis.
+//!
+//! ```
+//! use coadjoint::prelude::*;
+//! use coadjoint_app::scene::{Body, Scene};
+//!
+//! // as a pendulum says it in its `Example::scene`, where the body that its angle turns is there already
+//! let scene = Scene::default().body(Body::turning("angle"));
+//! let scene = scene.bob(0, 0.3).weight(0, 9.81, vector![0.0, 0.0, -0.3]);
+//! assert_eq!((scene.bodies.len(), scene.links.len(), scene.arrows.len()), (1, 1, 1));
+//! ```
 
 use coadjoint::prelude::*;
 

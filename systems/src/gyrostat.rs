@@ -63,7 +63,8 @@ impl Example for Gyrostat {
     }
 
     fn scene(&self, by_state: Scene) -> Scene {
-        let all = Matrix3::from_diagonal(&self.inertia) + self.rotor_inertia * self.axis * self.axis.transpose();
+        let all =
+            Matrix3::from_diagonal(&self.inertia) + self.rotor_inertia * self.axis * self.axis.transpose();
         let rotor = Solid::new(Shape::Disc { radius: 1.0, thickness: 0.2 }).along(self.axis).of_any_size();
         by_state.named(0, "body").solid(0, Solid::of_inertia(&all)).mount(1, 0, self.axis).solid(1, rotor)
     }

@@ -82,10 +82,10 @@ impl Example for HangingPlate {
     fn scene(&self, by_state: Scene) -> Scene {
         let size = [2.0 * self.eye.x.abs(), 0.01, 2.0 * self.eye.y.abs()];
         let eye = vector![self.eye.x, 0.0, self.eye.y];
-        by_state.named(0, "plate").solid(0, Solid::new(Shape::Box { size })).spring(Vector3::zeros(), 0, eye).weight(
-            0,
-            self.weight,
-            Vector3::zeros(),
-        )
+        by_state
+            .named(0, "plate")
+            .solid(0, Solid::new(Shape::Box { size }))
+            .spring(Vector3::zeros(), 0, eye)
+            .weight(0, self.weight, Vector3::zeros())
     }
 }

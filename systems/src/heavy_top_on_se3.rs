@@ -63,10 +63,14 @@ impl Example for HeavyTopOnSE3 {
     }
 
     /// The attitude alone: `x` is no place.
-    fn scene(&self, by_state: Scene) -> Scene {
+    fn scene(&self, _by_state: Scene) -> Scene {
         let angular = Arrow::quantity("momentum").named("angular momentum").symbol("Π").in_body();
-        let vertical = Arrow::quantity("momentum").from_component(3).named("vertical").symbol("Γ").colour("c4");
-        let scene = Scene::default().body(Body::turning("pose").named("body")).arrow(angular).arrow(vertical.in_body());
+        let vertical =
+            Arrow::quantity("momentum").from_component(3).named("vertical").symbol("Γ").colour("c4");
+        let scene = Scene::default()
+            .body(Body::turning("pose").named("body"))
+            .arrow(angular)
+            .arrow(vertical.in_body());
         scene.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, self.chi)
     }
 }

@@ -97,6 +97,10 @@ impl Example for Quadrotor {
 
     fn scene(&self, by_state: Scene) -> Scene {
         let body = Solid::new(Shape::Quadrotor { arm: Self::ARM });
-        by_state.named(0, "quadrotor").solid(0, body).without_axes(0).weight(0, self.mass * self.gravity, Vector3::zeros())
+        by_state.named(0, "quadrotor").solid(0, body).without_axes(0).weight(
+            0,
+            self.mass * self.gravity,
+            Vector3::zeros(),
+        )
     }
 }

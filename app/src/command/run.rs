@@ -86,6 +86,9 @@ pub(crate) fn run(
     arguments: &RunArguments,
     console: &mut dyn Write,
 ) -> Result<(), Error> {
+    if arguments.open && arguments.html.is_none() {
+        return Err(Error::Input("`--open` opens a page: say where to write it by `--html`".to_owned()));
+    }
     let plan = plan(catalogue, arguments, console)?;
     let checkpoint = arguments.checkpoint.clone();
     let go_on = checkpoint.clone();

@@ -17,7 +17,7 @@ class SpaceScene {
     this.measure();
     for (const body of bodies) this.equip(body);
     this.scaleArrows();
-    this.flat = this.width.map(x => x < 1e-9 * this.reach);
+    this.flat = this.width.map(x => x < 1e-6 * this.reach);
     this.square = (this.free && !this.flat[1]) || Number.isFinite(space.ground) ? niceBelow(this.radius / 2) : null;
     this.look = this.chooseLook();
   }
@@ -47,17 +47,17 @@ class SpaceScene {
     this.wide = this.free || reach > 2 * (largest || Infinity); // what moves goes farther than bodies are large
     const offset = this.wide ? 0 : Math.max(...bodies.map(body => length(middle(body))), 0);
     this.size = this.free ? 0.16 * reach || Math.max(...bodies.map(real)) || 1 : largest + offset || 1;
-    this.centre = this.wide ? scaled(sum(low, high), 0.5) : ORIGIN;
+    this.centre = this.wide ? scaled(sum(low, high), 0.5) : first.point({ body: 0 }, 0) ?? ORIGIN;
     const margin = Math.max(0.5 * this.size, ...bodies.filter(moving).map(real));
-    this.radius = this.wide ? 1.08 * reach + Math.min(this.free ? margin : this.size, reach || Infinity) : 1.62 * this.size;
+    this.radius = this.wide ? 1.02 * reach + Math.min(this.free ? margin : this.size, reach || Infinity) : 1.62 * this.size;
     this.low = low;
   }
 
   /** Chooses how large a body is drawn, how long its axes are, and which of its points leaves a trace. */
   equip(body) {
     const { mesh, shape } = body, extent = (mesh?.extent || 1) + length(mesh?.centre ?? ORIGIN);
-    const least = this.free ? 0.06 * this.radius : 0;
-    body.magnification = shape?.relative ? this.size / extent : extent < least ? 0.12 * this.radius / extent : 1;
+    const least = this.free ? 0.08 * this.radius : 0;
+    body.magnification = shape?.relative ? this.size / extent : extent < least ? 0.17 * this.radius / extent : 1;
     // where bodies share a place, the later ones are slimmer
     const under = body.run.bodies.slice(0, body.order).some(other => other.mesh && !moving(other) && !moving(body) && shape?.relative);
     if (under) body.magnification *= 0.72;
@@ -79,7 +79,7 @@ class SpaceScene {
       arrow.kind = arrow.unit || arrow.name;
       longest.set(arrow.kind, Math.max(longest.get(arrow.kind) ?? 0, most(arrow)));
     }
-    const reach = this.wide ? 0.22 * this.radius : 1.2 * this.size;
+    const reach = this.wide ? 0.27 * this.radius : 1.2 * this.size;
     for (const arrow of arrows) arrow.scale = arrow.true_length ? 1 : reach / longest.get(arrow.kind) || 0;
   }
 
@@ -158,7 +158,7 @@ class SpaceScene {
 
   draw(view) {
     if (this.square) this.floor(view);
-    else if (!this.wide) view.sphere(bodies.length === 1 && bodies[0].axes ? bodies[0].reach : this.size * 1.3, [2]);
+    else if (!this.wide) view.sphere(bodies.length === 1 && bodies[0].axes ? bodies[0].reach : this.size * 1.3, [2], this.centre);
     const frame = this.wide ? 0.25 * this.radius : 1.48 * this.size, names = space.axes ?? ['x', 'y', 'z'];
     UNIT.forEach((axis, k) => { if (names[k]) view.arrow(ORIGIN, scaled(axis, frame), 'muted', 1, names[k], 0.6); });
     const depth = this.division(view);

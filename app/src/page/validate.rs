@@ -316,6 +316,17 @@ mod tests {
     }
 
     #[test]
+    fn a_text_that_is_cut_off_is_no_page() {
+        let text = format!(
+            r#"{{"format": "{FORMAT}", {TWO}, "runs": [{{"bodies": [{{"position": [1, 2, 3]}}]}}]}}"#
+        );
+        assert!(Page::from_json(&text).is_ok());
+        for end in 0..text.len() {
+            assert!(Page::from_json(&text[..end]).is_err(), "{}", &text[..end]);
+        }
+    }
+
+    #[test]
     fn the_examples_of_the_documentation_are_valid() {
         let text = include_str!("../../PAGE_FORMAT.md");
         let blocks: Vec<&str> =
