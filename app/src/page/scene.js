@@ -8,6 +8,8 @@ const thinned = (run, most = 400) => {
 
 const bodies = runs.flatMap(run => run.bodies);
 const moving = body => !body.position.constant;
+/** From a body's origin to the farthest point of its shape, and a little more. */
+const sizeOf = ({ mesh }) => (mesh?.extent || 1) + length(mesh?.centre ?? ORIGIN);
 
 /** How the motion looks in space. */
 class SpaceScene {
@@ -51,17 +53,19 @@ class SpaceScene {
     const margin = Math.max(0.5 * this.size, ...bodies.filter(moving).map(real));
     this.radius = this.wide ? 1.02 * reach + Math.min(this.free ? margin : this.size, reach || Infinity) : 1.62 * this.size;
     this.low = low;
+    // where even the largest could hardly be seen, all that move are drawn larger
+    const seen = Math.max(...bodies.filter(body => moving(body) && sized(body)).map(sizeOf), 0);
+    this.enlargement = seen > 0 && seen < 0.08 * this.radius ? 0.17 * this.radius / seen : 1;
   }
 
   /** Chooses how large a body is drawn, how long its axes are, and which of its points leaves a trace. */
   equip(body) {
-    const { mesh, shape } = body, extent = (mesh?.extent || 1) + length(mesh?.centre ?? ORIGIN);
-    const least = this.free ? 0.08 * this.radius : 0;
-    body.magnification = shape?.relative ? this.size / extent : extent < least ? 0.17 * this.radius / extent : 1;
+    const { mesh, shape } = body, extent = sizeOf(body);
+    body.magnification = shape?.relative ? this.size / extent : moving(body) ? this.enlargement : 1;
     // where bodies share a place, the later ones are slimmer
     const under = body.run.bodies.slice(0, body.order).some(other => other.mesh && !moving(other) && !moving(body) && shape?.relative);
     if (under) body.magnification *= 0.72;
-    body.middle = scaled(mesh?.centre ?? ORIGIN, body.magnification);
+    body.middle = scaled(mesh?.centre ?? ORIGIN, shape?.relative ? body.magnification : 1);
     body.extent = extent * body.magnification;
     body.reach = mesh ? 1.3 * body.extent : (this.free ? 0.5 : 1.3) * this.size;
     body.dots = !mesh && !body.axes;
