@@ -222,6 +222,45 @@ fn keys_play_seek_and_turn_and_pictures_are_saved() {
     assert!(number(&shown["png"][1]) > 5000.0, "{}", shown["png"]);
 }
 
+/// Drags, pinches, double clicks, and clicks in the middle of the first plot.
+const POINTERS: &str = "(() => {
+  coadjoint.pause();
+  Element.prototype.setPointerCapture = () => {}; // no finger is really down
+  const at = (element, type, pointerId, clientX, clientY) => element.dispatchEvent(
+    new PointerEvent(type, { pointerId, clientX, clientY, button: 0, buttons: 1, bubbles: true }));
+  const camera = () => coadjoint.scene().camera;
+  const canvas = document.querySelector('#space canvas'), shown = { first: camera() };
+  at(canvas, 'pointerdown', 1, 100, 100);
+  at(canvas, 'pointermove', 1, 150, 100);
+  shown.dragged = camera();
+  at(canvas, 'pointerdown', 2, 250, 100);
+  at(canvas, 'pointermove', 2, 350, 100);
+  shown.pinched = camera();
+  at(canvas, 'pointerup', 1, 150, 100);
+  at(canvas, 'pointerup', 2, 350, 100);
+  at(canvas, 'pointermove', 1, 500, 100);
+  shown.released = camera();
+  canvas.dispatchEvent(new MouseEvent('dblclick'));
+  shown.reset = camera();
+  const plot = document.querySelector('.sheet canvas'), { left, right, top } = plot.getBoundingClientRect();
+  at(plot, 'pointerdown', 3, (left + 54 + right - 10) / 2, top + 20);
+  shown.time = coadjoint.scene().time;
+  return shown;
+})()";
+
+#[test]
+fn pointers_turn_and_zoom_the_view_and_seek_in_plots() {
+    let Some(browser) = Browser::find("pointers") else { return };
+    systems::free_body().run(&browser.path("pointers.html"), 1000, 0.01);
+    let shown = browser.ask("pointers.html", (1280, 800), POINTERS);
+    let camera = |name: &str, part: &str| number(&shown[name][part]);
+    assert!((camera("first", "yaw") - camera("dragged", "yaw") - 0.4).abs() < 1e-9, "{shown}");
+    assert!((camera("pinched", "zoom") - 2.0).abs() < 1e-9, "{shown}");
+    assert_eq!(shown["released"], shown["pinched"]);
+    assert_eq!(shown["reset"], shown["first"]);
+    assert!((number(&shown["time"]) - 5.0).abs() < 0.02, "{shown}");
+}
+
 #[test]
 fn nothing_overflows_on_a_phone() {
     let Some(browser) = Browser::find("phone") else { return };

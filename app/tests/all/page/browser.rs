@@ -45,13 +45,17 @@ impl Browser {
     pub(super) fn ask(&self, name: &str, (width, height): (u32, u32), expression: &str) -> Value {
         let page = std::fs::read_to_string(self.path(name)).expect("a page");
         assert!(page.contains("</body>") && page.contains("default-src 'none'"), "{name}");
+        // a canvas has its size only after the first layout
         let question = format!(
-            "<script>setTimeout(() => {{
+            "<script>(function ask(tries) {{
+               const drawn = coadjoint.scene().runs.every(({{ bodies }}) => bodies.every(({{ screen }}) => screen));
+               if (!drawn && tries > 0) return setTimeout(ask, 50, tries - 1);
                let answer;
-               try {{ answer = {{ value: {expression}, errors: coadjoint.errors }}; }} catch (error) {{ answer = {{ errors: [String(error.stack)] }}; }}
+               try {{ answer = {{ value: {expression}, errors: coadjoint.errors }}; }}
+               catch (error) {{ answer = {{ errors: [String(error.stack)] }}; }}
                const text = JSON.stringify(answer).replace(/[<>&]/g, c => '\\\\u00' + c.charCodeAt().toString(16));
                document.body.append(Object.assign(document.createElement('pre'), {{ id: 'answer', textContent: text }}));
-             }}, 200);</script></body>"
+             }})(20);</script></body>"
         );
         let asked = self.path(&format!("asked-{name}"));
         std::fs::write(&asked, page.replace("</body>", &question)).expect("writable");
