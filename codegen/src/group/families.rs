@@ -12,15 +12,14 @@ type Named = (&'static str, Vec<i64>);
 /// The group of a family, of this size; none if there is no such family, or none of this size.
 ///
 /// `SO(n)` rotations, `SL(n)` matrices of determinant 1, `GL(n)` all that can be inverted, `SP(2n)` symplectic ones, `SU(n)` as real matrices of
-/// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGAL(3)` Galilei's group, `SO21` Lorentz's group of the
-/// plane, `HEISENBERG` and `AFF(1)`.
+/// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGal(3)` Galilei's group, `SO21` Lorentz's group of the
+/// plane, `Heisenberg` and `Aff(1)`.
 pub fn family(name: &str) -> Option<&'static MatrixGroup> {
     family_with_terms(name, TERMS)
 }
 
 /// The same with so many terms of series that have no closed form.
 pub fn family_with_terms(name: &str, terms: usize) -> Option<&'static MatrixGroup> {
-    let name = &*name.to_uppercase();
     let two_vectors = name.strip_prefix("SE2").filter(|n| !n.is_empty());
     let digits = name.find(|letter: char| letter.is_ascii_digit());
     let (family, n) = match (two_vectors, digits) {
@@ -32,7 +31,7 @@ pub fn family_with_terms(name: &str, terms: usize) -> Option<&'static MatrixGrou
         "SO" => (n, rotations(n, n)),
         "SE" => (n + 1, [rotations(n, n + 1), translations(n, &[n], n + 1)].concat()),
         "SE2" => (n + 2, [rotations(n, n + 2), translations(n, &[n, n + 1], n + 2)].concat()),
-        "SGAL" => {
+        "SGal" => {
             let size = n + 2;
             let boosts = [rotations(n, size), translations(n, &[n, n + 1], size)].concat();
             (size, [boosts, vec![("t", unit(size, &[(n, n + 1, 1)]))]].concat())
@@ -42,11 +41,11 @@ pub fn family_with_terms(name: &str, terms: usize) -> Option<&'static MatrixGrou
         "SP" if n % 2 == 0 => (n, symplectic(n / 2)),
         "SU" => (2 * n, unitary(n)),
         "SO21" => (3, lorentz()),
-        "HEISENBERG" => (
+        "Heisenberg" => (
             3,
             vec![("x", unit(3, &[(0, 1, 1)])), ("y", unit(3, &[(1, 2, 1)])), ("z", unit(3, &[(0, 2, 1)]))],
         ),
-        "AFF" => (2, vec![("scale", unit(2, &[(0, 0, 1)])), ("shift", unit(2, &[(0, 1, 1)]))]),
+        "Aff" => (2, vec![("scale", unit(2, &[(0, 0, 1)])), ("shift", unit(2, &[(0, 1, 1)]))]),
         _ => return None,
     };
     let is_there = (1..=LARGEST).contains(&size) && n > 0;

@@ -332,8 +332,12 @@ fn bases_of_groups() {
         body,
         &[("a", "the commutator [a, b] = a b − b a is no combination of the basis")],
     );
-    breaks("group = matrices { a: [1, 0], b: [0, 1; 0, 0] }", body, &[("a", "`a` is 1 × 2")]);
-    breaks("group = SU(3)", body, &[("SU", "its Cayley map leaves the group")]);
+    breaks(
+        "group = matrices { a: [0, 1; 0, 0], b: [1, 0] }",
+        body,
+        &[("b", "the matrices of a basis are square and of one size, 2 × 2 here; `b` is 1 × 2")],
+    );
+    breaks("group = SU(3)", body, &[("SU", "there are no steps on SU3: its Cayley map leaves the group")]);
     breaks(
         "group = SL(2), retractions(SecondKind)",
         body,

@@ -95,8 +95,8 @@ impl Realization for Basis {
             }
             "SU3" => {
                 let blocks = (0..n * n).map(|k| (k / n, k % n)).filter(|(i, j)| i % 2 == 0 && j % 2 == 0);
-                let complex =
-                    blocks.flat_map(|(i, j)| [g.at(i, j) - g.at(i + 1, j + 1), g.at(i + 1, j) + g.at(i, j + 1)]);
+                let complex = blocks
+                    .flat_map(|(i, j)| [g.at(i, j) - g.at(i + 1, j + 1), g.at(i + 1, j) + g.at(i, j + 1)]);
                 Column::stack([&kept(&first(n)), &Column(complex.collect())])
             }
             "SL2" | "SP4" => {
@@ -105,11 +105,24 @@ impl Realization for Basis {
                     Real::from(i64::from(j == i + half) - i64::from(i == j + half))
                 }))
             }
-            "SO21" => kept(&Matrix::from_fn(3, 3, |i, j| Real::from(i64::from(i == j) * (1 - 2 * i64::from(i == 2))))),
+            "SO21" => kept(&Matrix::from_fn(3, 3, |i, j| {
+                Real::from(i64::from(i == j) * (1 - 2 * i64::from(i == 2)))
+            })),
             "SE23" => Column::stack([&block(3), &below(3)]),
-            "SGAL3" => Column::stack([&block(3), &below(4), &Column((0..3).map(|j| g.at(3, j).clone()).chain([g.at(3, 3) - &Real::from(1)]).collect())]),
-            "HEISENBERG" => Column(vec![g.at(1, 0).clone(), g.at(2, 0).clone(), g.at(2, 1).clone(), g.at(0, 0) - &Real::from(1), g.at(1, 1) - &Real::from(1), g.at(2, 2) - &Real::from(1)]),
-            "AFF1" => below(1),
+            "SGal3" => Column::stack([
+                &block(3),
+                &below(4),
+                &Column((0..3).map(|j| g.at(3, j).clone()).chain([g.at(3, 3) - &Real::from(1)]).collect()),
+            ]),
+            "Heisenberg" => Column(vec![
+                g.at(1, 0).clone(),
+                g.at(2, 0).clone(),
+                g.at(2, 1).clone(),
+                g.at(0, 0) - &Real::from(1),
+                g.at(1, 1) - &Real::from(1),
+                g.at(2, 2) - &Real::from(1),
+            ]),
+            "Aff1" => below(1),
             name if name.starts_with("SO") => kept(&first(n)),
             name if name.starts_with("GL") => Column(vec![zero()]),
             other => panic!("say what vanishes on {other}"),

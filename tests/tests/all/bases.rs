@@ -37,11 +37,8 @@ struct Vehicle {
 }
 
 fn shear() -> (Shear, ShearState) {
-    let start = ShearState {
-        element: Matrix2::identity(),
-        momentum: vector![0.3, 0.5, -0.4],
-        v: vector![0.3, 0.5],
-    };
+    let start =
+        ShearState { element: Matrix2::identity(), momentum: vector![0.3, 0.5, -0.4], v: vector![0.3, 0.5] };
     (Shear { inertia: vector![1.0, 2.0, 3.5], stiffness: 1.0 }, start)
 }
 
