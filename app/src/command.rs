@@ -4,6 +4,9 @@ pub(crate) mod certify;
 pub(crate) mod ensemble;
 pub(crate) mod init;
 pub(crate) mod list;
+pub(crate) mod manual;
+pub(crate) mod motion;
 pub(crate) mod run;
+mod scan;
 #[cfg(feature = "show")]
 pub(crate) mod show;

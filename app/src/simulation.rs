@@ -15,7 +15,8 @@ pub use coadjoint::erased::Sample;
 use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
-use coadjoint::{RunError, RunReport};
+use coadjoint::{RunError, RunReport, StepError};
+pub(crate) use classical::tangent_places;
 pub use method::{Classical, Method};
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -173,6 +174,27 @@ pub enum SimulationError {
     /// An ensemble cannot be built.
     #[error("{}: {}", .0, .0.source().map(ToString::to_string).unwrap_or_default())]
     Ensemble(#[from] EnsembleError),
+    /// A member of an ensemble has no stepper.
+    #[error("member {member}: {source}")]
+    Member {
+        /// Which, from 0.
+        member: usize,
+        /// What is wrong with it.
+        source: Box<SimulationError>,
+    },
+    /// A step turns the system farther than the retraction reaches.
+    #[error(
+        "{source}: in one step it turns by about {turn:.1} rad, and the exponential map reaches 2π; a step below {step:.1e} s turns it by \
+         less than π, and the Cayley map takes every angle"
+    )]
+    TooFar {
+        /// The step that could not be taken.
+        source: RunError,
+        /// The angle, rad.
+        turn: f64,
+        /// With this step it is π, s.
+        step: f64,
+    },
     /// Steps of higher order are composed of symmetric ones.
     #[error(
         "order {order} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}"
@@ -317,7 +339,10 @@ impl Entry {
     }
 
     /// What takes the steps of a run.
-    fn stepper<'s>(
+    ///
+    /// # Errors
+    /// If parameters or step are not valid, or there are no such steps.
+    pub(crate) fn stepper<'s>(
         &self,
         system: &'s dyn erased::System,
         job: &Job,
@@ -367,7 +392,8 @@ impl Entry {
             (None, held) => Controls::Held(held.as_deref().unwrap_or(&[])),
         };
         let steps = job.steps.saturating_sub(stepper.steps_taken());
-        Ok(erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer)?)
+        let ran = erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer);
+        ran.map_err(|error| explained(error, &*system, &state, job))
     }
 
     /// Measures the time that a step takes without an observer, ns: the best of three short runs; none without steps.
@@ -449,6 +475,16 @@ impl Entry {
         Ok((states, rests))
     }
 
+    /// Whether there are steps of a method on the exponential map or the Cayley map.
+    pub(crate) fn has_method(&self, method: Method) -> bool {
+        let system = self.system(&self.example.parameters);
+        let is_there = |retraction: Retraction| {
+            let job = Job { method, retraction, order: Order::Two, step: self.step, steps: 0 };
+            self.stepper(&*system, &job).is_ok()
+        };
+        Retraction::COMMON.into_iter().any(is_there)
+    }
+
     /// The order that a job's step has.
     pub fn order(&self, job: &Job) -> u32 {
         match job.method {
@@ -471,6 +507,36 @@ impl Entry {
     }
 }
 
+/// Why a step could not be taken, where the reason is that it turns too far.
+fn explained(
+    source: RunError,
+    system: &dyn erased::System,
+    state: &[f64],
+    job: &Job,
+) -> SimulationError {
+    let is_equation = matches!(source.cause, StepError::NoConvergence { .. } | StepError::OutsideDomain);
+    if !is_equation || job.retraction != Retraction::Exponential || job.method.classical().is_some() {
+        return source.into();
+    }
+    let quantities = system.description().state;
+    let rates = system.motion(state, source.time, &[]);
+    let turns = tangent_places(quantities).zip(quantities).filter_map(|((_, place), quantity)| {
+        let (stored, _) = crate::setting::rotation(quantity)?;
+        // a rotation of space has three components, one of the plane one
+        let rates = &rates[place.start..place.start + if stored == 4 { 3 } else { 1 }];
+        let rate = rates.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+        (quantity.role == Role::Configuration).then_some(rate)
+    });
+    let rate = turns.fold(0.0, f64::max);
+    let turn = rate * job.step.abs();
+    // what is found by the velocity now is no more than the order of it
+    if turn.is_finite() && turn > std::f64::consts::PI {
+        SimulationError::TooFar { source, turn, step: std::f64::consts::PI / rate }
+    } else {
+        source.into()
+    }
+}
+
 /// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
 fn in_motion(
     system: &dyn erased::System,
@@ -478,7 +544,7 @@ fn in_motion(
     rate: f64,
     random: &mut dyn FnMut() -> f64,
 ) -> Vec<f64> {
-    let places: Vec<_> = classical::tangent_places(system.description().state).collect();
+    let places: Vec<_> = tangent_places(system.description().state).collect();
     let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
     let (turns, momenta) =
         (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());

@@ -17,10 +17,10 @@ use crate::simulation::Retraction;
 /// Which code to show.
 #[derive(Debug, Args)]
 pub(crate) struct ShowArguments {
-    /// The system; `coadjoint list` shows all
+    /// The system; `list` shows all
     pub(crate) system: String,
-    /// Only the step built on this map; `exp` for short
-    #[arg(long, value_enum)]
+    /// Only the step built on this map; `exp` and `cay` for short
+    #[arg(long, value_enum, hide_possible_values = true)]
     pub(crate) retraction: Option<Retraction>,
     /// The code of the steps' derivatives, too
     #[arg(long)]
