@@ -240,7 +240,11 @@ mod tests {
         };
         assert_eq!(weight("9007199254740992"), Ok(9_007_199_254_740_992.0));
         let message = weight("9007199254740993").expect_err("rounded");
-        assert!(message.contains("[parameters]: `weight`: 9007199254740993 is a whole number that would be rounded"), "{message}");
+        assert!(
+            message
+                .contains("[parameters]: `weight`: 9007199254740993 is a whole number that would be rounded"),
+            "{message}"
+        );
         assert!(weight("-9007199254740993").is_err());
     }
 }

@@ -186,13 +186,14 @@ fn one_by_one<'s>(
     systems: &'s [Box<dyn erased::System>],
     states: Vec<Vec<f64>>,
 ) -> Result<Vec<Member<'s>>, SimulationError> {
-    let member = |(member, (system, state)): (usize, (&'s Box<dyn erased::System>, Vec<f64>))| {
+    let member = |member: usize, system: &'s dyn erased::System, state: Vec<f64>| {
         let stepper = entry
-            .stepper(&**system, job)
+            .stepper(system, job)
             .map_err(|source| SimulationError::Member { member, source: Box::new(source) })?;
         Ok(Member { stepper, state, failure: None })
     };
-    systems.iter().zip(states).enumerate().map(member).collect()
+    let members = systems.iter().zip(states).enumerate();
+    members.map(|(index, (system, state))| member(index, &**system, state)).collect()
 }
 
 impl Member<'_> {
@@ -222,7 +223,8 @@ impl Moving<'_> {
             Self::SideBySide(ensemble) => ensemble
                 .run_controlled(steps, &|member, state, time, control| laws[member](state, time, control)),
             Self::OneByOne(members) => {
-                let advance = |(index, member): (usize, &mut Member<'_>)| member.advance(steps, laws.get(index));
+                let advance =
+                    |(index, member): (usize, &mut Member<'_>)| member.advance(steps, laws.get(index));
                 members.par_iter_mut().enumerate().map(advance).sum()
             }
         }

@@ -110,7 +110,11 @@ impl Error {
                 | SimulationError::NotIsolated { .. }
                 | SimulationError::NotLifted { .. },
             ) => 2,
-            Error::NoneLeft { .. } | Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) | Error::Command(_) => 3,
+            Error::NoneLeft { .. }
+            | Error::Simulation(_)
+            | Error::Motion(_)
+            | Error::Diverged(_)
+            | Error::Command(_) => 3,
             Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } => 1,
         }

@@ -77,8 +77,7 @@ impl Estimate {
         if self.seconds <= MOST_SECONDS && self.bytes <= MOST_BYTES {
             return Ok(());
         }
-        let mut message =
-            format!("{} steps take about {}", grouped(steps), seconds_in_words(self.seconds));
+        let mut message = format!("{} steps take about {}", grouped(steps), seconds_in_words(self.seconds));
         if self.bytes > MOST_BYTES {
             let less = 10_u64.saturating_pow((self.bytes / FEW_BYTES).log10().ceil().max(0.0) as u32);
             message += &format!(
@@ -113,7 +112,10 @@ mod tests {
         assert!((1e10..4e10).contains(&much.bytes), "{much:?}");
         let message = much.check(100_000_000, 1).expect_err("gigabytes").to_string();
         assert!(message.contains("100 000 000 steps take about") && message.contains("GB"), "{message}");
-        assert!(message.contains("`--every 1000` writes a part") && message.contains("`--long`"), "{message}");
+        assert!(
+            message.contains("`--every 1000` writes a part") && message.contains("`--long`"),
+            "{message}"
+        );
         let thinned = estimate(100_000_000, 100_000, Some(Format::Csv)).expect("measured");
         assert!(thinned.bytes < 1e6, "{thinned:?}");
         assert_eq!(estimate(100_000_000, 1, None).expect("measured").bytes, 0.0);

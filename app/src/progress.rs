@@ -87,7 +87,10 @@ impl Drop for Progress {
 
 impl std::fmt::Debug for Progress {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Progress").field("label", &self.label).field("total", &self.total).finish_non_exhaustive()
+        f.debug_struct("Progress")
+            .field("label", &self.label)
+            .field("total", &self.total)
+            .finish_non_exhaustive()
     }
 }
 

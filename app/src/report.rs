@@ -225,7 +225,11 @@ pub(crate) fn bytes_in_words(bytes: f64) -> String {
         unit += 1;
     }
     let digits = usize::from(value < 9.95 && unit > 0);
-    if value >= 1e6 { format!("{value:.1e} {}", UNITS[unit]) } else { format!("{value:.digits$} {}", UNITS[unit]) }
+    if value >= 1e6 {
+        format!("{value:.1e} {}", UNITS[unit])
+    } else {
+        format!("{value:.digits$} {}", UNITS[unit])
+    }
 }
 
 /// A number with so many digits behind the first, written out where that is short.
@@ -310,7 +314,8 @@ mod tests {
         for (rate, text) in [(4_500_768.1, "4.5 M"), (320_400.0, "320 k"), (17.2, "17"), (0.25, "0.2")] {
             assert_eq!(rate_in_words(rate), text);
         }
-        for (bytes, text) in [(12.0, "12 bytes"), (9.96e3, "10 kB"), (2.52e9, "2.5 GB"), (9.999e5, "1.0 MB")] {
+        for (bytes, text) in [(12.0, "12 bytes"), (9.96e3, "10 kB"), (2.52e9, "2.5 GB"), (9.999e5, "1.0 MB")]
+        {
             assert_eq!(bytes_in_words(bytes), text);
         }
         assert_eq!(wrapped("one two three, four", 9), ["one two", "three,", "four"]);

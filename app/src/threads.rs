@@ -17,6 +17,9 @@ pub(crate) fn start() -> Result<usize, Error> {
         Err(error) if error.source().is_some() => Err(error.to_string()),
         _ => Ok(rayon::current_num_threads()),
     });
-    let asked = || std::env::var("RAYON_NUM_THREADS").map_or(String::new(), |n| format!(" (RAYON_NUM_THREADS={n})"));
-    started.clone().map_err(|reason| Error::Input(format!("the threads cannot be started{}: {reason}", asked())))
+    let asked =
+        || std::env::var("RAYON_NUM_THREADS").map_or(String::new(), |n| format!(" (RAYON_NUM_THREADS={n})"));
+    started
+        .clone()
+        .map_err(|reason| Error::Input(format!("the threads cannot be started{}: {reason}", asked())))
 }

@@ -20,7 +20,7 @@ pub mod beginning {
     //! **1. See it run.** In a clone of the repository:
     //!
     //! ```sh
-    //! cargo run --release                                  # the paper's heavy top: a table, trajectories and a figure under out/
+    //! cargo run --release -- paper                         # the paper's heavy top: a table, trajectories and a figure under out/
     //! cargo run --release -- list                          # the systems that are there
     //! cargo run --release -- view lagrange_top             # a page for the browser that plays a motion
     //! cargo run --release -- figures                       # all figures of the paper, and five more

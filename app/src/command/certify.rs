@@ -19,10 +19,10 @@ pub(crate) struct CertifyArguments {
     /// The system; `list` shows all
     pub(crate) system: String,
     /// Only this method [default: the standard one and the midpoint]
-    #[arg(long, hide_possible_values = true)]
+    #[arg(long)]
     pub(crate) method: Option<Method>,
     /// Only the steps built on this map; `exp` and `cay` for short
-    #[arg(long, value_enum, hide_possible_values = true)]
+    #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
     #[command(flatten)]
     pub(crate) telling: Telling,

@@ -10,7 +10,7 @@ use crate::cli::program;
 use crate::console::Telling;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
-use crate::report::{wrapped, with_unit};
+use crate::report::{with_unit, wrapped};
 use crate::setting::laid_out;
 use crate::simulation::{Method, Retraction};
 
@@ -39,10 +39,8 @@ pub(crate) fn list(
     let words = console.words();
     let width = entries.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
     for entry in entries {
-        for (i, line) in wrapped(entry.about, 80 - width - 2).iter().enumerate() {
-            let name = if i == 0 { entry.name } else { "" };
-            writeln!(words, "{name:width$}  {line}")?;
-        }
+        let about = wrapped(entry.about, 80 - width - 2).join(&format!("\n{:width$}  ", ""));
+        writeln!(words, "{}", format!("{:width$}  {about}", entry.name).trim_end())?;
     }
     writeln!(words, "\n`{} list NAME` tells all about a system", program())?;
     Ok(())
@@ -50,7 +48,8 @@ pub(crate) fn list(
 
 /// All about one system.
 fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
-    writeln!(words, "{}", wrapped(&format!("{}: {}", entry.name, entry.about), 80).join("\n"))?;
+    let title = format!("{}: {}", entry.name, entry.about);
+    writeln!(words, "{}", wrapped(title.trim_end_matches(": "), 80).join("\n"))?;
     let example = &entry.example;
     quantities(words, entry, "parameters", entry.description.parameters, Some(&example.parameters))?;
     quantities(words, entry, "initial state", entry.description.state, Some(&example.state))?;
@@ -89,15 +88,29 @@ fn quantities(
     }
     for (quantity, slots) in laid_out(all) {
         // adding zero leaves no −0
-        let list = |values: &[f64]| values.iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(",");
+        let list =
+            |values: &[f64]| values.iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(",");
         let value = values.map_or(String::new(), |values| format!("={}", list(&values[slots])));
         let unit = entry.unit(quantity.name);
         writeln!(words, "  {}", format!("{}{value}  {unit}", quantity.name).trim_end())?;
-        for line in wrapped(quantity.doc, 74) {
+        for line in wrapped(&format!("{} {}", order(quantity), quantity.doc), 74) {
             writeln!(words, "      {line}")?;
         }
     }
     Ok(())
+}
+
+/// The order of a quantity's numbers, `(w, x, y, z)`; nothing of a single one, or of a matrix, which has a pattern.
+fn order(quantity: &Quantity) -> String {
+    match quantity.components {
+        [_] | [] => String::new(),
+        components
+            if components.iter().all(|component| component.len() == 2 && !component.starts_with('p')) =>
+        {
+            String::new()
+        }
+        components => format!("({})", components.join(", ")),
+    }
 }
 
 /// What its motion keeps, with units.

@@ -30,16 +30,16 @@ pub(crate) struct ChosenRun {
 #[derive(Debug, Args)]
 pub(crate) struct SchemeArguments {
     /// The map that the step is built on; `exp` and `cay` for short
-    #[arg(long, value_enum, hide_possible_values = true)]
+    #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
     /// What the step makes of it, or a classical method [default: standard]
     ///
     /// Classical methods are there to compare with, by the system's vector field: they have no retraction and an order of their own, and are
     /// not fast; with most of those in stored numbers rotations drift off their group.
-    #[arg(long, hide_possible_values = true)]
+    #[arg(long)]
     pub(crate) method: Option<Method>,
     /// 2, or 4, 6, 8, 10: symmetric compositions of steps of order 2
-    #[arg(long, value_enum, hide_possible_values = true)]
+    #[arg(long, value_enum)]
     pub(crate) order: Option<Order>,
 }
 

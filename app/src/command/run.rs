@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::estimate;
 use crate::output::path::is_stdout;
 use crate::output::{Format, name};
-use crate::report::{RunSummary, Table};
+use crate::report::{RunSummary, Table, wrapped};
 use crate::session::{FinishedRun, Plan, Session};
 
 /// Which run to make, and where to write it.
@@ -173,7 +173,7 @@ fn finish(done: FinishedRun, checkpoint: Option<&Path>, console: &mut Console<'_
     let words = console.words();
     write!(words, "{}", Table::new(entry, vec![summary]))?;
     for line in conclusions {
-        writeln!(words, "{line}")?;
+        writeln!(words, "{}", wrapped(&line, 78).join("\n  "))?;
     }
     for path in files() {
         writeln!(words, "wrote {}", path.display())?;

@@ -40,7 +40,11 @@ struct Outcome {
 }
 
 /// Makes all runs; prints a table and writes it.
-pub(super) fn scan(motion: &Motion, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Error> {
+pub(super) fn scan(
+    motion: &Motion,
+    arguments: &RunArguments,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
     let Motion { entry, job, setup, .. } = motion;
     let scans = arguments.scan.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
@@ -68,7 +72,8 @@ pub(super) fn scan(motion: &Motion, arguments: &RunArguments, console: &mut Cons
     console.object(|| {
         let described = |row: &Row| object(entry, &scans, row);
         let job = crate::output::described(entry, setup, job);
-        let mut object: Value = Value::Object(job.into_iter().map(|(key, value)| (key.to_owned(), value)).collect());
+        let mut object: Value =
+            Value::Object(job.into_iter().map(|(key, value)| (key.to_owned(), value)).collect());
         object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
         object["notes"] = notes.into();
@@ -167,11 +172,15 @@ fn table(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
         cells.iter().chain([name]).map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
     let mut room = WIDTH + 2;
-    let widths: Vec<usize> = columns.iter().map(width).take_while(|width| {
-        let fits = room >= width + 2;
-        room = room.saturating_sub(width + 2);
-        fits
-    }).collect();
+    let widths: Vec<usize> = columns
+        .iter()
+        .map(width)
+        .take_while(|width| {
+            let fits = room >= width + 2;
+            room = room.saturating_sub(width + 2);
+            fits
+        })
+        .collect();
     let line = |cells: &[&str]| {
         let padded = cells.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}"));
         padded.collect::<Vec<_>>().join("  ") + "\n"

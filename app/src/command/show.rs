@@ -20,7 +20,7 @@ pub(crate) struct ShowArguments {
     /// The system; `list` shows all
     pub(crate) system: String,
     /// Only the step built on this map; `exp` and `cay` for short
-    #[arg(long, value_enum, hide_possible_values = true)]
+    #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
     /// The code of the steps' derivatives, too
     #[arg(long)]

@@ -71,9 +71,15 @@ impl Name {
         let mut single = Vec::new();
         for (part, quantities) in parts(entry).into_iter().filter(|(part, _)| which.include(*part)) {
             for (quantity, slots) in laid_out(quantities) {
-                if quantity.components.len() > 1 {
+                // a number in a list of one has a component's name too, as in tables
+                if quantity.components != [""] {
                     single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {
-                        Name { name: component_name(quantity, component), part, quantity, slots: slot..slot + 1 }
+                        Name {
+                            name: component_name(quantity, component),
+                            part,
+                            quantity,
+                            slots: slot..slot + 1,
+                        }
                     }));
                 }
                 whole.push(Name { name: quantity.name.to_owned(), part, quantity, slots });

@@ -82,7 +82,8 @@ impl Scan {
 /// So many numbers from one to another, both included.
 fn evenly(from: f64, to: f64, count: usize) -> Vec<f64> {
     let last = (count - 1).max(1);
-    let value = |i: usize| if i > 0 && i == last { to } else { from + (to - from) * (i as f64 / last as f64) };
+    let value =
+        |i: usize| if i > 0 && i == last { to } else { from + (to - from) * (i as f64 / last as f64) };
     (0..count).map(value).collect()
 }
 
@@ -127,7 +128,8 @@ mod tests {
 
     #[test]
     fn two_scans_make_a_grid() {
-        let scan = |name: &str, values: &[f64]| Scan { name: name.to_owned(), unit: "", values: values.to_vec() };
+        let scan =
+            |name: &str, values: &[f64]| Scan { name: name.to_owned(), unit: "", values: values.to_vec() };
         let (a, b) = (scan("a", &[1.0, 2.0]), scan("b", &[3.0, 4.0, 5.0]));
         let points = Scan::grid(&[a.clone(), b.clone()]).expect("valid");
         assert_eq!(points.len(), 6);

@@ -90,10 +90,14 @@ impl Variation {
                 Width::Percent(percent) => {
                     let values = if target.part == Part::State { &setup.state } else { &setup.parameters };
                     let values = &values[target.slots.clone()];
-                    let widths: Vec<f64> =
-                        values.iter().zip(percent).map(|(value, percent)| 0.01 * percent * value.abs()).collect();
+                    let widths: Vec<f64> = values
+                        .iter()
+                        .zip(percent)
+                        .map(|(value, percent)| 0.01 * percent * value.abs())
+                        .collect();
                     if widths.iter().all(|width| *width == 0.0) {
-                        all.notes.push(format!("`--spread {spread}` spreads nothing: `{}` is zero", target.name));
+                        all.notes
+                            .push(format!("`--spread {spread}` spreads nothing: `{}` is zero", target.name));
                     }
                     all.set(&target, &widths);
                 }
@@ -155,8 +159,10 @@ impl Variation {
     /// The ranges of all that varies, over so many members.
     pub(crate) fn ranges<'v>(&'v self, entry: &'v Entry, setup: &'v Setup) -> Ranges<'v> {
         let mut slots = Vec::new();
-        let parts =
-            [(entry.description.parameters, &self.parameters, false), (entry.description.state, &self.state, true)];
+        let parts = [
+            (entry.description.parameters, &self.parameters, false),
+            (entry.description.state, &self.state, true),
+        ];
         for (quantities, widths, of_state) in parts {
             for (quantity, place) in laid_out(quantities) {
                 for (component, slot) in quantity.components.iter().zip(place) {
@@ -269,7 +275,8 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, Error> {
     }
     let turns = rotation(target.quantity).filter(|_| target.part == Part::State);
     if let Some((stored, _)) = turns {
-        let whole = laid_out(entry.description.state).find(|(quantity, _)| quantity.name == target.quantity.name);
+        let whole =
+            laid_out(entry.description.state).find(|(quantity, _)| quantity.name == target.quantity.name);
         let start = whole.map_or(0, |(_, slots)| slots.start);
         if target.is_whole() {
             let form = format!("a rotation spreads by an angle: write `{name}=5deg` or `{name}=0.1rad`");
@@ -327,7 +334,9 @@ fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
         Width::Angle(width, false) => format!("{name} turned by up to {width} rad"),
         Width::Percent(percent) if percent.len() == 1 => format!("{name} ±{} %", own(percent)),
         Width::Percent(percent) => format!("{name} ±{} % of each component", own(percent)),
-        Width::Absolute(widths) => format!("{name} ±{} {}", own(widths), entry.unit(name)).trim_end().to_owned(),
+        Width::Absolute(widths) => {
+            format!("{name} ±{} {}", own(widths), entry.unit(name)).trim_end().to_owned()
+        }
     }
 }
 

@@ -17,8 +17,7 @@ fn set_in(system: &str, assignments: &[&str]) -> Result<(Setup, Vec<String>), St
 #[test]
 fn quantities_components_and_scalars_are_set() {
     let (setup, notes) =
-        set(&["inertia=2, 3,4", "chi_y=-0.5", "weight=1e1", "momentum=1,2,3", "gamma_x=7"])
-            .expect("valid");
+        set(&["inertia=2, 3,4", "chi_y=-0.5", "weight=1e1", "momentum=1,2,3", "gamma_x=7"]).expect("valid");
     assert_eq!(setup.parameters, [2.0, 3.0, 4.0, 10.0, 0.0, -0.5, 1.0]);
     assert_eq!(setup.state, [1.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 7.0, 0.0, 1.0]);
     assert_eq!(notes, ["`|gamma|²` is 50, in the example 1"]);
@@ -130,13 +129,15 @@ mod examples {
 #[test]
 fn advected_vectors_turn_with_an_attitude_that_is_set() {
     use coadjoint::prelude::{UnitQuaternion, Vector3};
-    let quaternion = |q: &[f64]| {
-        UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]))
-    };
+    let quaternion =
+        |q: &[f64]| UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]));
     for attitude in ["0.6,0.8,0,0", "1,2,3,4", "-1,0,0,0.001", "0,1,0,0", "0.5,-0.5,0.5,-0.5"] {
         let (setup, notes) = set(&[&format!("attitude={attitude}"), "chi=0,0.5,1"]).expect("valid");
         let gamma = quaternion(&setup.state[..4]).inverse() * Vector3::z();
-        assert!((gamma - Vector3::from_column_slice(&setup.state[7..])).norm() < 4e-16, "{attitude}: {setup:?}");
+        assert!(
+            (gamma - Vector3::from_column_slice(&setup.state[7..])).norm() < 4e-16,
+            "{attitude}: {setup:?}"
+        );
         let is_turned = gamma.z < 1.0;
         let note = "`gamma` is fixed in space and turns with `attitude`: it is ";
         assert_eq!(notes.iter().any(|other| other.starts_with(note)), is_turned, "{notes:?}");
@@ -212,9 +213,11 @@ fn percents_are_of_each_component() {
     // a hundredth of 1, 10, 100; the ends are reached but for a few thousandths
     for (i, size) in [1.0, 10.0, 100.0].into_iter().enumerate() {
         let off: Vec<f64> = members.iter().map(|member| (member.parameters[i] / size - 1.0) / 0.01).collect();
-        let (least, greatest) =
-            off.iter().fold((0.0, 0.0), |(a, b): (f64, f64), &x| (a.min(x), b.max(x)));
-        assert!((-1.0 - 1e-12..-0.99).contains(&least) && (0.99..1.0 + 1e-12).contains(&greatest), "{least} {greatest}");
+        let (least, greatest) = off.iter().fold((0.0, 0.0), |(a, b): (f64, f64), &x| (a.min(x), b.max(x)));
+        assert!(
+            (-1.0 - 1e-12..-0.99).contains(&least) && (0.99..1.0 + 1e-12).contains(&greatest),
+            "{least} {greatest}"
+        );
         // evenly: mean 0 and deviation 1/√3, within four standard errors
         let mean = off.iter().sum::<f64>() / 2000.0;
         let variance = off.iter().map(|x| x * x).sum::<f64>() / 2000.0;
@@ -222,7 +225,10 @@ fn percents_are_of_each_component() {
         assert_eq!(drawn[i].name, ["inertia_x", "inertia_y", "inertia_z"][i]);
         assert_eq!(drawn[i].unit, "kg m²");
         let (from, to) = drawn[i].range;
-        assert!((from - size * (1.0 + 0.01 * least)).abs() < 1e-12 && (to - size * (1.0 + 0.01 * greatest)).abs() < 1e-12);
+        assert!(
+            (from - size * (1.0 + 0.01 * least)).abs() < 1e-12
+                && (to - size * (1.0 + 0.01 * greatest)).abs() < 1e-12
+        );
     }
     assert_eq!(drawn.len(), 6);
 }
@@ -268,9 +274,13 @@ fn attitudes_are_turned_about_any_axis() {
 #[test]
 fn rotations_of_the_plane_and_of_rigid_motions_are_turned() {
     let (members, drawn) = members("planar_pendulum", &["angle=0.1rad"], 500);
-    let angles: Vec<f64> = members.iter().map(|member| member.state[1].atan2(member.state[0]) - 1.0).collect();
+    let angles: Vec<f64> =
+        members.iter().map(|member| member.state[1].atan2(member.state[0]) - 1.0).collect();
     let (least, greatest) = angles.iter().fold((0.0, 0.0), |(a, b): (f64, f64), &x| (a.min(x), b.max(x)));
-    assert!(least < -0.098 && greatest > 0.098 && angles.iter().all(|angle| angle.abs() <= 0.1 + 1e-15), "{least} {greatest}");
+    assert!(
+        least < -0.098 && greatest > 0.098 && angles.iter().all(|angle| angle.abs() <= 0.1 + 1e-15),
+        "{least} {greatest}"
+    );
     assert_eq!(drawn[0].unit, "rad");
     let (members, _) = self::members("rigid_body_in_space", &["pose=20deg", "pose_px=0.5"], 100);
     for member in members {
@@ -298,7 +308,8 @@ fn symmetric_matrices_stay_symmetric() {
 
 #[test]
 fn spreads_are_told_in_words() {
-    let words = |system, spread: &str| variation(system, &[spread]).map(|(variation, _)| variation.words[0].clone());
+    let words =
+        |system, spread: &str| variation(system, &[spread]).map(|(variation, _)| variation.words[0].clone());
     for (spread, expected) in [
         ("inertia=1%", "inertia ±1 % of each component"),
         ("weight=2 %", "weight ±2 %"),
