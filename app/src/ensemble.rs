@@ -81,10 +81,7 @@ impl EnsembleSpec {
     /// # Errors
     /// If not; the message says how much it would take.
     pub fn check_memory(&self, entry: &Entry, observables: usize) -> Result<(), Error> {
-        let setup = &entry.example;
-        // measured: a few copies of the parameters, the states of some earlier steps, and what holds them together
-        let numbers = 4 * setup.parameters.len() + 12 * setup.state.len();
-        let members = (400.0 + 8.0 * numbers as f64) * self.members as f64;
+        let members = self.bytes_of_member(entry) * self.members as f64;
         let looks = self.job.steps as f64 / self.every.max(1) as f64 + 1.0;
         let needed = members + looks * (observables * size_of::<Spread>()) as f64;
         let available = available_memory();
@@ -98,6 +95,29 @@ impl EnsembleSpec {
             bytes_in_words(needed),
             bytes_in_words(available)
         )))
+    }
+}
+
+impl EnsembleSpec {
+    /// About what a member takes, as it was measured: a few copies of its parameters, the states of some earlier steps, and what holds them
+    /// together.
+    fn bytes_of_member(&self, entry: &Entry) -> f64 {
+        let Setup { parameters, state, controls } = &entry.example;
+        let numbers = 8.0 * (4 * parameters.len() + 12 * state.len()) as f64;
+        if self.is_side_by_side() {
+            return 600.0 + numbers + if controls.is_empty() { 0.0 } else { 400.0 };
+        }
+        let composed = match self.job.order {
+            Order::Two => 1.0,
+            Order::Four => 5.0,
+            Order::Six => 9.0,
+            Order::Eight => 17.0,
+            Order::Ten => 35.0,
+        };
+        let is_verlet =
+            self.job.method == Method::Standard && entry.standard(self.job.retraction) == Method::Verlet;
+        let halves = if is_verlet || self.job.method == Method::Verlet { 2.0 } else { 1.0 };
+        500.0 + composed * halves * (1200.0 + 0.5 * numbers)
     }
 }
 
@@ -273,5 +293,36 @@ impl Moving<'_> {
             Self::SideBySide(ensemble) => ensemble.width(),
             Self::OneByOne(_) => 1,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    fn spec(members: usize, order: Order) -> EnsembleSpec {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let variation = Variation::parse(top, &top.example, &[]).expect("nothing varies");
+        let (method, retraction) = (Method::Standard, Retraction::Cayley);
+        let job = Job { method, retraction, order, step: 0.01, steps: 100 };
+        EnsembleSpec { members, variation, seed: 1, job, every: 1 }
+    }
+
+    #[test]
+    fn ensembles_that_memory_cannot_hold_are_refused() {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let refused =
+            |members, order| spec(members, order).check_memory(top, 3).map_err(|error| error.to_string());
+        assert_eq!(refused(1000, Order::Two), Ok(()));
+        for members in [100_000_000_000, usize::MAX] {
+            let message = refused(members, Order::Two).expect_err("more than any computer has");
+            assert!(message.contains("of memory; there are"), "{message}");
+        }
+        // looks take memory too
+        let looking =
+            EnsembleSpec { job: Job { steps: u64::MAX, ..spec(1, Order::Two).job }, ..spec(1, Order::Two) };
+        assert!(looking.check_memory(top, 3).is_err());
+        assert!(refused(1, Order::Ten).is_ok());
     }
 }

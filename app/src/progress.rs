@@ -104,7 +104,10 @@ fn bar(label: &str, total: u64, unit: &'static str) -> ProgressBar {
             let _ = write!(line, "{} {unit}s/s", rate_in_words(state.per_sec()));
         };
         let left = |state: &ProgressState, line: &mut dyn std::fmt::Write| {
-            let _ = write!(line, "{}", seconds_in_words(state.eta().as_secs_f64()));
+            let _ = match state.pos() {
+                0 => write!(line, "…"),
+                _ => write!(line, "{}", seconds_in_words(state.eta().as_secs_f64())),
+            };
         };
         bar.set_style(style.with_key("rate", rate).with_key("left", left));
     }

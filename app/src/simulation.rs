@@ -182,8 +182,9 @@ pub enum SimulationError {
     },
     /// A step turns the system farther than the retraction reaches.
     #[error(
-        "{source}: in one step it turns by about {turn:.1} rad, and the exponential map reaches 2π; a step below {step:.1e} s turns it by \
-         less than π, and the Cayley map takes every angle"
+        "step {}, from time {}, could not be taken: it turns by about {turn:.1} rad, and the exponential map reaches 2π; a step below \
+         {step:.1e} s turns by less than π, and the Cayley map takes every angle",
+        .source.step, .source.time
     )]
     TooFar {
         /// The step that could not be taken.

@@ -23,9 +23,9 @@ pub(super) fn explained(
     let quantities = system.description().state;
     let rates = system.motion(state, source.time, &[]);
     let turns = tangent_places(quantities).zip(quantities).filter_map(|((_, place), quantity)| {
-        let (stored, _) = rotation(quantity)?;
-        // a rotation of space has three components, one of the plane one
-        let rates = &rates[place.start..place.start + if stored == 4 { 3 } else { 1 }];
+        // of the plane there is no such limit
+        let (4, _) = rotation(quantity)? else { return None };
+        let rates = &rates[place.start..place.start + 3];
         let rate = rates.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
         (quantity.role == Role::Configuration).then_some(rate)
     });
