@@ -80,13 +80,13 @@ fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
         format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
     } else if stats.drift() < 0.5 {
         format!(
-            "bounded: its error oscillates between {} and {} and does not grow",
+            "bounded: its error stays from {} to {} and does not grow",
             magnitude(least),
             with_unit_behind(greatest, unit)
         )
     } else {
         format!(
-            "drifts: by {} per second, or oscillates more slowly than this run can show",
+            "drifts: by {} per second, or swings more slowly than this run shows",
             with_unit_behind(stats.slope(), unit)
         )
     }

@@ -547,7 +547,7 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--method", "rk5"], 2, "similar value exists: 'rk4'"),
         (&["run", "heavy_top", "--method", "family=5/4"], 2, "`5/4` is not a fraction from 0 to 1"),
         (&["run", "heavy_top", "--method", "family=1/4"], 2, "`methods(…)` in its description asks for it"),
-        (&["run", "heavy_top", "--method", "right-lift"], 2, "something acts on it; free_rigid_body"),
+        (&["run", "heavy_top", "--method", "right-lift"], 2, "which carries the momentum in space: something acts on it"),
         (
             &["run", "free_rigid_body", "--method", "right-lift", "--retraction", "second-kind"],
             2,
