@@ -8,7 +8,7 @@ use std::process::ExitCode;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::command::{certify, ensemble, init, list, manual, run};
+use crate::command::{certify, ensemble, init, list, manual, play, run};
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 
@@ -40,6 +40,8 @@ enum Command {
     Resume(run::ResumeArguments),
     /// Run a system and write a page that shows it moving
     View(run::ViewArguments),
+    /// Write a page that shows data of any program's moving
+    Play(play::PlayArguments),
     /// Write a file that describes a run, for `run --config`
     Init(init::InitArguments),
     /// Run many members of a system, and draw how they spread
@@ -155,6 +157,7 @@ impl Command {
             Command::Run(arguments) => run::run(catalogue, arguments, console),
             Command::Resume(arguments) => run::resume(catalogue, arguments, console),
             Command::View(arguments) => run::view(catalogue, arguments, console),
+            Command::Play(arguments) => play::play(arguments, console),
             Command::Init(arguments) => init::init(catalogue, arguments, console),
             Command::Ensemble(arguments) => ensemble::ensemble(catalogue, arguments, console),
             #[cfg(feature = "show")]

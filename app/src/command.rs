@@ -6,6 +6,7 @@ pub(crate) mod init;
 pub(crate) mod list;
 pub(crate) mod manual;
 pub(crate) mod motion;
+pub(crate) mod play;
 pub(crate) mod run;
 mod scan;
 #[cfg(feature = "show")]

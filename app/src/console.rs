@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::error::Error;
 use crate::progress;
+use crate::report::wrapped;
 
 /// How a command tells what it found.
 #[derive(Clone, Copy, Debug, Default, Args)]
@@ -64,7 +65,7 @@ impl Console<'_> {
     /// # Errors
     /// If it cannot be written.
     pub fn note(&mut self, note: String) -> Result<(), Error> {
-        let line = format!("note: {note}\n");
+        let line = wrapped(&format!("note: {note}"), 78).join("\n  ") + "\n";
         self.notes.push(note);
         match (self.telling, self.is_taken) {
             (Telling { quiet: true, .. }, _) => {}

@@ -3,6 +3,7 @@
 mod atomic_file;
 mod csv;
 mod json;
+#[cfg(feature = "parquet")]
 mod parquet;
 pub(crate) mod path;
 
@@ -28,6 +29,7 @@ pub enum Format {
     /// One object: system, parameters, columns, rows, invariants.
     Json,
     /// Columns of doubles, for tables of many millions of rows.
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 
@@ -37,6 +39,7 @@ impl Format {
         match self {
             Format::Csv => "csv",
             Format::Json => "json",
+            #[cfg(feature = "parquet")]
             Format::Parquet => "parquet",
         }
     }
@@ -75,6 +78,7 @@ impl Trajectory {
             Ok(match format {
                 Format::Csv => Box::new(csv::Csv::new(file, entry)?),
                 Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
+                #[cfg(feature = "parquet")]
                 Format::Parquet => Box::new(parquet::Parquet::new(file, entry, setup, job)?),
             })
         };

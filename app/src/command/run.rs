@@ -8,6 +8,7 @@ use clap::Args;
 use super::motion::{ChosenRun, Motion};
 use super::scan;
 use crate::cli::program;
+use crate::command::play;
 use crate::console::{Console, Telling};
 use crate::entry::Catalogue;
 use crate::error::Error;
@@ -34,6 +35,9 @@ pub(crate) struct RunArguments {
     /// Write a page that shows the run moving, to be opened in a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) html: Option<PathBuf>,
+    /// Open the page in a browser
+    #[arg(long)]
+    pub(crate) open: bool,
     /// Keep a checkpoint here, for `resume FILE` after an interruption
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
@@ -62,6 +66,9 @@ pub(crate) struct ViewArguments {
     /// The page to write [default: `<DIR>/<name of the run>.html`]
     #[arg(long, value_name = "FILE")]
     pub(crate) html: Option<PathBuf>,
+    /// Open the page in a browser
+    #[arg(long)]
+    pub(crate) open: bool,
     /// Start even a run of hours
     #[arg(long)]
     pub(crate) long: bool,
@@ -88,6 +95,9 @@ pub(crate) fn run(
     if is_taken && arguments.plot {
         return Err(Error::Input("`--plot` writes pictures: `--out` has to name a directory".to_owned()));
     }
+    if arguments.open && arguments.html.is_none() {
+        return Err(Error::Input("`--open` opens a page: say where to write it by `--html`".to_owned()));
+    }
     let (motion, config) = arguments.chosen.motion(catalogue, &mut console)?;
     if !arguments.scan.is_empty() {
         return scan::scan(&motion, arguments, &mut console);
@@ -111,7 +121,9 @@ pub(crate) fn run(
     };
     let checkpoint = arguments.checkpoint.clone();
     let go_on = checkpoint.clone();
-    finish(Session::begin(catalogue, plan, checkpoint)?.run()?, go_on.as_deref(), &mut console)
+    let page = plan.html.clone().filter(|_| arguments.open);
+    finish(Session::begin(catalogue, plan, checkpoint)?.run()?, go_on.as_deref(), &mut console)?;
+    page.map_or(Ok(()), |page| play::show(&page, console.words()))
 }
 
 pub(crate) fn resume(
@@ -141,8 +153,10 @@ pub(crate) fn view(
     let out = arguments.chosen.motion.out.clone();
     let html = arguments.html.clone().unwrap_or_else(|| out.join(format!("{}.html", name(entry, &job))));
     let system = entry.name.to_owned();
+    let page = Some(html.clone()).filter(|_| arguments.open);
     let plan = Plan { system, setup, job, every: 1, format: None, plot: false, html: Some(html), out };
-    finish(Session::begin(catalogue, plan, None)?.run()?, None, &mut console)
+    finish(Session::begin(catalogue, plan, None)?.run()?, None, &mut console)?;
+    page.map_or(Ok(()), |page| play::show(&page, console.words()))
 }
 
 /// Runs of hours or gigabytes have to be asked for.

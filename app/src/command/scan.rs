@@ -18,7 +18,7 @@ use crate::interrupt;
 use crate::output::path::is_stdout;
 use crate::output::{file_in, name};
 use crate::progress::Progress;
-use crate::report::{grouped, magnitude, short, with_unit};
+use crate::report::{grouped, magnitude, short, with_unit, wrapped};
 use crate::setting::{Names, Scan};
 use crate::simulation::{Job, SimulationError};
 use crate::threads;
@@ -190,7 +190,7 @@ fn table(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
     for (i, row) in rows.iter().enumerate() {
         text += &line(&columns.iter().map(|(_, cells)| cells[i].as_str()).collect::<Vec<_>>());
         if let Err(reason) = &row.outcome {
-            text += &format!("    {reason}\n");
+            text += &format!("    {}\n", wrapped(reason, 74).join("\n    "));
         }
     }
     text

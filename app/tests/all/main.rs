@@ -1,6 +1,13 @@
-//! The program as people meet it: a real one, of two systems, its output, its files, its exit codes.
+//! The tests of the app from outside, in one program: as people meet it, a real one of two systems, its output, its files, its exit codes.
 #![cfg(feature = "program")]
+#![allow(
+    clippy::tests_outside_test_module,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "all of it is tests"
+)]
 
 mod ensembles;
+mod page;
 mod program;
 mod terminal;
