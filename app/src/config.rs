@@ -151,16 +151,7 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     ] {
         writeln!(text, "{setting:28} # {doc}")?;
     }
-    if !entry.description.controls.is_empty() {
-        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
-    }
-    for (quantity, slots) in laid_out(entry.description.controls) {
-        let zeros = vec!["0.0"; slots.len()].join(", ");
-        match quantity.components {
-            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
-            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
-        }
-    }
+    write_controls(text, entry)?;
     for (section, quantities, values) in [
         ("parameters", entry.description.parameters, &setup.parameters),
         ("state", entry.description.state, &setup.state),
@@ -185,6 +176,21 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
                     )?;
                 }
             }
+        }
+    }
+    Ok(())
+}
+
+/// The controls, each as a remark: unless it is set, the system's own law chooses it.
+fn write_controls(text: &mut String, entry: &Entry) -> std::fmt::Result {
+    if !entry.description.controls.is_empty() {
+        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
+    }
+    for (quantity, slots) in laid_out(entry.description.controls) {
+        let zeros = vec!["0.0"; slots.len()].join(", ");
+        match quantity.components {
+            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
+            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
         }
     }
     Ok(())
