@@ -352,3 +352,11 @@ fn spreads_that_mean_nothing_are_refused() {
         assert!(message.contains(expected), "{spread}: {message}");
     }
 }
+
+#[test]
+fn where_energy_is_no_number_nothing_starts() {
+    for (system, assignment) in [("kepler", "position=0,0,0"), ("heavy_top", "momentum=1e200,1e200,1e200")] {
+        let message = set_in(system, &[assignment]).expect_err(assignment);
+        assert!(message.contains("the energy of the initial state is"), "{message}");
+    }
+}
