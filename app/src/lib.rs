@@ -62,11 +62,15 @@ mod config;
 #[cfg(feature = "program")]
 pub mod conservation;
 #[cfg(feature = "program")]
+pub mod console;
+#[cfg(feature = "program")]
 pub mod ensemble;
 #[cfg(feature = "program")]
 pub mod entry;
 #[cfg(feature = "program")]
 pub mod error;
+#[cfg(feature = "program")]
+mod estimate;
 #[cfg(feature = "program")]
 mod interrupt;
 #[cfg(feature = "program")]
@@ -76,7 +80,7 @@ pub mod page;
 #[cfg(feature = "program")]
 pub mod plot;
 #[cfg(feature = "program")]
-mod progress;
+pub mod progress;
 #[cfg(feature = "program")]
 pub mod report;
 #[cfg(feature = "program")]
@@ -89,6 +93,8 @@ mod setting;
 pub mod simulation;
 #[cfg(feature = "program")]
 pub mod suggest;
+#[cfg(feature = "program")]
+mod threads;
 
 #[cfg(all(test, feature = "program"))]
 mod test_systems;
