@@ -64,6 +64,7 @@ type RunFn = Box<dyn Fn(Catalogue, &ArgMatches, &mut dyn Write) -> Result<(), Er
 pub struct App {
     catalogue: Catalogue,
     commands: Vec<(clap::Command, RunFn)>,
+    default: Option<&'static str>,
 }
 
 impl std::fmt::Debug for App {
@@ -75,7 +76,7 @@ impl std::fmt::Debug for App {
 impl App {
     /// A program for these systems.
     pub fn new(entries: impl IntoIterator<Item = Entry>) -> Self {
-        Self { catalogue: Catalogue::new(entries), commands: Vec::new() }
+        Self { catalogue: Catalogue::new(entries), commands: Vec::new(), default: None }
     }
 
     /// With one more command, of this name, with a line about it: what runs it gets its arguments, and writes to the console.
@@ -93,6 +94,12 @@ impl App {
         });
         self.commands.push((command, run));
         self
+    }
+
+    /// With one of its commands for a call without any, which otherwise shows the help.
+    #[must_use]
+    pub fn default_command(self, name: &'static str) -> Self {
+        Self { default: Some(name), ..self }
     }
 
     /// Runs the program with the arguments it was started with; its exit code says how it went: 0 well, 2 wrong input, 3 a motion that cannot
@@ -133,6 +140,10 @@ impl App {
         arguments: impl IntoIterator<Item = OsString>,
         console: &mut dyn Write,
     ) -> Result<(), Error> {
+        let mut arguments: Vec<OsString> = arguments.into_iter().collect();
+        if arguments.len() == 1 {
+            arguments.extend(self.default.map(OsString::from));
+        }
         let matches = self.parser().get_matches_from(arguments);
         let own = matches.subcommand().and_then(|(name, matches)| {
             let own = self.commands.iter().find(|(arguments, _)| arguments.get_name() == name);

@@ -9,6 +9,7 @@ use std::process::ExitCode;
 
 use coadjoint_app::App;
 
+/// Without a command it runs the paper's heavy top.
 fn main() -> ExitCode {
     App::new(coadjoint_systems::catalogue::entries())
         .command(
@@ -22,5 +23,6 @@ fn main() -> ExitCode {
             "The paper's heavy top: 30 minutes, both retractions, a table and a figure",
             command::paper::paper,
         )
+        .default_command("paper")
         .main()
 }
