@@ -459,7 +459,6 @@ fn show_prints_code_that_parses() {
 #[test]
 fn the_papers_heavy_top_is_one_command() {
     let scratch = Scratch::new("paper");
-    // without one, there is help and nothing else
     // it is what is run without a command
     let printed = scratch.prints(&[]);
     for expected in [
