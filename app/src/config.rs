@@ -58,8 +58,7 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is no TOML, or says what no run has.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = crate::output::read_text(path)?;
         toml::from_str(&text)
             .map_err(|error| Error::Input(format!("{}: {}", path.display(), error.to_string().trim_end())))
     }
@@ -97,12 +96,17 @@ impl Config {
     }
 }
 
+/// Whole numbers up to here are those of f64.
+const EXACT: u64 = 1 << 53;
+
 /// A number, or a list of numbers.
 fn numbers(name: &str, value: &Value) -> Result<Vec<f64>, Error> {
     let number = |value: &Value| match value {
         Value::Float(number) => Ok(*number),
-        // whole numbers of a description are small
-        Value::Integer(number) => Ok(*number as f64),
+        Value::Integer(number) if number.unsigned_abs() <= EXACT => Ok(*number as f64),
+        Value::Integer(number) => Err(Error::Input(format!(
+            "`{name}`: {number} is a whole number that would be rounded; write it with a point, as `{number}.0`"
+        ))),
         other => Err(Error::Input(format!("`{name}` takes numbers, got {} `{other}`", other.type_str()))),
     };
     match value {

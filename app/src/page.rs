@@ -1,16 +1,11 @@
 //! An HTML page that animates a run: one self-contained file.
 
-use std::io::Write as _;
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use coadjoint::system::{Quantity, Role};
 
 use crate::entry::{Entry, component_name};
-use crate::error::Error;
-use crate::output::{AtomicFile, make_directory};
 use crate::run_plot::symbols;
 use crate::session::{Plan, title};
 use crate::setting::{laid_out, rotation};
@@ -58,25 +53,12 @@ impl HtmlPlayer {
         }
     }
 
-    /// Writes the page.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(crate) fn write(&self, path: &Path, entry: &Entry, plan: &Plan) -> Result<(), Error> {
+    /// The page.
+    pub(crate) fn html(&self, entry: &Entry, plan: &Plan) -> String {
         // a `<` inside a script could end it
         let data = self.data(entry, plan).to_string().replace('<', "\\u003c");
         let (before, after) = PAGE.split_once(PLACE).unwrap_or((PAGE, ""));
-        if let Some(directory) = path.parent().filter(|directory| !directory.as_os_str().is_empty()) {
-            make_directory(directory)?;
-        }
-        let write = || {
-            let mut file = AtomicFile::create(path)?;
-            for part in [before, &data, after] {
-                file.write_all(part.as_bytes())?;
-            }
-            file.finish()
-        };
-        write().map_err(|source| Error::Write { path: path.to_owned(), source })
+        [before, &data, after].concat()
     }
 
     fn data(&self, entry: &Entry, plan: &Plan) -> Value {

@@ -25,6 +25,27 @@ pub(crate) fn apply(entry: &Entry, setup: &mut Setup, assignments: &[String]) ->
     Ok(())
 }
 
+/// The assignments that lead to a setup, from whatever other one.
+pub(crate) fn assignments(entry: &Entry, setup: &Setup) -> Vec<String> {
+    let numbers =
+        |values: &[f64]| values.iter().map(|value| format!("{value:?}")).collect::<Vec<_>>().join(",");
+    let mut assignments = Vec::new();
+    let description = &entry.description;
+    for (quantities, values) in
+        [(description.parameters, &setup.parameters), (description.state, &setup.state)]
+    {
+        let all = laid_out(quantities);
+        assignments
+            .extend(all.map(|(quantity, slots)| format!("{}={}", quantity.name, numbers(&values[slots]))));
+    }
+    for (quantity, slots) in laid_out(description.controls) {
+        for (component, held) in quantity.components.iter().zip(&setup.controls[slots]) {
+            assignments.extend(held.map(|held| format!("{}={held:?}", component_name(quantity, component))));
+        }
+    }
+    assignments
+}
+
 /// How far members of an ensemble may be from the setup, by names of quantities or components: one width for all components or one for each,
 /// as they are or in percent — of the component, or of the largest one where the width is for all.
 ///

@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use coadjoint::ensemble::Spread;
@@ -13,15 +13,15 @@ use crate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
 use crate::entry::{Catalogue, Entry, component_name};
 use crate::error::Error;
 use crate::interrupt;
-use crate::output::{AtomicFile, make_directory};
+use crate::output::{Claim, Guard};
 use crate::plot::{Axis, Figure, Key, Panel, Series};
 use crate::progress::Progress;
+use crate::provenance::{Members, Provenance, comment, in_markup, in_png, interruption};
 use crate::report::grouped;
 use crate::setting;
+use crate::simulation::{Job, Method, Order, Retraction};
 use crate::suggest::did_you_mean;
 
-/// Samples in all, unless asked otherwise.
-const SAMPLES: u64 = 300;
 /// Momentum components that are drawn unless others are asked for.
 const MOST: usize = 3;
 
@@ -31,7 +31,7 @@ pub(crate) struct EnsembleArguments {
     /// The system; `coadjoint list` shows all
     pub(crate) system: String,
     /// How many members
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = Members::MEMBERS, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) members: u64,
     /// What differs between members, evenly within plus or minus the width: `momentum_z=0.01`, `inertia=2%`, `chi=0,0,0.1`
     /// [default: momentum=1%]
@@ -46,7 +46,7 @@ pub(crate) struct EnsembleArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
     /// Another seed draws other members
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = Members::SEED)]
     pub(crate) seed: u64,
 }
 
@@ -76,8 +76,22 @@ pub(crate) fn ensemble(
     console.flush()?;
     let members = usize::try_from(arguments.members)
         .map_err(|_| Error::Input(format!("{} are too many members", arguments.members)))?;
-    let every = arguments.every.unwrap_or((steps / SAMPLES).max(1));
+    let every = arguments.every.unwrap_or(Members::every(steps));
     let spec = EnsembleSpec { members, widths, seed: arguments.seed, step, steps, every };
+    let job =
+        Job { method: Method::Standard, retraction: Retraction::Cayley, order: Order::Two, step, steps };
+    let mut run = Provenance::of_run(entry, &setup, &job, every);
+    run.ensemble = Some(Members {
+        members: arguments.members,
+        spread: arguments.spread.clone(),
+        seed: arguments.seed,
+        quantity: arguments.quantity.clone(),
+    });
+    let stem = run.stem(entry, &job);
+    let paths = ["csv", "png", "svg"].map(|end| arguments.motion.out.join(format!("{stem}.{end}")));
+    let guard = Guard::new(run, arguments.motion.force);
+    let claim = |path: &PathBuf| Claim { what: "the ensemble", path: path.clone(), written: true };
+    guard.check_all(&paths.each_ref().map(claim))?;
 
     interrupt::listen();
     let mut progress = Progress::new(entry.name, steps);
@@ -89,16 +103,55 @@ pub(crate) fn ensemble(
     let summary = crate::ensemble::run(entry, &setup, &spec, &observables, &mut report_progress)?;
     drop(progress);
 
-    make_directory(&arguments.motion.out)?;
-    let stem = arguments.motion.out.join(format!("{}-ensemble", entry.name));
-    let table = stem.with_extension("csv");
-    write_table(&table, &named, &summary)?;
-    let pictures = figure(entry, &named, &summary, &spec, &spread).write(&stem)?;
+    let last = summary.spreads.first().and_then(|spreads| spreads.last());
+    let taken = last.map_or(0, |spread| (spread.time / step).round() as u64);
+    let interrupted = (taken < steps).then_some(taken);
+    let run = guard.run().interrupted_after(interrupted);
+    let figure = figure(entry, &named, &summary, &spec, &spread);
+    let [table, png, svg] = &paths;
+    let pixels = figure.png().map_err(|reason| Error::Draw { path: png.clone(), reason })?;
+    let contents = [
+        (table, write_table(table, &named, &summary, &run)?),
+        (png, in_png(&pixels, &run)),
+        (svg, in_markup(&figure.svg(), "metadata", "<svg", &run).into_bytes()),
+    ];
     report(&summary, &spec, console)?;
-    for path in std::iter::once(table).chain(pictures) {
+    for (path, content) in contents {
+        if interrupted.is_some() && guard.is_complete(path) {
+            writeln!(console, "note: {} holds the whole ensemble, and stays", path.display())?;
+            continue;
+        }
+        guard.write(path, &content)?;
         writeln!(console, "wrote {}", path.display())?;
     }
     if interrupt::requested() { Err(Error::Interrupted) } else { Ok(()) }
+}
+
+/// Makes an ensemble again, from what made a file.
+pub(crate) fn again(
+    catalogue: Catalogue,
+    made: &Provenance,
+    motion: &MotionArguments,
+    console: &mut dyn Write,
+) -> Result<(), Error> {
+    let entry = made.entry(catalogue)?;
+    let Some(Members { members, spread, seed, quantity }) = made.ensemble.clone() else { return Ok(()) };
+    let arguments = EnsembleArguments {
+        system: entry.name.to_owned(),
+        members,
+        spread,
+        motion: MotionArguments {
+            set: setting::assignments(entry, &made.setup(entry)?),
+            step: Some(made.step),
+            duration: Some(made.steps as f64 * made.step.abs()),
+            out: motion.out.clone(),
+            force: motion.force,
+        },
+        quantity,
+        every: Some(made.every),
+        seed,
+    };
+    ensemble(catalogue, &arguments, console)
 }
 
 /// The observables asked for, with their names.
@@ -129,12 +182,16 @@ fn observables(entry: &'static Entry, asked: &[String]) -> Result<Vec<(String, O
 }
 
 /// Time and, for each quantity, how many members, mean, deviation and quantiles.
-fn write_table(path: &Path, named: &[(String, Observable)], summary: &EnsembleSummary) -> Result<(), Error> {
+fn write_table(
+    path: &Path,
+    named: &[(String, Observable)],
+    summary: &EnsembleSummary,
+    run: &Provenance,
+) -> Result<Vec<u8>, Error> {
     const COLUMNS: [&str; 10] =
         ["members", "mean", "deviation", "min", "q05", "q25", "median", "q75", "q95", "max"];
-    let written = || -> std::io::Result<()> {
-        let mut file = AtomicFile::create(path)?;
-        let mut writer = csv::Writer::from_writer(&mut file);
+    let written = || -> std::io::Result<Vec<u8>> {
+        let mut writer = csv::Writer::from_writer(comment(run).into_bytes());
         let columns = named.iter().flat_map(|(name, _)| COLUMNS.map(|column| format!("{name}_{column}")));
         writer.write_record(std::iter::once("time".to_owned()).chain(columns))?;
         let samples = summary.spreads.first().map_or(0, Vec::len);
@@ -147,9 +204,11 @@ fn write_table(path: &Path, named: &[(String, Observable)], summary: &EnsembleSu
             }
             writer.write_record(record)?;
         }
-        writer.flush()?;
-        drop(writer);
-        file.finish()
+        let mut table = writer.into_inner().map_err(|error| error.into_error())?;
+        if let Some(steps) = run.interrupted {
+            table.extend(interruption(steps, run.steps).into_bytes());
+        }
+        Ok(table)
     };
     written().map_err(|source| Error::Write { path: path.to_owned(), source })
 }

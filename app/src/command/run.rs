@@ -3,13 +3,14 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::cli::program;
 use crate::config::Config;
-use crate::entry::Catalogue;
+use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
-use crate::output::{Format, name};
+use crate::output::Format;
+use crate::provenance::{self, Provenance};
 use crate::report::{RunSummary, Table};
 use crate::session::{FinishedRun, Plan, Session};
 use crate::setting;
@@ -23,6 +24,9 @@ pub(crate) struct RunArguments {
     /// A TOML file that describes the run; options given here take precedence
     #[arg(long, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// A file that a run wrote: the run is made again, for a file of the same kind, the same to the last byte
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["system", "config", "retraction", "method", "order", "set", "step", "duration", "every", "format", "plot"])]
+    pub(crate) again: Option<PathBuf>,
     /// The map that the step is built on; `exp` for short [default: exponential]
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
@@ -47,7 +51,10 @@ pub(crate) struct RunArguments {
     /// Keep a checkpoint here, so that `coadjoint resume FILE` can go on if the run is interrupted
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
-    /// The format of the trajectory [default: csv]
+    /// How often the checkpoint is brought up to date, s
+    #[arg(long, value_name = "S", default_value_t = 10.0, requires = "checkpoint", value_parser = pause)]
+    pub(crate) checkpoint_every: f64,
+    /// The format of the trajectory; lines of a CSV that begin with `#` say what made it: pandas skips them with `comment="#"` [default: csv]
     #[arg(long, value_enum)]
     pub(crate) format: Option<Format>,
 }
@@ -68,6 +75,18 @@ pub(crate) struct MotionArguments {
     /// The directory to write to
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub(crate) out: PathBuf,
+    /// Replace files of other runs, and of others
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+/// A time between two checkpoints.
+fn pause(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    match seconds {
+        0.0..=1e9 => Ok(seconds),
+        _ => Err(format!("the time between two checkpoints cannot be {seconds} s")),
+    }
 }
 
 /// Which run to go on with.
@@ -82,7 +101,15 @@ pub(crate) fn run(
     arguments: &RunArguments,
     console: &mut dyn Write,
 ) -> Result<(), Error> {
-    let plan = plan(catalogue, arguments, console)?;
+    let plan = match &arguments.again {
+        Some(file) => match again(catalogue, file, arguments)? {
+            Again::Run(plan) => plan,
+            Again::Ensemble(made) => {
+                return super::ensemble::again(catalogue, &made, &arguments.motion, console);
+            }
+        },
+        None => plan(catalogue, arguments, console)?,
+    };
     let checkpoint = arguments.checkpoint.clone();
     let go_on = checkpoint.clone();
     finish(Session::begin(catalogue, plan, checkpoint)?.run()?, go_on.as_deref(), console)
@@ -106,10 +133,54 @@ pub(crate) fn view(
     let mut plan = plan(catalogue, arguments, console)?;
     if plan.html.is_none() {
         let entry = catalogue.system(&plan.system)?;
-        plan.html = Some(plan.out.join(format!("{}.html", name(entry, &plan.job))));
+        plan.html = Some(page(entry, &plan));
     }
     plan.format = None;
     finish(Session::begin(catalogue, plan, None)?.run()?, None, console)
+}
+
+/// Where the page of a run is, unless it is said.
+fn page(entry: &Entry, plan: &Plan) -> PathBuf {
+    plan.out.join(format!("{}.html", plan.provenance(entry).stem(entry, &plan.job)))
+}
+
+/// What is to be made again.
+enum Again {
+    Run(Plan),
+    Ensemble(Box<Provenance>),
+}
+
+/// What made a file, which is to be made again.
+fn again(catalogue: Catalogue, file: &Path, arguments: &RunArguments) -> Result<Again, Error> {
+    let found = provenance::read(file).map_err(|source| Error::Read { path: file.to_owned(), source })?;
+    let wrong = |what: &str| Error::Input(format!("{} {what}", file.display()));
+    let made = found.ok_or_else(|| wrong("does not say what made it"))?;
+    if made.ensemble.is_some() {
+        return Ok(Again::Ensemble(Box::new(made)));
+    }
+    let entry = made.entry(catalogue)?;
+    let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let format = Format::value_variants().iter().copied().find(|format| format.extension() == extension);
+    let mut plan = Plan {
+        system: entry.name.to_owned(),
+        setup: made.setup(entry)?,
+        job: made.job()?,
+        every: made.every,
+        format,
+        plot: matches!(extension.as_str(), "svg" | "png"),
+        html: arguments.html.clone(),
+        out: arguments.motion.out.clone(),
+        pause: arguments.checkpoint_every,
+        force: arguments.motion.force,
+        inputs: Vec::new(),
+    };
+    if plan.html.is_none() && matches!(extension.as_str(), "html" | "htm") {
+        plan.html = Some(page(entry, &plan));
+    }
+    if plan.format.is_none() && !plan.plot && plan.html.is_none() {
+        return Err(wrong("has an unknown extension"));
+    }
+    Ok(Again::Run(plan))
 }
 
 /// The plan from the arguments and the configuration file; the arguments take precedence.
@@ -173,6 +244,9 @@ fn plan(catalogue: Catalogue, arguments: &RunArguments, console: &mut dyn Write)
         plot: arguments.plot,
         html: arguments.html.clone(),
         out: arguments.motion.out.clone(),
+        pause: arguments.checkpoint_every,
+        force: arguments.motion.force,
+        inputs: file.map(Path::to_owned).into_iter().collect(),
     })
 }
 
