@@ -87,7 +87,7 @@ impl Files {
     }
 
     /// Those to be written: what was computed until an interruption does not take the place of a whole run.
-    fn to_write(self, guard: &Guard, interrupted: bool) -> Self {
+    fn without_complete(self, guard: &Guard, interrupted: bool) -> Self {
         let is_to_be_written = |path: &PathBuf| {
             let stays = interrupted && !is_stdout(path) && guard.is_complete(path);
             if stays {
@@ -354,7 +354,7 @@ impl Session {
             return Err(Error::Input("the run has no samples".to_owned()));
         };
         let interrupted = (conservation.steps < plan.job.steps).then_some(conservation.steps);
-        let files = files.to_write(&guard, interrupted.is_some());
+        let files = files.without_complete(&guard, interrupted.is_some());
         let mut written = Vec::new();
         let mut store = None;
         match (rows, &files.trajectory) {

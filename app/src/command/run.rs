@@ -102,12 +102,17 @@ pub(crate) fn run(
     console: &mut dyn Write,
 ) -> Result<(), Error> {
     let plan = match &arguments.again {
-        Some(file) => match again(catalogue, file, arguments)? {
-            Again::Run(plan) => plan,
-            Again::Ensemble(made) => {
+        Some(file) => {
+            let made = made(file)?;
+            if made.interrupted.is_some() {
+                let file = file.display();
+                writeln!(console, "note: the run of {file} was interrupted; now it goes to its end")?;
+            }
+            if made.ensemble.is_some() {
                 return super::ensemble::again(catalogue, &made, &arguments.motion, console);
             }
-        },
+            again(catalogue, &made, file, arguments)?
+        }
         None => plan(catalogue, arguments, console)?,
     };
     let checkpoint = arguments.checkpoint.clone();
@@ -144,20 +149,19 @@ fn page(entry: &Entry, plan: &Plan) -> PathBuf {
     plan.out.join(format!("{}.html", plan.provenance(entry).stem(entry, &plan.job)))
 }
 
-/// What is to be made again.
-enum Again {
-    Run(Plan),
-    Ensemble(Box<Provenance>),
+/// What made a file.
+fn made(file: &Path) -> Result<Provenance, Error> {
+    let found = provenance::read(file).map_err(|source| Error::Read { path: file.to_owned(), source })?;
+    found.ok_or_else(|| Error::Input(format!("{} does not say what made it", file.display())))
 }
 
-/// What made a file, which is to be made again.
-fn again(catalogue: Catalogue, file: &Path, arguments: &RunArguments) -> Result<Again, Error> {
-    let found = provenance::read(file).map_err(|source| Error::Read { path: file.to_owned(), source })?;
-    let wrong = |what: &str| Error::Input(format!("{} {what}", file.display()));
-    let made = found.ok_or_else(|| wrong("does not say what made it"))?;
-    if made.ensemble.is_some() {
-        return Ok(Again::Ensemble(Box::new(made)));
-    }
+/// The plan of the run that made a file, for a file of the same kind.
+fn again(
+    catalogue: Catalogue,
+    made: &Provenance,
+    file: &Path,
+    arguments: &RunArguments,
+) -> Result<Plan, Error> {
     let entry = made.entry(catalogue)?;
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let format = Format::value_variants().iter().copied().find(|format| format.extension() == extension);
@@ -178,9 +182,9 @@ fn again(catalogue: Catalogue, file: &Path, arguments: &RunArguments) -> Result<
         plan.html = Some(page(entry, &plan));
     }
     if plan.format.is_none() && !plan.plot && plan.html.is_none() {
-        return Err(wrong("has an unknown extension"));
+        return Err(Error::Input(format!("{} has an extension of no kind of output", file.display())));
     }
-    Ok(Again::Run(plan))
+    Ok(plan)
 }
 
 /// The plan from the arguments and the configuration file; the arguments take precedence.

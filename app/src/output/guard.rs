@@ -1,6 +1,7 @@
 //! Nothing is replaced unasked: all files of a run are looked at before it starts.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::atomic_file::{AtomicFile, Replace, left_behind};
 use super::make_directory;
@@ -11,7 +12,7 @@ use crate::provenance::{self, Provenance};
 /// Lets a file replace that of the same run, and others where that was asked for.
 #[derive(Clone, Debug)]
 pub(crate) struct Guard {
-    run: Provenance,
+    run: Arc<Provenance>,
     force: bool,
 }
 
@@ -29,7 +30,7 @@ pub(crate) struct Claim {
 impl Guard {
     /// Of the files of a run.
     pub(crate) fn new(run: Provenance, force: bool) -> Self {
-        Self { run, force }
+        Self { run: Arc::new(run), force }
     }
 
     /// What made the files.
