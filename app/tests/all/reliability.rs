@@ -100,40 +100,57 @@ fn is_whole_or_honest(scratch: &Scratch, name: &str, whole: &[u8]) -> bool {
 
 #[test]
 fn two_runs_do_not_share_a_checkpoint() {
-    let whole = [undisturbed("momentum=0.01,1,0.01"), undisturbed("momentum=0.02,1,0.01")];
+    let momenta = ["momentum=0.01,1,0.01", "momentum=0.02,1,0.01"];
+    let whole = momenta.map(undisturbed);
     let (mut random, mut refused) = (Random::new(1), 0);
-    for pair in 0..times(3, 24) {
+    for pair in 0..times(4, 24) {
         let scratch = Scratch::new("pair");
         let foreign = Foreign::plant(&scratch);
-        // the same run twice, or two
-        let momenta = ["momentum=0.01,1,0.01", ["momentum=0.01,1,0.01", "momentum=0.02,1,0.01"][pair % 2]];
-        let children = momenta.map(|momentum| {
-            let child = scratch.command(&long(momentum, &CHECKPOINT)).spawn().expect("it starts");
+        let run = |momentum| long(momentum, &CHECKPOINT);
+        let resume = || vec!["resume", "run.ck"];
+        // the same run twice, two different ones, a run that is resumed while it goes on, and one that is resumed twice
+        let both = match pair % 4 {
+            0 => [run(momenta[0]), run(momenta[0])],
+            1 => [run(momenta[0]), run(momenta[1])],
+            2 => [run(momenta[0]), resume()],
+            _ => {
+                let child = scratch.command(&run(momenta[0])).spawn().expect("it starts");
+                while !scratch.path("run.ck.rows").exists() {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                std::thread::sleep(Duration::from_millis(random.below(60) as u64));
+                signal(&child, "-KILL");
+                let _ = child.wait_with_output();
+                [resume(), resume()]
+            }
+        };
+        let children = both.map(|arguments| {
+            let child = scratch.command(&arguments).spawn().expect("it starts");
             std::thread::sleep(Duration::from_millis(random.below(30) as u64));
             child
         });
+        let before = refused;
         for (i, child) in children.into_iter().enumerate() {
             let output = child.wait_with_output().expect("it ends");
             let message = text(&output.stderr);
             match output.status.code() {
                 Some(0) => {
-                    let (name, whole) = &whole[i * (pair % 2)];
+                    let (name, whole) = &whole[usize::from(pair % 4 == 1 && i == 1)];
                     assert!(
                         scratch.bytes(&format!("out/{name}")) == *whole,
                         "pair {pair}: wrong, with exit code 0"
                     );
                 }
                 Some(2) => {
-                    assert!(
-                        message.contains("in use by another run") || message.contains("exists already"),
-                        "{message}"
-                    );
+                    let expected = ["in use by another run", "exists already", "cannot read run.ck"];
+                    assert!(expected.iter().any(|part| message.contains(part)), "pair {pair}: {message}");
                     refused += 1;
                 }
                 code => panic!("pair {pair}: {code:?} {message}"),
             }
         }
         foreign.check();
+        assert!(refused < before + 2, "pair {pair}: neither ran");
         assert!(scratch.files(".").iter().all(|name| !name.starts_with("run.ck.l") && name != "run.ck"));
     }
     assert!(refused > 0, "no two ran at the same time");
@@ -158,7 +175,7 @@ fn runs_that_are_killed_go_on_to_the_same_bytes() {
             };
             resumed += usize::from(go_on);
             if left > 0 {
-                std::thread::sleep(Duration::from_micros(random.below(160_000) as u64));
+                wait_for_a_moment(&scratch, &mut child, &name, &mut random);
                 left -= 1;
                 if child.try_wait().expect("waits").is_none() {
                     signal(&child, ["-KILL", "-TERM", "-HUP"][random.below(8).saturating_sub(5)]);
@@ -189,6 +206,19 @@ fn runs_that_are_killed_go_on_to_the_same_bytes() {
         "{kills} kills, {resumed} resumed, {in_the_midst} in the midst"
     );
     println!("{kills} kills, {in_the_midst} in the midst of a run, {resumed} runs resumed");
+}
+
+/// Half of the kills come at any moment of a run; the others within milliseconds of its beginning or end, when the trajectory's file is begun.
+fn wait_for_a_moment(scratch: &Scratch, child: &mut Child, name: &str, random: &mut Random) {
+    let is_begun = || scratch.files("out").iter().any(|file| file.starts_with(&format!(".{name}.")));
+    if random.below(2) == 0 {
+        while !is_begun() && child.try_wait().expect("waits").is_none() {
+            std::thread::sleep(Duration::from_micros(50));
+        }
+        std::thread::sleep(Duration::from_micros(random.below(12_000) as u64));
+    } else {
+        std::thread::sleep(Duration::from_micros(random.below(160_000) as u64));
+    }
 }
 
 fn check_end(scratch: &Scratch, output: &Output, name: &str, whole: &[u8]) {
