@@ -219,3 +219,84 @@ fn u32_at(bytes: &[u8], at: usize) -> u32 {
     let bytes = bytes.get(at..at + 4).and_then(|bytes| bytes.try_into().ok());
     bytes.map_or(0, u32::from_le_bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A journal with rows of two numbers, in two blocks; it is removed.
+    fn journal(test: &str, identity: Identity) -> (PathBuf, Mark, Vec<u8>) {
+        let path = std::env::temp_dir().join(format!("coadjoint-{test}-{}.rows", std::process::id()));
+        let _ = fs::remove_file(&path);
+        let mut journal = Journal::create(path.clone(), 2, identity).expect("writable");
+        for row in [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]] {
+            journal.row(&row).expect("writable");
+            journal.sync().expect("writable");
+        }
+        let content = fs::read(&path).expect("readable");
+        let _ = fs::remove_file(&path);
+        (path, journal.mark, content)
+    }
+
+    /// The rows that a journal of this content has.
+    fn rows(path: &PathBuf, content: &[u8], mark: &Mark, identity: Identity) -> Result<Vec<f64>, String> {
+        fs::write(path, content).expect("writable");
+        let mut rows = Vec::new();
+        let opened = Journal::open(path.clone(), 2, identity, mark);
+        let read = opened.and_then(|mut journal| {
+            journal.replay(&mut |row| {
+                rows.extend_from_slice(row);
+                Ok(())
+            })
+        });
+        let _ = fs::remove_file(path);
+        read.map(|()| rows).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn every_flipped_bit_and_every_cut_is_found() {
+        let (path, mark, content) = journal("bits", [7; 16]);
+        assert_eq!(rows(&path, &content, &mark, [7; 16]), Ok(vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+        for bit in 0..8 * content.len() {
+            let mut flipped = content.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            let found = rows(&path, &flipped, &mark, [7; 16]).expect_err("damaged");
+            assert!(found.contains("is damaged"), "bit {bit}: {found}");
+        }
+        for length in 0..content.len() {
+            assert!(rows(&path, &content[..length], &mark, [7; 16]).is_err(), "cut to {length} bytes");
+        }
+        // what comes after the mark is that of steps which will be taken again
+        let longer = [&content[..], b"rest"].concat();
+        assert_eq!(rows(&path, &longer, &mark, [7; 16]).map(|rows| rows.len()), Ok(6));
+    }
+
+    #[test]
+    fn blocks_of_another_run_or_place_do_not_count() {
+        let (path, mark, content) = journal("other", [7; 16]);
+        let (_, other_mark, other) = journal("another", [8; 16]);
+        assert!(rows(&path, &content, &mark, [8; 16]).is_err(), "the journal of another run");
+        assert!(rows(&path, &content, &other_mark, [7; 16]).is_err(), "the checkpoint of another run");
+        let header = MAGIC.len() + 16 + 4 + 4;
+        let block = 8 + 4 + 16 + 4;
+        let spliced = [&content[..header], &other[header..]].concat();
+        assert!(rows(&path, &spliced, &mark, [7; 16]).is_err(), "rows of the same numbers, of another run");
+        let mut swapped = content.clone();
+        swapped[header..header + 2 * block].rotate_left(block);
+        assert!(rows(&path, &swapped, &mark, [7; 16]).is_err(), "blocks out of order");
+    }
+
+    #[test]
+    fn a_journal_that_was_not_begun_is_begun_again() {
+        let (path, _, content) = journal("begun", [7; 16]);
+        let header = MAGIC.len() + 16 + 4 + 4;
+        for length in [0, 5, header - 1, header, content.len()] {
+            assert_eq!(
+                rows(&path, &content[..length], &Mark::default(), [7; 16]),
+                Ok(Vec::new()),
+                "{length}"
+            );
+        }
+        assert!(rows(&path, b"of others", &Mark::default(), [7; 16]).is_err());
+    }
+}

@@ -80,7 +80,6 @@ impl Guard {
         for path in written() {
             self.check(path)?;
         }
-        let mut left = Vec::new();
         for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {
             let failure = |source| Error::Write { path: path.clone(), source };
             let place = followed(path).map_err(failure)?;
@@ -89,9 +88,8 @@ impl Guard {
             }
             // dropped at once: it can be written
             AtomicFile::begin(path, Replace::Nothing).map_err(failure)?;
-            left.extend(left_behind(path));
         }
-        Ok(left)
+        Ok(claims.iter().flat_map(|claim| left_behind(&claim.path)).collect())
     }
 
     /// Writes a file, whole or not at all.

@@ -141,3 +141,84 @@ fn fields_of_parquet(file: File) -> Option<Map<String, Value>> {
 fn fields_of_parquet(_: File) -> Option<Map<String, Value>> {
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::{Job, Method, Order, Retraction};
+    use crate::test_systems::catalogue;
+
+    fn provenance() -> Provenance {
+        let entry = catalogue().system("heavy_top").expect("it is there");
+        let (retraction, order) = (Retraction::Cayley, Order::Four);
+        let job = Job { method: Method::Midpoint, retraction, order, step: 0.1 + 0.2, steps: 9 };
+        let mut setup = entry.example.clone();
+        setup.parameters[3] = 9.806_650_000_000_001;
+        setup.state[4] = -0.0;
+        let mut provenance = Provenance::of_run(entry, &setup, &job, 3);
+        // as a stranger might have called it
+        provenance.units.insert("</script> & -->".to_owned(), "kg m²".into());
+        provenance
+    }
+
+    /// What a file of this content says.
+    fn found(name: &str, content: &[u8]) -> Option<Provenance> {
+        let path = std::env::temp_dir().join(format!("coadjoint-{}-{name}", std::process::id()));
+        std::fs::write(&path, content).expect("writable");
+        let found = read(&path).expect("readable");
+        let _ = std::fs::remove_file(path);
+        found
+    }
+
+    #[test]
+    fn what_is_put_in_is_found() {
+        let provenance = provenance();
+        let entry = catalogue().system("heavy_top").expect("it is there");
+        let setup = provenance.setup(entry).expect("of this system");
+        assert_eq!(
+            (setup.parameters[3], setup.state[4].to_bits()),
+            (9.806_650_000_000_001, (-0.0_f64).to_bits())
+        );
+        assert_eq!(provenance.job().expect("a job").step.to_bits(), (0.1_f64 + 0.2).to_bits());
+
+        let table = comment(&provenance) + "time,x\n0,1\n";
+        assert_eq!(found("table", table.as_bytes()), Some(provenance.clone()));
+        let interrupted = provenance.interrupted_after(Some(4));
+        assert_eq!(found("cut", (table + &interruption(4, 9)).as_bytes()), Some(interrupted.clone()));
+        let picture = "<?xml version=\"1.0\"?>\n<svg width=\"1\"><g/></svg>";
+        let page = "<!DOCTYPE html>\n<head>\n<meta charset=\"utf-8\">\n</head>";
+        for (element, behind, markup) in [("metadata", "<svg", picture), ("script", "<meta charset", page)] {
+            let with = in_markup(markup, element, behind, &interrupted);
+            assert_eq!(found(element, with.as_bytes()), Some(interrupted.clone()));
+            assert_eq!(with.matches("</").count(), markup.matches("</").count() + 1, "{with}");
+        }
+        // a signature, a first chunk of 13 bytes, and the last one
+        let png = [PNG.0, b"\0\0\0\x0dIHDR", &[0; 17], b"\0\0\0\0IEND\xae\x42\x60\x82"].concat();
+        let with = in_png(&png, &interrupted);
+        assert_eq!(found("png", &with), Some(interrupted));
+        let added = &with[PNG.1..with.len() - 12];
+        let (typed, sum) = added[4..].split_at(added.len() - 8);
+        assert_eq!(sum, crc32fast::hash(typed).to_be_bytes());
+        assert_eq!(added[..4], (typed.len() as u32 - 4).to_be_bytes());
+    }
+
+    #[test]
+    fn files_of_others_say_nothing() {
+        let provenance = provenance();
+        let strangers = provenance.line().replace("\"program\":\"coadjoint\"", "\"program\":\"another\"");
+        for (name, content) in [
+            ("empty", &b""[..]),
+            ("comment", b"# run: {}\n1,2\n"),
+            ("stranger", format!("# run: {strangers}\n").as_bytes()),
+            ("object", b"{\n  \"program\": \"coadjoint\",\n  \"columns\": []}"),
+            ("parquet", b"PAR1 and no more"),
+            ("png", &[PNG.0, &[0xff; 40]].concat()),
+            ("short-png", PNG.0),
+            ("markup", b"<p id=\"coadjoint-run\""),
+            ("bytes", &[0x80; 100]),
+        ] {
+            assert_eq!(found(name, content), None, "{name}");
+        }
+        assert_eq!(in_png(b"short", &provenance), b"short");
+    }
+}

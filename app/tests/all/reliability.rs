@@ -291,52 +291,88 @@ fn flipped_bits_are_refused_or_of_no_effect() {
     }
 }
 
-/// Files cannot grow beyond a size: as a disk that is full, at each of many points.
+/// Disks that are full at each of many points: small ones, and files that cannot grow beyond a size.
 #[test]
 fn a_full_disk_leaves_nothing_half_written() {
-    let momentum = "momentum=0.01,1,0.01";
-    let (name, whole) = undisturbed(momentum);
+    let page = ["--html", "page.html"];
+    let arguments = long("momentum=0.01,1,0.01", &page);
+    let whole = Scratch::new("undisturbed");
+    whole.prints(&arguments);
+    let name = format!("out/{}", whole.files("out").pop().expect("a trajectory"));
+    let sizes = [&name[..], "page.html"].map(|name| whole.bytes(name).len());
     let mut random = Random::new(4);
     let points = times(6, 50);
     let (mut failed, mut resumed) = (0, 0);
     for point in 0..points {
         let scratch = Scratch::new("full");
         let foreign = Foreign::plant(&scratch);
-        // in blocks of 512 bytes; now and then more than is needed
-        let blocks = random.below(whole.len() / 512 * 11 / 10);
-        let with_checkpoint = point % 2 == 1;
-        let arguments = long(momentum, if with_checkpoint { &CHECKPOINT } else { &[] });
-        let command = scratch.command(&arguments);
-        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
-        let mut limited = Command::new("sh");
-        limited.arg("-c").arg(script).arg(command.get_program()).args(command.get_args());
-        let output = limited.current_dir(&scratch.0).output().expect("it starts");
-        let path = scratch.path(&format!("out/{name}"));
+        let with_checkpoint = if point % 2 == 1 { &CHECKPOINT[..] } else { &[] };
+        let command = scratch.command(&[&arguments[..], with_checkpoint].concat());
+        // now and then more than is needed
+        let mut full = if point % 4 < 2 {
+            let needed = sizes.iter().sum::<usize>() * (1 + with_checkpoint.len() / 4);
+            on_a_disk(&command, random.below(needed * 11 / 10))
+        } else {
+            with_limited_files(&command, random.below(sizes[0] * 11 / 10))
+        };
+        let output = full.current_dir(&scratch.0).output().expect("it starts");
+        let message = text(&output.stderr);
         match output.status.code() {
-            Some(0) => assert!(fs::read(&path).is_ok_and(|found| found == whole), "wrong, with exit code 0"),
+            Some(0) => {}
             Some(4) => {
                 failed += 1;
-                assert!(text(&output.stderr).starts_with("error: cannot write"), "{}", text(&output.stderr));
-                assert!(!path.exists(), "half a file");
+                assert!(message.contains("error: cannot write"), "{message}");
             }
-            code => panic!("{blocks} blocks: {code:?} {}", text(&output.stderr)),
+            code => panic!("{code:?} {message}"),
         }
-        let temporaries: Vec<_> = scratch
-            .files("out")
-            .into_iter()
-            .filter(|name| name.contains("free_body-exp") && name.ends_with("tmp"))
-            .collect();
-        assert_eq!(temporaries, [""; 0]);
+        for name in [&name[..], "page.html"] {
+            let found = fs::read(scratch.path(name)).ok();
+            assert!(found.is_some() || !output.status.success(), "no {name}, with exit code 0");
+            assert!(found.is_none_or(|found| found == whole.bytes(name)), "{name} is not whole");
+        }
+        let left = |directory: &str| {
+            scratch.files(directory).into_iter().filter(|name| name.ends_with("tmp")).count()
+        };
+        assert_eq!((left("out"), left(".")), (1, 0), "only that of others");
         if scratch.path("run.ck").exists() {
             // with room, it goes on
             resumed += 1;
             scratch.prints(&["resume", "run.ck"]);
-            assert!(fs::read(&path).is_ok_and(|found| found == whole), "wrong after going on");
+            for name in [&name[..], "page.html"] {
+                assert!(scratch.bytes(name) == whole.bytes(name), "{name} is wrong after going on");
+            }
         }
         foreign.check();
     }
     println!("{points} full disks: {failed} runs failed, {resumed} went on");
     assert!(failed > points / 2 && resumed > 0, "{failed} failed, {resumed} went on");
+}
+
+/// Runs a command in its directory, on a disk of this size: a file system in memory, which this process alone sees, so that what is in the directory
+/// goes there and comes back. Where processes may not mount, only files are limited.
+fn on_a_disk(command: &Command, size: usize) -> Command {
+    let may_mount =
+        Command::new("unshare").args(["-rm", "true"]).status().is_ok_and(|status| status.success());
+    if !may_mount {
+        return with_limited_files(command, size);
+    }
+    // what is there takes a page each
+    let script = format!(
+        "mkdir disk && mount -t tmpfs -o size={}k tmpfs disk && mv [!d]* disk/ && cd disk && {{ \"$0\" \"$@\"; code=$?; }}; \
+         find . -mindepth 1 -maxdepth 1 -exec mv {{}} .. \\; && cd .. && umount disk && rmdir disk && exit $code",
+        64 + size / 1024
+    );
+    let mut on_a_disk = Command::new("unshare");
+    on_a_disk.args(["-rm", "sh", "-c", &script]).arg(command.get_program()).args(command.get_args());
+    on_a_disk
+}
+
+/// Runs a command that cannot write more to a file.
+fn with_limited_files(command: &Command, size: usize) -> Command {
+    let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", size / 512);
+    let mut limited = Command::new("sh");
+    limited.arg("-c").arg(script).arg(command.get_program()).args(command.get_args());
+    limited
 }
 
 /// Without a checkpoint, what was computed until a signal is written, and says so; it does not take the place of all of it.
