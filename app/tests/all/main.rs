@@ -1,6 +1,6 @@
 //! The program as a process: its files, its exit codes.
 
 mod files;
-mod program;
+mod scratch;
 #[cfg(unix)]
 mod reliability;

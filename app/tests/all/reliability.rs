@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
-use crate::program::{Scratch, text};
+use crate::scratch::{Scratch, text};
 
 /// How often each test tries: in small, and in the campaign.
 fn times(small: usize, campaign: usize) -> usize {

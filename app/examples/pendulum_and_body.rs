@@ -1,4 +1,4 @@
-//! A program for two systems of one's own: `cargo run --example two_systems -- run pendulum --plot`.
+//! A program for two systems of one's own: `cargo run --example pendulum_and_body -- run pendulum --plot`.
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;

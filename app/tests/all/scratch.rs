@@ -1,4 +1,4 @@
-//! The program of `examples/two_systems.rs`, started in a directory of its own.
+//! The program of `examples/pendulum_and_body.rs`, started in a directory of its own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ impl Scratch {
     pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         self.command(arguments)
             .output()
-            .expect("the program starts; `cargo test` and `cargo build --example two_systems` build it")
+            .expect("the program starts; `cargo test` and `cargo build --example pendulum_and_body` build it")
     }
 
     /// Runs the program, which must succeed, and gives what it printed.
@@ -86,9 +86,9 @@ pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// `cargo test` builds the examples beside its tests: `debug/deps/all-…`, `debug/examples/two_systems`.
+/// `cargo test` builds the examples beside its tests: `debug/deps/all-…`, `debug/examples/pendulum_and_body`.
 fn program() -> PathBuf {
     let test = std::env::current_exe().expect("it is running");
     let profile = test.parent().and_then(Path::parent).expect("in deps of a profile");
-    profile.join("examples").join(format!("two_systems{}", std::env::consts::EXE_SUFFIX))
+    profile.join("examples").join(format!("pendulum_and_body{}", std::env::consts::EXE_SUFFIX))
 }
