@@ -1,6 +1,13 @@
-//! The program as a process: its files, its exit codes.
+//! The tests of the app from outside, in one program.
+#![allow(
+    clippy::tests_outside_test_module,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "all of it is tests"
+)]
 
 mod files;
-mod scratch;
+mod page;
 #[cfg(unix)]
 mod reliability;
+mod scratch;
