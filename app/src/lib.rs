@@ -95,6 +95,11 @@ pub mod suggest;
 #[cfg(all(test, feature = "program"))]
 mod test_systems;
 
+/// The guide's page, whose code is compiled here.
+#[cfg(all(doctest, feature = "program"))]
+#[doc = include_str!("../../runtime/src/guide/your_program.md")]
+mod your_program {}
+
 /// A program for these systems, with the arguments it was started with.
 #[cfg(feature = "program")]
 pub fn main(entries: impl IntoIterator<Item = Entry>) -> std::process::ExitCode {
