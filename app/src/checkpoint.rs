@@ -1,29 +1,155 @@
-//! Checkpoint files: all that is needed to resume a run, bit for bit.
+//! Checkpoints: all that is needed to resume a run, bit for bit.
 //!
-//! A checkpoint file holds the plan of the run, its current state, and what it has recorded so far. Beside it lies the journal, the rows that
-//! are to be written: they are put into the trajectory when the run ends, so that the trajectory's file is the same however often the run was
-//! interrupted.
+//! Three files: the checkpoint itself, with the plan of the run, its current state, and what it has recorded so far; beside it the
+//! [`Journal`], the rows that are to be written: they are put into the trajectory when the run ends, so that the trajectory's file is the same
+//! however often the run was interrupted; and a [`Lock`], so that one process at a time has both. Checkpoint and journal carry the same random
+//! identity, and a checksum of every byte. They are read on a disk that may lose what was not synced, and may flip bits.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+mod journal;
+mod lock;
+
+use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use self::journal::Journal;
+pub(crate) use self::journal::Mark;
+use self::lock::Lock;
+use crate::cli::program;
 use crate::error::Error;
-use crate::output::AtomicFile;
+use crate::output::path::{followed, sync_directory};
+use crate::output::{AtomicFile, Replace, random};
 
-/// The magic bytes of checkpoint files; the number is the version of the format.
-const MAGIC: &[u8] = b"coadjoint checkpoint 1\n";
+/// What checkpoint files begin with; the number is the version of the format.
+const MAGIC: &[u8] = b"coadjoint checkpoint 2\n";
+/// What those of all versions begin with.
+const ANY: &[u8] = b"coadjoint checkpoint ";
 
-/// Writes a checkpoint file atomically.
-///
-/// # Errors
-/// If it cannot be written.
-pub(crate) fn save(path: &Path, content: &impl Serialize) -> Result<(), Error> {
+/// What tells a run from all others, also of the same plan.
+pub(crate) type Identity = [u8; 16];
+
+/// The files of a run that can be resumed, held by this process alone.
+#[derive(Debug)]
+pub(crate) struct Store {
+    path: PathBuf,
+    identity: Identity,
+    journal: Journal,
+    // released last
+    _lock: Lock,
+}
+
+/// The content of a checkpoint file.
+#[derive(Debug, Serialize, Deserialize)]
+struct Saved<T> {
+    identity: Identity,
+    mark: Mark,
+    content: T,
+}
+
+impl Store {
+    /// Begins the files of a run, with what is needed to start it, and rows of this width.
+    ///
+    /// # Errors
+    /// If any of them is there, or cannot be written.
+    pub(crate) fn begin(path: &Path, width: usize, content: &impl Serialize) -> Result<Self, Error> {
+        let failure = |source| Error::Write { path: path.to_owned(), source };
+        let path = &followed(path).map_err(failure)?;
+        let lock = Lock::acquire(beside(path, "lock"))?;
+        if fs::symlink_metadata(path).is_ok() {
+            let is_ours = fs::read(path).is_ok_and(|content| content.starts_with(ANY));
+            let name = path.display();
+            return Err(Error::Input(match is_ours {
+                true => format!("{name} exists already: `{} resume {name}` resumes it", program()),
+                false => format!("{name} exists already, and is no checkpoint"),
+            }));
+        }
+        let identity = [random().to_le_bytes(), random().to_le_bytes()].concat();
+        let identity = identity.try_into().unwrap_or_default();
+        let rows = beside(path, "rows");
+        if fs::symlink_metadata(&rows).is_ok() {
+            return Err(Error::Input(format!(
+                "{} exists already, without its checkpoint: to start again, remove it first",
+                rows.display()
+            )));
+        }
+        // the checkpoint first: without its journal it can be resumed, from the start
+        save(path, Replace::Nothing, &Saved { identity, mark: Mark::default(), content })?;
+        let begun = Journal::create(rows, width, identity);
+        let journal = begun.inspect_err(|_| {
+            // without a journal it is of no use
+            let _ = fs::remove_file(path);
+        })?;
+        Ok(Self { path: path.to_owned(), identity, journal, _lock: lock })
+    }
+
+    /// Opens the files of a run that was interrupted. All that will be read of them is verified. The width of rows is found from the content, which
+    /// may also be refused.
+    ///
+    /// # Errors
+    /// If they are in use, cannot be read, are of another version of the program, or not what was written.
+    pub(crate) fn open<T: for<'a> Deserialize<'a>>(
+        path: &Path,
+        width: impl FnOnce(&T) -> Result<usize, Error>,
+    ) -> Result<(Self, T), Error> {
+        let unreadable = |source| Error::Read { path: path.to_owned(), source };
+        let path = &followed(path).map_err(unreadable)?;
+        // a lock is made only beside what is there
+        fs::metadata(path).map_err(unreadable)?;
+        let lock = Lock::acquire(beside(path, "lock"))?;
+        let Saved { identity, mark, content } = load(path)?;
+        let width = width(&content)?;
+        let journal = Journal::open(beside(path, "rows"), width, identity, &mark)?;
+        Ok((Self { path: path.to_owned(), identity, journal, _lock: lock }, content))
+    }
+
+    /// Adds a row to the journal.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn row(&mut self, row: &[f64]) -> Result<(), Error> {
+        self.journal.row(row)
+    }
+
+    /// Saves what the run is to be resumed with, together with all rows so far.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn save(&mut self, content: &impl Serialize) -> Result<(), Error> {
+        let mark = self.journal.sync()?;
+        save(&self.path, Replace::Anything, &Saved { identity: self.identity, mark, content })
+    }
+
+    /// Passes all rows to `show`, from the first on.
+    ///
+    /// # Errors
+    /// If they are not what was written, or `show` fails.
+    pub(crate) fn replay(&mut self, show: &mut dyn FnMut(&[f64]) -> Result<(), Error>) -> Result<(), Error> {
+        self.journal.replay(show)
+    }
+
+    /// Removes all files: the run is complete, and its output written.
+    pub(crate) fn remove(self) {
+        // the checkpoint first: a journal alone is never taken for a run; what remains is harmless
+        let _ = fs::remove_file(&self.path);
+        let _ = sync_directory(&self.path);
+        let _ = fs::remove_file(beside(&self.path, "rows"));
+    }
+}
+
+/// The file of a checkpoint with this ending.
+pub(crate) fn beside(checkpoint: &Path, ending: &str) -> PathBuf {
+    let mut name = checkpoint.as_os_str().to_owned();
+    name.push(".");
+    name.push(ending);
+    PathBuf::from(name)
+}
+
+fn save(path: &Path, replace: Replace, content: &impl Serialize) -> Result<(), Error> {
     let write = || -> io::Result<()> {
         let payload = postcard::to_stdvec(content).map_err(io::Error::other)?;
-        let mut file = AtomicFile::create(path)?;
+        let mut file = AtomicFile::begin(path, replace)?;
         file.write_all(MAGIC)?;
         file.write_all(&crc32fast::hash(&payload).to_le_bytes())?;
         file.write_all(&payload)?;
@@ -32,13 +158,9 @@ pub(crate) fn save(path: &Path, content: &impl Serialize) -> Result<(), Error> {
     write().map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-/// Reads a checkpoint.
-///
-/// # Errors
-/// If it cannot be read, is not a checkpoint file of this version of the program, or is damaged.
-pub(crate) fn load<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Error> {
+fn load<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Error> {
     let content = fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    let refuse = |reason: &str| Error::Input(format!("{} {reason}", path.display()));
+    let refuse = |what: &str| Error::Damaged { path: path.to_owned(), what: what.to_owned() };
     let rest = content
         .strip_prefix(MAGIC)
         .ok_or_else(|| refuse("is not a checkpoint of this version of coadjoint"))?;
@@ -48,111 +170,4 @@ pub(crate) fn load<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T, Error> 
         return Err(damaged());
     }
     postcard::from_bytes(payload).map_err(|_| damaged())
-}
-
-/// The rows of a run that may be interrupted, as raw numbers in the order in which they came.
-#[derive(Debug)]
-pub(crate) struct Journal {
-    path: PathBuf,
-    file: BufWriter<File>,
-    width: usize,
-    rows: u64,
-}
-
-impl Journal {
-    /// Where the journal of a checkpoint lies.
-    pub(crate) fn beside(checkpoint: &Path) -> PathBuf {
-        let mut name = checkpoint.as_os_str().to_owned();
-        name.push(".rows");
-        PathBuf::from(name)
-    }
-
-    /// Creates a journal with rows of this width.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub(crate) fn create(path: PathBuf, width: usize) -> Result<Self, Error> {
-        match File::create(&path) {
-            Ok(file) => Ok(Self { path, file: BufWriter::new(file), width, rows: 0 }),
-            Err(source) => Err(Error::Write { path, source }),
-        }
-    }
-
-    /// Opens a journal with so many rows; later rows are discarded.
-    ///
-    /// # Errors
-    /// If the file is not there, cannot be written, or has fewer rows.
-    pub(crate) fn resume(path: PathBuf, width: usize, rows: u64) -> Result<Self, Error> {
-        let length = rows.saturating_mul(width as u64 * 8);
-        let open = || -> io::Result<Option<File>> {
-            let mut file = OpenOptions::new().read(true).write(true).open(&path)?;
-            if file.metadata()?.len() < length {
-                return Ok(None);
-            }
-            file.set_len(length)?;
-            file.seek(SeekFrom::End(0))?;
-            Ok(Some(file))
-        };
-        match open() {
-            Ok(Some(file)) => Ok(Self { path, file: BufWriter::new(file), width, rows }),
-            Ok(None) => Err(Error::Input(format!(
-                "{} has fewer rows than its checkpoint says: it belongs to another run",
-                path.display()
-            ))),
-            Err(source) => Err(Error::Read { path, source }),
-        }
-    }
-
-    /// Adds a row.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(crate) fn row(&mut self, row: &[f64]) -> Result<(), Error> {
-        for value in row {
-            self.file.write_all(&value.to_le_bytes()).map_err(|source| self.failure(source))?;
-        }
-        self.rows += 1;
-        Ok(())
-    }
-
-    /// Flushes all rows to the disk, and returns how many there are.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    pub(crate) fn sync(&mut self) -> Result<u64, Error> {
-        let sync = self.file.flush().and_then(|()| self.file.get_ref().sync_data());
-        sync.map_err(|source| self.failure(source))?;
-        Ok(self.rows)
-    }
-
-    /// Passes all rows to `show`, from the first on.
-    ///
-    /// # Errors
-    /// If they cannot be read, or `show` fails.
-    pub(crate) fn replay(&mut self, mut show: impl FnMut(&[f64]) -> Result<(), Error>) -> Result<(), Error> {
-        self.sync()?;
-        let unreadable = |source| Error::Read { path: self.path.clone(), source };
-        let mut file = BufReader::new(File::open(&self.path).map_err(unreadable)?);
-        let mut row = vec![0.0; self.width];
-        for _ in 0..self.rows {
-            for value in &mut row {
-                let mut bytes = [0; 8];
-                file.read_exact(&mut bytes).map_err(unreadable)?;
-                *value = f64::from_le_bytes(bytes);
-            }
-            show(&row)?;
-        }
-        Ok(())
-    }
-
-    fn failure(&self, source: io::Error) -> Error {
-        Error::Write { path: self.path.clone(), source }
-    }
-}
-
-/// Removes a checkpoint and its journal: the run is complete.
-pub(crate) fn remove(checkpoint: &Path) {
-    // a file that remains is harmless
-    let _ = fs::remove_file(checkpoint);
-    let _ = fs::remove_file(Journal::beside(checkpoint));
 }

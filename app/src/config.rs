@@ -58,8 +58,7 @@ impl Config {
     /// # Errors
     /// If it cannot be read, is no TOML, or says what no run has.
     pub(crate) fn read(path: &Path) -> Result<Self, Error> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = crate::output::read_text(path)?;
         toml::from_str(&text)
             .map_err(|error| Error::Input(format!("{}: {}", path.display(), error.to_string().trim_end())))
     }

@@ -49,6 +49,36 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
+    /// A file is there already, and is not that of the same run.
+    #[error("{} exists and {made}: `--force` replaces it", .path.display())]
+    Taken {
+        /// Which.
+        path: PathBuf,
+        /// What it is.
+        made: String,
+    },
+    /// Two files of one command are the same.
+    #[error("{} would be both {} and {}", .path.display(), .both[0], .both[1])]
+    Collision {
+        /// Which.
+        path: PathBuf,
+        /// What they are to the command.
+        both: [&'static str; 2],
+    },
+    /// Another process is running with the same checkpoint.
+    #[error("{} is in use by another run", .path.display())]
+    InUse {
+        /// Which.
+        path: PathBuf,
+    },
+    /// A file that belongs to a checkpoint is not what was written.
+    #[error("{} {what}", .path.display())]
+    Damaged {
+        /// Which.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
     /// A file could not be read.
     #[error("cannot read {}: {source}", .path.display())]
     Read {
@@ -57,7 +87,7 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
-    /// Ctrl-C ended a run; what was computed is written.
+    /// Ctrl-C, or a signal to end, ended a run; what was computed is written.
     #[error("interrupted")]
     Interrupted,
     /// A picture could not be drawn.
@@ -96,11 +126,12 @@ impl Error {
     }
 
     /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
-    /// be written, 130 for Ctrl-C, 1 for bugs.
+    /// be written, 128 and the signal's number for signals (130 for Ctrl-C), 1 for bugs.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
-            Error::Interrupted => interrupt::EXIT_CODE,
+            Error::Taken { .. } | Error::Collision { .. } | Error::InUse { .. } | Error::Damaged { .. } => 2,
+            Error::Interrupted => interrupt::exit_code(),
             Error::Simulation(
                 SimulationError::Member { .. }
                 | SimulationError::Stepper(_)

@@ -82,6 +82,8 @@ pub mod plot;
 #[cfg(feature = "program")]
 pub mod progress;
 #[cfg(feature = "program")]
+pub mod provenance;
+#[cfg(feature = "program")]
 pub mod report;
 #[cfg(feature = "program")]
 mod run_plot;

@@ -2,29 +2,32 @@
 
 mod atomic_file;
 mod csv;
+mod guard;
 mod json;
 #[cfg(feature = "parquet")]
 mod parquet;
 pub(crate) mod path;
 
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 pub use self::atomic_file::AtomicFile;
-pub(crate) use self::json::{by_name, invariants, run as described};
-use self::path::is_stdout;
+pub(crate) use self::atomic_file::{Replace, random, remove_temporaries};
+pub(crate) use self::guard::{Claim, Guard};
+pub(crate) use self::json::invariants;
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
 use crate::error::Error;
-use crate::simulation::{Job, Method, Order, Setup};
+use crate::provenance::{self, Provenance};
 
 /// How a trajectory is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
-    /// A header naming each column, then a line per sample.
+    /// Comments that begin with `#` and say what made it, a header naming each column, then a line per sample.
     Csv,
     /// One object: system, parameters, columns, rows, invariants.
     Json,
@@ -50,7 +53,8 @@ trait Write {
     /// Adds a row: time, the state's components, energy.
     fn row(&mut self, row: &[f64]) -> io::Result<()>;
     /// Ends the file and puts it in its place.
-    fn finish(self: Box<Self>, conservation: &ConservationReport) -> io::Result<()>;
+    fn finish(self: Box<Self>, conservation: &ConservationReport, interrupted: Option<u64>)
+    -> io::Result<()>;
 }
 
 /// A trajectory being written; dropped before it is finished, it leaves no file.
@@ -60,31 +64,28 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Begins `<directory>/<system>-<retraction>.<extension>`, making the directory if need be. The name of a method that is not the
-    /// standard one stands before the retraction's.
+    /// Begins a trajectory; `-` is the standard output.
     ///
     /// # Errors
     /// If the file cannot be created.
-    pub fn create(
-        directory: &Path,
+    pub(crate) fn create(
+        path: &Path,
         format: Format,
         entry: &'static Entry,
-        setup: &Setup,
-        job: &Job,
+        guard: &Guard,
     ) -> Result<Self, Error> {
-        let path = file_in(directory, &format!("{}.{}", name(entry, job), format.extension()))?;
         let writer = || -> io::Result<Box<dyn Write>> {
-            let file = AtomicFile::create(&path)?;
+            let file = AtomicFile::begin(path, Replace::Guarded(guard.clone()))?;
             Ok(match format {
-                Format::Csv => Box::new(csv::Csv::new(file, entry)?),
-                Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
+                Format::Csv => Box::new(csv::Csv::new(file, entry, guard.run())?),
+                Format::Json => Box::new(json::Json::new(file, entry, guard.run())?),
                 #[cfg(feature = "parquet")]
-                Format::Parquet => Box::new(parquet::Parquet::new(file, entry, setup, job)?),
+                Format::Parquet => Box::new(parquet::Parquet::new(file, entry, guard.run())?),
             })
         };
         match writer() {
-            Ok(writer) => Ok(Self { path, writer }),
-            Err(source) => Err(write_error(&path, source)),
+            Ok(writer) => Ok(Self { path: path.to_owned(), writer }),
+            Err(source) => Err(failure(path, source)),
         }
     }
 
@@ -92,19 +93,32 @@ impl Trajectory {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn row(&mut self, row: &[f64]) -> Result<(), Error> {
-        self.writer.row(row).map_err(|source| write_error(&self.path, source))
+    pub(crate) fn row(&mut self, row: &[f64]) -> Result<(), Error> {
+        self.writer.row(row).map_err(|source| failure(&self.path, source))
     }
 
-    /// Puts the file in its place and tells where.
+    /// Puts the file in its place and tells where; with the number of steps, if the run was interrupted.
     ///
     /// # Errors
     /// If the rest cannot be written.
-    pub fn finish(self, conservation: &ConservationReport) -> Result<PathBuf, Error> {
-        match self.writer.finish(conservation) {
+    pub(crate) fn finish(
+        self,
+        conservation: &ConservationReport,
+        interrupted: Option<u64>,
+    ) -> Result<PathBuf, Error> {
+        match self.writer.finish(conservation, interrupted) {
             Ok(()) => Ok(self.path),
-            Err(source) => Err(write_error(&self.path, source)),
+            Err(source) => Err(failure(&self.path, source)),
         }
+    }
+}
+
+/// That nobody reads the standard output is no error.
+fn failure(path: &Path, source: io::Error) -> Error {
+    if path::is_stdout(path) {
+        Error::Console(source)
+    } else {
+        Error::Write { path: path.to_owned(), source }
     }
 }
 
@@ -114,19 +128,21 @@ impl std::fmt::Debug for Trajectory {
     }
 }
 
-/// What the files of a run are called: `heavy_top-cayley`, `heavy_top-midpoint-order4-cayley`, `heavy_top-rk4`.
-pub fn name(entry: &Entry, job: &Job) -> String {
-    let mut name = entry.name.to_owned();
-    if job.method != Method::Standard {
-        name += &format!("-{}", job.method.stem());
-    }
-    if job.order != Order::Two {
-        name += &format!("-order{}", job.order.number());
-    }
-    if job.method.classical().is_none() {
-        name += &format!("-{}", job.retraction.name());
-    }
-    name
+/// Reads a text of at most a megabyte: what is given for a text by mistake may have no end.
+///
+/// # Errors
+/// If it cannot be read, is longer, or is no UTF-8.
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    const MOST: u64 = 1 << 20;
+    let read = || {
+        let mut text = String::new();
+        File::open(path)?.take(MOST + 1).read_to_string(&mut text)?;
+        if text.len() as u64 > MOST {
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is longer than a megabyte"));
+        }
+        Ok(text)
+    };
+    read().map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
 /// Makes a directory and those above it, where they are missing.
@@ -137,39 +153,25 @@ pub fn make_directory(directory: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })
 }
 
-/// A file in a directory, which is made if need be; or standard output, where `-` stands for the directory.
+/// A file in a directory; or standard output, where `-` stands for the directory.
+pub(crate) fn file_in(directory: &Path, name: &str) -> PathBuf {
+    if path::is_stdout(directory) { directory.to_owned() } else { directory.join(name) }
+}
+
+/// A table as CSV, with what made it in front.
 ///
 /// # Errors
-/// If the directory cannot be made.
-pub(crate) fn file_in(directory: &Path, name: &str) -> Result<PathBuf, Error> {
-    if is_stdout(directory) {
-        return Ok(directory.to_owned());
+/// Never, but for a defect of the writer.
+pub(crate) fn table(run: &Provenance, records: impl Iterator<Item = Vec<String>>) -> io::Result<Vec<u8>> {
+    let mut writer = ::csv::Writer::from_writer(provenance::comment(run).into_bytes());
+    for record in records {
+        writer.write_record(record)?;
     }
-    make_directory(directory)?;
-    Ok(directory.join(name))
-}
-
-/// What went wrong where: nobody who reads standard output is no error of a file.
-fn write_error(path: &Path, source: io::Error) -> Error {
-    if is_stdout(path) { Error::Console(source) } else { Error::Write { path: path.to_owned(), source } }
-}
-
-/// Writes a table as CSV, whole or not at all.
-///
-/// # Errors
-/// If it cannot be written.
-pub(crate) fn write_table(path: &Path, records: impl Iterator<Item = Vec<String>>) -> Result<(), Error> {
-    let written = || -> io::Result<()> {
-        let mut file = AtomicFile::create(path)?;
-        let mut writer = ::csv::Writer::from_writer(&mut file);
-        for record in records {
-            writer.write_record(record)?;
-        }
-        writer.flush()?;
-        drop(writer);
-        file.finish()
-    };
-    written().map_err(|source| write_error(path, source))
+    let mut table = writer.into_inner().map_err(|error| error.into_error())?;
+    if let Some(steps) = run.interrupted {
+        table.extend(provenance::interruption(steps, run.steps).into_bytes());
+    }
+    Ok(table)
 }
 
 /// Writes a text, whole or not at all.

@@ -121,11 +121,8 @@ fn name_run(run: &mut Run, time: &[f64], name: &str) {
 }
 
 impl HtmlPlayer {
-    /// Writes the page.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub(crate) fn write(&self, path: &Path, entry: &Entry, plan: &Plan) -> Result<(), Error> {
-        film::page(self, entry, plan).write(path)
+    /// The page.
+    pub(crate) fn html(&self, entry: &Entry, plan: &Plan) -> String {
+        film::page(self, entry, plan).to_html()
     }
 }

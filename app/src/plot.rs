@@ -184,7 +184,6 @@ impl Figure {
     /// # Errors
     /// If the picture cannot be drawn or written.
     pub fn write(&self, stem: &Path) -> Result<[PathBuf; 2], Error> {
-        let scene = self.scene();
         let with = |extension: &str| {
             // what stands behind a point in the stem is no extension: `figure-1.1`
             let mut name = stem.as_os_str().to_owned();
@@ -192,15 +191,18 @@ impl Figure {
             PathBuf::from(name)
         };
         let png = with("png");
-        // two pixels per unit: sharp in print and on dense screens
-        let pixels = kuva::RasterBackend::new()
-            .with_scale(2.0)
-            .render_scene(&scene)
-            .map_err(|reason| Error::Draw { path: png.clone(), reason })?;
-        save(&png, &pixels)?;
+        save(&png, &self.png().map_err(|reason| Error::Draw { path: png.clone(), reason })?)?;
         let svg = with("svg");
         save(&svg, self.svg().as_bytes())?;
         Ok([png, svg])
+    }
+
+    /// The picture as PNG, with two pixels per unit: sharp in print and on dense screens.
+    ///
+    /// # Errors
+    /// If it cannot be drawn.
+    pub fn png(&self) -> Result<Vec<u8>, String> {
+        kuva::RasterBackend::new().with_scale(2.0).render_scene(&self.scene())
     }
 
     /// The picture as SVG.

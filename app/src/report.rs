@@ -3,10 +3,11 @@
 use std::fmt;
 
 use coadjoint::RunReport;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::conservation::{ConservationReport, DriftStats};
 use crate::entry::Entry;
+use crate::provenance::Provenance;
 use crate::simulation::{Job, Method, Setup};
 
 /// A table with a column for each run.
@@ -51,9 +52,7 @@ impl RunSummary {
 impl RunSummary {
     /// All of it as a JSON object.
     pub(crate) fn object(&self, entry: &Entry, setup: &Setup) -> Value {
-        let described = crate::output::described(entry, setup, &self.job);
-        let mut object: Map<String, Value> =
-            described.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+        let mut object = Provenance::of_run(entry, setup, &self.job, 1).fields();
         object.insert("steps".to_owned(), json!(self.conservation.steps));
         object.insert("time".to_owned(), json!(self.conservation.time));
         object.insert("ns_per_step".to_owned(), json!(self.time_per_step));

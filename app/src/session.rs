@@ -1,5 +1,7 @@
 //! A run of the program: its plan, the recorders it feeds, and the files it writes at the end.
 
+mod files;
+
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -7,19 +9,19 @@ use std::time::{Duration, Instant};
 use coadjoint::erased;
 use serde::{Deserialize, Serialize};
 
-use crate::checkpoint::{self, Journal};
+use self::files::{Files, prepared, shown};
+use crate::checkpoint::Store;
 use crate::conservation::ConservationReport;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 use crate::interrupt;
-use crate::output::{Format, Trajectory, name};
+use crate::output::{Format, Guard, Trajectory};
 use crate::page::HtmlPlayer;
 use crate::progress::Progress;
+use crate::provenance::{self, Provenance};
 use crate::run_plot::RunPlot;
-use crate::simulation::{Checkpoint, Job, Method, Order, Sample, Setup};
+use crate::simulation::{Checkpoint, Job, Method, Order, Sample, Setup, SimulationError};
 
-/// The time between two checkpoints.
-const PAUSE: Duration = Duration::from_secs(10);
 /// Reading the clock costs more than a step: it is read once in this many.
 const INTERVAL: u64 = 1024;
 
@@ -40,8 +42,21 @@ pub struct Plan {
     pub plot: bool,
     /// Where to write the page that shows it moving.
     pub html: Option<PathBuf>,
-    /// The directory to write to.
+    /// The directory to write to; `-` writes the trajectory to the standard output.
     pub out: PathBuf,
+    /// The time between two checkpoints, s.
+    pub pause: f64,
+    /// Whether files of other runs may be replaced.
+    pub force: bool,
+    /// Files that were read, and are not to be replaced.
+    pub inputs: Vec<PathBuf>,
+}
+
+impl Plan {
+    /// What makes the files of the run.
+    pub fn provenance(&self, entry: &Entry) -> Provenance {
+        Provenance::of_run(entry, &self.setup, &self.job, self.every)
+    }
 }
 
 /// What has been recorded so far.
@@ -59,11 +74,11 @@ struct Record {
 #[derive(Debug, Serialize, Deserialize)]
 struct CheckpointFile {
     plan: Plan,
-    record: Record,
-    rows: u64,
-    checkpoint: Checkpoint,
-    /// What the steps depend on besides: the program's version, and the system's description.
+    /// What the steps depend on besides: the program's version, the system's description, and what it computes.
     version: u32,
+    record: Record,
+    /// None before the first step.
+    checkpoint: Option<Checkpoint>,
 }
 
 impl CheckpointFile {
@@ -71,12 +86,29 @@ impl CheckpointFile {
     fn fits(&self, entry: &Entry) -> bool {
         let Setup { parameters, state, controls } = entry.example.clone();
         let Self { plan, record, checkpoint, .. } = self;
+        let states = checkpoint.iter().map(|checkpoint| &checkpoint.state).chain([&plan.setup.state]);
         plan.setup.parameters.len() == parameters.len()
             && plan.setup.controls.len() == controls.len()
             && plan.every > 0
-            && [&plan.setup.state, &checkpoint.state].iter().all(|list| list.len() == state.len())
+            && states.into_iter().all(|list| list.len() == state.len())
             && record.run_plot.as_ref().is_none_or(|run_plot| run_plot.is_of(entry))
             && record.html_player.as_ref().is_none_or(|html_player| html_player.is_of(entry))
+    }
+
+    /// The system's entry, if the run can be resumed here.
+    fn entry(&self, catalogue: Catalogue, path: &Path) -> Result<&'static Entry, Error> {
+        let damaged = |what: &str| Error::Damaged { path: path.to_owned(), what: what.to_owned() };
+        let entry = catalogue.system(&self.plan.system)?;
+        if !self.fits(entry) {
+            return Err(damaged("is a damaged checkpoint"));
+        }
+        if self.version != version(entry, &self.plan) {
+            return Err(damaged(
+                "was made by another version of the program or the system, whose steps may differ in their last \
+                 digits: use that version, or start again",
+            ));
+        }
+        Ok(entry)
     }
 }
 
@@ -85,10 +117,11 @@ pub struct Session {
     entry: &'static Entry,
     system: Box<dyn erased::System>,
     plan: Plan,
+    files: Files,
+    guard: Guard,
     record: Record,
     rows: Rows,
     from: Option<Checkpoint>,
-    checkpoint_path: Option<PathBuf>,
 }
 
 /// The destination of the trajectory's rows.
@@ -99,7 +132,7 @@ enum Rows {
     /// Into the file.
     File(Trajectory),
     /// To be put into the file at the end.
-    Journal(Journal),
+    Journal(Store),
 }
 
 /// A finished or interrupted run.
@@ -122,53 +155,50 @@ pub struct FinishedRun {
 }
 
 impl Session {
-    /// Starts a run; with a checkpoint file, one that can be resumed later.
+    /// Starts a run; with a checkpoint file, one that can be resumed later. All its files are looked at first: none takes the place of another.
+    ///
+    /// # Errors
+    /// If that is not so, or a file cannot be written.
     pub fn begin(catalogue: Catalogue, plan: Plan, checkpoint_path: Option<PathBuf>) -> Result<Self, Error> {
+        interrupt::listen();
         let entry = catalogue.system(&plan.system)?;
-        let rows = match (&checkpoint_path, plan.format) {
-            (Some(path), _) if path.exists() => {
-                return Err(Error::Input(format!(
-                    "{0} exists already: `coadjoint resume {0}` resumes it",
-                    path.display()
-                )));
-            }
-            (_, None) => Rows::Discarded,
-            (Some(path), Some(_)) => Rows::Journal(Journal::create(Journal::beside(path), width(entry))?),
-            (None, Some(format)) => {
-                Rows::File(Trajectory::create(&plan.out, format, entry, &plan.setup, &plan.job)?)
-            }
-        };
+        let (files, guard) = prepared(entry, &plan, checkpoint_path.as_deref())?;
         let record = Record {
             conservation: None,
             off_group: 0.0,
             run_plot: plan.plot.then(|| RunPlot::new(entry, &plan.job)),
             html_player: plan.html.is_some().then(|| HtmlPlayer::new(entry, &plan.job)),
         };
+        let (plan, record, rows) = match (checkpoint_path, plan.format, &files.trajectory) {
+            (Some(path), ..) => {
+                let version = version(entry, &plan);
+                let file = CheckpointFile { plan, version, record, checkpoint: None };
+                let store = Store::begin(&path, width(entry), &file)?;
+                (file.plan, file.record, Rows::Journal(store))
+            }
+            (None, Some(format), Some(path)) => {
+                let trajectory = Trajectory::create(path, format, entry, &guard)?;
+                (plan, record, Rows::File(trajectory))
+            }
+            _ => (plan, record, Rows::Discarded),
+        };
         let system = entry.system(&plan.setup.parameters);
-        Ok(Self { entry, system, plan, record, rows, from: None, checkpoint_path })
+        Ok(Self { entry, system, plan, files, guard, record, rows, from: None })
     }
 
     /// Resumes a run from its checkpoint file.
+    ///
+    /// # Errors
+    /// If it is in use, is not what was written, or a file of the run cannot be written.
     pub fn resume(catalogue: Catalogue, path: &Path) -> Result<Self, Error> {
-        let file: CheckpointFile = checkpoint::load(path)?;
-        let entry = catalogue.system(&file.plan.system)?;
-        if file.version != version(entry) {
-            return Err(Error::Input(format!(
-                "{} was made by another version of coadjoint, whose steps may differ in their last digits: \
-                 use that version, or start again",
-                path.display()
-            )));
-        }
-        if !file.fits(entry) {
-            return Err(Error::Input(format!("{} is a damaged checkpoint", path.display())));
-        }
-        let CheckpointFile { plan, record, rows, checkpoint, .. } = file;
-        let rows = match plan.format {
-            Some(_) => Rows::Journal(Journal::resume(Journal::beside(path), width(entry), rows)?),
-            None => Rows::Discarded,
-        };
-        let (system, checkpoint_path) = (entry.system(&plan.setup.parameters), Some(path.to_owned()));
-        Ok(Self { entry, system, plan, record, rows, from: Some(checkpoint), checkpoint_path })
+        interrupt::listen();
+        let wide = |file: &CheckpointFile| file.entry(catalogue, path).map(width);
+        let (store, file) = Store::open(path, wide)?;
+        let CheckpointFile { plan, record, checkpoint, .. } = file;
+        let entry = catalogue.system(&plan.system)?;
+        let (files, guard) = prepared(entry, &plan, Some(path))?;
+        let (system, rows) = (entry.system(&plan.setup.parameters), Rows::Journal(store));
+        Ok(Self { entry, system, plan, files, guard, record, rows, from: checkpoint })
     }
 
     /// Whether the trajectory goes to standard output.
@@ -178,8 +208,8 @@ impl Session {
 
     /// Runs to the end, and writes the output.
     pub fn run(mut self) -> Result<FinishedRun, Error> {
-        interrupt::listen();
         let (entry, from) = (self.entry, self.from.take());
+        let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();
         let Plan { setup, job, .. } = self.plan.clone();
         let mut progress = Progress::new(entry.name, job.steps);
         let mut saved = Instant::now();
@@ -188,14 +218,14 @@ impl Session {
         let mut failure = None;
         // `every` thins what is written and nothing else: an error's peak may be as short as one step, so every step is recorded
         let next = |index: u64| index + 1;
-        let report = entry.simulate(&setup, &job, from.as_ref(), &next, &mut |sample| {
+        let simulated = entry.simulate(&setup, &job, from.as_ref(), &next, &mut |sample| {
             progress.at(sample.index);
             let pushed = if is_new { self.push(sample) } else { Ok(()) };
             is_new = true;
             let stop = interrupt::requested() && sample.index < job.steps;
-            let due = sample.index.is_multiple_of(INTERVAL) && saved.elapsed() > PAUSE;
+            let due = sample.index.is_multiple_of(INTERVAL) && saved.elapsed() > pause;
             let result = pushed.and_then(|()| {
-                if self.checkpoint_path.is_some() && (stop || due) {
+                if stop || due {
                     self.save(sample)?;
                     saved = Instant::now();
                 }
@@ -203,12 +233,15 @@ impl Session {
             });
             failure = result.err();
             if stop || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
+        });
         if let Some(failure) = failure {
             return Err(failure);
         }
         drop(progress);
-        self.finish(report)
+        match simulated {
+            Ok(report) => self.finish(report),
+            Err(failure) => Err(self.give_up(failure)),
+        }
     }
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
@@ -229,57 +262,63 @@ impl Session {
             match &mut self.rows {
                 Rows::Discarded => {}
                 Rows::File(trajectory) => trajectory.row(&row)?,
-                Rows::Journal(journal) => journal.row(&row)?,
+                Rows::Journal(store) => store.row(&row)?,
             }
         }
         Ok(())
     }
 
     fn save(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
-        let Some(path) = &self.checkpoint_path else { return Ok(()) };
-        let rows = if let Rows::Journal(journal) = &mut self.rows { journal.sync()? } else { 0 };
+        let Rows::Journal(store) = &mut self.rows else { return Ok(()) };
         let file = CheckpointFile {
             plan: self.plan.clone(),
+            version: version(self.entry, &self.plan),
             record: std::mem::take(&mut self.record),
-            rows,
-            checkpoint: Checkpoint::at(sample),
-            version: version(self.entry),
+            checkpoint: Some(Checkpoint::at(sample)),
         };
-        checkpoint::save(path, &file)?;
+        let saved = store.save(&file);
         self.record = file.record;
-        Ok(())
+        saved
+    }
+
+    /// Ends a run that cannot be computed: resumed, it would fail again.
+    fn give_up(self, failure: SimulationError) -> Error {
+        if let Rows::Journal(store) = self.rows {
+            store.remove();
+        }
+        failure.into()
     }
 
     fn finish(self, report: coadjoint::RunReport) -> Result<FinishedRun, Error> {
-        let Self { entry, plan, record, rows, checkpoint_path, .. } = self;
-        let Some(conservation) = record.conservation else {
+        let Self { entry, plan, files, guard, mut record, rows, .. } = self;
+        let Some(conservation) = record.conservation.take() else {
             return Err(Error::Input("the run has no samples".to_owned()));
         };
-        let Plan { setup, job, out, .. } = &plan;
+        let interrupted = (conservation.steps < plan.job.steps).then_some(conservation.steps);
+        let files = files.without_complete(&guard, interrupted.is_some());
         let mut written = Vec::new();
-        match (rows, plan.format) {
-            (Rows::File(trajectory), _) => written.push(trajectory.finish(&conservation)?),
-            (Rows::Journal(mut journal), Some(format)) => {
-                let mut trajectory = Trajectory::create(out, format, entry, setup, job)?;
-                journal.replay(|row| trajectory.row(row))?;
-                written.push(trajectory.finish(&conservation)?);
+        let mut store = None;
+        match (rows, &files.trajectory) {
+            (Rows::File(trajectory), Some(_)) => written.push(trajectory.finish(&conservation, interrupted)?),
+            (Rows::Journal(mut journal), path) => {
+                if let (Some(format), Some(path)) = (plan.format, path) {
+                    let mut trajectory = Trajectory::create(path, format, entry, &guard)?;
+                    journal.replay(&mut |row| trajectory.row(row))?;
+                    written.push(trajectory.finish(&conservation, interrupted)?);
+                }
+                store = Some(journal);
             }
             _ => {}
         }
-        if let Some(run_plot) = &record.run_plot {
-            crate::output::make_directory(out)?;
-            let figure = run_plot.figure(entry, title(entry, job));
-            written.extend(figure.write(&out.join(name(entry, job)))?);
+        let run = guard.run().interrupted_after(interrupted);
+        for (path, content) in shown(entry, &plan, &record, &files, &run)? {
+            guard.write(&path, &content)?;
+            written.push(path);
         }
-        if let (Some(html_player), Some(path)) = (&record.html_player, &plan.html) {
-            html_player.write(path, entry, &plan)?;
-            written.push(path.clone());
+        if let (Some(store), None) = (store, interrupted) {
+            store.remove();
         }
-        let interrupted = conservation.steps < job.steps;
-        if let (Some(path), false) = (&checkpoint_path, interrupted) {
-            checkpoint::remove(path);
-        }
-        let off_group = record.off_group;
+        let (off_group, interrupted) = (record.off_group, interrupted.is_some());
         Ok(FinishedRun { entry, plan, conservation, off_group, report, written, interrupted })
     }
 }
@@ -289,11 +328,12 @@ fn width(entry: &Entry) -> usize {
     entry.columns().len()
 }
 
-/// A checksum of all that the digits of a step depend on.
-fn version(entry: &Entry) -> u32 {
+/// A checksum of all that the digits of a step depend on: also of the first steps, as a system's text may not be known.
+fn version(entry: &Entry, plan: &Plan) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
     hasher.update(entry.source.as_bytes());
+    hasher.update(&provenance::digest(entry, &plan.setup, &plan.job).to_le_bytes());
     hasher.finalize()
 }
 
@@ -316,6 +356,7 @@ pub fn title(entry: &Entry, job: &Job) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::checkpoint::beside;
     use crate::simulation::Retraction;
     use crate::test_systems::catalogue;
 
@@ -335,11 +376,21 @@ mod tests {
             run_plot: Some(RunPlot::new(entry, &job)),
             html_player: Some(HtmlPlayer::new(entry, &job)),
         };
-        let checkpoint = Checkpoint { state: setup.state.clone(), memory: Vec::new() };
-        let out = PathBuf::from("out");
-        let plan =
-            Plan { system: of.to_owned(), setup, job, every: 1, format: None, plot: true, html: None, out };
-        CheckpointFile { plan, record, rows: 0, checkpoint, version: version(entry) }
+        let checkpoint = Some(Checkpoint { state: setup.state.clone(), memory: Vec::new() });
+        let plan = Plan {
+            system: of.to_owned(),
+            setup,
+            job,
+            every: 1,
+            format: None,
+            plot: true,
+            html: None,
+            out: std::env::temp_dir(),
+            pause: 10.0,
+            force: false,
+            inputs: Vec::new(),
+        };
+        CheckpointFile { version: version(entry, &plan), plan, record, checkpoint }
     }
 
     #[test]
@@ -348,9 +399,10 @@ mod tests {
         let resumed = |tamper: &dyn Fn(&mut CheckpointFile)| {
             let mut file = checkpoint_file("heavy_top");
             tamper(&mut file);
-            checkpoint::save(&path, &file).expect("writable");
+            drop(Store::begin(&path, 12, &file).expect("writable"));
             let resumed = Session::resume(catalogue(), &path);
-            checkpoint::remove(&path);
+            let _ = std::fs::remove_file(&path);
+            let _ = std::fs::remove_file(beside(&path, "rows"));
             resumed.map(|_| ()).map_err(|error| error.to_string())
         };
         assert_eq!(resumed(&|_| {}), Ok(()));
@@ -358,10 +410,13 @@ mod tests {
         assert_eq!(resumed(&|file| file.plan.every = 0), damaged);
         assert_eq!(resumed(&|file| file.plan.setup.parameters.truncate(1)), damaged);
         assert_eq!(resumed(&|file| file.plan.setup.state.push(0.0)), damaged);
-        assert_eq!(resumed(&|file| file.checkpoint.state.clear()), damaged);
+        assert_eq!(resumed(&|file| file.checkpoint.as_mut().expect("there").state.clear()), damaged);
         assert_eq!(
             resumed(&|file| file.record.run_plot = checkpoint_file("kepler").record.run_plot),
             damaged
         );
+        // another potential, of whatever text
+        let other = resumed(&|file| file.plan.setup.parameters[3] = 2.0).expect_err("other steps");
+        assert!(other.contains("another version of the program or the system"), "{other}");
     }
 }

@@ -7,7 +7,7 @@ mod scan;
 mod spread;
 mod transport;
 
-pub(crate) use assign::Changes;
+pub(crate) use assign::{Changes, assignments};
 pub(crate) use names::{Names, laid_out};
 pub(crate) use rotation::rotation;
 pub(crate) use scan::Scan;

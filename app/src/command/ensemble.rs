@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 
 use clap::Args;
 use coadjoint::ensemble::Spread;
@@ -9,6 +10,7 @@ use coadjoint::system::{Quantity, Role};
 use serde_json::{Value, json};
 
 use super::motion::{MotionArguments, SchemeArguments, check_scheme, job};
+use super::run::RunArguments;
 use crate::console::{Console, Telling};
 use crate::ensemble::{EnsembleSpec, EnsembleSummary, Observable, Variation};
 use crate::entry::{Catalogue, Entry, component_name};
@@ -16,17 +18,16 @@ use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::interrupt;
 use crate::output::path::is_stdout;
-use crate::output::{file_in, name, write_table};
+use crate::output::{Claim, Guard, file_in, table};
 use crate::plot::{Axis, Figure, Key, Panel, Series};
 use crate::progress::Progress;
+use crate::provenance::{Members, Provenance, in_markup, in_png};
 use crate::report::{grouped, rate_in_words, short};
-use crate::setting::{Changes, laid_out};
+use crate::setting::{Changes, assignments, laid_out};
 use crate::simulation::{Job, Retraction, Setup};
 use crate::suggest::did_you_mean;
 use crate::threads;
 
-/// Samples in all, unless asked otherwise.
-const SAMPLES: u64 = 300;
 /// Momentum components that are drawn unless others are asked for.
 const MOST: usize = 3;
 /// Member steps that are started without being measured first.
@@ -38,7 +39,7 @@ pub(crate) struct EnsembleArguments {
     /// The system; `list` shows all
     pub(crate) system: String,
     /// How many members
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = Members::MEMBERS, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) members: u64,
     /// How far members differ [default: momentum=1%]
     ///
@@ -58,7 +59,7 @@ pub(crate) struct EnsembleArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
     /// Another seed draws other members
-    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    #[arg(long, value_name = "SEED", default_value_t = Members::SEED)]
     pub(crate) seed: u64,
     /// Start even a run of hours
     #[arg(long)]
@@ -83,18 +84,27 @@ pub(crate) fn ensemble(
     if !arguments.long {
         check_length(entry, &setup, &spec)?;
     }
+    let run = provenance(entry, &setup, &spec, arguments);
+    let stem = run.stem(entry, &spec.job);
+    let guard = Guard::new(run, arguments.motion.force);
+    let paths: Vec<PathBuf> = match is_stdout(out) {
+        true => vec![out.clone()],
+        false => ["csv", "png", "svg"].map(|end| file_in(out, &format!("{stem}.{end}"))).to_vec(),
+    };
+    let claim = |path: &PathBuf| Claim { what: "the ensemble", path: path.clone(), written: true };
+    for stale in guard.check_all(&paths.iter().map(claim).collect::<Vec<_>>())? {
+        console.note(format!("{} was left behind by a run that was killed", stale.display()))?;
+    }
     let summary = moved(entry, &setup, &spec, &named)?;
 
-    let stem = if spec.is_side_by_side() { entry.name.to_owned() } else { name(entry, &spec.job) };
-    let table = file_in(out, &format!("{stem}-ensemble.csv"))?;
-    write_table(&table, records(&named, &summary))?;
-    let mut written = vec![table.clone()];
-    let is_seen = |spread: &&Spread| spread.members > 0;
-    let looks = summary.spreads.first().map_or(0, |spreads| spreads.iter().filter(is_seen).count());
-    // of members that failed at once there is nothing to draw
-    if !is_stdout(out) && looks > 1 {
-        let picture = figure(entry, &named, &summary, &spec, &spec.variation.words);
-        written.extend(picture.write(&table.with_extension(""))?);
+    let mut written = Vec::new();
+    for (path, content) in contents(entry, &spec, &named, &summary, &guard, &paths)? {
+        if content.is_interrupted && guard.is_complete(path) {
+            console.note(format!("{} holds the whole ensemble, and stays", path.display()))?;
+            continue;
+        }
+        guard.write(path, &content.bytes)?;
+        written.push(path.clone());
     }
     written.retain(|path| !is_stdout(path));
     let notes = console.notes().to_vec();
@@ -116,6 +126,97 @@ pub(crate) fn ensemble(
         }
         _ => Ok(()),
     }
+}
+
+/// What makes the files of an ensemble.
+fn provenance(
+    entry: &Entry,
+    setup: &Setup,
+    spec: &EnsembleSpec,
+    arguments: &EnsembleArguments,
+) -> Provenance {
+    let mut run = Provenance::of_run(entry, setup, &spec.job, spec.every);
+    run.ensemble = Some(Members {
+        members: arguments.members,
+        spread: arguments.spread.clone(),
+        seed: arguments.seed,
+        quantity: arguments.quantity.clone(),
+    });
+    run
+}
+
+/// What goes into a file.
+struct Content {
+    bytes: Vec<u8>,
+    /// Whether the ensemble has not come to its end.
+    is_interrupted: bool,
+}
+
+/// The table, and the pictures unless there is nothing to draw.
+fn contents<'p>(
+    entry: &Entry,
+    spec: &EnsembleSpec,
+    named: &[(String, Observable)],
+    summary: &EnsembleSummary,
+    guard: &Guard,
+    paths: &'p [PathBuf],
+) -> Result<Vec<(&'p PathBuf, Content)>, Error> {
+    let last = summary.spreads.first().and_then(|spreads| spreads.last());
+    let taken = last.map_or(0, |spread| (spread.time / spec.job.step).round() as u64);
+    let interrupted = (taken < spec.job.steps).then_some(taken);
+    let run = guard.run().interrupted_after(interrupted);
+    let content = |bytes| Content { bytes, is_interrupted: interrupted.is_some() };
+    let mut contents = Vec::new();
+    if let Some(path) = paths.first() {
+        let failure = |source| Error::Write { path: path.clone(), source };
+        contents.push((path, content(table(&run, records(named, summary)).map_err(failure)?)));
+    }
+    let is_seen = |spread: &&Spread| spread.members > 0;
+    let looks = summary.spreads.first().map_or(0, |spreads| spreads.iter().filter(is_seen).count());
+    // of members that failed at once there is nothing to draw
+    if let ([_, png, svg], true) = (paths, looks > 1) {
+        let figure = figure(entry, named, summary, spec, &spec.variation.words);
+        let pixels = figure.png().map_err(|reason| Error::Draw { path: png.clone(), reason })?;
+        contents.push((png, content(in_png(&pixels, &run))));
+        contents.push((svg, content(in_markup(&figure.svg(), "metadata", "<svg", &run).into_bytes())));
+    }
+    Ok(contents)
+}
+
+/// Makes an ensemble again, from what made a file.
+pub(crate) fn again(
+    catalogue: Catalogue,
+    made: &Provenance,
+    run: &RunArguments,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let entry = made.entry(catalogue)?;
+    let Some(Members { members, spread, seed, quantity }) = made.ensemble.clone() else { return Ok(()) };
+    let Job { method, retraction, order, .. } = made.job()?;
+    let ours = method.classical().is_none();
+    let arguments = EnsembleArguments {
+        system: entry.name.to_owned(),
+        members,
+        spread,
+        scheme: SchemeArguments {
+            method: Some(method),
+            retraction: ours.then_some(retraction),
+            order: ours.then_some(order),
+        },
+        motion: MotionArguments {
+            set: assignments(entry, &made.setup(entry)?),
+            step: Some(made.step),
+            duration: Some(made.steps as f64 * made.step.abs()),
+            out: run.chosen.motion.out.clone(),
+            force: run.chosen.motion.force,
+        },
+        quantity,
+        every: Some(made.every),
+        seed,
+        long: run.long,
+        telling: run.telling.clone(),
+    };
+    ensemble(catalogue, &arguments, stdout)
 }
 
 /// The setup that members differ from, and the ensemble.
@@ -140,7 +241,7 @@ fn prepared(
     let job = job(entry, scheme, Retraction::Cayley, (motion.step, motion.duration), console)?;
     let members = usize::try_from(arguments.members)
         .map_err(|_| Error::Input(format!("{} are too many members", arguments.members)))?;
-    let every = arguments.every.unwrap_or((job.steps / SAMPLES).max(1));
+    let every = arguments.every.unwrap_or(Members::every(job.steps));
     Ok((setup, EnsembleSpec { members, variation, seed: arguments.seed, job, every }))
 }
 
@@ -306,7 +407,7 @@ fn object(
     summary: &EnsembleSummary,
 ) -> Value {
     let mut object = json!({});
-    for (name, value) in crate::output::described(entry, setup, &spec.job) {
+    for (name, value) in Provenance::of_run(entry, setup, &spec.job, spec.every).fields() {
         object[name] = value;
     }
     object["steps"] = json!(spec.job.steps);

@@ -13,7 +13,7 @@ use crate::setting::Changes;
 use crate::simulation::{Job, Method, Order, Retraction, Setup};
 
 /// Which run, by arguments or by a file.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct ChosenRun {
     /// The system; `list` shows all
     pub(crate) system: Option<String>,
@@ -27,7 +27,7 @@ pub(crate) struct ChosenRun {
 }
 
 /// Which steps to take.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct SchemeArguments {
     /// The map that the step is built on; `exp` and `cay` for short
     #[arg(long, value_enum)]
@@ -44,7 +44,7 @@ pub(crate) struct SchemeArguments {
 }
 
 /// What every motion needs.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct MotionArguments {
     /// A parameter, a part of the initial state, or a control to be held
     ///
@@ -61,6 +61,9 @@ pub(crate) struct MotionArguments {
     /// The directory to write to; `-` writes the table to standard output
     #[arg(long, value_name = "DIR", default_value = "out", allow_hyphen_values = true)]
     pub(crate) out: PathBuf,
+    /// Replace files of other runs, and of others
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 /// A run that can be made.

@@ -8,7 +8,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::motion::Motion;
+use super::motion::{Motion, MotionArguments};
 use super::run::RunArguments;
 use crate::conservation::ConservationReport;
 use crate::console::Console;
@@ -16,8 +16,9 @@ use crate::entry::Entry;
 use crate::error::Error;
 use crate::interrupt;
 use crate::output::path::is_stdout;
-use crate::output::{file_in, name};
+use crate::output::{Claim, Guard, file_in, table as csv};
 use crate::progress::Progress;
+use crate::provenance::{Provenance, by_name};
 use crate::report::{grouped, magnitude, short, with_unit, wrapped};
 use crate::setting::{Names, Scan};
 use crate::simulation::{Job, SimulationError};
@@ -42,11 +43,12 @@ struct Outcome {
 /// Makes all runs; prints a table and writes it.
 pub(super) fn scan(
     motion: &Motion,
+    asked: &[String],
     arguments: &RunArguments,
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let Motion { entry, job, setup, .. } = motion;
-    let scans = arguments.scan.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
+    let scans = asked.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
     // else all of them would fail in the same way
     entry.stepper(&*entry.system(&setup.parameters), job)?;
@@ -58,6 +60,11 @@ pub(super) fn scan(
             estimate.check(all.steps, 1)?;
         }
     }
+    let MotionArguments { out, force, .. } = &arguments.chosen.motion;
+    let run = Provenance { scan: asked.to_owned(), ..Provenance::of_run(entry, setup, job, 1) };
+    let file = file_in(out, &format!("{}.csv", run.stem(entry, job)));
+    let guard = Guard::new(run, *force);
+    guard.check_all(&[Claim { what: "the table", path: file.clone(), written: true }])?;
     interrupt::listen();
     let start = Instant::now();
     let rows = rows(motion, &scans, points);
@@ -65,15 +72,14 @@ pub(super) fn scan(
     if interrupt::requested() {
         return Err(Error::Interrupted);
     }
-    let file = file_in(&arguments.chosen.motion.out, &format!("{}-scan.csv", name(entry, job)))?;
-    crate::output::write_table(&file, records(entry, &scans, &rows).into_iter())?;
+    let failure = |source| Error::Write { path: file.clone(), source };
+    let content = csv(guard.run(), records(entry, &scans, &rows).into_iter()).map_err(failure)?;
+    guard.write(&file, &content)?;
     let written = Some(file).filter(|file| !is_stdout(file));
     let notes = console.notes().to_vec();
     console.object(|| {
         let described = |row: &Row| object(entry, &scans, row);
-        let job = crate::output::described(entry, setup, job);
-        let mut object: Value =
-            Value::Object(job.into_iter().map(|(key, value)| (key.to_owned(), value)).collect());
+        let mut object = Value::Object(guard.run().fields());
         object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
         object["notes"] = notes.into();
@@ -235,7 +241,7 @@ fn object(entry: &Entry, scans: &[Scan], row: &Row) -> Value {
             object["invariants"] = crate::output::invariants(entry, conservation);
             object["iterations_per_step"] = json!(iterations);
             object["ns_per_step"] = json!(ns_per_step);
-            object["end"] = crate::output::by_name(entry.description.state, end);
+            object["end"] = by_name(entry.description.state, end).into();
         }
         Err(reason) => object["failure"] = json!(reason),
     }

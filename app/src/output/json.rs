@@ -2,28 +2,30 @@
 //!
 //! ```json
 //! {
-//!   "system": "heavy_top", "retraction": "exponential", "method": "standard", "order": 2, "step": 0.01,
+//!   "program": "coadjoint", "version": "0.1.0",
+//!   "system": "heavy_top", "retraction": "exponential", "method": "standard", "order": 2, "step": 0.01, "steps": 6000, "every": 1,
 //!   "parameters": {"inertia": [1.0, 10.0, 100.0], "weight": 1.0, "chi": [0.0, 0.0, 1.0]},
+//!   "state": {"attitude": [1.0, 0.0, 0.0, 0.0], …},
 //!   "controls": {"thrust": 9.0, …},
+//!   "units": {"weight": "N", …},
 //!   "columns": ["time", "attitude_w", …],
 //!   "rows": [[0.0, 1.0, …], …],
-//!   "invariants": {"energy": {"initial": …, "largest_error": …, "slope": …}, …}
+//!   "invariants": {"energy": {"initial": …, "largest_error": …, "slope": …}, …},
+//!   "interrupted": 17
 //! }
 //! ```
 //!
-//! Controls are there where any are held in place of the system's own law, and null where it chooses; the retraction is null for a classical method.
+//! Controls are there where any are held in place of the system's own law, and null where it chooses; the retraction is null for a classical method. Steps taken until
+//! an interruption are there of an interrupted run alone.
 
 use std::io::{self, Write as _};
 
-use coadjoint::system::Quantity;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::{AtomicFile, Write};
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
-use crate::setting::laid_out;
-use crate::simulation::{Classical, Job, Setup};
+use crate::provenance::Provenance;
 
 pub(super) struct Json {
     file: AtomicFile,
@@ -32,39 +34,15 @@ pub(super) struct Json {
 }
 
 impl Json {
-    pub(super) fn new(
-        mut file: AtomicFile,
-        entry: &'static Entry,
-        setup: &Setup,
-        job: &Job,
-    ) -> io::Result<Self> {
+    pub(super) fn new(mut file: AtomicFile, entry: &'static Entry, run: &Provenance) -> io::Result<Self> {
         writeln!(file, "{{")?;
-        for (name, value) in run(entry, setup, job) {
+        for (name, value) in run.fields() {
             writeln!(file, "  {}: {value},", json!(name))?;
         }
         writeln!(file, "  \"columns\": {},", json!(entry.columns()))?;
         write!(file, "  \"rows\": [")?;
         Ok(Self { file, entry, rows: 0 })
     }
-}
-
-/// The properties of a run, by name.
-pub(crate) fn run(entry: &Entry, setup: &Setup, job: &Job) -> Vec<(&'static str, Value)> {
-    let classical = job.method.classical();
-    let mut run = vec![
-        ("system", json!(entry.name)),
-        // a classical method has none
-        ("retraction", classical.map_or(json!(job.retraction.name()), |_| Value::Null)),
-        ("method", json!(job.method.to_string())),
-        ("order", json!(classical.map_or(job.order.number(), Classical::order))),
-        ("step", json!(job.step)),
-        ("parameters", by_name(entry.description.parameters, &setup.parameters)),
-    ];
-    if setup.controls.iter().any(Option::is_some) {
-        // null where its own law chooses
-        run.push(("controls", by_name(entry.description.controls, &setup.controls)));
-    }
-    run
 }
 
 /// The conservation of the invariants.
@@ -79,17 +57,6 @@ pub(crate) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Va
     Value::Object(invariants.collect())
 }
 
-pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Value {
-    let named = laid_out(quantities).map(|(quantity, slots)| {
-        let value = match &values[slots] {
-            [scalar] => json!(scalar),
-            components => json!(components),
-        };
-        (quantity.name.to_owned(), value)
-    });
-    Value::Object(named.collect())
-}
-
 impl Write for Json {
     fn row(&mut self, row: &[f64]) -> io::Result<()> {
         self.file.write_all(if self.rows == 0 { b"\n    " } else { b",\n    " })?;
@@ -97,9 +64,17 @@ impl Write for Json {
         Ok(serde_json::to_writer(&mut self.file, row)?)
     }
 
-    fn finish(mut self: Box<Self>, conservation: &ConservationReport) -> io::Result<()> {
+    fn finish(
+        mut self: Box<Self>,
+        conservation: &ConservationReport,
+        interrupted: Option<u64>,
+    ) -> io::Result<()> {
         let invariants = invariants(self.entry, conservation);
-        writeln!(self.file, "\n  ],\n  \"invariants\": {invariants}\n}}")?;
+        write!(self.file, "\n  ],\n  \"invariants\": {invariants}")?;
+        if let Some(steps) = interrupted {
+            write!(self.file, ",\n  \"interrupted\": {steps}")?;
+        }
+        writeln!(self.file, "\n}}")?;
         self.file.finish()
     }
 }

@@ -12,11 +12,11 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::json::{invariants, run};
+use super::json::invariants;
 use super::{AtomicFile, Write};
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
-use crate::simulation::{Job, Setup};
+use crate::provenance::Provenance;
 
 /// Rows that are kept in memory before they are written.
 const GROUP: usize = 1 << 14;
@@ -28,7 +28,7 @@ pub(super) struct Parquet {
 }
 
 impl Parquet {
-    pub(super) fn new(file: AtomicFile, entry: &'static Entry, setup: &Setup, job: &Job) -> io::Result<Self> {
+    pub(super) fn new(file: AtomicFile, entry: &'static Entry, run: &Provenance) -> io::Result<Self> {
         let names = entry.columns();
         let writer = || -> Result<_, ParquetError> {
             let fields = names.iter().map(|name| {
@@ -40,8 +40,8 @@ impl Parquet {
             // neighbouring states share no values that a dictionary could name
             let properties = WriterProperties::builder().set_dictionary_enabled(false).build();
             let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
-            for (name, value) in run(entry, setup, job) {
-                writer.append_key_value_metadata(KeyValue::new(name.to_owned(), value.to_string()));
+            for (name, value) in run.fields() {
+                writer.append_key_value_metadata(KeyValue::new(name, value.to_string()));
             }
             Ok(writer)
         };
@@ -73,12 +73,19 @@ impl Write for Parquet {
         }
     }
 
-    fn finish(mut self: Box<Self>, conservation: &ConservationReport) -> io::Result<()> {
+    fn finish(
+        mut self: Box<Self>,
+        conservation: &ConservationReport,
+        interrupted: Option<u64>,
+    ) -> io::Result<()> {
         if self.columns.iter().any(|column| !column.is_empty()) {
             self.write_group().map_err(cause)?;
         }
         let invariants = invariants(self.entry, conservation).to_string();
         self.writer.append_key_value_metadata(KeyValue::new("invariants".to_owned(), invariants));
+        if let Some(steps) = interrupted {
+            self.writer.append_key_value_metadata(KeyValue::new("interrupted".to_owned(), steps.to_string()));
+        }
         self.writer.into_inner().map_err(cause)?.finish()
     }
 }

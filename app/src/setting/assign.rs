@@ -5,7 +5,7 @@ use coadjoint::system::Role;
 use super::names::{Names, Part, count, laid_out, named, numbers};
 use super::rotation::normalize;
 use super::transport::moved;
-use crate::entry::Entry;
+use crate::entry::{Entry, component_name};
 use crate::error::Error;
 use crate::simulation::Setup;
 
@@ -169,4 +169,25 @@ fn other_casimirs(entry: &Entry, setup: &Setup) -> Vec<String> {
             format!("`{name}` is {}{unit}, in the example {}{unit}", list(&[now]), list(&[usual]))
         })
         .collect()
+}
+
+/// The assignments that lead to a setup, from whatever other one.
+pub(crate) fn assignments(entry: &Entry, setup: &Setup) -> Vec<String> {
+    let numbers =
+        |values: &[f64]| values.iter().map(|value| format!("{value:?}")).collect::<Vec<_>>().join(",");
+    let mut assignments = Vec::new();
+    let description = &entry.description;
+    for (quantities, values) in
+        [(description.parameters, &setup.parameters), (description.state, &setup.state)]
+    {
+        let all = laid_out(quantities);
+        assignments
+            .extend(all.map(|(quantity, slots)| format!("{}={}", quantity.name, numbers(&values[slots]))));
+    }
+    for (quantity, slots) in laid_out(description.controls) {
+        for (component, held) in quantity.components.iter().zip(&setup.controls[slots]) {
+            assignments.extend(held.map(|held| format!("{}={held:?}", component_name(quantity, component))));
+        }
+    }
+    assignments
 }

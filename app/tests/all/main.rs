@@ -8,6 +8,10 @@
 )]
 
 mod ensembles;
+mod files;
 mod page;
 mod program;
+#[cfg(unix)]
+mod reliability;
+mod scratch;
 mod terminal;

@@ -87,6 +87,9 @@ impl Asked {
             plot: false,
             html: Some(html.to_owned()),
             out: html.with_extension("out"),
+            pause: 10.0,
+            force: true,
+            inputs: Vec::new(),
         };
         let mut states = Vec::new();
         let keep = &mut |sample: &coadjoint_app::simulation::Sample<'_>| {

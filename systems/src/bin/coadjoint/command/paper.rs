@@ -58,6 +58,9 @@ pub(crate) fn paper(
             plot: false,
             html: None,
             out: out.clone(),
+            pause: 10.0,
+            force: false,
+            inputs: Vec::new(),
         };
         let done = Session::begin(catalogue, plan, None)?.run()?;
         written.extend(done.written);

@@ -1,0 +1,450 @@
+//! A campaign against files: pairs of runs on one checkpoint, kills at random moments, flipped bits, full disks. After each there is no wrong
+//! result with exit code 0, no half-written file, and no file of others has changed.
+//!
+//! `COADJOINT_CAMPAIGN=1 cargo test -p coadjoint-app --all-features --test all reliability` is the whole of it; without, the same in small.
+//! `COADJOINT_SEED` chooses other moments and bits.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Child, Command, Output};
+use std::time::Duration;
+
+use crate::scratch::{Scratch, text};
+
+/// How often each test tries: in small, and in the campaign.
+fn times(small: usize, campaign: usize) -> usize {
+    if std::env::var_os("COADJOINT_CAMPAIGN").is_some() { campaign } else { small }
+}
+
+/// Random numbers: SplitMix64.
+struct Random(u64);
+
+impl Random {
+    fn new(test: u64) -> Self {
+        let seed = std::env::var("COADJOINT_SEED").ok().and_then(|seed| seed.parse().ok()).unwrap_or(1_u64);
+        Self(seed << 8 | test)
+    }
+
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) % bound as u64) as usize
+    }
+}
+
+/// A run of about half a second, which saves its checkpoint all the time.
+const LONG: [&str; 9] = ["run", "free_body", "--duration", "1500", "--step", "0.01", "--every", "5", "--set"];
+const CHECKPOINT: [&str; 4] = ["--checkpoint", "run.ck", "--checkpoint-every", "0.005"];
+
+fn long<'a>(momentum: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
+    [&LONG[..], &[momentum], rest].concat()
+}
+
+/// Files of others, beside those of the runs and under names like theirs.
+struct Foreign(Vec<(PathBuf, Vec<u8>)>);
+
+impl Foreign {
+    fn plant(scratch: &Scratch) -> Self {
+        let names = [
+            "out/data.csv",
+            "out/.x.coadjoint-tmp",
+            "run.ck.old",
+            "run.ck.rows.bak",
+            "notes",
+            "out/free_body-cayley.csv",
+        ];
+        let plant = |name: &str| {
+            let content = format!("of others: {name}").into_bytes();
+            scratch.write(name, &content);
+            (scratch.path(name), content)
+        };
+        Self(names.into_iter().map(plant).collect())
+    }
+
+    fn check(&self) {
+        for (path, content) in &self.0 {
+            assert!(fs::read(path).is_ok_and(|now| now == *content), "{} changed", path.display());
+        }
+    }
+}
+
+/// The trajectory of a run that nobody disturbed, and its name.
+fn undisturbed(momentum: &str) -> (String, Vec<u8>) {
+    let scratch = Scratch::new("undisturbed");
+    scratch.prints(&long(momentum, &[]));
+    let name = scratch.files("out").pop().expect("a trajectory");
+    let content = scratch.bytes(&format!("out/{name}"));
+    (name, content)
+}
+
+fn signal(child: &Child, name: &str) {
+    let sent = Command::new("kill").args([name, &child.id().to_string()]).status();
+    assert!(sent.expect("kill").success());
+}
+
+/// The trajectory is the whole one, or it says that it is not and is its beginning; or there is none.
+fn is_whole_or_honest(scratch: &Scratch, name: &str, whole: &[u8]) -> bool {
+    let Ok(found) = fs::read(scratch.path(&format!("out/{name}"))) else { return false };
+    if found == whole {
+        return true;
+    }
+    let (found, whole) = (text(&found), text(whole));
+    let (rows, last) = found.trim_end().rsplit_once('\n').expect("lines");
+    assert!(last.starts_with("# interrupted: "), "a file that is not whole does not say so: {last}");
+    // the last row of an interrupted run may be of a step that is written anyway
+    assert!(whole.starts_with(rows), "an interrupted file has other rows");
+    false
+}
+
+#[test]
+fn two_runs_do_not_share_a_checkpoint() {
+    let momenta = ["momentum=0.01,1,0.01", "momentum=0.02,1,0.01"];
+    let whole = momenta.map(undisturbed);
+    let (mut random, mut refused) = (Random::new(1), 0);
+    for pair in 0..times(4, 24) {
+        let scratch = Scratch::new("pair");
+        let foreign = Foreign::plant(&scratch);
+        let run = |momentum| long(momentum, &CHECKPOINT);
+        let resume = || vec!["resume", "run.ck"];
+        // the same run twice, two different ones, a run that is resumed while it goes on, and one that is resumed twice
+        let both = match pair % 4 {
+            0 => [run(momenta[0]), run(momenta[0])],
+            1 => [run(momenta[0]), run(momenta[1])],
+            2 => [run(momenta[0]), resume()],
+            _ => {
+                let child = scratch.command(&run(momenta[0])).spawn().expect("it starts");
+                while !scratch.path("run.ck.rows").exists() {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+                std::thread::sleep(Duration::from_millis(random.below(60) as u64));
+                signal(&child, "-KILL");
+                let _ = child.wait_with_output();
+                [resume(), resume()]
+            }
+        };
+        let children = both.map(|arguments| {
+            let child = scratch.command(&arguments).spawn().expect("it starts");
+            std::thread::sleep(Duration::from_millis(random.below(30) as u64));
+            child
+        });
+        let before = refused;
+        for (i, child) in children.into_iter().enumerate() {
+            let output = child.wait_with_output().expect("it ends");
+            let message = text(&output.stderr);
+            match output.status.code() {
+                Some(0) => {
+                    let (name, whole) = &whole[usize::from(pair % 4 == 1 && i == 1)];
+                    assert!(
+                        scratch.bytes(&format!("out/{name}")) == *whole,
+                        "pair {pair}: wrong, with exit code 0"
+                    );
+                }
+                Some(2) => {
+                    let expected = ["in use by another run", "exists already", "cannot read run.ck"];
+                    assert!(expected.iter().any(|part| message.contains(part)), "pair {pair}: {message}");
+                    refused += 1;
+                }
+                code => panic!("pair {pair}: {code:?} {message}"),
+            }
+        }
+        foreign.check();
+        assert!(refused < before + 2, "pair {pair}: neither ran");
+        assert!(scratch.files(".").iter().all(|name| !name.starts_with("run.ck.l") && name != "run.ck"));
+    }
+    assert!(refused > 0, "no two ran at the same time");
+}
+
+/// Chains of runs that are killed and resumed until they are complete.
+#[test]
+fn runs_that_are_killed_go_on_to_the_same_bytes() {
+    let momentum = "momentum=0.01,1,0.01";
+    let (name, whole) = undisturbed(momentum);
+    let mut random = Random::new(2);
+    let (mut kills, mut resumed, mut in_the_midst) = (0, 0, 0);
+    while kills < times(12, 200) {
+        let scratch = Scratch::new("killed");
+        let foreign = Foreign::plant(&scratch);
+        let mut left = 4;
+        loop {
+            let go_on = scratch.path("run.ck").exists();
+            let mut child = match go_on {
+                true => scratch.command(&["resume", "run.ck"]).spawn().expect("it starts"),
+                false => scratch.command(&long(momentum, &CHECKPOINT)).spawn().expect("it starts"),
+            };
+            resumed += usize::from(go_on);
+            if left > 0 {
+                wait_for_a_moment(&scratch, &mut child, &name, &mut random);
+                left -= 1;
+                if child.try_wait().expect("waits").is_none() {
+                    signal(&child, ["-KILL", "-TERM", "-HUP"][random.below(8).saturating_sub(5)]);
+                    kills += 1;
+                }
+            }
+            let output = child.wait_with_output().expect("it ends");
+            in_the_midst += usize::from(output.status.code() != Some(0));
+            check_end(&scratch, &output, &name, &whole);
+            foreign.check();
+            if output.status.success() {
+                break;
+            }
+            // killed between the last file and the removal of the journal, or between checkpoint and journal
+            if !scratch.path("run.ck").exists() {
+                let _ = fs::remove_file(scratch.path("run.ck.rows"));
+            }
+        }
+        let rest: Vec<String> =
+            scratch.files(".").into_iter().filter(|name| name.starts_with("run.ck")).collect();
+        assert!(
+            rest.iter().all(|name| ["run.ck.old", "run.ck.rows.bak"].contains(&name.as_str())),
+            "{rest:?}"
+        );
+    }
+    assert!(
+        resumed > kills / 4 && in_the_midst > kills / 4,
+        "{kills} kills, {resumed} resumed, {in_the_midst} in the midst"
+    );
+    println!("{kills} kills, {in_the_midst} in the midst of a run, {resumed} runs resumed");
+}
+
+/// Half of the kills come at any moment of a run; the others within milliseconds of its beginning or end, when the trajectory's file is begun.
+fn wait_for_a_moment(scratch: &Scratch, child: &mut Child, name: &str, random: &mut Random) {
+    let is_begun = || scratch.files("out").iter().any(|file| file.starts_with(&format!(".{name}.")));
+    if random.below(2) == 0 {
+        while !is_begun() && child.try_wait().expect("waits").is_none() {
+            std::thread::sleep(Duration::from_micros(50));
+        }
+        std::thread::sleep(Duration::from_micros(random.below(12_000) as u64));
+    } else {
+        std::thread::sleep(Duration::from_micros(random.below(160_000) as u64));
+    }
+}
+
+fn check_end(scratch: &Scratch, output: &Output, name: &str, whole: &[u8]) {
+    use std::os::unix::process::ExitStatusExt;
+    let message = text(&output.stderr);
+    let is_whole = is_whole_or_honest(scratch, name, whole);
+    match (output.status.code(), output.status.signal()) {
+        (Some(0), _) => assert!(is_whole, "exit code 0, and not the whole run"),
+        (Some(129 | 143), _) => {}
+        // by SIGKILL; by the others before they are listened to
+        (None, Some(9 | 15 | 1)) => {}
+        status => panic!("{status:?}: {message}"),
+    }
+}
+
+#[test]
+fn flipped_bits_are_refused_or_of_no_effect() {
+    let momentum = "momentum=0.01,1,0.01";
+    let (name, whole) = undisturbed(momentum);
+    let interrupted = Scratch::new("to-flip");
+    let child = interrupted.command(&long(momentum, &CHECKPOINT)).spawn().expect("it starts");
+    // until it has saved a while
+    while fs::metadata(interrupted.path("run.ck.rows")).map_or(0, |file| file.len()) < 300_000 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    signal(&child, "-KILL");
+    let _ = child.wait_with_output();
+    let mut random = Random::new(3);
+    for file in ["run.ck", "run.ck.rows"] {
+        let (mut refused, mut harmless) = (0, 0);
+        for _ in 0..times(15, 500) {
+            let scratch = Scratch::new("flipped");
+            for name in ["run.ck", "run.ck.rows"] {
+                fs::copy(interrupted.path(name), scratch.path(name)).expect("copied");
+            }
+            let foreign = Foreign::plant(&scratch);
+            let mut bytes = scratch.bytes(file);
+            let bit = random.below(8 * bytes.len());
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            scratch.write(file, &bytes);
+            let output = scratch.run(&["resume", "run.ck"]);
+            match output.status.code() {
+                Some(0) => {
+                    assert!(
+                        scratch.bytes(&format!("out/{name}")) == whole,
+                        "bit {bit} of {file}: wrong, with exit code 0"
+                    );
+                    harmless += 1;
+                }
+                Some(2) => {
+                    let message = text(&output.stderr);
+                    assert!(
+                        message.contains("run.ck") && !scratch.path(&format!("out/{name}")).exists(),
+                        "{message}"
+                    );
+                    assert!(
+                        scratch.bytes(file) == bytes,
+                        "bit {bit} of {file}: what was refused has changed"
+                    );
+                    refused += 1;
+                }
+                code => panic!("bit {bit} of {file}: {code:?} {}", text(&output.stderr)),
+            }
+            foreign.check();
+        }
+        println!("{file}: {refused} flipped bits refused, {harmless} of no effect");
+        assert!(refused > 0);
+        // what comes after the checkpoint is of no effect
+        assert!(file == "run.ck.rows" || harmless == 0);
+    }
+}
+
+/// Disks that are full at each of many points: small ones, and files that cannot grow beyond a size.
+#[test]
+fn a_full_disk_leaves_nothing_half_written() {
+    let page = ["--html", "page.html"];
+    let arguments = long("momentum=0.01,1,0.01", &page);
+    let whole = Scratch::new("undisturbed");
+    whole.prints(&arguments);
+    let name = format!("out/{}", whole.files("out").pop().expect("a trajectory"));
+    let sizes = [&name[..], "page.html"].map(|name| whole.bytes(name).len());
+    let mut random = Random::new(4);
+    let points = times(6, 50);
+    let (mut failed, mut resumed) = (0, 0);
+    for point in 0..points {
+        let scratch = Scratch::new("full");
+        let foreign = Foreign::plant(&scratch);
+        let with_checkpoint = if point % 2 == 1 { &CHECKPOINT[..] } else { &[] };
+        let command = scratch.command(&[&arguments[..], with_checkpoint].concat());
+        // now and then more than is needed
+        let mut full = if point % 4 < 2 {
+            let needed = sizes.iter().sum::<usize>() * (1 + with_checkpoint.len() / 4);
+            on_a_disk(&command, random.below(needed * 11 / 10))
+        } else {
+            with_limited_files(&command, random.below(sizes[0] * 11 / 10))
+        };
+        let output = full.current_dir(&scratch.0).output().expect("it starts");
+        let message = text(&output.stderr);
+        match output.status.code() {
+            Some(0) => {}
+            Some(4) => {
+                failed += 1;
+                assert!(message.contains("error: cannot write"), "{message}");
+            }
+            code => panic!("{code:?} {message}"),
+        }
+        for name in [&name[..], "page.html"] {
+            let found = fs::read(scratch.path(name)).ok();
+            assert!(found.is_some() || !output.status.success(), "no {name}, with exit code 0");
+            assert!(found.is_none_or(|found| found == whole.bytes(name)), "{name} is not whole");
+        }
+        let left = |directory: &str| {
+            scratch.files(directory).into_iter().filter(|name| name.ends_with("tmp")).count()
+        };
+        assert_eq!((left("out"), left(".")), (1, 0), "only that of others");
+        if scratch.path("run.ck").exists() {
+            // with room, it goes on
+            resumed += 1;
+            scratch.prints(&["resume", "run.ck"]);
+            for name in [&name[..], "page.html"] {
+                assert!(scratch.bytes(name) == whole.bytes(name), "{name} is wrong after going on");
+            }
+        }
+        foreign.check();
+    }
+    println!("{points} full disks: {failed} runs failed, {resumed} went on");
+    assert!(failed > points / 2 && resumed > 0, "{failed} failed, {resumed} went on");
+}
+
+/// Runs a command in its directory, on a disk of this size: a file system in memory, which this process alone sees, so that what is in the directory
+/// goes there and comes back. Where processes may not mount, only files are limited.
+fn on_a_disk(command: &Command, size: usize) -> Command {
+    let may_mount =
+        Command::new("unshare").args(["-rm", "true"]).status().is_ok_and(|status| status.success());
+    if !may_mount {
+        return with_limited_files(command, size);
+    }
+    // what is there takes a page each
+    let script = format!(
+        "mkdir disk && mount -t tmpfs -o size={}k tmpfs disk && mv [!d]* disk/ && cd disk && {{ \"$0\" \"$@\"; code=$?; }}; \
+         find . -mindepth 1 -maxdepth 1 -exec mv {{}} .. \\; && cd .. && umount disk && rmdir disk && exit $code",
+        64 + size / 1024
+    );
+    let mut on_a_disk = Command::new("unshare");
+    on_a_disk.args(["-rm", "sh", "-c", &script]).arg(command.get_program()).args(command.get_args());
+    on_a_disk
+}
+
+/// Runs a command that cannot write more to a file.
+fn with_limited_files(command: &Command, size: usize) -> Command {
+    let script = format!("trap '' XFSZ; ulimit -f {}; exec \"$0\" \"$@\"", size / 512);
+    let mut limited = Command::new("sh");
+    limited.arg("-c").arg(script).arg(command.get_program()).args(command.get_args());
+    limited
+}
+
+/// Without a checkpoint, what was computed until a signal is written, and says so; it does not take the place of all of it.
+#[test]
+fn signals_end_a_run_cleanly() {
+    for (name, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+        let scratch = Scratch::new("signal");
+        let endless = ["run", "free_body", "--duration", "1e9", "--every", "1000", "--plot"];
+        let end = |limit: &[&str]| {
+            let child = scratch.command(&[&endless[..], limit].concat()).spawn().expect("it starts");
+            while !scratch.files("out").iter().any(|name| name.ends_with("tmp")) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_millis(100));
+            signal(&child, name);
+            child.wait_with_output().expect("it ends")
+        };
+        let output = end(&[]);
+        assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
+        let files = scratch.files("out");
+        assert_eq!(files.len(), 3, "{files:?}");
+        let csv = files.iter().find(|name| name.ends_with("csv")).expect("a table");
+        let table = scratch.text(&format!("out/{csv}"));
+        assert!(table.lines().last().is_some_and(|line| line.starts_with("# interrupted: ")), "{name}");
+        // another time it comes as far as it comes
+        assert_eq!(end(&[]).status.code(), Some(code));
+        // but a whole run stays
+        let whole = table.rsplit_once("# interrupted").expect("interrupted").0;
+        scratch.write(&format!("out/{csv}"), whole.as_bytes());
+        let output = end(&[]);
+        assert_eq!(output.status.code(), Some(code));
+        assert!(text(&output.stderr).contains("holds the whole run, and stays"), "{}", text(&output.stderr));
+        assert_eq!(scratch.text(&format!("out/{csv}")), whole);
+    }
+}
+
+/// Who asked that a run goes on when they log out is heard.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_run_under_nohup_goes_on() {
+    let scratch = Scratch::new("nohup");
+    let command = scratch.command(&["run", "free_body", "--duration", "2000", "--every", "1000"]);
+    let mut nohup = Command::new("sh");
+    nohup.args(["-c", "trap '' HUP; exec \"$0\" \"$@\""]).arg(command.get_program()).args(command.get_args());
+    let child = nohup.current_dir(&scratch.0).spawn().expect("it starts");
+    while !scratch.files("out").iter().any(|name| name.ends_with("tmp")) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    signal(&child, "-HUP");
+    assert_eq!(child.wait_with_output().expect("it ends").status.code(), Some(0));
+}
+
+/// The second signal ends the program at once, and no temporary file stays.
+#[test]
+fn a_second_signal_leaves_no_temporary_file() {
+    use std::process::Stdio;
+    let scratch = Scratch::new("second");
+    // the output goes into a pipe that nobody reads: after the first signal the program waits for ever
+    assert!(Command::new("mkfifo").arg(scratch.path("page")).status().expect("mkfifo").success());
+    let mut child = scratch
+        .command(&["run", "free_body", "--duration", "1e9", "--every", "1000", "--plot", "--html", "page"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("it starts");
+    while !scratch.files("out").iter().any(|name| name.ends_with("tmp")) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    for _ in 0..2 {
+        std::thread::sleep(Duration::from_millis(50));
+        signal(&child, "-TERM");
+    }
+    assert_eq!(child.wait().expect("it ends").code(), Some(143));
+    assert!(scratch.files("out").iter().all(|name| !name.ends_with("tmp")), "{:?}", scratch.files("out"));
+}
