@@ -62,6 +62,8 @@ pub mod conservation;
 #[cfg(feature = "program")]
 pub mod ensemble;
 #[cfg(feature = "program")]
+mod ensemble_plot;
+#[cfg(feature = "program")]
 pub mod entry;
 #[cfg(feature = "program")]
 pub mod error;

@@ -10,11 +10,11 @@ use coadjoint::system::{Quantity, Role};
 
 use super::run::{MotionArguments, steps};
 use crate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
+use crate::ensemble_plot::figure;
 use crate::entry::{Catalogue, Entry, component_name};
 use crate::error::Error;
 use crate::interrupt;
 use crate::output::{AtomicFile, make_directory};
-use crate::plot::{Axis, Figure, Key, Panel, Series};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::setting;
@@ -152,45 +152,6 @@ fn write_table(path: &Path, named: &[(String, Observable)], summary: &EnsembleSu
         file.finish()
     };
     written().map_err(|source| Error::Write { path: path.to_owned(), source })
-}
-
-/// A panel for each quantity: the median in bands that hold more and more members.
-fn figure(
-    entry: &Entry,
-    named: &[(String, Observable)],
-    summary: &EnsembleSummary,
-    spec: &EnsembleSpec,
-    spread: &[String],
-) -> Figure {
-    let panel = |((name, _), spreads): (&(String, Observable), &Vec<Spread>)| {
-        let edge = |k: usize| {
-            let points = spreads.iter().filter(|spread| spread.members > 0);
-            points.map(|spread| (spread.time, spread.quantiles[k])).collect::<Vec<_>>()
-        };
-        let bands = [(0, 6), (1, 5), (2, 4)].map(|(low, high)| Series::band(edge(low), edge(high)));
-        let series = bands.into_iter().chain([Series::line("median", edge(3))]).collect();
-        Panel::new(Axis::linear(""), Axis::linear(name), series)
-    };
-    let panels: Vec<Panel> = named.iter().zip(&summary.spreads).map(panel).collect();
-    let times = |of: fn(f64, f64) -> f64| {
-        let times = summary.spreads.iter().flatten().map(|spread| spread.time);
-        times.reduce(of).unwrap_or(0.0)
-    };
-    let title = format!("{} of {}", grouped(spec.members as u64), entry.name);
-    let mut figure =
-        Figure::over_time(title, "time / s", (times(f64::min), times(f64::max)), Key::Below, panels);
-    let mut caption = format!(
-        "Members differ by {}, uniformly distributed. Line: the median; bands, from dark to light: a half, nine tenths, all of the members.",
-        spread.join(", ")
-    );
-    if !summary.failed.is_empty() {
-        caption += &format!(
-            " {} failed on the way and are no longer counted.",
-            grouped(summary.failed.len() as u64)
-        );
-    }
-    figure.caption = vec![caption];
-    figure
 }
 
 fn report(summary: &EnsembleSummary, spec: &EnsembleSpec, console: &mut dyn Write) -> Result<(), Error> {
