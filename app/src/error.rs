@@ -50,14 +50,6 @@ pub enum Error {
     /// Ctrl-C ended a run; what was computed is written.
     #[error("interrupted")]
     Interrupted,
-    /// A picture could not be drawn.
-    #[error("cannot draw {}: {reason}", .path.display())]
-    Draw {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
     /// The terminal, or the program this one is piped into, is closed.
     #[error("cannot write to standard output: {0}")]
     Console(#[from] io::Error),
@@ -100,7 +92,7 @@ impl Error {
                 | SimulationError::NotLifted { .. },
             ) => 2,
             Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) | Error::Command(_) => 3,
-            Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
+            Error::Write { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } => 1,
         }
     }

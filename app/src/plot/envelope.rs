@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{Color, Series};
+
 /// The smallest and largest value in each of a fixed number of equal bins of a run, gathered as it goes: a picture of
 /// a million steps is as small as one of a thousand, and shows the same extremes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -40,21 +42,16 @@ impl Envelope {
         }
     }
 
-    /// Both extremes of every bin, in the order of time.
-    pub fn both(&self) -> Vec<(f64, f64)> {
-        let mut points = Vec::new();
-        for bin in self.bins.iter().flatten() {
-            let (first, second) = if bin.least.0 <= bin.greatest.0 {
-                (bin.least, bin.greatest)
-            } else {
-                (bin.greatest, bin.least)
-            };
-            points.push(first);
-            if second.0 != first.0 {
-                points.push(second);
-            }
-        }
-        points
+    /// What a run did, in one colour: the area between the least values and the greatest, and its edges. Slow changes are a line, fast ones a
+    /// light area.
+    pub fn series(&self, label: &str, color: Color) -> Vec<Series> {
+        let lower: Vec<_> = self.bins.iter().flatten().map(|bin| bin.least).collect();
+        let upper = self.upper();
+        vec![
+            Series::band("", color, 0.18, lower.clone(), upper.clone()),
+            Series::line("", color, lower),
+            Series::line(label, color, upper),
+        ]
     }
 
     /// The greatest value of every bin: of a magnitude, the line it stays below.
@@ -74,11 +71,16 @@ mod tests {
         for i in 0..100_000 {
             envelope.push(i, i as f64, value(i));
         }
-        let points = envelope.both();
-        assert_eq!(points.len(), 100);
-        assert!(points.is_sorted_by(|a, b| a.0 < b.0));
-        assert!(points.contains(&(77_777.0, 9.0)));
-        assert!(points.iter().all(|&(t, y)| y == value(t as u64)));
+        let [band, lower, upper] = &envelope.series("x", Color::X)[..] else {
+            panic!("a band and its edges")
+        };
+        assert_eq!((lower.points.len(), upper.points.len(), band.points.len()), (50, 50, 100));
+        for line in [lower, upper] {
+            assert!(line.points.is_sorted_by(|a, b| a.0 < b.0));
+            assert!(line.points.iter().all(|&(t, y)| y == value(t as u64)));
+        }
+        assert!(upper.points.contains(&(77_777.0, 9.0)));
+        assert!(lower.points.iter().all(|point| point.1 < -0.99));
         assert_eq!(envelope.upper().len(), 50);
         assert!(envelope.upper().iter().all(|point| point.1 > 0.99));
     }
@@ -89,7 +91,6 @@ mod tests {
         for i in 0..3 {
             envelope.push(i, i as f64, -(i as f64));
         }
-        assert_eq!(envelope.both(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
-        assert_eq!(envelope.upper(), envelope.both());
+        assert_eq!(envelope.upper(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
     }
 }
