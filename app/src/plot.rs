@@ -49,7 +49,7 @@ pub enum Key {
     Above,
     /// Above each panel with more than one named series.
     Each,
-    /// At the lines themselves.
+    /// At the lines of the first panel.
     Lines,
 }
 

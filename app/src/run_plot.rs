@@ -72,21 +72,49 @@ impl Part {
         }
     }
 
-    /// The quantity with its unit.
-    fn label(&self, entry: &Entry) -> String {
+    /// The quantity, in words.
+    fn label(&self) -> String {
         let name = self.quantity.name.replace('_', " ");
-        let what = match (self.is_half, self.kind) {
+        match (self.is_half, self.kind) {
             (true, Kind::Vector) => format!("{name}, translation"),
             (true, _) => format!("{name}, rotation"),
             (false, _) => name,
-        };
-        match self.kind {
-            Kind::Vector => {
-                let first = self.names().first().copied().unwrap_or_default();
-                with_unit(&what, entry.unit(&component_name(self.quantity, first)))
-            }
-            _ => with_unit(&what, "degrees"),
         }
+    }
+
+    /// The unit of a curve, and how many of it the recorded values' unit is: angles that go round many times are counted in turns.
+    fn unit(&self, entry: &Entry, name: &str, curve: &Envelope) -> (&'static str, f64) {
+        let (low, high) = curve.range();
+        match self.kind {
+            Kind::Vector => (entry.unit(&component_name(self.quantity, name)), 1.0),
+            _ if high - low > 720.0 => ("turns", 1.0 / 360.0),
+            _ => ("degrees", 1.0),
+        }
+    }
+
+    /// Panels with these curves, one for each unit.
+    fn panels(&self, entry: &Entry, curves: &[Envelope]) -> Vec<Panel> {
+        let mut panels: Vec<(&str, Vec<Series>)> = Vec::new();
+        for (k, (name, curve)) in self.names().iter().zip(curves).enumerate() {
+            let (unit, scale) = self.unit(entry, name, curve);
+            let series = curve.series(&name.replace('_', " "), Color::component(k), scale);
+            match panels.iter_mut().find(|(known, _)| *known == unit) {
+                Some((_, panel)) => panel.extend(series),
+                None => panels.push((unit, series)),
+            }
+        }
+        // alone, a curve needs a name only if others of its quantity are elsewhere
+        let count = panels.len();
+        let panel = |(unit, series): (&str, Vec<Series>)| {
+            let names: Vec<&str> =
+                series.iter().map(|series| series.label.as_str()).filter(|label| !label.is_empty()).collect();
+            let label = match names[..] {
+                [name] if count > 1 => with_unit(name, unit),
+                _ => with_unit(&self.label(), unit),
+            };
+            Panel::new(Axis::linear(TIME), Axis::linear(label), series)
+        };
+        panels.into_iter().map(panel).collect()
     }
 }
 
@@ -177,20 +205,19 @@ impl RunPlot {
     /// A panel for each part of the state, one for energy, and one for each Casimir.
     pub(crate) fn figure(&self, entry: &Entry, title: String) -> Figure {
         let mut panels = Vec::new();
-        let mut add = |axis: Axis, series| panels.push(Panel::new(Axis::linear(TIME), axis, series));
-        let mut curves = self.state.iter();
+        let mut curves = self.state.as_slice();
         for part in parts(entry) {
-            let names = part.names();
-            let curves = names.iter().zip(curves.by_ref().take(names.len())).enumerate();
-            let series = curves.flat_map(|(k, (name, curve))| curve.series(name, Color::component(k)));
-            add(Axis::linear(part.label(entry)), series.collect());
+            let (own, others) = curves.split_at(part.names().len().min(curves.len()));
+            panels.extend(part.panels(entry, own));
+            curves = others;
         }
+        let mut add = |axis: Axis, series| panels.push(Panel::new(Axis::linear(TIME), axis, series));
         let energy = entry.unit("energy");
         if entry.description.autonomous {
             let line = Series::line("", Color::X, self.energy.upper());
             add(Axis::logarithmic(with_unit("energy error", energy)), vec![line]);
         } else {
-            add(Axis::linear(with_unit("energy", energy)), self.energy.series("", Color::X));
+            add(Axis::linear(with_unit("energy", energy)), self.energy.series("", Color::X, 1.0));
         }
         for ((name, unit), envelope) in entry.casimirs().zip(&self.casimirs) {
             let label = with_unit(&format!("{} error", symbols(name)), unit);

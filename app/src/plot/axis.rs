@@ -58,10 +58,10 @@ impl Axis {
 
 /// The part of a linear axis that is free beyond the values at either end.
 const MARGIN: f64 = 0.05;
-/// As many ticks with a number as fit.
+/// More ticks with a number than this are not easier to read.
 const TICKS: f64 = 7.0;
 /// With more powers of ten than this, the numbers between them have no ticks.
-const DECADES: f64 = 8.0;
+const DECADES: f64 = 6.0;
 
 /// Where values lie along an axis: at a part of its length, and its ticks.
 #[derive(Clone, Debug)]
@@ -110,12 +110,13 @@ impl Placement {
         (value - low) / (high - low)
     }
 
-    /// The ticks, with room for about so many characters along the axis.
+    /// The ticks, with room for so many numbers.
     pub(super) fn ticks(&self, room: f64) -> Vec<Tick> {
+        let most = room.clamp(2.0, TICKS);
         match &self.scale {
-            Scale::Linear => self.linear(room, 0.0),
-            Scale::Counts => self.linear(room, 1.0),
-            Scale::Logarithmic => self.logarithmic(room),
+            Scale::Linear => self.linear(most, 0.0),
+            Scale::Counts => self.linear(most, 1.0),
+            Scale::Logarithmic => self.logarithmic(most),
             Scale::Names(names) => {
                 let ticks = names.iter().zip(1..);
                 let tick = |(name, k): (&String, i32)| Tick {
@@ -131,9 +132,9 @@ impl Placement {
         (place - self.ends.0) / (self.ends.1 - self.ends.0)
     }
 
-    fn linear(&self, room: f64, least: f64) -> Vec<Tick> {
+    fn linear(&self, most: f64, least: f64) -> Vec<Tick> {
         let (low, high) = self.ends;
-        let step = step((high - low) / TICKS.min(room / 6.0).max(2.0)).max(least);
+        let step = step((high - low) / most).max(least);
         let label = label(step, low.abs().max(high.abs()));
         let tick = |k: f64| Tick { at: self.part(k * step), label: Some(label(k * step)) };
         // an end may be a tick up to roundoff
@@ -141,12 +142,12 @@ impl Placement {
         (0..=100).map(|k| first + f64::from(k)).take_while(|k| *k <= last).map(tick).collect()
     }
 
-    fn logarithmic(&self, room: f64) -> Vec<Tick> {
+    fn logarithmic(&self, most: f64) -> Vec<Tick> {
         let (low, high) = self.ends;
         let within = |place: f64| (low - 1e-9..=high + 1e-9).contains(&place);
         let decades = (low.floor() as i32..=high.ceil() as i32).map(f64::from);
         // every so many powers of ten
-        let stride = step((high - low) / TICKS.min(room / 5.0).max(2.0)).max(1.0);
+        let stride = step((high - low) / most).max(1.0);
         let is_narrow = high - low < 1.5;
         let mut ticks = Vec::new();
         for decade in decades {
@@ -224,7 +225,7 @@ mod tests {
 
     fn labels(axis: &Axis, values: &[f64]) -> Vec<String> {
         let placement = Placement::new(axis, values.iter().copied(), false);
-        placement.ticks(60.0).into_iter().filter_map(|tick| tick.label).collect()
+        placement.ticks(6.0).into_iter().filter_map(|tick| tick.label).collect()
     }
 
     #[test]
@@ -255,13 +256,13 @@ mod tests {
     #[test]
     fn logarithmic_axes_have_minor_ticks() {
         let axis = Axis::logarithmic("error").within(1e-3, 1e0);
-        let ticks = Placement::new(&axis, std::iter::empty(), true).ticks(60.0);
+        let ticks = Placement::new(&axis, std::iter::empty(), true).ticks(6.0);
         assert_eq!(ticks.len(), 3 * 9 + 1);
         assert_eq!(labels(&axis, &[]), ["10⁻³", "10⁻²", "10⁻¹", "10⁰"]);
         // within little more than a decade, numbers between too
         assert_eq!(labels(&Axis::logarithmic("H").within(0.5, 2.0), &[]), ["0.5", "1", "2"]);
         // over many decades, only powers of ten, and not all of them with a number
-        let wide = Placement::new(&axis.within(1e-16, 1e0), std::iter::empty(), true).ticks(60.0);
+        let wide = Placement::new(&axis.within(1e-16, 1e0), std::iter::empty(), true).ticks(6.0);
         assert_eq!(wide.len(), 17);
         assert!(wide.iter().filter(|tick| tick.label.is_some()).count() <= 7);
     }
@@ -272,7 +273,7 @@ mod tests {
             for axis in [Axis::linear("x"), Axis::logarithmic("x"), Axis::counts("x")] {
                 let placement = Placement::new(&axis, values.iter().copied(), true);
                 assert!(placement.ends.0 < placement.ends.1, "{values:?}");
-                assert!(placement.ticks(60.0).iter().all(|tick| tick.at.is_finite()));
+                assert!(placement.ticks(6.0).iter().all(|tick| tick.at.is_finite()));
             }
         }
     }

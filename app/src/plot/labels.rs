@@ -1,4 +1,4 @@
-//! Names at the lines themselves, where they cover little.
+//! Names at the lines themselves, where they cover little; a thin line leads to those that are not close.
 
 use super::Series;
 use super::clip::{Frame, clipped};
@@ -25,56 +25,65 @@ impl Area {
             && self.top < other.bottom
             && other.top < self.bottom
     }
+
+    fn grown(&self, by: f64) -> Self {
+        Self { left: self.left - by, right: self.right + by, top: self.top - by, bottom: self.bottom + by }
+    }
+
+    /// Its point that is nearest to another.
+    fn nearest(&self, (x, y): Point) -> Point {
+        (x.clamp(self.left, self.right), y.clamp(self.top, self.bottom))
+    }
 }
 
-/// Writes each series' name in its colour beside one of its points: where the fewest others are near.
+/// A name with the point that it belongs to.
+struct Candidate {
+    area: Area,
+    point: Point,
+}
+
+impl Candidate {
+    /// From the point to the text.
+    fn leader(&self) -> [Point; 2] {
+        [self.point, self.area.nearest(self.point)]
+    }
+
+    fn distance(&self) -> f64 {
+        let [(x, y), (to_x, to_y)] = self.leader();
+        (to_x - x).hypot(to_y - y)
+    }
+}
+
+/// Text this far from its point needs a line that leads to it.
+const CLOSE: f64 = 13.0;
+
+/// Writes each series' name in its colour near one of its points: where the fewest others are.
 pub(super) fn place(scene: &mut Scene, frame: &Frame, lines: &[(&Series, Vec<Point>)], size: f64) {
     let dense: Vec<Vec<Point>> = lines.iter().map(|(_, points)| dense(points, frame)).collect();
     let mut taken: Vec<Area> = Vec::new();
-    for (i, (series, _)) in lines.iter().enumerate() {
+    for (i, (series, points)) in lines.iter().enumerate() {
         if series.label.is_empty() {
             continue;
         }
         let width = font::width(&series.label, size);
-        let cost = |area: &Area, point: Point| {
-            let covered: f64 = dense
-                .iter()
-                .enumerate()
-                .map(|(k, points)| {
-                    let weight = if k == i { 1.0 } else { 2.0 };
-                    weight * points.iter().filter(|point| area.holds(**point)).count() as f64
-                })
-                .sum();
-            // others that are nearer than its own line mislead
-            let near = Area {
-                left: point.0 - 16.0,
-                right: point.0 + 16.0,
-                top: point.1 - 16.0,
-                bottom: point.1 + 16.0,
-            };
-            let misleading = dense.iter().enumerate().filter(|(k, _)| *k != i);
-            let misleading: usize =
-                misleading.map(|(_, points)| points.iter().filter(|point| near.holds(**point)).count()).sum();
-            let overlaps = taken.iter().filter(|other| area.meets(other)).count() as f64;
-            let outside = area.left < frame.left + 3.0
-                || area.right > frame.right() - 3.0
-                || area.top < frame.top + 3.0
-                || area.bottom > frame.bottom() - 3.0;
-            covered + 0.5 * misleading as f64 + 100.0 * overlaps + if outside { 1e4 } else { 0.0 }
-        };
-        let mut best: Option<(f64, Area)> = None;
-        for &point in dense.get(i).into_iter().flatten() {
+        let mut best: Option<(f64, Candidate)> = None;
+        for point in points.iter().copied().filter(|point| frame.holds(*point)) {
             for area in around(point, width, size) {
-                let cost = cost(&area, point);
+                let candidate = Candidate { area, point };
+                let cost = cost(&candidate, i, &dense, &taken, frame);
                 if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-                    best = Some((cost, area));
+                    best = Some((cost, candidate));
                 }
             }
         }
-        let Some((_, area)) = best else { continue };
-        taken.push(area);
+        let Some((_, candidate)) = best else { continue };
+        taken.push(candidate.area.grown(2.0));
+        if candidate.distance() > CLOSE {
+            let points = candidate.leader().to_vec();
+            scene.shapes.push(Shape::Line { points, color: series.color, width: 0.8, dashed: false });
+        }
         scene.shapes.push(Shape::Text(Text {
-            at: (area.left, area.bottom - 0.3 * size),
+            at: (candidate.area.left, candidate.area.bottom - 0.3 * size),
             text: series.label.clone(),
             size,
             color: series.color,
@@ -85,24 +94,58 @@ pub(super) fn place(scene: &mut Scene, frame: &Frame, lines: &[(&Series, Vec<Poi
     }
 }
 
-/// Boxes right of a point, left of it, and to both sides above and below.
-fn around((x, y): Point, width: f64, size: f64) -> [Area; 6] {
-    let (apart, half) = (8.0, 0.65 * size);
-    let area = |left: f64, middle: f64| Area {
-        left,
-        right: left + width,
-        top: middle - half,
-        bottom: middle + half,
-    };
-    let (above, below) = (y - half - 3.0, y + half + 3.0);
-    [
-        area(x + apart, y),
-        area(x - apart - width, y),
-        area(x + apart, above),
-        area(x - apart - width, above),
-        area(x + apart, below),
-        area(x - apart - width, below),
-    ]
+/// How bad a place is: what it covers, what is so near that it could be meant, how far it is, and what its leader crosses.
+fn cost(candidate: &Candidate, own: usize, dense: &[Vec<Point>], taken: &[Area], frame: &Frame) -> f64 {
+    let Candidate { area, .. } = candidate;
+    let inner =
+        Area { left: frame.left, right: frame.right(), top: frame.top, bottom: frame.bottom() }.grown(-3.0);
+    if !inner.holds((area.left, area.top)) || !inner.holds((area.right, area.bottom)) {
+        return f64::INFINITY;
+    }
+    let near = area.grown(12.0);
+    let count =
+        |points: &[Point], area: &Area| points.iter().filter(|point| area.holds(**point)).count() as f64;
+    let covered: f64 = dense.iter().map(|points| 3.0 * count(points, area)).sum();
+    let others = dense.iter().enumerate().filter(|(k, _)| *k != own);
+    let misleading: f64 = others.map(|(_, points)| count(points, &near)).sum();
+    let overlaps = taken.iter().filter(|other| area.meets(other)).count() as f64;
+    let distance = candidate.distance();
+    let [(x, y), (to_x, to_y)] = candidate.leader();
+    let crossed: f64 = (2..=(distance / 5.0) as usize)
+        .map(|k| {
+            let part = k as f64 * 5.0 / distance;
+            let (x, y) = (x + part * (to_x - x), y + part * (to_y - y));
+            let here = Area { left: x, right: x, top: y, bottom: y }.grown(3.0);
+            let others = dense.iter().enumerate().filter(|(k, _)| *k != own);
+            others.map(|(_, points)| count(points, &here)).sum::<f64>()
+        })
+        .sum();
+    covered + misleading + 2.0 * crossed + 200.0 * overlaps + 0.15 * distance
+}
+
+/// Boxes around a point, near and far, in eight directions.
+fn around((x, y): Point, width: f64, size: f64) -> impl Iterator<Item = Area> {
+    let half = 0.65 * size;
+    [8.0, 30.0, 60.0, 95.0].into_iter().flat_map(move |apart| {
+        let area = move |left: f64, middle: f64| Area {
+            left,
+            right: left + width,
+            top: middle - half,
+            bottom: middle + half,
+        };
+        let (right, left) = (x + apart, x - apart - width);
+        let (above, below) = (y - half - 0.7 * apart, y + half + 0.7 * apart);
+        [
+            area(right, y),
+            area(left, y),
+            area(right, above),
+            area(left, above),
+            area(right, below),
+            area(left, below),
+            area(x - 0.5 * width, above),
+            area(x - 0.5 * width, below),
+        ]
+    })
 }
 
 /// Points along a line, some units apart.

@@ -5,7 +5,7 @@ use super::clip::{Frame, clipped};
 use super::font;
 use super::labels;
 use super::palette::Color;
-use super::scene::{Anchor, Mark, Point, RADIUS, RING, Scene, Shape, Text};
+use super::scene::{Anchor, Point, Scene, Shape, Text};
 use super::{Figure, Key, Panel, Series, Style};
 
 /// Sizes of letters.
@@ -51,8 +51,9 @@ pub(super) fn scene(figure: &Figure) -> Scene {
             after: a.after.max(b.after),
         })
     };
-    let across: Vec<Margin> =
-        (0..columns).map(|column| margin(&|placed| placed.beside(), &|i| i % columns == column)).collect();
+    let across: Vec<Margin> = (0..columns)
+        .map(|column| margin(&|placed| placed.beside(figure.cell), &|i| i % columns == column))
+        .collect();
     let down: Vec<Margin> =
         (0..rows).map(|row| margin(&|placed| placed.around(figure.key), &|i| i / columns == row)).collect();
     let (width, height) = figure.cell;
@@ -64,17 +65,22 @@ pub(super) fn scene(figure: &Figure) -> Scene {
         y += TITLE + 14.0;
     }
     if figure.key == Key::Above {
-        let all: Vec<&Series> = figure.panels.iter().flat_map(|panel| &panel.series).collect();
+        // a panel's only series is what its axis says
+        let panels = figure.panels.iter().filter(|panel| panel.has_key() || figure.panels.len() == 1);
+        let all: Vec<&Series> = panels.flat_map(|panel| &panel.series).collect();
         y = key_in_lines(&mut scene, &all, y);
     }
     let mut panels = placed.iter();
-    for margin in &down {
+    for (row, margin) in down.iter().enumerate() {
         y += margin.before;
         let mut x = EDGE;
-        for (beside, panel) in across.iter().zip(panels.by_ref()) {
+        for (column, (beside, panel)) in across.iter().zip(panels.by_ref()).enumerate() {
             x += beside.before;
             let frame = Frame { left: x, top: y, width, height };
-            panel.draw(&mut scene, &frame, figure.key);
+            let lines = panel.draw(&mut scene, &frame, figure.key);
+            if figure.key == Key::Lines && (row, column) == (0, 0) {
+                labels::place(&mut scene, &frame, &lines, SMALL);
+            }
             x += width + beside.after;
         }
         y += height + margin.after;
@@ -132,17 +138,17 @@ impl Panel {
 
 impl Placed<'_> {
     fn ticks(&self, (width, height): (f64, f64)) -> [Vec<Tick>; 2] {
-        [self.horizontal.ticks(width / (0.6 * SMALL)), self.vertical.ticks(height / (0.6 * SMALL))]
+        [self.horizontal.ticks(width / 50.0), self.vertical.ticks(height / 28.0)]
     }
 
     /// Left and right of the frame.
-    fn beside(&self) -> Margin {
-        let [_, ticks] = self.ticks((400.0, 250.0));
+    fn beside(&self, cell: (f64, f64)) -> Margin {
+        let [_, ticks] = self.ticks(cell);
         let widest = ticks.iter().filter_map(|tick| tick.label.as_deref());
         let widest = widest.map(|label| font::width(label, SMALL)).fold(0.0, f64::max);
         let label = if self.panel.y.label.is_empty() { 0.0 } else { LABEL + GAP };
         let before = if self.is_labelled.1 { label + widest + GAP } else { 0.0 };
-        Margin { before, after: 18.0 }
+        Margin { before, after: 24.0 }
     }
 
     /// Above and below the frame.
@@ -150,10 +156,11 @@ impl Placed<'_> {
         let is_headed = !self.panel.title.is_empty() || (key == Key::Each && self.panel.has_key());
         let label = if self.panel.x.label.is_empty() { 0.0 } else { LINE };
         let after = if self.is_labelled.0 { GAP + SMALL + label } else { 0.0 };
-        Margin { before: if is_headed { LINE + 6.0 } else { 10.0 }, after: after + 4.0 }
+        Margin { before: if is_headed { LINE + 6.0 } else { 14.0 }, after: after + 6.0 }
     }
 
-    fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) {
+    /// The answer is where its series are.
+    fn draw(&self, scene: &mut Scene, frame: &Frame, key: Key) -> Vec<(&Series, Vec<Point>)> {
         let [across, up] = self.ticks((frame.width, frame.height));
         self.draw_grid(scene, frame, &across, &up);
         let place = |&(x, y): &Point| {
@@ -183,11 +190,10 @@ impl Placed<'_> {
         if !self.panel.title.is_empty() {
             scene.text((frame.left, frame.top - GAP), &self.panel.title, LABEL, Anchor::Start);
         }
-        match key {
-            Key::Each if self.panel.has_key() => key_right(scene, &self.panel.series, frame),
-            Key::Lines => labels::place(scene, frame, &lines, SMALL),
-            _ => {}
+        if key == Key::Each && self.panel.has_key() {
+            key_right(scene, &self.panel.series, frame);
         }
+        lines
     }
 
     fn draw_grid(&self, scene: &mut Scene, frame: &Frame, across: &[Tick], up: &[Tick]) {
@@ -359,15 +365,5 @@ impl Scene {
 
     fn line(&mut self, points: Vec<Point>, color: Color, width: f64) {
         self.shapes.push(Shape::Line { points, color, width, dashed: false });
-    }
-}
-
-impl Mark {
-    /// How far it reaches from its middle.
-    pub(super) fn reach(self) -> f64 {
-        match self {
-            Mark::Dot => RADIUS,
-            Mark::Ring => RING.0 + 0.5 * RING.1,
-        }
     }
 }

@@ -96,8 +96,12 @@ fn panels_share_their_axes() {
 
 #[test]
 fn a_key_has_each_name_once() {
-    let panels = || panel("RK4", Axis::linear("y"), Color::Rk4, Style::Line, &[0.0, 1.0]);
-    for (key, times) in [(Key::Above, 1), (Key::Each, 0), (Key::Lines, 4)] {
+    let panels = || {
+        let mut panel = panel("RK4", Axis::linear("y"), Color::Rk4, Style::Line, &[0.0, 1.0]);
+        panel.series.push(Series::line("RKMK4", Color::Rkmk4, vec![(0.0, 1.0), (1.0, 0.0)]));
+        panel
+    };
+    for (key, times) in [(Key::Above, 1), (Key::Each, 2), (Key::Lines, 2)] {
         let svg = Figure { key, ..figure(vec![panels(), panels()]) }.svg();
         // at a line there is a margin of paper too
         assert_eq!(svg.matches(">RK4</text>").count(), times, "{key:?}");

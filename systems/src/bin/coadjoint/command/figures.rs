@@ -28,10 +28,14 @@ pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Wri
         writeln!(console, "{:8} {}", drawing.name, drawing.about)?;
         console.flush()?;
         let (written, caption) = drawing.write(&arguments.out)?;
+        let caption: Vec<String> = caption.iter().map(ToString::to_string).collect();
+        for paragraph in &caption {
+            writeln!(console, "         {paragraph}")?;
+        }
         for path in written {
             writeln!(console, "         wrote {}", path.display())?;
         }
-        drawn.push((drawing, caption.iter().map(ToString::to_string).collect()));
+        drawn.push((drawing, caption));
     }
     let page = arguments.out.join("index.html");
     write_text(&page, &index(&drawn))?;
@@ -46,9 +50,9 @@ const STYLE: &str = "\
 body { font: 1rem/1.55 system-ui, sans-serif; max-width: 74rem; margin: 2rem auto; padding: 0 1rem; color: var(--ink); background: var(--paper) }
 a { color: var(--link) }
 nav ol { padding-left: 0; list-style: none }
-nav a { display: inline-block; min-width: 5rem }
+nav li { display: flex; gap: .75rem }
+nav a { flex: 0 0 4.5rem }
 figure { margin: 0 0 4rem }
-h2 { font-size: 1.2rem; margin: 0 0 .5rem }
 .picture { overflow-x: auto }
 .picture img { display: block; max-width: 100%; min-width: 40rem; height: auto; margin: 0 auto }
 figcaption { max-width: 46rem; margin: 0 auto }
@@ -63,7 +67,7 @@ fn index(drawn: &[(&Drawing, Vec<String>)]) -> String {
     );
     // writing to a string does not fail
     for (Drawing { name, about, .. }, _) in drawn {
-        let _ = writeln!(page, "<li><a href=\"#{name}\">{name}</a> {}</li>", escape(about));
+        let _ = writeln!(page, "<li><a href=\"#{name}\">{name}</a><span>{}</span></li>", escape(about));
     }
     page.push_str("</ol>\n</nav>\n");
     for (drawing, caption) in drawn {

@@ -53,9 +53,7 @@ pub(crate) struct Orbits {
     pub(crate) verlet: Orbit,
 }
 
-/// Of Störmer–Verlet's orbit.
 const FIRST: &str = "Störmer–Verlet, first revolution";
-const LAST: &str = "Störmer–Verlet, last revolution";
 
 const START: Vector4<f64> = Vector4::new(1.0, 0.0, 0.0, 0.5);
 
@@ -121,10 +119,10 @@ impl Orbits {
                 vec![line(RK2, self.rk2.path.clone()), exact.clone(), centre.clone()],
             ),
             panel(
-                "(b) Störmer–Verlet",
+                "(b) Störmer–Verlet, first and last revolution",
                 vec![
                     Series::line(FIRST, Color::EulerB, first.copied().collect()),
-                    Series::line(LAST, Color::Verlet, last.copied().collect()),
+                    line(VERLET, last.copied().collect()),
                     exact,
                     centre,
                 ],
@@ -167,7 +165,7 @@ pub(crate) fn caption(data: &Data) -> Caption {
         let points = curve.points().iter().copied();
         points.max_by(|a, b| a.0.hypot(a.1).total_cmp(&b.0.hypot(b.1))).unwrap_or((f64::NAN, f64::NAN))
     };
-    let (first, last) = (farthest(data.curve(2, FIRST)), farthest(data.curve(2, LAST)));
+    let (first, last) = (farthest(data.curve(2, FIRST)), farthest(data.curve(2, VERLET)));
     let turned = (last.1.atan2(last.0) - first.1.atan2(first.0)).to_degrees();
     let size = last.0.hypot(last.1) / first.0.hypot(first.1);
     vec![
