@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Color, Series};
 
+type Points = Vec<(f64, f64)>;
+
 /// The smallest and largest value in each of a fixed number of equal bins of a run, gathered as it goes: a picture of
 /// a million steps is as small as one of a thousand, and shows the same extremes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -44,12 +46,12 @@ impl Envelope {
 
     /// What a run did, in one colour: a line, and a light area with its edges where it goes up and down too fast for a line.
     pub fn series(&self, label: &str, color: Color, unit: f64) -> Vec<Series> {
-        let scaled = |points: Vec<(f64, f64)>| points.into_iter().map(|(time, y)| (time, unit * y)).collect();
+        let scaled = |points: Points| points.into_iter().map(|(time, y)| (time, unit * y)).collect();
         if !self.is_fast() {
             return vec![Series::line(label, color, scaled(self.both()))];
         }
         let (lower, upper) = self.smoothed();
-        let (lower, upper): (Vec<_>, Vec<_>) = (scaled(lower), scaled(upper));
+        let (lower, upper): (Points, Points) = (scaled(lower), scaled(upper));
         vec![
             Series::band("", color, 0.2, lower.clone(), upper.clone()),
             Series::line("", color, lower),
@@ -81,8 +83,8 @@ impl Envelope {
     }
 
     /// The least and the greatest values of some bins each: what goes up and down once in a few bins has smooth edges.
-    fn smoothed(&self) -> (Vec<(f64, f64)>, Vec<(f64, f64)>) {
-        const BESIDE: usize = 3;
+    fn smoothed(&self) -> (Points, Points) {
+        const BESIDE: usize = 5;
         let bins: Vec<Bin> = self.bins.iter().flatten().copied().collect();
         let edge = |pick: fn(&Bin) -> (f64, f64), of: fn(f64, f64) -> f64| {
             let near = |k: usize| bins[k.saturating_sub(BESIDE)..(k + BESIDE + 1).min(bins.len())].iter();
@@ -93,7 +95,7 @@ impl Envelope {
     }
 
     /// Both extremes of every bin, in the order of time.
-    fn both(&self) -> Vec<(f64, f64)> {
+    fn both(&self) -> Points {
         let mut points = Vec::new();
         for bin in self.bins.iter().flatten() {
             let (first, second) = if bin.least.0 <= bin.greatest.0 {

@@ -50,7 +50,7 @@ impl Canvas {
                 if *dashed {
                     stroke.dash(&dashes, 0.0);
                 }
-                self.fill(&polyline(points), &mut stroke, *color, 1.0);
+                self.fill(&polyline(points), stroke, *color, 1.0);
             }
             Shape::Area { points, color, opacity } => {
                 let mut path = polyline(points);
@@ -70,7 +70,7 @@ impl Canvas {
                         }
                         Mark::Ring => {
                             circle(&mut path, RING.0);
-                            self.fill(&path, &mut Stroke::new((RING.1 * SCALE) as f32), *color, 1.0);
+                            self.fill(&path, Stroke::new((RING.1 * SCALE) as f32), *color, 1.0);
                         }
                     }
                 }

@@ -58,11 +58,6 @@ impl Data {
         let column = self.0.iter().find(|column| column.panel == panel && column.name == name);
         Curve(column.map_or(&[], |column| &column.points))
     }
-
-    /// The names of a panel's series.
-    pub(crate) fn names(&self, panel: usize) -> impl Iterator<Item = &str> {
-        self.0.iter().filter(move |column| column.panel == panel).map(|column| column.name.as_str())
-    }
 }
 
 impl<'a> Curve<'a> {
