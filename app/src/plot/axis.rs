@@ -171,14 +171,19 @@ impl Placement {
     }
 }
 
-/// How a tick's number is written, of ticks at this distance up to this magnitude: all with as many digits.
+/// How a tick's number is written, of ticks at this distance up to this magnitude: all with as many digits, and with the same power of ten.
 fn label(step: f64, largest: f64) -> impl Fn(f64) -> String {
-    let places = (-step.log10() - 1e-9).ceil().clamp(0.0, 9.0) as usize;
-    let plain = largest < 1e5 && step >= 1e-4;
+    let power = if largest < 1e5 && step >= 1e-4 { 0.0 } else { largest.log10().floor() };
+    let unit = 10.0_f64.powf(power);
+    let places = ((unit / step).log10() - 1e-9).ceil().clamp(0.0, 9.0) as usize;
     move |value| {
         // none is −0
-        let value = if value.abs() < 1e-9 * step { 0.0 } else { value };
-        if plain { with_minus(&format!("{value:.places$}")) } else { short(value) }
+        if value.abs() < 1e-9 * step {
+            let zeros = if power == 0.0 { places } else { 0 };
+            return format!("{:.zeros$}", 0.0);
+        }
+        let digits = with_minus(&format!("{:.places$}", value / unit));
+        if power == 0.0 { digits } else { format!("{digits}·{}", power_of_ten(power)) }
     }
 }
 
@@ -243,7 +248,10 @@ mod tests {
     fn ticks_have_the_same_number_of_digits() {
         assert_eq!(labels(&Axis::linear("x").within(-0.5, 0.5), &[]), ["−0.4", "−0.2", "0.0", "0.2", "0.4"]);
         assert_eq!(labels(&Axis::linear("x").within(0.0, 1800.0), &[]), ["0", "500", "1000", "1500"]);
-        assert_eq!(labels(&Axis::linear("x"), &[0.0, 2e7]), ["0", "5·10⁶", "10⁷", "1.5·10⁷", "2·10⁷"]);
+        assert_eq!(
+            labels(&Axis::linear("x"), &[0.0, 2e7]),
+            ["0", "0.5·10⁷", "1.0·10⁷", "1.5·10⁷", "2.0·10⁷"]
+        );
     }
 
     #[test]

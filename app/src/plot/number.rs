@@ -17,6 +17,7 @@ pub fn short(value: f64) -> String {
         let power = power_of_ten(f64::from(exponent));
         match digits {
             "1" => power,
+            "-1" => format!("−{power}"),
             _ => format!("{}·{power}", with_minus(digits)),
         }
     }
@@ -78,6 +79,7 @@ mod tests {
             (1.25, "1.25"),
             (-2e7, "−2·10⁷"),
             (1e7, "10⁷"),
+            (-1e7, "−10⁷"),
             (2.5e-4, "2.5·10⁻⁴"),
         ] {
             assert_eq!(short(value), text);
