@@ -169,6 +169,8 @@ impl Drawing {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
     use super::caption::Piece;
     use super::*;
 
@@ -186,29 +188,27 @@ mod tests {
     }
 
     /// The figures, with runs as short as tests can wait for.
-    fn drawn() -> Vec<(&'static Drawing, Figure)> {
+    static DRAWN: LazyLock<Vec<(&Drawing, Figure)>> = LazyLock::new(|| {
+        let sampling = work::Sampling { most: 1 << 12, reference: 1 << 11, seconds: 0.0 };
         let draw = |drawing: &'static Drawing| {
             let figure = match drawing.name {
                 "6.1" => bodies::Bodies::free(2000).map(|measured| measured.figure()),
                 "6.2" => bodies::Bodies::top(2000).map(|measured| measured.figure()),
                 "6.3" => quadrotor::Hover::measure(2000).map(|measured| measured.figure()),
-                "work" => {
-                    work::Work::measure(&work::Sampling { most: 1 << 12, reference: 1 << 11, seconds: 0.0 })
-                        .map(|measured| measured.figure())
-                }
+                "work" => work::Work::measure(&sampling).map(|measured| measured.figure()),
                 "steps" => steps::Steps::measure(200.0).map(|measured| measured.figure()),
                 _ => (drawing.draw)(),
             };
             (drawing, figure.expect("the runs can be made"))
         };
         DRAWINGS.iter().map(draw).collect()
-    }
+    });
 
     /// Captions come from the CSV alone, and have no number of their own.
     #[test]
     fn every_number_of_every_caption_comes_from_the_data_beside_it() {
-        for (Drawing { name, caption, .. }, figure) in drawn() {
-            let data = Data::of(&figure);
+        for (Drawing { name, caption, .. }, figure) in DRAWN.iter() {
+            let data = Data::of(figure);
             let read = Data::from_csv(&data.csv());
             assert_eq!(read, data, "{name}: numbers change on their way through the CSV");
             let mut names: Vec<_> = read.columns().map(|(panel, name, _)| (panel, name.to_owned())).collect();
@@ -246,8 +246,9 @@ mod tests {
     /// A caption follows its data: with other numbers it says other numbers.
     #[test]
     fn captions_change_with_the_data() {
-        for (Drawing { name, caption, .. }, mut figure) in drawn() {
-            let before = caption(&Data::of(&figure));
+        for (Drawing { name, caption, .. }, figure) in DRAWN.iter() {
+            let before = caption(&Data::of(figure));
+            let mut figure = figure.clone();
             for point in figure
                 .panels
                 .iter_mut()
@@ -264,7 +265,7 @@ mod tests {
     /// Every series of a figure has a colour of its own within its panel, or is told apart by its lines or marks.
     #[test]
     fn no_two_series_of_a_panel_look_the_same() {
-        for (Drawing { name, .. }, figure) in drawn() {
+        for (Drawing { name, .. }, figure) in DRAWN.iter() {
             for panel in &figure.panels {
                 for (i, one) in panel.series.iter().enumerate() {
                     for other in &panel.series[..i] {
@@ -283,8 +284,7 @@ mod tests {
     /// A name has one colour in all figures.
     #[test]
     fn a_method_has_one_colour() {
-        let figures = drawn();
-        let series = figures.iter().flat_map(|(_, figure)| &figure.panels).flat_map(|panel| &panel.series);
+        let series = DRAWN.iter().flat_map(|(_, figure)| &figure.panels).flat_map(|panel| &panel.series);
         let mut colors = std::collections::BTreeMap::new();
         for series in series.filter(|series| !["error", "change"].contains(&series.label.as_str())) {
             let color = *colors.entry(series.label.clone()).or_insert(series.color);

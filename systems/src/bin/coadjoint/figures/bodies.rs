@@ -3,8 +3,8 @@
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
-use super::caption::{Caption, Paragraph, given, measured, paragraph, verdict};
-use super::invariant_errors::panel;
+use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verdict};
+use super::invariant_errors::{BINS, panel};
 use super::methods::{CAYLEY, EXPONENTIAL, RK4, RKMK4};
 use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
@@ -111,7 +111,7 @@ impl Bodies {
 pub(crate) fn free_caption(data: &Data) -> Caption {
     let body = given("I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, h = 0.01 s");
     let units = [" kg² m⁴/s²"];
-    caption(data, paragraph![body, ". Each point is the largest error of ", given("4 s"), "."], &units)
+    caption(data, paragraph![body, ". Each point is the largest error of ", bin(), " s."], &units)
 }
 
 /// Below figure 6.2.
@@ -122,10 +122,15 @@ pub(crate) fn top_caption(data: &Data) -> Caption {
         "; mgχ, which the paper leaves open, is ",
         given("(0, 0, 1) N m"),
         ". Each point is the largest error of ",
-        given("4 s"),
-        "."
+        bin(),
+        " s."
     ];
     caption(data, open, &["", " kg m²/s"])
+}
+
+/// How long a run is of which one point is the largest error, s.
+fn bin() -> Piece {
+    given(STEPS as f64 * STEP / BINS as f64)
 }
 
 fn caption(data: &Data, body: Paragraph, units: &[&'static str]) -> Caption {

@@ -6,7 +6,7 @@ use coadjoint_app::plot::{Axis, Envelope, Panel};
 use super::methods::{RKMK4, line, marked};
 
 /// The plot shows the largest error in each of this many bins of the run.
-const BINS: usize = 450;
+pub(super) const BINS: usize = 450;
 
 /// The error of one invariant with one method.
 #[derive(Clone, Debug)]

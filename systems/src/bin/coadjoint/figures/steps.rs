@@ -125,8 +125,6 @@ pub(crate) fn caption(data: &Data) -> Caption {
             given("I = diag(1, 2, 2.5) kg m², mgχ = (0.3, 0.2, 1) N m, |Π₀| = 1.7 kg m²/s"),
             ", for ",
             given(DURATION),
-            " s; a turn takes some ",
-            given(6),
             " s. A step of order ",
             given(4),
             " is made of five. RKMK4, rings, is on RK4."
