@@ -210,7 +210,8 @@ mod tests {
         for (Drawing { name, caption, .. }, figure) in DRAWN.iter() {
             let data = Data::of(figure);
             let read = Data::from_csv(&data.csv());
-            assert_eq!(read, data, "{name}: numbers change on their way through the CSV");
+            // too long to be printed
+            assert!(read == data, "{name}: numbers change on their way through the CSV");
             let mut names: Vec<_> = read.columns().map(|(panel, name, _)| (panel, name.to_owned())).collect();
             assert!(names.iter().all(|(_, name)| !name.is_empty()), "{name}: a series without a name");
             names.sort();
