@@ -70,7 +70,7 @@ pub(super) fn clipped(points: &[Point], frame: &Frame) -> Vec<Vec<Point>> {
             Some(piece) => piece.push(at(end)),
             None => pieces.push(vec![at(start), at(end)]),
         }
-        goes_on = end == 1.0;
+        goes_on = true;
     }
     pieces
 }
