@@ -40,6 +40,8 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod example;
+pub mod scene;
+pub mod shape;
 
 pub use example::Example;
 #[cfg(feature = "program")]
@@ -73,7 +75,7 @@ mod interrupt;
 #[cfg(feature = "program")]
 pub mod output;
 #[cfg(feature = "program")]
-mod page;
+pub mod page;
 #[cfg(feature = "program")]
 pub mod plot;
 #[cfg(feature = "program")]
@@ -93,6 +95,11 @@ pub mod suggest;
 
 #[cfg(all(test, feature = "program"))]
 mod test_systems;
+
+/// The guide's page, whose code is compiled here.
+#[cfg(all(doctest, feature = "program"))]
+#[doc = include_str!("../../runtime/src/guide/your_program.md")]
+mod your_program {}
 
 /// A program for these systems, with the arguments it was started with.
 #[cfg(feature = "program")]

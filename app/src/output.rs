@@ -3,6 +3,7 @@
 mod atomic_file;
 mod csv;
 mod json;
+#[cfg(feature = "parquet")]
 mod parquet;
 
 use std::io;
@@ -25,6 +26,7 @@ pub enum Format {
     /// One object: system, parameters, columns, rows, invariants.
     Json,
     /// Columns of doubles, for tables of many millions of rows.
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 
@@ -34,6 +36,7 @@ impl Format {
         match self {
             Format::Csv => "csv",
             Format::Json => "json",
+            #[cfg(feature = "parquet")]
             Format::Parquet => "parquet",
         }
     }
@@ -73,6 +76,7 @@ impl Trajectory {
             Ok(match format {
                 Format::Csv => Box::new(csv::Csv::new(file, entry)?),
                 Format::Json => Box::new(json::Json::new(file, entry, setup, job)?),
+                #[cfg(feature = "parquet")]
                 Format::Parquet => Box::new(parquet::Parquet::new(file, entry, setup, job)?),
             })
         };

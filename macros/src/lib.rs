@@ -11,10 +11,10 @@ use proc_macro::TokenStream;
 /// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own |
 /// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates |
 /// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |
-/// | `hamiltonian = …` | any smooth energy, in the momentum too, in place of inertia and potential |
-/// | `lagrangian = …` | any smooth Lagrangian, in configuration and velocity, in place of inertia and potential; nothing is inverted by hand |
-/// | `control(moment: R3, thrust: f64)` | what acts from outside, held over each step |
-/// | `force = moment`, `force(attitude = moment)` | what changes the momentum beside the energy; of rigid motions also a pair, `(moment, push)` |
+/// | `hamiltonian = …` | any smooth energy, of the momentum too, in place of inertia and potential |
+/// | `lagrangian = …` | any smooth Lagrangian of configuration and velocity, in place of inertia and potential; nothing is inverted by hand |
+/// | `control(moment: R3, thrust: f64)` | inputs you pass to each step; constant during it |
+/// | `force = moment`, `force(attitude = moment)` | forces and torques; of rigid motions also a pair, `(moment, push)` |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
 /// | `methods(Midpoint, Family(1, 4), TangentLift, TangentLift(1, 4))` | schemes to generate beside the standard ones |
 /// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two |
@@ -27,7 +27,7 @@ use proc_macro::TokenStream;
 ///
 /// Expressions are ordinary Rust in the fields, the configuration (`attitude`, `position`, `angle`, `pose`, `spin`, or the names of factors), the
 /// momentum (`momentum`, `attitude_momentum`; of rigid motions `angular_momentum` and `linear_momentum`), advected parameters and the time `t`; in
-/// forces also velocities and controls; in a Lagrangian velocities in place of momenta. `coadjoint::guide::language` lists all that has a meaning in them.
+/// forces also velocities and controls; in a Lagrangian velocities in place of momenta. `coadjoint::guide::language` lists everything they may contain.
 ///
 /// Beside the struct there are then its state, `…State`, its controls, `…Control`, indices of components for derivatives, `…Indices`, methods for
 /// your expressions, `potential`, `hamiltonian`, `lagrangian` and `force`, and implementations of `coadjoint`'s traits, with `stepper`, `energy`, `casimirs` and

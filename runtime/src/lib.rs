@@ -1,9 +1,8 @@
 //! Structure-preserving steppers for mechanics on Lie groups.
 //!
-//! Describe *what* the system is — its group, inertia, potential, advected parameters — by annotating a
-//! struct with [`lie_poisson_system`]. The macro derives the mathematics and emits a stepper that has
-//! nothing in it but that system's arithmetic; this crate holds what all steppers share: states, Newton's
-//! iteration, errors, runs and observers.
+//! Describe a rigid body, a spacecraft or a quadrotor as a struct with [`lie_poisson_system`]: its group, inertia, potential and forces. The
+//! macro derives the equations and writes an integrator for exactly that system. It keeps momentum, Casimirs and attitude to rounding.
+//! This crate holds what all integrators share: states, solving, errors, runs and observers.
 //!
 //! ```
 //! use coadjoint::prelude::*;
@@ -41,14 +40,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! There is a [guide], one page for each notion. The [prelude] has what a description and its first steps need; all else is imported by its name.
+//! The [guide] has one page for each question. The [prelude] has what a description and its first steps need; import the rest by name.
 //!
 //! # Features
 //!
 //! - `std`, on by default: runs that record, ensembles, certificates, systems whose types are erased. Steps need none of them.
 //! - `parallel`: ensembles on all cores, by rayon. Without it on one, with the same digits.
 //! - `serde`: states, controls and certificates, and nalgebra's types in fields, have serde's traits;
-//!   [how](guide::describing#written-and-read).
+//!   [how](guide::storing).
 //!
 //! Conventions: attitudes turn body coordinates into space coordinates, `momentum` and `advected` quantities
 //! are in body coordinates, units are the user's (SI throughout our own systems).
@@ -99,6 +98,11 @@ pub mod system;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
 
+/// The front page: its code is compiled and run as a test.
+#[cfg(all(doctest, feature = "std"))]
+#[doc = include_str!("../../README.md")]
+mod readme {}
+
 #[cfg(feature = "std")]
 pub use certify::certify;
 /// Derives a structure-preserving stepper from the description of a mechanical system.
@@ -122,8 +126,8 @@ pub use certify::certify;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// The guide explains how to [describe](guide::describing) a system and lists [all that may be written](guide::language); the steps are taken
-/// by a [`Stepper`], with one of the schemes that [choosing](guide::choosing) compares.
+/// The guide explains how to [describe](guide::describing) a system, and lists [everything a description may contain](guide::language). A
+/// [`Stepper`] takes the steps, with one of the schemes that [choosing](guide::choosing) compares.
 pub use coadjoint_macros::lie_poisson_system;
 #[cfg(feature = "std")]
 pub use compensated::Compensated;

@@ -71,7 +71,7 @@ pub trait State: Clone + PartialEq + fmt::Debug {
     fn deviation(&self) -> Self::Scalar;
 }
 
-/// The controls of a [`System`]: what acts on it from outside and is held over each step, such as thrusts and torques.
+/// The controls of a [`System`]: inputs you pass to each step, such as thrusts and torques. They are constant during it.
 ///
 /// A plain struct whose default is all zeros; this trait also shows it as a flat array, in the order of its fields.
 pub trait Control: Clone + PartialEq + fmt::Debug + Default {

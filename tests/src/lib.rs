@@ -15,11 +15,3 @@ pub fn array<T: Scalar, C: Components<T>>(mut value: impl FnMut(usize) -> T) -> 
     array.as_mut().iter_mut().enumerate().for_each(|(index, entry)| *entry = value(index));
     array
 }
-
-/// Items as people read them. Tokens that are not items fail here, before anything is compared.
-///
-/// # Panics
-/// The README's worked example, which is compiled and run as a test.
-#[cfg(doctest)]
-#[doc = include_str!("../../README.md")]
-pub struct Readme;

@@ -269,7 +269,7 @@ fn invariants(interface: &Interface) -> Vec<String> {
         invariants.push(format!("{missing_casimirs} {which} that are no polynomials of a low degree"));
     }
     if *is_autonomous {
-        invariants.push("the energy, up to a bounded error of the order of the step".to_owned());
+        invariants.push("the energy, up to a bounded error of the scheme's order in the step".to_owned());
     }
     match invariants.is_empty() {
         true => Vec::new(),

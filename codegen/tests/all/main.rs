@@ -12,6 +12,7 @@ mod modules;
 mod oracle;
 mod problems;
 mod program;
+mod prose;
 mod reference;
 mod snapshots;
 mod steps;

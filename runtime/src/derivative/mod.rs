@@ -1,9 +1,8 @@
-//! Derivatives of the step that is really taken, exact to rounding: what control, estimation and identification linearize.
+//! Derivatives of the step that is taken, for control, estimation and identification. They are exact; no finite differences.
 //!
-//! Asked for in the description: `derivatives` for all of them, `derivatives(state)` for the matrix with respect to the state alone, likewise
-//! `controls`, `parameters`, and the products `tangent` and `adjoint`. The code of each step is then accompanied by that of its derivative, in closed
-//! form: the implicit function theorem on the step's own equation, with all second derivatives of potentials and forces. Nothing is done by
-//! differences.
+//! The description asks for them: `derivatives` for all, `derivatives(state)` for the matrix with respect to the state alone, likewise
+//! `controls`, `parameters`, and the products `tangent` and `adjoint`. The macro then writes the derivative of each step in closed form. It
+//! follows from the implicit function theorem, with all second derivatives of potentials and forces.
 //!
 //! # Coordinates
 //!

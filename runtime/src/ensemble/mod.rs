@@ -1,8 +1,8 @@
 //! Ensembles: one description, many states, each with parameters of its own.
 //!
-//! Members are stepped several at a time, side by side in the registers of the processor, and on all its cores. Each moves exactly as it would
-//! alone, with a [`Stepper`](crate::stepper::Stepper): to the last bit the same, whatever the processor, the number of threads, and the
-//! members beside it. One that fails stays where it was; the others go on.
+//! Members are stepped several at a time, side by side in the registers of the processor, and on all its cores. The result is bit-identical to
+//! running each member alone with a [`Stepper`](crate::stepper::Stepper), on any processor and with any number of threads. A member that fails
+//! is frozen and reported; the rest go on.
 //!
 //! ```
 //! use coadjoint::prelude::*;
