@@ -232,9 +232,11 @@ impl Placed<'_> {
         }
         if self.is_labelled.1 && !y.label.is_empty() {
             let at = (frame.left - widest - 2.0 * GAP, frame.top + 0.5 * frame.height);
+            // a long one would reach over the panels above and below
+            let size = LABEL * (frame.height / font::width(&y.label, LABEL)).min(1.0);
             scene
                 .shapes
-                .push(Shape::Text(Text { upwards: true, ..text(at, &y.label, LABEL, Anchor::Middle) }));
+                .push(Shape::Text(Text { upwards: true, ..text(at, &y.label, size, Anchor::Middle) }));
         }
     }
 }
@@ -305,7 +307,13 @@ fn key_in_lines(scene: &mut Scene, series: &[&Series], mut y: f64) -> f64 {
         let total = line.iter().map(|series| length(series)).sum::<f64>() - APART;
         let mut x = 0.5 * (scene.width - total);
         for series in line {
-            sample(scene, series, (x, y + 0.65 * SMALL));
+            // bands lie upon wider ones, and are darker for it
+            let wider = named.iter().take_while(|other| !std::ptr::eq(**other, *series));
+            let wider =
+                wider.filter(|other| series.is_band() && other.is_band() && other.color == series.color);
+            for series in wider.chain([series]) {
+                sample(scene, series, (x, y + 0.65 * SMALL));
+            }
             scene.text((x + SAMPLE + GAP, y + SMALL), &series.label, SMALL, Anchor::Start);
             x += length(series);
         }
@@ -345,6 +353,12 @@ fn sample(scene: &mut Scene, series: &Series, (x, y): Point) {
                 scene.shapes.push(Shape::Marks { at: vec![(x + 0.5 * SAMPLE, y)], mark, color });
             }
         }
+    }
+}
+
+impl Series {
+    fn is_band(&self) -> bool {
+        matches!(self.style, Style::Band(_))
     }
 }
 

@@ -108,6 +108,26 @@ fn a_key_has_each_name_once() {
     }
 }
 
+#[test]
+fn a_long_label_stays_beside_its_panel() {
+    let label = "a quantity with a name that is longer than its panel is high, kg m²/s";
+    let svg = figure(vec![panel("", Axis::linear(label), Color::X, Style::Line, &[0.0, 1.0])]).svg();
+    let text = svg.lines().find(|line| line.contains(label)).expect("it is written");
+    let size: f64 = all(text, "font-size=\"")[0].parse().expect("a number");
+    assert!(font::width(label, 14.0) > 170.0 && font::width(label, size) < 170.1, "{size}");
+}
+
+#[test]
+fn bands_are_as_dark_in_the_key_as_in_the_picture() {
+    let edge = |height: f64| vec![(0.0, height), (10.0, height)];
+    let band = |label: &str, height: f64| Series::band(label, Color::X, 0.2, edge(-height), edge(height));
+    let series = vec![band("all", 3.0), band("most", 2.0), band("half", 1.0)];
+    let panel = Panel::new(Axis::linear("x"), Axis::linear("y"), series);
+    let svg = Figure { key: Key::Above, ..figure(vec![panel]) }.svg();
+    // one, two and three upon each other
+    assert_eq!(svg.matches("<polygon").count(), 3 + 1 + 2 + 3);
+}
+
 /// Where a picture has ink as pixels it has it as SVG.
 #[cfg(feature = "png")]
 #[test]
