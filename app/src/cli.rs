@@ -5,15 +5,26 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::command::{certify, ensemble, init, list, play, run};
+use crate::command::{certify, ensemble, init, list, manual, play, run};
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 
+/// What the exit code says.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    all went well
+  1    a claim of a scheme does not hold, or a bug
+  2    the input is wrong: the message says what is right
+  3    the motion cannot be computed
+  4    the output cannot be written
+  130  ended by Ctrl-C; what was computed is written";
+
 /// Runs structure-preserving steppers of mechanical systems.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, after_help = EXIT_CODES)]
 struct CommandLine {
     #[command(subcommand)]
     command: Command,
@@ -21,25 +32,29 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// List the systems, their parameters and their initial states
-    List,
+    /// List the systems, or tell all about one
+    List(list::ListArguments),
     /// Run a system and write its trajectory
     Run(run::RunArguments),
     /// Go on with a run that was interrupted
     Resume(run::ResumeArguments),
     /// Run a system and write a page that shows it moving
-    View(run::RunArguments),
+    View(run::ViewArguments),
     /// Write a page that shows data of any program's moving
     Play(play::PlayArguments),
-    /// Write a file that describes a run, to be changed and given to `run --config`
+    /// Write a file that describes a run, for `run --config`
     Init(init::InitArguments),
-    /// Run many members of a system at once, and draw how they spread
+    /// Run many members of a system, and draw how they spread
     Ensemble(ensemble::EnsembleArguments),
     /// Print the code generated for a system
     #[cfg(feature = "show")]
     Show(crate::command::show::ShowArguments),
     /// Measure what the schemes claim of their steps of a system
     Certify(certify::CertifyArguments),
+    /// Print a script that completes commands in a shell
+    Completions(manual::CompletionsArguments),
+    /// Print the manual's page
+    Man,
 }
 
 /// What runs a command of the program's own.
@@ -49,7 +64,7 @@ type RunFn = Box<dyn Fn(Catalogue, &ArgMatches, &mut dyn Write) -> Result<(), Er
 pub struct App {
     catalogue: Catalogue,
     commands: Vec<(clap::Command, RunFn)>,
-    default: Option<RunFn>,
+    default: Option<&'static str>,
 }
 
 impl std::fmt::Debug for App {
@@ -81,10 +96,10 @@ impl App {
         self
     }
 
-    /// What it does without a command, in place of showing its help.
+    /// With one of its commands for a call without any, which otherwise shows the help.
     #[must_use]
-    pub fn without_command(self, run: fn(Catalogue, &mut dyn Write) -> Result<(), Error>) -> Self {
-        Self { default: Some(Box::new(move |catalogue, _, console| run(catalogue, console))), ..self }
+    pub fn default_command(self, name: &'static str) -> Self {
+        Self { default: Some(name), ..self }
     }
 
     /// Runs the program with the arguments it was started with; its exit code says how it went: 0 well, 2 wrong input, 3 a motion that cannot
@@ -106,11 +121,18 @@ impl App {
     /// All commands, as clap knows them.
     fn parser(&self) -> clap::Command {
         let own = self.commands.iter().map(|(arguments, _)| arguments.clone());
+        let systems = SystemParser(self.catalogue);
         CommandLine::command()
             .name(program())
             .subcommands(own)
-            .subcommand_required(self.default.is_none())
-            .arg_required_else_help(self.default.is_none())
+            .mut_subcommands(|command| {
+                command.mut_args(|argument| match argument.get_id().as_str() {
+                    "system" => argument.value_parser(systems.clone()).hide_possible_values(true),
+                    _ => argument,
+                })
+            })
+            .subcommand_required(true)
+            .arg_required_else_help(true)
     }
 
     fn run(
@@ -118,17 +140,20 @@ impl App {
         arguments: impl IntoIterator<Item = OsString>,
         console: &mut dyn Write,
     ) -> Result<(), Error> {
+        let mut arguments: Vec<OsString> = arguments.into_iter().collect();
+        if arguments.len() == 1 {
+            arguments.extend(self.default.map(OsString::from));
+        }
         let matches = self.parser().get_matches_from(arguments);
         let own = matches.subcommand().and_then(|(name, matches)| {
             let own = self.commands.iter().find(|(arguments, _)| arguments.get_name() == name);
             own.map(|(_, run)| (run, matches))
         });
-        match (own, &self.default, matches.subcommand_name()) {
-            (Some((run, matches)), ..) => run(self.catalogue, matches, console)?,
-            (None, Some(run), None) => run(self.catalogue, &matches, console)?,
-            _ => {
+        match own {
+            Some((run, matches)) => run(self.catalogue, matches, console)?,
+            None => {
                 let line = CommandLine::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-                line.command.run(self.catalogue, console)?;
+                line.command.run(self, console)?;
             }
         }
         Ok(console.flush()?)
@@ -136,9 +161,10 @@ impl App {
 }
 
 impl Command {
-    fn run(&self, catalogue: Catalogue, console: &mut dyn Write) -> Result<(), Error> {
+    fn run(&self, app: &App, console: &mut dyn Write) -> Result<(), Error> {
+        let catalogue = app.catalogue;
         match self {
-            Command::List => list::list(catalogue, console),
+            Command::List(arguments) => list::list(catalogue, arguments, console),
             Command::Run(arguments) => run::run(catalogue, arguments, console),
             Command::Resume(arguments) => run::resume(catalogue, arguments, console),
             Command::View(arguments) => run::view(catalogue, arguments, console),
@@ -148,7 +174,30 @@ impl Command {
             #[cfg(feature = "show")]
             Command::Show(arguments) => crate::command::show::show(catalogue, arguments, console),
             Command::Certify(arguments) => certify::certify(catalogue, arguments, console),
+            Command::Completions(arguments) => manual::completions(app.parser(), arguments, console),
+            Command::Man => manual::man(app.parser(), console),
         }
+    }
+}
+
+/// Takes any name, so that [`Catalogue::system`] can find near ones; shells complete those that there are.
+#[derive(Clone, Debug)]
+struct SystemParser(Catalogue);
+
+impl TypedValueParser for SystemParser {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.0.entries().iter().map(|entry| PossibleValue::new(entry.name).help(entry.about))))
     }
 }
 

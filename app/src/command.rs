@@ -4,7 +4,10 @@ pub(crate) mod certify;
 pub(crate) mod ensemble;
 pub(crate) mod init;
 pub(crate) mod list;
+pub(crate) mod manual;
+pub(crate) mod motion;
 pub(crate) mod play;
 pub(crate) mod run;
+mod scan;
 #[cfg(feature = "show")]
 pub(crate) mod show;

@@ -9,8 +9,8 @@ use toml::{Table, Value};
 use crate::entry::Entry;
 use crate::error::Error;
 use crate::output::Format;
-use crate::setting::{Names, assign, laid_out};
-use crate::simulation::{Method, Order, Retraction, Setup};
+use crate::setting::{Changes, Names, laid_out};
+use crate::simulation::{Method, Order, Retraction};
 
 /// The content of a configuration file; what is missing has its default.
 #[derive(Debug, Default, Deserialize)]
@@ -33,7 +33,7 @@ pub(crate) struct Config {
 }
 
 /// How to run a system.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RunConfig {
     /// The map that the step is built on.
@@ -68,7 +68,7 @@ impl Config {
     ///
     /// # Errors
     /// If a name is unknown, or a value is not made of as many numbers as its quantity has.
-    pub(crate) fn apply(&self, path: &Path, entry: &Entry, setup: &mut Setup) -> Result<(), Error> {
+    pub(crate) fn apply(&self, path: &Path, changes: &mut Changes<'_>) -> Result<(), Error> {
         let tables = [
             (Names::Parameters, "parameters", &self.parameters),
             (Names::State, "state", &self.state),
@@ -77,7 +77,7 @@ impl Config {
         for (which, section, table) in tables {
             for (name, value) in table {
                 numbers(name, value)
-                    .and_then(|numbers| assign(entry, setup, which, name, &numbers))
+                    .and_then(|numbers| changes.assign(which, name, &numbers))
                     .map_err(|error| Error::Input(format!("{}: [{section}]: {error}", path.display())))?;
             }
         }
@@ -97,12 +97,17 @@ impl Config {
     }
 }
 
+/// Whole numbers up to here are those of f64.
+const EXACT: u64 = 1 << 53;
+
 /// A number, or a list of numbers.
 fn numbers(name: &str, value: &Value) -> Result<Vec<f64>, Error> {
     let number = |value: &Value| match value {
         Value::Float(number) => Ok(*number),
-        // whole numbers of a description are small
-        Value::Integer(number) => Ok(*number as f64),
+        Value::Integer(number) if number.unsigned_abs() <= EXACT => Ok(*number as f64),
+        Value::Integer(number) => Err(Error::Input(format!(
+            "`{name}`: {number} is a whole number that would be rounded; write it with a point, as `{number}.0`"
+        ))),
         other => Err(Error::Input(format!("`{name}` takes numbers, got {} `{other}`", other.type_str()))),
     };
     match value {
@@ -146,16 +151,7 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     ] {
         writeln!(text, "{setting:28} # {doc}")?;
     }
-    if !entry.description.controls.is_empty() {
-        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
-    }
-    for (quantity, slots) in laid_out(entry.description.controls) {
-        let zeros = vec!["0.0"; slots.len()].join(", ");
-        match quantity.components {
-            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
-            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
-        }
-    }
+    write_controls(text, entry)?;
     for (section, quantities, values) in [
         ("parameters", entry.description.parameters, &setup.parameters),
         ("state", entry.description.state, &setup.state),
@@ -185,6 +181,21 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
     Ok(())
 }
 
+/// The controls, each as a remark: unless it is set, the system's own law chooses it.
+fn write_controls(text: &mut String, entry: &Entry) -> std::fmt::Result {
+    if !entry.description.controls.is_empty() {
+        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
+    }
+    for (quantity, slots) in laid_out(entry.description.controls) {
+        let zeros = vec!["0.0"; slots.len()].join(", ");
+        match quantity.components {
+            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
+            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -204,10 +215,12 @@ mod tests {
             let expected = entry.example.clone();
             let count =
                 entry.description.parameters.iter().map(|quantity| quantity.components.len()).sum::<usize>();
-            let mut setup = expected.clone();
-            setup.parameters.iter_mut().take(count).chain(&mut setup.state).for_each(|x| *x = 7.25);
-            config.apply(path, entry, &mut setup).expect("its own names");
-            assert_eq!(setup, expected, "{}", entry.name);
+            let mut other = entry.clone();
+            let example = &mut other.example;
+            example.parameters.iter_mut().take(count).chain(&mut example.state).for_each(|x| *x = 7.25);
+            let mut changes = Changes::of(&other);
+            config.apply(path, &mut changes).expect("its own names");
+            assert_eq!(changes.setup(), &expected, "{}", entry.name);
             // the controls, which it only mentions
             let asked = text.replace("# [controls] #", "[controls] #");
             let mut lines = asked.lines().skip_while(|line| !line.starts_with("[controls]")).peekable();
@@ -217,8 +230,27 @@ mod tests {
                 .map(|line| line.trim_start_matches("# "))
                 .collect();
             let config: Config = toml::from_str(&section.join("\n")).expect(&asked);
-            config.apply(path, entry, &mut setup).expect("its own names");
-            assert!(setup.controls.iter().all(|control| *control == Some(0.0)), "{}", entry.name);
+            config.apply(path, &mut changes).expect("its own names");
+            assert!(changes.setup().controls.iter().all(|control| *control == Some(0.0)), "{}", entry.name);
         }
+    }
+
+    #[test]
+    fn whole_numbers_are_not_rounded() {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let weight = |text: &str| {
+            let config: Config = toml::from_str(&format!("[parameters]\nweight = {text}")).expect(text);
+            let mut changes = Changes::of(top);
+            let applied = config.apply(Path::new("a.toml"), &mut changes).map_err(|error| error.to_string());
+            applied.map(|()| changes.setup().parameters[3])
+        };
+        assert_eq!(weight("9007199254740992"), Ok(9_007_199_254_740_992.0));
+        let message = weight("9007199254740993").expect_err("rounded");
+        assert!(
+            message
+                .contains("[parameters]: `weight`: 9007199254740993 is a whole number that would be rounded"),
+            "{message}"
+        );
+        assert!(weight("-9007199254740993").is_err());
     }
 }

@@ -2,27 +2,28 @@
 
 use std::ops::ControlFlow;
 
-use coadjoint::ensemble::{Failed, Spread};
-use coadjoint::erased::{self, Ensemble};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use coadjoint::StepError;
+use coadjoint::ensemble::Spread;
+use coadjoint::erased::{self, Controls, Ensemble, RunOptions};
+use rayon::prelude::*;
 
 use crate::entry::{ControlLaw, Entry};
-use crate::simulation::{Setup, SimulationError};
+use crate::error::Error;
+use crate::report::{bytes_in_words, grouped};
+pub use crate::setting::{Drawn, Variation};
+use crate::simulation::{Job, Method, Order, Retraction, Setup, SimulationError};
 
 /// The specification of an ensemble of one system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnsembleSpec {
     /// How many members.
     pub members: usize,
-    /// The half-width of the uniform distribution of each number about the setup; controls do not vary.
-    pub widths: Setup,
+    /// How they differ from the setup; controls do not vary.
+    pub variation: Variation,
     /// The seed of the random members.
     pub seed: u64,
-    /// The step, s.
-    pub step: f64,
-    /// How many of them.
-    pub steps: u64,
+    /// The scheme, the step and how many of them.
+    pub job: Job,
     /// Steps between two samples of the distribution; 0 counts as 1.
     pub every: u64,
 }
@@ -39,13 +40,27 @@ pub enum Observable {
 /// Called at each sample with the number of steps taken; may end the run.
 pub type ProgressFn<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;
 
+/// A member that failed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("member {member} could not take step {step}: {cause}")]
+pub struct Failure {
+    /// Which, from 0.
+    pub member: usize,
+    /// The step that it could not take, counted from 1.
+    pub step: u64,
+    /// What went wrong.
+    pub cause: StepError,
+}
+
 /// The result of an ensemble run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnsembleSummary {
     /// For each quantity its distribution at each sample.
     pub spreads: Vec<Vec<Spread>>,
+    /// The ranges of what was drawn.
+    pub drawn: Vec<Drawn>,
     /// The members that failed.
-    pub failed: Vec<Failed>,
+    pub failed: Vec<Failure>,
     /// Steps of all members together.
     pub member_steps: u64,
     /// How many members are stepped side by side.
@@ -54,10 +69,70 @@ pub struct EnsembleSummary {
     pub seconds: f64,
 }
 
-/// Runs an ensemble with the system's standard step on the Cayley map, and the controls of the setup. The callback may end the run.
+impl EnsembleSpec {
+    /// Whether members are stepped side by side in the processor's registers: with the standard step of order 2 on the Cayley map.
+    pub fn is_side_by_side(&self) -> bool {
+        let Job { method, retraction, order, .. } = self.job;
+        (method, retraction, order) == (Method::Standard, Retraction::Cayley, Order::Two)
+    }
+
+    /// Whether there is memory for all members.
+    ///
+    /// # Errors
+    /// If not; the message says how much it would take.
+    pub fn check_memory(&self, entry: &Entry, observables: usize) -> Result<(), Error> {
+        let members = self.bytes_of_member(entry) * self.members as f64;
+        let looks = self.job.steps as f64 / self.every.max(1) as f64 + 1.0;
+        let needed = members + looks * (observables * size_of::<Spread>()) as f64;
+        let available = available_memory();
+        if needed <= 0.9 * available {
+            return Ok(());
+        }
+        Err(Error::Input(format!(
+            "{} members and {} looks at them take about {} of memory; there are {}",
+            grouped(self.members as u64),
+            grouped(looks as u64),
+            bytes_in_words(needed),
+            bytes_in_words(available)
+        )))
+    }
+}
+
+impl EnsembleSpec {
+    /// About what a member takes, as it was measured: a few copies of its parameters, the states of some earlier steps, and what holds them
+    /// together.
+    fn bytes_of_member(&self, entry: &Entry) -> f64 {
+        let Setup { parameters, state, controls } = &entry.example;
+        let numbers = 8.0 * (4 * parameters.len() + 12 * state.len()) as f64;
+        if self.is_side_by_side() {
+            return 600.0 + numbers + if controls.is_empty() { 0.0 } else { 400.0 };
+        }
+        let composed = match self.job.order {
+            Order::Two => 1.0,
+            Order::Four => 5.0,
+            Order::Six => 9.0,
+            Order::Eight => 17.0,
+            Order::Ten => 35.0,
+        };
+        let is_verlet =
+            self.job.method == Method::Standard && entry.standard(self.job.retraction) == Method::Verlet;
+        let halves = if is_verlet || self.job.method == Method::Verlet { 2.0 } else { 1.0 };
+        500.0 + composed * halves * (1200.0 + 0.5 * numbers)
+    }
+}
+
+/// The memory that can be had, in bytes; where the system does not tell, as much as a small computer has.
+fn available_memory() -> f64 {
+    let told = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
+    let available = told.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
+    let kilobytes = available.and_then(|rest| rest.trim().trim_end_matches(" kB").parse::<f64>().ok());
+    kilobytes.map_or(8e9, |kilobytes| 1024.0 * kilobytes)
+}
+
+/// Runs an ensemble with the controls of the setup. The callback may end the run.
 ///
 /// # Errors
-/// If the parameters or the state of a member are not valid, or the step.
+/// If the parameters or the state of a member are not valid, or the step, or there is no such scheme.
 pub fn run(
     entry: &Entry,
     setup: &Setup,
@@ -65,72 +140,189 @@ pub fn run(
     observables: &[Observable],
     progress: &mut ProgressFn<'_>,
 ) -> Result<EnsembleSummary, SimulationError> {
-    let members: Vec<Setup> = (0..spec.members).map(|member| random_member(setup, spec, member)).collect();
-    let laws: Option<Vec<ControlLaw>> = members.iter().map(|own| entry.law(own)).collect();
-    let members = members.into_iter().map(|Setup { parameters, state, .. }| (parameters, state));
-    let mut ensemble = Ensemble::new(&*entry.system(&setup.parameters), members, spec.step)?;
+    let mut ranges = spec.variation.ranges(entry, setup);
+    let mut laws: Vec<ControlLaw> = Vec::new();
+    let members = (0..spec.members).map(|member| {
+        let own = ranges.member(spec.seed, member);
+        laws.extend(entry.law(&own));
+        (own.parameters, own.state)
+    });
+    let system = entry.system(&setup.parameters);
+    let (mut systems, mut states) = (Vec::new(), Vec::new());
+    let mut moving = if spec.is_side_by_side() {
+        Moving::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
+    } else {
+        for (parameters, state) in members {
+            systems.push(entry.system(&parameters));
+            states.push(state);
+        }
+        Moving::OneByOne(one_by_one(entry, &spec.job, &systems, states)?)
+    };
     let mut spreads = vec![Vec::new(); observables.len()];
     let every = spec.every.max(1);
+    let Job { step, steps, .. } = spec.job;
     let (mut taken, mut member_steps, mut seconds) = (0, 0, 0.0);
     loop {
-        if taken == spec.steps || taken.is_multiple_of(every) {
+        if taken == steps || taken.is_multiple_of(every) {
             for (spreads, &observable) in spreads.iter_mut().zip(observables) {
-                spreads.push(spread(&ensemble, observable));
+                spreads.push(moving.spread(observable, taken as f64 * step));
             }
             if progress(taken).is_break() {
                 break;
             }
         }
-        if taken == spec.steps {
+        if taken == steps {
             break;
         }
         // up to the next sample
-        let steps = (every - taken % every).min(spec.steps - taken);
+        let count = (every - taken % every).min(steps - taken);
         let start = std::time::Instant::now();
-        member_steps += match &laws {
-            Some(laws) => ensemble.run_controlled(steps, &|member, state, time, control| {
-                laws[member](state, time, control);
-            }),
-            None => ensemble.run(steps),
-        };
+        member_steps += moving.advance(count, &laws);
         seconds += start.elapsed().as_secs_f64();
-        taken += steps;
+        taken += count;
     }
-    Ok(EnsembleSummary {
-        spreads,
-        failed: ensemble.failed().to_vec(),
-        member_steps,
-        width: ensemble.width(),
-        seconds,
-    })
+    let (failed, width) = (moving.failed(), moving.width());
+    drop(moving);
+    Ok(EnsembleSummary { spreads, drawn: ranges.finish(), failed, member_steps, width, seconds })
 }
 
-/// How a quantity is distributed over the members now.
-fn spread(ensemble: &Ensemble, observable: Observable) -> Spread {
-    let time = ensemble.time();
-    let value = |(_, system, state): (usize, &dyn erased::System, Vec<f64>)| match observable {
-        Observable::Energy => system.energy(&state, time),
-        Observable::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
+/// Members on their way.
+enum Moving<'s> {
+    /// In registers.
+    SideBySide(Ensemble),
+    /// Each with a stepper of its own, on all processors.
+    OneByOne(Vec<Member<'s>>),
+}
+
+struct Member<'s> {
+    stepper: erased::Stepper<'s>,
+    state: Vec<f64>,
+    failure: Option<(u64, StepError)>,
+}
+
+fn one_by_one<'s>(
+    entry: &Entry,
+    job: &Job,
+    systems: &'s [Box<dyn erased::System>],
+    states: Vec<Vec<f64>>,
+) -> Result<Vec<Member<'s>>, SimulationError> {
+    let member = |member: usize, system: &'s dyn erased::System, state: Vec<f64>| {
+        let stepper = entry
+            .stepper(system, job)
+            .map_err(|source| SimulationError::Member { member, source: Box::new(source) })?;
+        Ok(Member { stepper, state, failure: None })
     };
-    let mut values: Vec<f64> = ensemble.members().map(value).filter(|value| !value.is_nan()).collect();
-    Spread::of(time, &mut values)
+    let members = systems.iter().zip(states).enumerate();
+    members.map(|(index, (system, state))| member(index, &**system, state)).collect()
 }
 
-/// The setup of one member: the same numbers for the same seed and member, however many there are.
-fn random_member(setup: &Setup, spec: &EnsembleSpec, member: usize) -> Setup {
-    let mut random = ChaCha8Rng::seed_from_u64(spec.seed);
-    random.set_stream(member as u64);
-    let mut draw = |values: &[f64], widths: &[f64]| {
-        let between = |(&value, &width): (&f64, &f64)| {
-            // 53 bits, from −1 to 1
-            let even = (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
-            value + width * even
+impl Member<'_> {
+    /// Takes so many steps, unless it failed before; returns how many were taken.
+    fn advance(&mut self, steps: u64, law: Option<&ControlLaw>) -> u64 {
+        if self.failure.is_some() {
+            return 0;
+        }
+        let controls = law.map_or(Controls::Held(&[]), |law| Controls::Chosen(law));
+        let options = RunOptions { steps, controls, next: &|_| u64::MAX };
+        let unwatched = &mut |_: &erased::Sample<'_>| ControlFlow::Continue(());
+        match erased::run(&mut self.stepper, &mut self.state, &options, unwatched) {
+            Ok(report) => report.steps,
+            Err(error) => {
+                self.failure = Some((error.step, error.cause));
+                error.report.steps
+            }
+        }
+    }
+}
+
+impl Moving<'_> {
+    /// All members that have not failed take so many steps; returns how many they are together.
+    fn advance(&mut self, steps: u64, laws: &[ControlLaw]) -> u64 {
+        match self {
+            Self::SideBySide(ensemble) if laws.is_empty() => ensemble.run(steps),
+            Self::SideBySide(ensemble) => ensemble
+                .run_controlled(steps, &|member, state, time, control| laws[member](state, time, control)),
+            Self::OneByOne(members) => {
+                let advance =
+                    |(index, member): (usize, &mut Member<'_>)| member.advance(steps, laws.get(index));
+                members.par_iter_mut().enumerate().map(advance).sum()
+            }
+        }
+    }
+
+    /// How a quantity is distributed over the members now.
+    fn spread(&self, observable: Observable, time: f64) -> Spread {
+        let value = |system: &dyn erased::System, state: &[f64]| match observable {
+            Observable::Energy => system.energy(state, time),
+            Observable::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
         };
-        values.iter().zip(widths).map(between).collect()
-    };
-    Setup {
-        parameters: draw(&setup.parameters, &spec.widths.parameters),
-        state: draw(&setup.state, &spec.widths.state),
-        controls: setup.controls.clone(),
+        let mut values: Vec<f64> = match self {
+            Self::SideBySide(ensemble) => {
+                ensemble.members().map(|(_, system, state)| value(system, &state)).collect()
+            }
+            Self::OneByOne(members) => {
+                let alive = members.iter().filter(|member| member.failure.is_none());
+                alive.map(|member| value(member.stepper.system(), &member.state)).collect()
+            }
+        };
+        values.retain(|value| !value.is_nan());
+        Spread::of(time, &mut values)
+    }
+
+    fn failed(&self) -> Vec<Failure> {
+        match self {
+            Self::SideBySide(ensemble) => {
+                let failure = |failed: &coadjoint::ensemble::Failed| Failure {
+                    member: failed.member,
+                    step: failed.step,
+                    cause: failed.source,
+                };
+                ensemble.failed().iter().map(failure).collect()
+            }
+            Self::OneByOne(members) => {
+                let failure = |(index, member): (usize, &Member<'_>)| {
+                    member.failure.map(|(step, cause)| Failure { member: index, step, cause })
+                };
+                members.iter().enumerate().filter_map(failure).collect()
+            }
+        }
+    }
+
+    fn width(&self) -> usize {
+        match self {
+            Self::SideBySide(ensemble) => ensemble.width(),
+            Self::OneByOne(_) => 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    fn spec(members: usize, order: Order) -> EnsembleSpec {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let variation = Variation::parse(top, &top.example, &[]).expect("nothing varies");
+        let (method, retraction) = (Method::Standard, Retraction::Cayley);
+        let job = Job { method, retraction, order, step: 0.01, steps: 100 };
+        EnsembleSpec { members, variation, seed: 1, job, every: 1 }
+    }
+
+    #[test]
+    fn ensembles_that_memory_cannot_hold_are_refused() {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let refused =
+            |members, order| spec(members, order).check_memory(top, 3).map_err(|error| error.to_string());
+        assert_eq!(refused(1000, Order::Two), Ok(()));
+        for members in [100_000_000_000, usize::MAX] {
+            let message = refused(members, Order::Two).expect_err("more than any computer has");
+            assert!(message.contains("of memory; there are"), "{message}");
+        }
+        // looks take memory too
+        let looking =
+            EnsembleSpec { job: Job { steps: u64::MAX, ..spec(1, Order::Two).job }, ..spec(1, Order::Two) };
+        assert!(looking.check_memory(top, 3).is_err());
+        assert!(refused(1, Order::Ten).is_ok());
     }
 }

@@ -25,6 +25,16 @@ pub enum Error {
     /// The motion of a figure could not be computed to its end.
     #[error(transparent)]
     Motion(#[from] RunError),
+    /// No member of an ensemble, or run of a scan, came to its end.
+    #[error("all {count} {what} failed, the first one thus: {first}")]
+    NoneLeft {
+        /// How many there were.
+        count: usize,
+        /// What they are.
+        what: &'static str,
+        /// Why the first one failed.
+        first: String,
+    },
     /// A classical integrator could not go on.
     #[error("{0}")]
     Diverged(#[from] Diverged),
@@ -84,14 +94,19 @@ impl Error {
             Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
             Error::Interrupted => interrupt::EXIT_CODE,
             Error::Simulation(
-                SimulationError::Stepper(_)
+                SimulationError::Member { .. }
+                | SimulationError::Stepper(_)
                 | SimulationError::Ensemble(_)
                 | SimulationError::NotSymmetric { .. }
                 | SimulationError::NotCertified { .. }
                 | SimulationError::NotIsolated { .. }
                 | SimulationError::NotLifted { .. },
             ) => 2,
-            Error::Simulation(_) | Error::Motion(_) | Error::Diverged(_) | Error::Command(_) => 3,
+            Error::NoneLeft { .. }
+            | Error::Simulation(_)
+            | Error::Motion(_)
+            | Error::Diverged(_)
+            | Error::Command(_) => 3,
             Error::Write { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } => 1,
         }

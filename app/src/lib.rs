@@ -63,6 +63,8 @@ mod config;
 #[cfg(feature = "program")]
 pub mod conservation;
 #[cfg(feature = "program")]
+pub mod console;
+#[cfg(feature = "program")]
 pub mod ensemble;
 #[cfg(feature = "program")]
 mod ensemble_plot;
@@ -70,6 +72,8 @@ mod ensemble_plot;
 pub mod entry;
 #[cfg(feature = "program")]
 pub mod error;
+#[cfg(feature = "program")]
+mod estimate;
 #[cfg(feature = "program")]
 mod interrupt;
 #[cfg(feature = "program")]
@@ -79,7 +83,7 @@ pub mod page;
 #[cfg(feature = "program")]
 pub mod plot;
 #[cfg(feature = "program")]
-mod progress;
+pub mod progress;
 #[cfg(feature = "program")]
 pub mod report;
 #[cfg(feature = "program")]
@@ -92,6 +96,8 @@ mod setting;
 pub mod simulation;
 #[cfg(feature = "program")]
 pub mod suggest;
+#[cfg(feature = "program")]
+mod threads;
 
 #[cfg(all(test, feature = "program"))]
 mod test_systems;

@@ -5,6 +5,7 @@ mod csv;
 mod json;
 #[cfg(feature = "parquet")]
 mod parquet;
+pub(crate) mod path;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,6 +13,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use self::atomic_file::AtomicFile;
+pub(crate) use self::json::{by_name, invariants, run as described};
+use self::path::is_stdout;
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
 use crate::error::Error;
@@ -69,8 +72,7 @@ impl Trajectory {
         setup: &Setup,
         job: &Job,
     ) -> Result<Self, Error> {
-        make_directory(directory)?;
-        let path = directory.join(format!("{}.{}", name(entry, job), format.extension()));
+        let path = file_in(directory, &format!("{}.{}", name(entry, job), format.extension()))?;
         let writer = || -> io::Result<Box<dyn Write>> {
             let file = AtomicFile::create(&path)?;
             Ok(match format {
@@ -82,7 +84,7 @@ impl Trajectory {
         };
         match writer() {
             Ok(writer) => Ok(Self { path, writer }),
-            Err(source) => Err(Error::Write { path, source }),
+            Err(source) => Err(write_error(&path, source)),
         }
     }
 
@@ -91,7 +93,7 @@ impl Trajectory {
     /// # Errors
     /// If it cannot be written.
     pub fn row(&mut self, row: &[f64]) -> Result<(), Error> {
-        self.writer.row(row).map_err(|source| Error::Write { path: self.path.clone(), source })
+        self.writer.row(row).map_err(|source| write_error(&self.path, source))
     }
 
     /// Puts the file in its place and tells where.
@@ -101,7 +103,7 @@ impl Trajectory {
     pub fn finish(self, conservation: &ConservationReport) -> Result<PathBuf, Error> {
         match self.writer.finish(conservation) {
             Ok(()) => Ok(self.path),
-            Err(source) => Err(Error::Write { path: self.path, source }),
+            Err(source) => Err(write_error(&self.path, source)),
         }
     }
 }
@@ -133,6 +135,41 @@ pub fn name(entry: &Entry, job: &Job) -> String {
 /// If that cannot be done.
 pub fn make_directory(directory: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })
+}
+
+/// A file in a directory, which is made if need be; or standard output, where `-` stands for the directory.
+///
+/// # Errors
+/// If the directory cannot be made.
+pub(crate) fn file_in(directory: &Path, name: &str) -> Result<PathBuf, Error> {
+    if is_stdout(directory) {
+        return Ok(directory.to_owned());
+    }
+    make_directory(directory)?;
+    Ok(directory.join(name))
+}
+
+/// What went wrong where: nobody who reads standard output is no error of a file.
+fn write_error(path: &Path, source: io::Error) -> Error {
+    if is_stdout(path) { Error::Console(source) } else { Error::Write { path: path.to_owned(), source } }
+}
+
+/// Writes a table as CSV, whole or not at all.
+///
+/// # Errors
+/// If it cannot be written.
+pub(crate) fn write_table(path: &Path, records: impl Iterator<Item = Vec<String>>) -> Result<(), Error> {
+    let written = || -> io::Result<()> {
+        let mut file = AtomicFile::create(path)?;
+        let mut writer = ::csv::Writer::from_writer(&mut file);
+        for record in records {
+            writer.write_record(record)?;
+        }
+        writer.flush()?;
+        drop(writer);
+        file.finish()
+    };
+    written().map_err(|source| write_error(path, source))
 }
 
 /// Writes a text, whole or not at all.

@@ -3,10 +3,11 @@
 use std::fmt;
 
 use coadjoint::RunReport;
+use serde_json::{Map, Value, json};
 
 use crate::conservation::{ConservationReport, DriftStats};
 use crate::entry::Entry;
-use crate::simulation::{Job, Method};
+use crate::simulation::{Job, Method, Setup};
 
 /// A table with a column for each run.
 #[derive(Debug)]
@@ -47,6 +48,25 @@ impl RunSummary {
     }
 }
 
+impl RunSummary {
+    /// All of it as a JSON object.
+    pub(crate) fn object(&self, entry: &Entry, setup: &Setup) -> Value {
+        let described = crate::output::described(entry, setup, &self.job);
+        let mut object: Map<String, Value> =
+            described.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+        object.insert("steps".to_owned(), json!(self.conservation.steps));
+        object.insert("time".to_owned(), json!(self.conservation.time));
+        object.insert("ns_per_step".to_owned(), json!(self.time_per_step));
+        object.insert("iterations_per_step".to_owned(), json!(self.report.iterations_per_step()));
+        object.insert("max_iterations".to_owned(), json!(self.report.max_iterations));
+        object.insert("max_residual".to_owned(), json!(self.report.max_residual));
+        object.insert("off_group".to_owned(), json!(self.off_group));
+        object.insert("invariants".to_owned(), crate::output::invariants(entry, &self.conservation));
+        object.insert("conclusions".to_owned(), json!(self.conclusions(entry)));
+        Value::Object(object)
+    }
+}
+
 /// How well a quantity was conserved, in words.
 fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
     // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
@@ -60,13 +80,13 @@ fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
         format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
     } else if stats.drift() < 0.5 {
         format!(
-            "bounded: its error oscillates between {} and {} and does not grow",
+            "bounded: its error stays from {} to {} and does not grow",
             magnitude(least),
             with_unit_behind(greatest, unit)
         )
     } else {
         format!(
-            "drifts: by {} per second, or oscillates more slowly than this run can show",
+            "drifts: by {} per second, or swings more slowly than this run shows",
             with_unit_behind(stats.slope(), unit)
         )
     }
@@ -171,6 +191,47 @@ pub fn grouped(number: u64) -> String {
     text
 }
 
+/// `4.5 M`, `320 k`, `17`: so many a second.
+pub(crate) fn rate_in_words(rate: f64) -> String {
+    match rate {
+        rate if rate >= 1e9 => format!("{:.1} G", rate / 1e9),
+        rate if rate >= 1e6 => format!("{:.1} M", rate / 1e6),
+        rate if rate >= 1e4 => format!("{:.0} k", rate / 1e3),
+        rate if rate >= 10.0 => format!("{rate:.0}"),
+        rate => format!("{rate:.1}"),
+    }
+}
+
+/// `12 s`, `3 min`, `5.1 h`, `80 days`, `3.2 years`
+pub(crate) fn seconds_in_words(seconds: f64) -> String {
+    const UNITS: [(f64, &str); 4] =
+        [(60.0, "min"), (3600.0, "h"), (86_400.0, "days"), (365.25 * 86_400.0, "years")];
+    let unit = UNITS.iter().rev().find(|(unit, _)| seconds >= 1.5 * unit);
+    let (value, unit) = unit.map_or((seconds, "s"), |(length, unit)| (seconds / length, *unit));
+    match value {
+        value if value >= 1e7 => format!("{value:.1e} {unit}"),
+        value if value >= 10.0 || unit == "s" => format!("{} {unit}", grouped(value.round() as u64)),
+        value => format!("{value:.1} {unit}"),
+    }
+}
+
+/// `350 kB`, `2.5 GB`
+pub(crate) fn bytes_in_words(bytes: f64) -> String {
+    const UNITS: [&str; 6] = ["bytes", "kB", "MB", "GB", "TB", "PB"];
+    let mut value = bytes;
+    let mut unit = 0;
+    while value >= 999.5 && unit + 1 < UNITS.len() {
+        value /= 1e3;
+        unit += 1;
+    }
+    let digits = usize::from(value < 9.95 && unit > 0);
+    if value >= 1e6 {
+        format!("{value:.1e} {}", UNITS[unit])
+    } else {
+        format!("{value:.digits$} {}", UNITS[unit])
+    }
+}
+
 /// A number with so many digits behind the first, written out where that is short.
 struct Figures(f64);
 
@@ -190,8 +251,28 @@ impl fmt::Display for Figures {
     }
 }
 
+/// A text in lines of at most so many letters, broken between words.
+pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Six digits, without zeros at the end.
+pub(crate) fn short(value: f64) -> String {
+    format!("{:.5}", Figures(value))
+}
+
 /// Two digits say how large an error is.
-fn magnitude(value: f64) -> String {
+pub(crate) fn magnitude(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
 }
 
@@ -218,6 +299,29 @@ mod tests {
         ] {
             assert_eq!(format!("{:.4}", Figures(number)), text);
         }
+        for (seconds, text) in [
+            (0.2, "0 s"),
+            (80.0, "80 s"),
+            (100.0, "1.7 min"),
+            (3000.0, "50 min"),
+            (18_000.0, "5.0 h"),
+            (7e6, "81 days"),
+            (1e8, "3.2 years"),
+            (1e13, "316 881 years"),
+        ] {
+            assert_eq!(seconds_in_words(seconds), text);
+        }
+        for (rate, text) in [(4_500_768.1, "4.5 M"), (320_400.0, "320 k"), (17.2, "17"), (0.25, "0.2")] {
+            assert_eq!(rate_in_words(rate), text);
+        }
+        for (bytes, text) in [(12.0, "12 bytes"), (9.96e3, "10 kB"), (2.52e9, "2.5 GB"), (9.999e5, "1.0 MB")]
+        {
+            assert_eq!(bytes_in_words(bytes), text);
+        }
+        assert_eq!(wrapped("one two three, four", 9), ["one two", "three,", "four"]);
+        assert_eq!(wrapped("longer-than-that", 3), ["longer-than-that"]);
+        assert_eq!(wrapped("", 3), [""; 0]);
+        assert_eq!(bytes_in_words(1e30), "1.0e15 PB");
         assert_eq!(with_unit("time", "s"), "time, s");
         assert_eq!(with_unit("|Γ|²", ""), "|Γ|²");
     }

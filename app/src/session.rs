@@ -171,6 +171,11 @@ impl Session {
         Ok(Self { entry, system, plan, record, rows, from: Some(checkpoint), checkpoint_path })
     }
 
+    /// Whether the trajectory goes to standard output.
+    pub(crate) fn is_for_stdout(&self) -> bool {
+        crate::output::path::is_stdout(&self.plan.out)
+    }
+
     /// Runs to the end, and writes the output.
     pub fn run(mut self) -> Result<FinishedRun, Error> {
         interrupt::listen();

@@ -1,27 +1,24 @@
 //! Runs of any system of the catalogue, with parameters and states as flat lists of numbers.
 
+mod certificates;
 mod classical;
+mod error;
 mod method;
+mod too_far;
 
-use std::error::Error as _;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
+pub(crate) use classical::tangent_places;
 use coadjoint::__private::Map;
-use coadjoint::certify::{CertifyError, Report, certify_erased};
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
-use coadjoint::ensemble::EnsembleError;
 pub use coadjoint::erased::Sample;
 use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
-use coadjoint::system::Role;
 use coadjoint::{RunError, RunReport};
+pub use error::SimulationError;
 pub use method::{Classical, Method};
-use nalgebra::{DMatrix, DVector};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::entry::{ControlLaw, Entry};
 use crate::example::Example;
@@ -157,66 +154,6 @@ impl Checkpoint {
 /// Observes samples; may end the run.
 pub type SampleObserver<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
 
-/// An error of a simulation.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum SimulationError {
-    /// No stepper can be built with these parameters, this scheme or this step, or it is not the one that an earlier run was made with.
-    #[error(transparent)]
-    Stepper(#[from] StepperError),
-    /// The motion could not be computed to its end.
-    #[error(transparent)]
-    Motion(#[from] RunError),
-    /// A certificate could not be measured.
-    #[error(transparent)]
-    Certificate(#[from] CertifyError),
-    /// An ensemble cannot be built.
-    #[error("{}: {}", .0, .0.source().map(ToString::to_string).unwrap_or_default())]
-    Ensemble(#[from] EnsembleError),
-    /// Steps of higher order are composed of symmetric ones.
-    #[error(
-        "order {order} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}"
-    )]
-    NotSymmetric {
-        /// The order asked for.
-        order: u32,
-        /// The method asked for.
-        method: Method,
-        /// Those whose steps are symmetric.
-        symmetric: String,
-    },
-    /// The method is no scheme whose claims could be measured.
-    #[error("method {method} {}", not_certified(*.method))]
-    NotCertified {
-        /// The method asked for.
-        method: Method,
-    },
-    /// The momentum in space is constant only where nothing acts.
-    #[error(
-        "`{system}` has no steps with the method right-lift, which carries the momentum in space: something acts on it"
-    )]
-    NotIsolated {
-        /// The system.
-        system: &'static str,
-    },
-    /// The program has right lifts with the retractions alone that there are of every system.
-    #[error(
-        "there are no steps of the method right-lift with the retraction {retraction}; take one of exponential, cayley"
-    )]
-    NotLifted {
-        /// The retraction asked for.
-        retraction: &'static str,
-    },
-}
-
-/// Why there are no certificates of a method.
-fn not_certified(method: Method) -> &'static str {
-    match method {
-        Method::RightLift => "takes the steps of euler-a: certify these",
-        _ => "claims nothing that a certificate could measure",
-    }
-}
-
 /// The scheme of a method with a retraction, of an order.
 ///
 /// # Errors
@@ -317,7 +254,10 @@ impl Entry {
     }
 
     /// What takes the steps of a run.
-    fn stepper<'s>(
+    ///
+    /// # Errors
+    /// If parameters or step are not valid, or there are no such steps.
+    pub(crate) fn stepper<'s>(
         &self,
         system: &'s dyn erased::System,
         job: &Job,
@@ -367,7 +307,8 @@ impl Entry {
             (None, held) => Controls::Held(held.as_deref().unwrap_or(&[])),
         };
         let steps = job.steps.saturating_sub(stepper.steps_taken());
-        Ok(erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer)?)
+        let ran = erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer);
+        ran.map_err(|error| too_far::explained(error, &*system, &state, job))
     }
 
     /// Measures the time that a step takes without an observer, ns: the best of three short runs; none without steps.
@@ -391,62 +332,14 @@ impl Entry {
         Ok(Some(best / job.steps as f64 * 1e9))
     }
 
-    /// Measures the claims of a scheme at [`states_in_motion`](Self::states_in_motion), with the controls of the setup there.
-    ///
-    /// # Errors
-    /// If parameters are not valid, or a step cannot be taken.
-    pub fn certify(
-        &self,
-        setup: &Setup,
-        method: Method,
-        retraction: Retraction,
-    ) -> Result<Report, SimulationError> {
-        let method = if method == Method::Standard { self.standard(retraction) } else { method };
-        let scheme = scheme(method, retraction, Order::Two)?;
-        let (states, _) = self.states_in_motion(setup)?;
-        let law = self.law(setup);
-        let chosen = |state: &Vec<f64>| {
-            let mut control = vec![0.0; setup.controls.len()];
-            law.as_ref().map(|law| {
-                law(state, 0.0, &mut control);
-                control
-            })
+    /// Whether there are steps of a method on the exponential map or the Cayley map.
+    pub(crate) fn has_method(&self, method: Method) -> bool {
+        let system = self.system(&self.example.parameters);
+        let is_there = |retraction: Retraction| {
+            let job = Job { method, retraction, order: Order::Two, step: self.step, steps: 0 };
+            self.stepper(&*system, &job).is_ok()
         };
-        let controls: Vec<Vec<f64>> = states.iter().filter_map(chosen).collect();
-        let system = self.system(&setup.parameters);
-        Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
-    }
-
-    /// Three states at which the motion shows what it can: the example's, and where 40 and 80 steps lead from there; if it rests, three near it,
-    /// chosen at random, with momenta that turn it by up to a radian, or move it by up to a metre, in a tenth of its usual duration. The answer is also
-    /// whether it rests.
-    ///
-    /// # Errors
-    /// If parameters are not valid, or a step cannot be taken.
-    pub fn states_in_motion(&self, setup: &Setup) -> Result<(Vec<Vec<f64>>, bool), SimulationError> {
-        let job = Job {
-            method: Method::Standard,
-            retraction: Retraction::Exponential,
-            order: Order::Two,
-            step: self.step,
-            steps: 80,
-        };
-        let mut states = Vec::new();
-        self.simulate(setup, &job, None, &|index| index + 40, &mut |sample| {
-            states.push(sample.state.to_vec());
-            ControlFlow::Continue(())
-        })?;
-        let moves = |(x, y): (&f64, &f64)| (x - y).abs() > 1e-9 * (1.0 + y.abs());
-        let rests = !states.iter().any(|state| state.iter().zip(&setup.state).any(moves));
-        if rests {
-            let system = self.system(&setup.parameters);
-            let mut random = ChaCha8Rng::seed_from_u64(1);
-            // 53 bits, from −1 to 1
-            let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
-            states =
-                (0..3).map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut even)).collect();
-        }
-        Ok((states, rests))
+        Retraction::COMMON.into_iter().any(is_there)
     }
 
     /// The order that a job's step has.
@@ -469,43 +362,6 @@ impl Entry {
             _ => Method::EulerA,
         }
     }
-}
-
-/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
-fn in_motion(
-    system: &dyn erased::System,
-    state: &[f64],
-    rate: f64,
-    random: &mut dyn FnMut() -> f64,
-) -> Vec<f64> {
-    let places: Vec<_> = classical::tangent_places(system.description().state).collect();
-    let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
-    let (turns, momenta) =
-        (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());
-    let length = places.last().map_or(0, |place| place.1.end);
-    let mut by = vec![0.0; length];
-    turns.iter().for_each(|&turn| by[turn] = 0.5 * random());
-    let displaced = system.displace(state, Map::Exponential, &by);
-    // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
-    let velocity = |by: &[f64]| {
-        let differential = system.differential(&system.displace(&displaced, Map::Exponential, by), 0.0);
-        DVector::from_iterator(momenta.len(), momenta.iter().map(|&place| differential[place]))
-    };
-    let at_rest = velocity(&vec![0.0; length]);
-    let columns: Vec<DVector<f64>> = momenta
-        .iter()
-        .map(|&place| {
-            let mut unit = vec![0.0; length];
-            unit[place] = 1.0;
-            velocity(&unit) - &at_rest
-        })
-        .collect();
-    let wanted = DVector::from_fn(momenta.len(), |_, _| rate * random());
-    let mut by = vec![0.0; length];
-    if let Some(momentum) = DMatrix::from_columns(&columns).lu().solve(&(wanted - at_rest)) {
-        momenta.iter().zip(momentum.iter()).for_each(|(&place, momentum)| by[place] = *momentum);
-    }
-    system.displace(&displaced, Map::Exponential, &by)
 }
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.

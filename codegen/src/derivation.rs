@@ -190,7 +190,11 @@ fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
     let by = geometry::tangent_symbols(arena, system, "by");
     let with_tangent = || at_state(system).with(Input::Tangent, by.symbols());
     let with_time = |inputs: Inputs| inputs.with(Input::Time, system.time_symbol());
-    let displaced = |retraction| geometry::displaced(system, retraction, &by);
+    // any local coordinates are as good as others where there are no steps with the map
+    let displaced = |retraction| {
+        let is_there = system.factors.iter().all(|factor| factor.algebra.group.has(retraction));
+        geometry::displaced(system, if is_there { retraction } else { Retraction::Exponential }, &by)
+    };
     let controlled = at_state(system).with(Input::Control, system.control_symbols());
     let mut functions = vec![
         (Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent()),

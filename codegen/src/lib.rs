@@ -129,7 +129,9 @@ fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Schem
     rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();
-    let retractions = attribute.retractions();
+    let is_there =
+        |retraction: &Retraction| system.factors.iter().all(|factor| factor.algebra.group.has(*retraction));
+    let retractions: Vec<Retraction> = attribute.retractions().iter().copied().filter(is_there).collect();
     let of = |&retraction: &Retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
     let all: Vec<Scheme> = retractions.iter().flat_map(of).collect();
     let original = |scheme: &Scheme| scheme.original(system, retractions[0]);

@@ -7,7 +7,7 @@ use proc_macro::TokenStream;
 ///
 /// | key | meaning |
 /// |---|---|
-/// | `group = SO3` | where the configuration lives: `R1` … `R6`, `SO2`, `SO3`, `SE2`, `SE3`, `SU2` |
+/// | `group = SO3` | where the configuration lives: `R1` … `R6`, `SO2`, `SO3`, `SE2`, `SE3`, `SU2`, families such as `SL(2)` and `SE2(3)`, or `matrices { … }` with a basis of your own |
 /// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own |
 /// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates |
 /// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |

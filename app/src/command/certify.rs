@@ -3,9 +3,12 @@
 use std::io::Write;
 
 use clap::Args;
+use coadjoint::certify::Report;
 use coadjoint::system::Quantity;
+use serde_json::json;
 
-use crate::entry::{Catalogue, Entry};
+use crate::console::Telling;
+use crate::entry::Catalogue;
 use crate::error::Error;
 use crate::setting::laid_out;
 use crate::simulation::{Method, Retraction};
@@ -13,14 +16,16 @@ use crate::simulation::{Method, Retraction};
 /// Which steps to certify.
 #[derive(Debug, Args)]
 pub(crate) struct CertifyArguments {
-    /// The system; `coadjoint list` shows all
+    /// The system; `list` shows all
     pub(crate) system: String,
-    /// Only this method, in place of the standard one and the midpoint
+    /// Only this method [default: the standard one and the midpoint]
     #[arg(long)]
     pub(crate) method: Option<Method>,
-    /// Only the steps built on this map; `exp` for short
+    /// Only the steps built on this map; `exp` and `cay` for short
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
+    #[command(flatten)]
+    pub(crate) telling: Telling,
 }
 
 /// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests; fails if a claim is
@@ -28,8 +33,9 @@ pub(crate) struct CertifyArguments {
 pub(crate) fn certify(
     catalogue: Catalogue,
     arguments: &CertifyArguments,
-    console: &mut dyn Write,
+    stdout: &mut dyn Write,
 ) -> Result<(), Error> {
+    let mut console = arguments.telling.on(stdout, false)?;
     let entry = catalogue.system(&arguments.system)?;
     let methods = match arguments.method {
         Some(method) => vec![method],
@@ -41,22 +47,66 @@ pub(crate) fn certify(
     };
     let (states, rests) = entry.states_in_motion(&entry.example.clone())?;
     if rests {
-        writeln!(console, "note: the example rests; measured at states near it, chosen at random:")?;
-        for state in states {
-            writeln!(console, "  {}", assignments(entry.description.state, &state))?;
+        console.note("the example rests; measured at states near it, chosen at random:".to_owned())?;
+        for state in &states {
+            writeln!(console.words(), "  {}", assignments(entry.description.state, state))?;
         }
-        writeln!(console)?;
+        writeln!(console.words())?;
     }
-    let mut wrong = 0;
+    let mut reports = Vec::new();
     for &method in &methods {
         for &retraction in &retractions {
-            wrong += usize::from(!one(entry, method, retraction, console)?);
+            let report = entry.certify(&entry.example, method, retraction)?;
+            writeln!(console.words(), "{report}\n")?;
+            reports.push(report);
         }
     }
-    match wrong {
-        0 => Ok(()),
-        _ => Err(Error::Claim { system: entry.name, wrong }),
+    for line in legend(&reports) {
+        writeln!(console.words(), "{line}")?;
     }
+    let notes = console.notes().to_vec();
+    let passed = reports.iter().all(Report::passed);
+    console.object(|| json!({ "passed": passed, "states": states, "reports": reports, "notes": notes }))?;
+    match reports.iter().filter(|report| !report.passed()).count() {
+        0 => Ok(()),
+        wrong => Err(Error::Claim { system: entry.name, wrong }),
+    }
+}
+
+/// What the rows say, one line each.
+const LEGEND: [(&str, &str); 18] = [
+    ("order", "the error falls with this power of the step"),
+    ("consistency", "short steps follow the equations of motion"),
+    ("Poisson map", "a step keeps the Poisson structure: it is symplectic"),
+    (CASIMIRS, "how far steps are from keeping each, under its name"),
+    ("energy drift", "how much of the energy's error is a straight line's"),
+    ("energy order", "the energy's error falls with this power of the step"),
+    ("reversibility", "steps, and as many back, lead to where they started"),
+    ("Newton correction", "the solver's, against one by finite differences"),
+    ("definition", "the generated step, against the scheme as defined"),
+    ("warm steps", "steps that remember earlier ones, against single steps"),
+    ("restarts", "the same from states that no step has led to"),
+    ("control jumps", "the same where controls jump from step to step"),
+    ("long steps", "the same with steps as long as can be taken"),
+    ("energy differential", "the generated one, against finite differences"),
+    ("antisymmetry", "of the Poisson structure"),
+    ("Jacobi identity", "of the Poisson structure"),
+    ("exponential", "displacements and Poisson structure are of one group"),
+    ("inverse", "the map of the opposite displacement is its inverse"),
+];
+
+/// The Casimirs' line of the legend.
+const CASIMIRS: &str = "Casimirs";
+
+/// The lines of the legend for the rows that there are.
+fn legend(reports: &[Report]) -> Vec<String> {
+    let names = || reports.iter().flat_map(|report| &report.certificates).map(|row| row.name.as_str());
+    let is_there = |name: &str| match name {
+        CASIMIRS => names().any(|row| LEGEND.iter().all(|(known, _)| *known != row)),
+        _ => names().any(|row| row == name),
+    };
+    let lines = LEGEND.iter().filter(|(name, _)| is_there(name));
+    lines.map(|(name, meaning)| format!("{name:19}  {meaning}")).collect()
 }
 
 /// A state as `--set` takes it, to three digits.
@@ -69,14 +119,24 @@ fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
     laid_out(quantities).map(quantity).collect::<Vec<_>>().join(" ")
 }
 
-/// One scheme's report; whether all of its claims hold.
-fn one(
-    entry: &Entry,
-    method: Method,
-    retraction: Retraction,
-    console: &mut dyn Write,
-) -> Result<bool, Error> {
-    let report = entry.certify(&entry.example.clone(), method, retraction)?;
-    writeln!(console, "{report}\n")?;
-    Ok(report.passed())
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    #[test]
+    fn every_row_is_explained_in_a_line() {
+        for entry in catalogue().entries() {
+            let report = entry.certify(&entry.example, Method::Standard, Retraction::Cayley);
+            let reports = [report.expect("measured")];
+            let lines = legend(&reports);
+            assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:#?}");
+            for row in &reports[0].certificates {
+                let is_casimir = entry.description.casimirs.contains(&row.name.as_str());
+                let name = if is_casimir { CASIMIRS } else { row.name.as_str() };
+                assert!(lines.iter().any(|line| line.starts_with(name)), "{name} of {}", entry.name);
+            }
+            assert!(reports[0].to_string().lines().all(|line| line.chars().count() <= 80));
+        }
+    }
 }

@@ -2,110 +2,185 @@
 
 use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 use clap::Args;
 use coadjoint::ensemble::Spread;
 use coadjoint::system::{Quantity, Role};
+use serde_json::{Value, json};
 
-use super::run::{MotionArguments, steps};
-use crate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
+use super::motion::{MotionArguments, SchemeArguments, check_scheme, job};
+use crate::console::{Console, Telling};
+use crate::ensemble::{EnsembleSpec, EnsembleSummary, Observable, Variation};
 use crate::ensemble_plot::figure;
 use crate::entry::{Catalogue, Entry, component_name};
 use crate::error::Error;
+use crate::estimate::Estimate;
 use crate::interrupt;
-use crate::output::{AtomicFile, make_directory};
+use crate::output::path::is_stdout;
+use crate::output::{file_in, name, write_table};
 use crate::progress::Progress;
-use crate::report::grouped;
-use crate::setting;
+use crate::report::{grouped, rate_in_words, short};
+use crate::setting::{Changes, laid_out};
+use crate::simulation::{Job, Retraction, Setup};
 use crate::suggest::did_you_mean;
+use crate::threads;
 
 /// Samples in all, unless asked otherwise.
 const SAMPLES: u64 = 300;
 /// Momentum components that are drawn unless others are asked for.
 const MOST: usize = 3;
+/// Member steps that are started without being measured first.
+const SHORT: f64 = 1e9;
 
 /// Which ensemble to run.
 #[derive(Debug, Args)]
 pub(crate) struct EnsembleArguments {
-    /// The system; `coadjoint list` shows all
+    /// The system; `list` shows all
     pub(crate) system: String,
     /// How many members
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) members: u64,
-    /// What differs between members, evenly within plus or minus the width: `momentum_z=0.01`, `inertia=2%`, `chi=0,0,0.1`
-    /// [default: momentum=1%]
+    /// How far members differ [default: momentum=1%]
+    ///
+    /// Evenly within plus or minus the width: `inertia=2%` of each component's own size, `momentum_z=0.01` in the component's own unit,
+    /// `chi=0,0,0.1` for each component. A rotation is turned about any axis by an angle up to the width: `attitude=5deg`, `attitude=0.1rad`;
+    /// advected vectors turn along. Symmetric matrices stay symmetric.
     #[arg(long, value_name = "NAME=WIDTH")]
     pub(crate) spread: Vec<String>,
     #[command(flatten)]
+    pub(crate) scheme: SchemeArguments,
+    #[command(flatten)]
     pub(crate) motion: MotionArguments,
-    /// What to show: `energy` or a component of the state [default: the momentum]
+    /// `energy` or a component of the state [default: the momentum]
     #[arg(long, value_name = "NAME")]
     pub(crate) quantity: Vec<String>,
-    /// Look at the members after every N-th step [default: 300 times in all]
+    /// Look at the members after every N-th step [default: 300 times]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
     /// Another seed draws other members
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub(crate) seed: u64,
+    /// Start even a run of hours
+    #[arg(long)]
+    pub(crate) long: bool,
+    #[command(flatten)]
+    pub(crate) telling: Telling,
 }
 
 /// Runs an ensemble; writes the distributions as a table and as a plot.
 pub(crate) fn ensemble(
     catalogue: Catalogue,
     arguments: &EnsembleArguments,
-    console: &mut dyn Write,
+    stdout: &mut dyn Write,
 ) -> Result<(), Error> {
+    let out = &arguments.motion.out;
+    let mut console = arguments.telling.on(stdout, is_stdout(out))?;
     let entry = catalogue.system(&arguments.system)?;
-    let mut setup = entry.example.clone();
-    setting::apply(entry, &mut setup, &arguments.motion.set)?;
-    let mut notes = setting::validate(entry, &mut setup)?;
+    let (setup, spec) = prepared(entry, arguments, &mut console)?;
+    let named = observables(entry, &arguments.quantity)?;
+    spec.check_memory(entry, named.len())?;
+    threads::start()?;
+    if !arguments.long {
+        check_length(entry, &setup, &spec)?;
+    }
+    let summary = moved(entry, &setup, &spec, &named)?;
+
+    let stem = if spec.is_side_by_side() { entry.name.to_owned() } else { name(entry, &spec.job) };
+    let table = file_in(out, &format!("{stem}-ensemble.csv"))?;
+    write_table(&table, records(&named, &summary))?;
+    let mut written = vec![table.clone()];
+    let is_seen = |spread: &&Spread| spread.members > 0;
+    let looks = summary.spreads.first().map_or(0, |spreads| spreads.iter().filter(is_seen).count());
+    // of members that failed at once there is nothing to draw
+    if !is_stdout(out) && looks > 1 {
+        let picture = figure(entry, &named, &summary, &spec, &spec.variation.words);
+        written.extend(picture.write(&table.with_extension(""))?);
+    }
+    written.retain(|path| !is_stdout(path));
+    let notes = console.notes().to_vec();
+    console.object(|| {
+        let mut object = object(entry, &setup, &spec, &named, &summary);
+        object["notes"] = notes.into();
+        object["written"] = written.iter().map(|path| path.display().to_string()).collect();
+        object["interrupted"] = interrupt::requested().into();
+        object
+    })?;
+    report(entry, &summary, &spec, console.words())?;
+    for path in written {
+        writeln!(console.words(), "wrote {}", path.display())?;
+    }
+    match summary.failed.first() {
+        _ if interrupt::requested() => Err(Error::Interrupted),
+        Some(first) if summary.failed.len() == spec.members => {
+            Err(Error::NoneLeft { count: spec.members, what: "members", first: first.to_string() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The setup that members differ from, and the ensemble.
+fn prepared(
+    entry: &'static Entry,
+    arguments: &EnsembleArguments,
+    console: &mut Console<'_>,
+) -> Result<(Setup, EnsembleSpec), Error> {
+    let EnsembleArguments { scheme, motion, .. } = arguments;
+    check_scheme(scheme.method, scheme.order, scheme.retraction)?;
+    let mut changes = Changes::of(entry);
+    changes.apply(&motion.set)?;
+    let (setup, notes) = changes.finish()?;
+    notes.into_iter().try_for_each(|note| console.note(note))?;
     let default = entry.description.state.iter().filter(|quantity| quantity.role == Role::Momentum);
-    let spread = match arguments.spread.is_empty() {
+    let spread: Vec<String> = match arguments.spread.is_empty() {
         true => default.map(|quantity| format!("{}=1%", quantity.name)).collect(),
         false => arguments.spread.clone(),
     };
-    let widths = setting::widths(entry, &setup, &spread)?;
-    let named = observables(entry, &arguments.quantity)?;
-    let step = arguments.motion.step.unwrap_or(entry.step);
-    let (steps, note) = steps(step, arguments.motion.duration.unwrap_or(entry.duration))?;
-    notes.extend(note);
-    for note in notes {
-        writeln!(console, "note: {note}")?;
-    }
-    console.flush()?;
+    let variation = Variation::parse(entry, &setup, &spread)?;
+    variation.notes.iter().try_for_each(|note| console.note(note.clone()))?;
+    let job = job(entry, scheme, Retraction::Cayley, (motion.step, motion.duration), console)?;
     let members = usize::try_from(arguments.members)
         .map_err(|_| Error::Input(format!("{} are too many members", arguments.members)))?;
-    let every = arguments.every.unwrap_or((steps / SAMPLES).max(1));
-    let spec = EnsembleSpec { members, widths, seed: arguments.seed, step, steps, every };
+    let every = arguments.every.unwrap_or((job.steps / SAMPLES).max(1));
+    Ok((setup, EnsembleSpec { members, variation, seed: arguments.seed, job, every }))
+}
 
+/// Measures a few members over a few steps: hours have to be asked for.
+fn check_length(entry: &Entry, setup: &Setup, spec: &EnsembleSpec) -> Result<(), Error> {
+    let all = spec.members as f64 * spec.job.steps as f64;
+    if all < SHORT {
+        return Ok(());
+    }
+    let job = Job { steps: spec.job.steps.min(100), ..spec.job };
+    let few = EnsembleSpec { members: spec.members.min(1024), job, every: u64::MAX, ..spec.clone() };
+    let unwatched = &mut |_: u64| ControlFlow::Continue(());
+    // what fails here fails again, and is told then
+    let Ok(measured) = crate::ensemble::run(entry, setup, &few, &[], unwatched) else { return Ok(()) };
+    let seconds = measured.seconds / measured.member_steps.max(1) as f64 * all;
+    Estimate { seconds, bytes: 0.0 }.check((all.min(u64::MAX as f64)) as u64, 1)
+}
+
+/// Runs it with its progress; Ctrl-C ends it.
+fn moved(
+    entry: &Entry,
+    setup: &Setup,
+    spec: &EnsembleSpec,
+    named: &[(String, Observable)],
+) -> Result<EnsembleSummary, Error> {
     interrupt::listen();
-    let mut progress = Progress::new(entry.name, steps);
+    let mut progress = Progress::new(entry.name, spec.job.steps);
     let mut report_progress = |index: u64| {
         progress.show(index);
         if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let observables: Vec<Observable> = named.iter().map(|(_, observable)| *observable).collect();
-    let summary = crate::ensemble::run(entry, &setup, &spec, &observables, &mut report_progress)?;
-    drop(progress);
-
-    make_directory(&arguments.motion.out)?;
-    let stem = arguments.motion.out.join(format!("{}-ensemble", entry.name));
-    let table = stem.with_extension("csv");
-    write_table(&table, &named, &summary)?;
-    let pictures = figure(entry, &named, &summary, &spec, &spread).write(&stem)?;
-    report(&summary, &spec, console)?;
-    for path in std::iter::once(table).chain(pictures) {
-        writeln!(console, "wrote {}", path.display())?;
-    }
-    if interrupt::requested() { Err(Error::Interrupted) } else { Ok(()) }
+    Ok(crate::ensemble::run(entry, setup, spec, &observables, &mut report_progress)?)
 }
 
 /// The observables asked for, with their names.
 fn observables(entry: &'static Entry, asked: &[String]) -> Result<Vec<(String, Observable)>, Error> {
     let mut all = vec![("energy".to_owned(), Observable::Energy)];
     let mut momenta = Vec::new();
-    for (quantity, slots) in setting::laid_out(entry.description.state) {
+    for (quantity, slots) in laid_out(entry.description.state) {
         let Quantity { role, components, .. } = quantity;
         for (component, slot) in components.iter().zip(slots) {
             let observable = (component_name(quantity, component), Observable::State(slot));
@@ -129,46 +204,92 @@ fn observables(entry: &'static Entry, asked: &[String]) -> Result<Vec<(String, O
 }
 
 /// Time and, for each quantity, how many members, mean, deviation and quantiles.
-fn write_table(path: &Path, named: &[(String, Observable)], summary: &EnsembleSummary) -> Result<(), Error> {
+fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> impl Iterator<Item = Vec<String>> {
     const COLUMNS: [&str; 10] =
         ["members", "mean", "deviation", "min", "q05", "q25", "median", "q75", "q95", "max"];
-    let written = || -> std::io::Result<()> {
-        let mut file = AtomicFile::create(path)?;
-        let mut writer = csv::Writer::from_writer(&mut file);
-        let columns = named.iter().flat_map(|(name, _)| COLUMNS.map(|column| format!("{name}_{column}")));
-        writer.write_record(std::iter::once("time".to_owned()).chain(columns))?;
-        let samples = summary.spreads.first().map_or(0, Vec::len);
-        for sample in 0..samples {
-            let mut record = vec![summary.spreads[0][sample].time.to_string()];
-            for spreads in &summary.spreads {
-                let Spread { members, mean, deviation, quantiles, .. } = spreads[sample];
-                record.push(members.to_string());
-                record.extend([mean, deviation].iter().chain(&quantiles).map(f64::to_string));
-            }
-            writer.write_record(record)?;
+    let columns = named.iter().flat_map(|(name, _)| COLUMNS.map(|column| format!("{name}_{column}")));
+    let header: Vec<String> = std::iter::once("time".to_owned()).chain(columns).collect();
+    let samples = summary.spreads.first().map_or(0, Vec::len);
+    let record = |sample: usize| {
+        let mut record = vec![summary.spreads[0][sample].time.to_string()];
+        for spreads in &summary.spreads {
+            let Spread { members, mean, deviation, quantiles, .. } = spreads[sample];
+            record.push(members.to_string());
+            record.extend([mean, deviation].iter().chain(&quantiles).map(f64::to_string));
         }
-        writer.flush()?;
-        drop(writer);
-        file.finish()
+        record
     };
-    written().map_err(|source| Error::Write { path: path.to_owned(), source })
+    std::iter::once(header).chain((0..samples).map(record))
 }
 
-fn report(summary: &EnsembleSummary, spec: &EnsembleSpec, console: &mut dyn Write) -> Result<(), Error> {
-    let EnsembleSummary { failed, member_steps, width, seconds, .. } = summary;
+/// The members that failed, at most so many of them by name.
+const TOLD: usize = 3;
+
+fn report(
+    entry: &Entry,
+    summary: &EnsembleSummary,
+    spec: &EnsembleSpec,
+    words: &mut dyn Write,
+) -> Result<(), Error> {
+    let EnsembleSummary { drawn, failed, member_steps, width, seconds, .. } = summary;
+    let Job { method, retraction, .. } = spec.job;
+    let retraction = if method.classical().is_some() { "" } else { retraction.name() };
+    writeln!(words, "scheme: {method} {retraction}, order {}", entry.order(&spec.job))?;
+    for (i, drawn) in drawn.iter().enumerate() {
+        let title = if i == 0 { "drawn: " } else { "       " };
+        let (least, greatest) = drawn.range;
+        let range = format!("from {} to {} {}", short(least), short(greatest), drawn.unit);
+        writeln!(words, "{title}{}", format!("{:16} {range}", drawn.name).trim_end())?;
+    }
     writeln!(
-        console,
-        "{} members, {} steps in {seconds:.2} s: {:.1} million member steps per second ({width} side by side, {} threads)",
+        words,
+        "{} members, {} steps in {seconds:.2} s: {} member steps/s\n({width} side by side, {} threads)",
         grouped(spec.members as u64),
         grouped(*member_steps),
-        *member_steps as f64 / seconds / 1e6,
+        rate_in_words(*member_steps as f64 / seconds),
         rayon::current_num_threads(),
     )?;
-    for failure in failed.iter().take(3) {
-        writeln!(console, "{failure}: {}", failure.source)?;
+    for failure in failed.iter().take(TOLD) {
+        writeln!(words, "{failure}")?;
     }
-    if failed.len() > 3 {
-        writeln!(console, "and {} others failed", grouped(failed.len() as u64 - 3))?;
+    if failed.len() > TOLD {
+        writeln!(words, "and {} others failed", grouped((failed.len() - TOLD) as u64))?;
     }
     Ok(())
+}
+
+/// All of it as a JSON object, with the distributions at the end.
+fn object(
+    entry: &Entry,
+    setup: &Setup,
+    spec: &EnsembleSpec,
+    named: &[(String, Observable)],
+    summary: &EnsembleSummary,
+) -> Value {
+    let mut object = json!({});
+    for (name, value) in crate::output::described(entry, setup, &spec.job) {
+        object[name] = value;
+    }
+    object["steps"] = json!(spec.job.steps);
+    object["members"] = json!(spec.members);
+    object["seed"] = json!(spec.seed);
+    object["spread"] = json!(spec.variation.words);
+    for drawn in &summary.drawn {
+        object["drawn"][&drawn.name] =
+            json!({ "min": drawn.range.0, "max": drawn.range.1, "unit": drawn.unit });
+    }
+    for ((name, _), last) in named.iter().zip(summary.spreads.iter().map(|spreads| spreads.last())) {
+        object["end"][name] = last.map_or(Value::Null, |last| {
+            json!({
+                "time": last.time, "members": last.members, "mean": last.mean, "deviation": last.deviation,
+                "quantiles": last.quantiles,
+            })
+        });
+    }
+    object["failed"] = json!(summary.failed.len());
+    object["member_steps"] = json!(summary.member_steps);
+    object["seconds"] = json!(summary.seconds);
+    object["side_by_side"] = json!(summary.width);
+    object["threads"] = json!(rayon::current_num_threads());
+    object
 }

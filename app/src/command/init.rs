@@ -12,7 +12,7 @@ use crate::error::Error;
 /// Which file to write.
 #[derive(Debug, Args)]
 pub(crate) struct InitArguments {
-    /// The system; `coadjoint list` shows all
+    /// The system; `list` shows all
     pub(crate) system: String,
     /// Where to write it [default: `<system>.toml`]
     #[arg(long, value_name = "FILE")]

@@ -17,9 +17,9 @@ use crate::simulation::Retraction;
 /// Which code to show.
 #[derive(Debug, Args)]
 pub(crate) struct ShowArguments {
-    /// The system; `coadjoint list` shows all
+    /// The system; `list` shows all
     pub(crate) system: String,
-    /// Only the step built on this map; `exp` for short
+    /// Only the step built on this map; `exp` and `cay` for short
     #[arg(long, value_enum)]
     pub(crate) retraction: Option<Retraction>,
     /// The code of the steps' derivatives, too

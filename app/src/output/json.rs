@@ -49,7 +49,7 @@ impl Json {
 }
 
 /// The properties of a run, by name.
-pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> Vec<(&'static str, Value)> {
+pub(crate) fn run(entry: &Entry, setup: &Setup, job: &Job) -> Vec<(&'static str, Value)> {
     let classical = job.method.classical();
     let mut run = vec![
         ("system", json!(entry.name)),
@@ -68,7 +68,7 @@ pub(super) fn run(entry: &Entry, setup: &Setup, job: &Job) -> Vec<(&'static str,
 }
 
 /// The conservation of the invariants.
-pub(super) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Value {
+pub(crate) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Value {
     let energy = entry.description.autonomous.then_some(("energy", &conservation.energy));
     let casimirs = entry.description.casimirs.iter().copied().zip(&conservation.casimirs);
     let invariants = energy.into_iter().chain(casimirs).map(|(name, stats)| {
@@ -79,7 +79,7 @@ pub(super) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Va
     Value::Object(invariants.collect())
 }
 
-fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Value {
+pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Value {
     let named = laid_out(quantities).map(|(quantity, slots)| {
         let value = match &values[slots] {
             [scalar] => json!(scalar),

@@ -67,7 +67,7 @@ fn failure(error: Diverged) -> StepError {
 }
 
 /// The places of a system's quantities in tangent vectors: a configuration has as many as the momentum behind it.
-pub(super) fn tangent_places(
+pub(crate) fn tangent_places(
     quantities: &[Quantity],
 ) -> impl Iterator<Item = (Role, std::ops::Range<usize>)> + '_ {
     quantities.iter().enumerate().scan(0, |start, (index, quantity)| {

@@ -1,4 +1,5 @@
-//! The tests of the app from outside, in one program.
+//! The tests of the app from outside, in one program: as people meet it, a real one of two systems, its output, its files, its exit codes.
+#![cfg(feature = "program")]
 #![allow(
     clippy::tests_outside_test_module,
     clippy::expect_used,
@@ -6,4 +7,7 @@
     reason = "all of it is tests"
 )]
 
+mod ensembles;
 mod page;
+mod program;
+mod terminal;

@@ -6,7 +6,7 @@ use syn::Ident;
 
 use super::{Advected, Factor, Force, Inertia, InertiaShape, momentum_name};
 use crate::diagnostics::{Diagnostics, list, suggestion};
-use crate::group::{self, Group, Representation, part_name};
+use crate::group::{self, BasisError, Group, MatrixGroup, Representation, Retraction, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::parse::{self, Attribute, Field, GROUP, Item, Shape};
 
@@ -14,13 +14,94 @@ use crate::parse::{self, Attribute, Field, GROUP, Item, Shape};
 pub(super) struct Subject<'d> {
     attribute: &'d Attribute,
     item: &'d Item,
+    /// The groups of all factors, as far as they are known.
+    groups: Vec<Option<&'static dyn Group>>,
     /// The factors whose groups are known.
     factors: Vec<Factor>,
 }
 
+/// The group of a factor, with all steps that are asked for.
+fn group(
+    factor: &parse::Factor,
+    retractions: &[Retraction],
+    diagnostics: &mut Diagnostics,
+) -> Option<&'static dyn Group> {
+    let group =
+        if factor.basis.is_empty() { named(&factor.group, diagnostics) } else { own(factor, diagnostics) }?;
+    if !Retraction::DEFAULT.into_iter().any(|retraction| group.has(retraction)) {
+        let message = format!(
+            "there are no steps on {}: its Cayley map leaves the group, and its exponential has no closed form and too many coordinates to be \
+             summed",
+            group.name()
+        );
+        diagnostics.push(&factor.group, message);
+        return None;
+    }
+    for retraction in retractions.iter().filter(|&&retraction| !group.has(retraction)) {
+        let why = match retraction {
+            Retraction::Cayley => "(1 − X/2)⁻¹(1 + X/2) leaves the group",
+            Retraction::Exponential => "it has no closed form and too many coordinates to be summed",
+            _ => "where they are singular is not known",
+        };
+        let message = format!("there are no steps on {} with `{}`: {why}", group.name(), retraction.name());
+        diagnostics.push(&factor.group, message);
+    }
+    Some(group)
+}
+
 /// The group of this name.
-fn group(name: &Ident) -> Option<&'static dyn Group> {
-    group::catalogue().iter().copied().find(|group| name == group.name())
+fn named(name: &Ident, diagnostics: &mut Diagnostics) -> Option<&'static dyn Group> {
+    let known = group::catalogue().iter().copied().find(|group| name == group.name());
+    let group = known.or_else(|| group::family(&name.to_string()).map(|group| group as &dyn Group));
+    if group.is_none() {
+        let names: Vec<&str> = group::catalogue().iter().map(|group| group.name()).collect();
+        let text = name.to_string();
+        diagnostics.push(name, format!("there is no group `{text}`{}", suggestion(&text, &names)));
+    }
+    group
+}
+
+/// The group of a basis of the user's own.
+fn own(factor: &parse::Factor, diagnostics: &mut Diagnostics) -> Option<&'static dyn Group> {
+    let basis = &factor.basis;
+    let size = basis.first().map_or(0, |matrix| matrix.rows.len());
+    let mut is_square = true;
+    for matrix in basis {
+        if matrix.rows.len() != size || matrix.rows.iter().any(|row| row.len() != size) {
+            let (rows, columns) = (matrix.rows.len(), matrix.rows.iter().map(Vec::len).max().unwrap_or(0));
+            let message = format!(
+                "the matrices of a basis are square and of one size, {size} × {size} here; `{}` is {rows} × {columns}",
+                matrix.name
+            );
+            diagnostics.push(&matrix.name, message);
+            is_square = false;
+        }
+    }
+    if !is_square {
+        return None;
+    }
+    // the names live as long as the group, which is as long as the process
+    let matrices: Vec<(&'static str, Vec<i64>)> =
+        basis.iter().map(|matrix| (&*plain(&matrix.name).leak(), matrix.rows.concat())).collect();
+    let (at, message) = match MatrixGroup::new("matrices", size, &matrices) {
+        Ok(group) => return Some(group.leaked()),
+        Err(BasisError::Dependent(i)) => {
+            (&basis[i].name, format!("`{}` is a combination of the matrices before it", basis[i].name))
+        }
+        Err(BasisError::NotClosed(i, j)) => {
+            let (first, second) = (&basis[i].name, &basis[j].name);
+            let bracket = format!("[{first}, {second}] = {first} {second} − {second} {first}");
+            (
+                first,
+                format!(
+                    "the commutator {bracket} is no combination of the basis: the matrices are no Lie algebra"
+                ),
+            )
+        }
+        Err(_) => (&factor.group, "matrices of 1 to 6 rows are known, of small whole numbers".to_owned()),
+    };
+    diagnostics.push(at, message);
+    None
 }
 
 /// The space of this name that a group acts on.
@@ -31,15 +112,12 @@ fn representation(group: &dyn Group, name: &str) -> Option<&'static dyn Represen
 impl<'d> Subject<'d> {
     /// Finds the groups: a system moves on groups of the catalogue.
     pub(super) fn new(attribute: &'d Attribute, item: &'d Item, diagnostics: &mut Diagnostics) -> Self {
-        let names: Vec<&str> = group::catalogue().iter().map(|group| group.name()).collect();
+        let retractions = attribute.named_retractions();
+        let groups: Vec<_> =
+            attribute.factors.iter().map(|factor| group(factor, retractions, diagnostics)).collect();
         let mut factors = Vec::new();
-        for factor in &attribute.factors {
-            let Some(group) = group(&factor.group) else {
-                let name = factor.group.to_string();
-                let message = format!("there is no group `{name}`{}", suggestion(&name, &names));
-                diagnostics.push(&factor.group, message);
-                continue;
-            };
+        for (factor, group) in attribute.factors.iter().zip(&groups) {
+            let Some(group) = *group else { continue };
             let name = factor.name.clone();
             factors.push(Factor {
                 name: name.unwrap_or_else(|| format_ident!("{}", group.configuration_name())),
@@ -54,7 +132,7 @@ impl<'d> Subject<'d> {
             );
             diagnostics.push_at(Span::call_site(), message);
         }
-        Self { attribute, item, factors }
+        Self { attribute, item, groups, factors }
     }
 
     pub(super) fn into_factors(self) -> Vec<Factor> {
@@ -312,9 +390,8 @@ impl<'d> Subject<'d> {
     fn names_are_free(&self, diagnostics: &mut Diagnostics) {
         let mut reserved: Vec<(String, &str)> =
             vec![("t".to_owned(), "the time"), ("time".to_owned(), "the time")];
-        for factor in &self.attribute.factors {
+        for (factor, &group) in self.attribute.factors.iter().zip(&self.groups) {
             let momentum = momentum_name(factor);
-            let group = group(&factor.group);
             for part in group.into_iter().flat_map(|group| group.parts()) {
                 reserved.push((part_name(&plain(&momentum), part), "a part of the momentum"));
                 reserved.push((part_name(&velocity_name(&momentum), part), "a part of the velocity"));
@@ -414,8 +491,8 @@ impl<'d> Subject<'d> {
         if self.attribute.factors.is_empty() {
             names.extend(unknown_factor(None));
         }
-        let unknown = self.attribute.factors.iter().filter(|factor| group(&factor.group).is_none());
-        names.extend(unknown.flat_map(|factor| unknown_factor(factor.name.as_ref())));
+        let unknown = self.attribute.factors.iter().zip(&self.groups).filter(|(_, group)| group.is_none());
+        names.extend(unknown.flat_map(|(factor, _)| unknown_factor(factor.name.as_ref())));
         names
     }
 }
@@ -442,7 +519,7 @@ fn square(field: &Field, n: Option<usize>, diagnostics: &mut Diagnostics) -> Opt
 
 /// What a factor is called, or may be called if it has no name of its own, whose group is not known.
 fn unknown_factor(name: Option<&Ident>) -> Vec<String> {
-    let factor = parse::Factor { name: name.cloned(), group: format_ident!("unknown") };
+    let factor = parse::Factor { name: name.cloned(), group: format_ident!("unknown"), basis: Vec::new() };
     let momentum = momentum_name(&factor);
     let mut names = match name {
         Some(name) => vec![plain(name)],

@@ -78,7 +78,7 @@ fn force_type(factor: &Factor<'_>, form: Option<ForceForm>, names: &Names) -> To
             });
             quote! { (#(#parts),*) }
         }
-        Some(ForceForm::Vector) | None => part_type(StoredAs::Named(group.momentum_type()), names),
+        Some(ForceForm::Vector) | None => part_type(group.momentum_type().into(), names),
     }
 }
 

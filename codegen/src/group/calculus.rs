@@ -17,7 +17,7 @@ impl<'a> Neighbourhood<'a> {
     fn new(group: &dyn Group, side: Side, g: &Vector<'a>) -> Self {
         let arena = g.0[0].arena();
         let delta = placeholders(arena, "d", group.dimension());
-        let element = side.compose(group, g, &group.retract(Retraction::Exponential, &delta));
+        let element = group.near(side, g, &delta);
         let delta = delta.symbols();
         let centre = delta.iter().map(|&symbol| (symbol, arena.zero())).collect();
         Self { delta, element, centre }

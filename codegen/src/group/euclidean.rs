@@ -4,7 +4,7 @@
 //! * Storage: the vector; `g' = ξ`.
 //! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
 
-use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
+use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, StorageType};
 use crate::expr::{Expr, Vector};
 
 /// Translations of the Euclidean space of this dimension, 1 to 6.
@@ -44,8 +44,8 @@ impl Group for R {
         &AXES[..self.0]
     }
 
-    fn momentum_type(&self) -> &'static str {
-        NAMES[self.0 - 1].1
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(self.0)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -97,7 +97,7 @@ impl Group for R {
         m.clone()
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[]
     }
 

@@ -6,6 +6,9 @@
 mod calculus;
 pub mod casimirs;
 mod euclidean;
+mod exact;
+mod families;
+mod matrix;
 mod representation;
 mod retraction;
 mod rigid;
@@ -23,6 +26,8 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
+pub use families::{family, family_with_terms};
+pub use matrix::{BasisError, MatrixGroup};
 pub use representation::{Representation, Translation};
 pub(crate) use retraction::{Law, Order};
 pub use retraction::{MatrixFunction, Retraction};
@@ -52,8 +57,8 @@ pub trait Group: Sync {
     fn configuration_type(&self) -> &'static str;
     /// Suffixes of the stored coordinates.
     fn coordinates(&self) -> &'static [&'static str];
-    /// The type an element of the dual of the algebra is stored as, within nalgebra, generic over the scalar.
-    fn momentum_type(&self) -> &'static str;
+    /// The type an element of the dual of the algebra is stored as.
+    fn momentum_type(&self) -> StorageType;
     /// The equations of motion of a left-invariant system, for generated documentation.
     fn equations(&self, names: &EquationNames<'_>) -> Equations;
     /// Dimension of the algebra.
@@ -88,6 +93,10 @@ pub trait Group: Sync {
             Law::Product(order) => second_kind::d_right_dual(self, order, x, m),
         }
     }
+    /// Whether there are steps with a retraction: not with a map that leaves the group, or of which no closed form is known.
+    fn has(&self, _retraction: Retraction) -> bool {
+        true
+    }
     /// Positive where the retraction is a local diffeomorphism, zero on the edge; `None` if that is everywhere.
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>>;
     /// `g h`
@@ -110,9 +119,9 @@ pub trait Group: Sync {
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
     /// The linear spaces the group acts on.
-    fn representations(&self) -> &'static [&'static dyn Representation];
+    fn representations(&self) -> &[&'static dyn Representation];
     /// What elements do to vectors in a user's expressions, as those of the type they are stored as do.
-    fn actions(&self) -> &'static [&'static dyn Representation] {
+    fn actions(&self) -> &[&'static dyn Representation] {
         self.representations()
     }
     /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
@@ -128,9 +137,40 @@ pub trait Group: Sync {
     fn is_linear(&self) -> bool {
         false
     }
+    /// The rows of the matrix that an element is stored as, which is then a matrix to a user's expressions.
+    fn matrix_rows(&self) -> Option<usize> {
+        None
+    }
+    /// `g τ(δ)`, on the other side `τ(δ) g`, to first order in `δ`.
+    fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+        let increment = self.retract(Retraction::Exponential, delta);
+        match side {
+            Side::Left => self.compose(g, &increment),
+            Side::Right => self.compose(&increment, g),
+        }
+    }
     /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
     fn components(&self) -> &'static [Component] {
         &[]
+    }
+}
+
+/// A type of nalgebra's, generic over the scalar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StorageType {
+    /// One with a name of its own: `UnitQuaternion`.
+    Named(&'static str),
+    /// A column of so many numbers.
+    Vector(usize),
+}
+
+impl std::fmt::Display for StorageType {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Named(name) => f.write_str(name),
+            Self::Vector(n @ 1..=6) => write!(f, "Vector{n}"),
+            Self::Vector(n) => write!(f, "SVector<_, {n}>"),
+        }
     }
 }
 

@@ -1,14 +1,14 @@
 //! Linear spaces that groups act on.
 
-use super::MatrixFunction;
+use super::{MatrixFunction, StorageType};
 use crate::expr::Vector;
 
 /// A linear space `V` on which a group's algebra acts by `ρ`. Advected parameters live in its dual.
 pub trait Representation: Sync {
     /// The name users write.
     fn name(&self) -> &'static str;
-    /// The type an element is stored as, within nalgebra, generic over the scalar.
-    fn type_name(&self) -> &'static str;
+    /// The type an element is stored as.
+    fn storage(&self) -> StorageType;
     /// Suffixes of the coordinates.
     fn coordinates(&self) -> &'static [&'static str];
     /// Dimension of the algebra that acts.

@@ -8,7 +8,7 @@ use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Semidirect,
+    Semidirect, StorageType,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -44,8 +44,8 @@ impl Group for SE2 {
         SO2.unit_coordinates()
     }
 
-    fn momentum_type(&self) -> &'static str {
-        "Vector3"
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(3)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -114,7 +114,7 @@ impl Group for SE2 {
         rigid().to_space(g, m)
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Plane(3)]
     }
 

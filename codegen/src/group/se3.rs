@@ -8,7 +8,7 @@ use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Semidirect, Translation,
+    Semidirect, StorageType, Translation,
 };
 use crate::expr::{Expr, Vector};
 
@@ -44,8 +44,8 @@ impl Group for SE3 {
         SO3.unit_coordinates()
     }
 
-    fn momentum_type(&self) -> &'static str {
-        "Vector6"
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(6)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -111,7 +111,7 @@ impl Group for SE3 {
         rigid().to_space(g, m)
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Directions]
     }
 
@@ -144,8 +144,8 @@ impl Representation for Directions {
         Space.name()
     }
 
-    fn type_name(&self) -> &'static str {
-        Space.type_name()
+    fn storage(&self) -> StorageType {
+        Space.storage()
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

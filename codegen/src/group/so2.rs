@@ -7,7 +7,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Translation,
+    StorageType, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -50,8 +50,8 @@ impl Group for SO2 {
         self.coordinates().len()
     }
 
-    fn momentum_type(&self) -> &'static str {
-        "Vector1"
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(1)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -119,7 +119,7 @@ impl Group for SO2 {
         m.clone()
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Plane(1)]
     }
 
@@ -146,8 +146,8 @@ impl Representation for Plane {
         "R2"
     }
 
-    fn type_name(&self) -> &'static str {
-        "Vector2"
+    fn storage(&self) -> StorageType {
+        StorageType::Vector(2)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

@@ -9,7 +9,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Moved, Representation,
-    Retraction, Side, Translation,
+    Retraction, Side, StorageType, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -69,8 +69,8 @@ impl Group for SO3 {
         self.coordinates().len()
     }
 
-    fn momentum_type(&self) -> &'static str {
-        "Vector3"
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(3)
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -182,7 +182,7 @@ impl Group for SO3 {
         Space.act(g, m)
     }
 
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[&Space]
     }
 
@@ -208,8 +208,8 @@ impl Representation for Space {
         "R3"
     }
 
-    fn type_name(&self) -> &'static str {
-        "Vector3"
+    fn storage(&self) -> StorageType {
+        StorageType::Vector(3)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

@@ -7,7 +7,9 @@
 //!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::so3::SO3;
-use super::{Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
+use super::{
+    Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, StorageType,
+};
 use crate::expr::{Expr, Number, Vector};
 
 /// Unit quaternions.
@@ -45,7 +47,7 @@ impl Group for SU2 {
         SO3.unit_coordinates()
     }
 
-    fn momentum_type(&self) -> &'static str {
+    fn momentum_type(&self) -> StorageType {
         SO3.momentum_type()
     }
 
@@ -117,12 +119,12 @@ impl Group for SU2 {
     }
 
     /// None: the Cayley map of the quaternions rotates space otherwise than that of the rotation matrices does.
-    fn representations(&self) -> &'static [&'static dyn Representation] {
+    fn representations(&self) -> &[&'static dyn Representation] {
         &[]
     }
 
     /// Those of the rotations that they cover.
-    fn actions(&self) -> &'static [&'static dyn Representation] {
+    fn actions(&self) -> &[&'static dyn Representation] {
         SO3.representations()
     }
 

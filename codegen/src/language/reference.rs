@@ -2,13 +2,13 @@
 
 use super::construct::{CONSTRUCTORS, POINTS};
 use super::methods::{self, NOT_SMOOTH};
-use crate::group::{Group, catalogue, part_name};
+use crate::group::{Group, Retraction, catalogue, family, part_name};
 use crate::parse::KEYS;
 
 /// What can be written in a description, in Markdown: keys, groups with the order of what they store, and all that has a meaning in an
 /// expression.
 pub fn reference() -> String {
-    let sections = [keys(), groups(), expressions(), methods(), types()];
+    let sections = [keys(), groups(), matrix_groups(), expressions(), methods(), types()];
     let page = sections.concat();
     // one line end at the end
     format!("{}\n", page.trim_end())
@@ -40,6 +40,51 @@ fn groups() -> String {
         conventions,
         parts,
         taken,
+    )
+}
+
+/// Members of the families that have steps, one or more of each.
+const FAMILIES: [(&str, &str); 9] = [
+    ("SO(4)", "rotations of four dimensions"),
+    ("SL(2)", "matrices of determinant 1"),
+    ("GL(2)", "matrices that have an inverse"),
+    ("SP(4)", "symplectic matrices"),
+    ("SE2(3)", "a rotation with two vectors that it turns: attitude, velocity and position"),
+    ("SGal(3)", "Galilei's group: rotation, velocity, position and time"),
+    ("SO21", "Lorentz's group of the plane"),
+    ("Heisenberg", "upper triangular matrices with ones on the diagonal"),
+    ("Aff(1)", "scalings and translations of the line"),
+];
+
+/// Groups that are derived from a basis.
+fn matrix_groups() -> String {
+    let row = |(name, about): (&str, &str)| {
+        let group = family(&name.replace(['(', ')'], ""))?;
+        let retractions = Retraction::DEFAULT.into_iter().filter(|&retraction| group.has(retraction));
+        Some(format!(
+            "| `{name}` | {about} | {} × {1} | {2} | {3} |\n",
+            group.size(),
+            group.size(),
+            group.axes().join(", "),
+            codes(retractions.map(Retraction::name)),
+        ))
+    };
+    let rows: Vec<String> = FAMILIES.into_iter().filter_map(row).collect();
+    format!(
+        "# Groups of matrices\n\n\
+         A basis of the Lie algebra is all that a group needs, in whole numbers and with a name for each coordinate:\n\n\
+         ```text\n\
+         group = matrices {{ h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }}\n\
+         ```\n\n\
+         Structure constants, both retractions with their derivatives, Casimirs and the projection onto the group are derived from it exactly. What \
+         is no basis of a Lie algebra is an error at its matrix. Matrices have up to 6 rows. Some have names:\n\n\
+         | group | what it is | matrices | coordinates | retractions |\n|---|---|---|---|---|\n{}\n\
+         * The field of the state is `element`, an `SMatrix`; a factor has the name that it is given. In expressions it is that matrix: \
+         `element[(0, 1)]`, `element.transpose()`, `element * v`. The momentum is an `SVector` of coordinates with respect to the dual basis.\n\
+         * The group acts on columns of as many numbers as the matrices have rows: `advected(v: R2)`.\n\
+         * The exponential is a finite sum where the matrices are annihilated by `λᵃ (λ² + z)^q`. Otherwise its series is summed within \
+         `|ad_x|² + |X|² ≤ 9/4`, for up to 6 coordinates. The Cayley map is there where it stays on the group.\n\n",
+        rows.concat(),
     )
 }
 

@@ -66,7 +66,9 @@ impl<'a> Value<'a> {
 
     /// An element of a group: a vector, if the group is a vector space.
     pub fn element(group: &'static dyn Group, coordinates: Vector<'a>) -> Self {
-        if group.is_linear() {
+        if let Some(rows) = group.matrix_rows() {
+            Self::of_matrix(Matrix::new(rows, rows, coordinates.0))
+        } else if group.is_linear() {
             Self::Vector(coordinates)
         } else {
             Self::Element(Element { group, coordinates })

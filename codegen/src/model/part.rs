@@ -4,7 +4,7 @@ use proc_macro2::Ident;
 
 use super::{Factor, Slot, System};
 use crate::expr::{Symbol, Vector};
-use crate::group::Side;
+use crate::group::{Side, StorageType};
 use crate::parse::Shape;
 
 /// What a quantity is to its system, by the names of the runtime's `Role`.
@@ -49,6 +49,20 @@ pub enum StoredAs {
     Shape(Shape),
 }
 
+impl From<StorageType> for StoredAs {
+    fn from(storage: StorageType) -> Self {
+        const NAMES: [&str; 6] = ["Vector1", "Vector2", "Vector3", "Vector4", "Vector5", "Vector6"];
+        match storage {
+            StorageType::Named(name) => Self::Named(name),
+            // nalgebra's own names end at 6
+            StorageType::Vector(n) => match NAMES.get(n.wrapping_sub(1)) {
+                Some(name) => Self::Named(name),
+                None => Self::Shape(Shape::Vector(n)),
+            },
+        }
+    }
+}
+
 impl<'a> System<'a> {
     /// The parts of the state in the order of storage.
     pub fn parts(&self) -> Vec<Part<'a>> {
@@ -81,7 +95,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Momentum,
             name: self.momentum_name.clone(),
-            stored: StoredAs::Named(group.momentum_type()),
+            stored: group.momentum_type().into(),
             suffixes: owned(group.axes()),
             symbols: self.momentum.symbols(),
             value: self.momentum.clone(),
@@ -102,7 +116,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Advected,
             name: advected.ident.clone(),
-            stored: StoredAs::Named(space.type_name()),
+            stored: space.storage().into(),
             suffixes: owned(space.coordinates()),
             symbols: advected.value.symbols(),
             value: advected.value.clone(),

@@ -4,7 +4,7 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::discouraged::Speculative;
 use syn::parse::{ParseStream, Parser};
-use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
+use syn::{Ident, LitInt, LitStr, Token, braced, bracketed, parenthesized, token};
 
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
@@ -106,8 +106,19 @@ pub struct Attribute {
 pub struct Factor {
     /// What the user calls it; `None` for a group that is the whole.
     pub name: Option<Ident>,
-    /// Its group.
+    /// Its group: a name, or `matrices` with a basis.
     pub group: Ident,
+    /// The basis of a group of the user's own; empty for one with a name.
+    pub basis: Vec<BasisMatrix>,
+}
+
+/// `h: [1, 0; 0, -1]`
+#[derive(Debug)]
+pub struct BasisMatrix {
+    /// What the coordinate along it is called.
+    pub name: Ident,
+    /// Its entries, row by row.
+    pub rows: Vec<Vec<i64>>,
 }
 
 /// One advected parameter.
@@ -185,7 +196,12 @@ impl Attribute {
         self.has(HAMILTONIAN) || self.has(LAGRANGIAN)
     }
 
-    /// The retractions to generate steps with.
+    /// The retractions that are named.
+    pub fn named_retractions(&self) -> &[Retraction] {
+        &self.retractions
+    }
+
+    /// The retractions to generate steps with, where the group has them.
     pub fn retractions(&self) -> &[Retraction] {
         if self.retractions.is_empty() { &Retraction::DEFAULT } else { &self.retractions }
     }
@@ -333,7 +349,42 @@ fn factors(
     let name: Option<Ident> =
         equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
     let Some(name) = name else { return Ok(Vec::new()) };
-    Ok(vec![Factor { name: None, group: sized_name(input, name)? }])
+    Ok(vec![grouped(input, None, name)?])
+}
+
+/// A group, whose name has been read: `SO3`, `R(3)`, or `matrices { h: [1, 0; 0, -1], … }`.
+fn grouped(input: ParseStream<'_>, name: Option<Ident>, group: Ident) -> syn::Result<Factor> {
+    if group != "matrices" || !input.peek(token::Brace) {
+        return Ok(Factor { name, group: sized_name(input, group)?, basis: Vec::new() });
+    }
+    let content;
+    braced!(content in input);
+    let basis = content.parse_terminated(basis_matrix, Token![,])?.into_iter().collect();
+    Ok(Factor { name, group, basis })
+}
+
+/// `h: [1, 0; 0, -1]`
+fn basis_matrix(input: ParseStream<'_>) -> syn::Result<BasisMatrix> {
+    let name = declared_name(input, "h: [1, 0; 0, -1]", "a matrix of a basis", "its rows")?;
+    let content;
+    bracketed!(content in input);
+    let mut rows = vec![Vec::new()];
+    while !content.is_empty() {
+        let negative = content.parse::<Option<Token![-]>>()?.is_some();
+        let entry: LitInt = content.parse().map_err(|error| {
+            syn::Error::new(error.span(), "expected a whole number, as in `[1, 0; 0, -1]`")
+        })?;
+        let value = entry.base10_parse::<i32>()?;
+        if let Some(row) = rows.last_mut() {
+            row.push(i64::from(if negative { -value } else { value }));
+        }
+        if content.parse::<Option<Token![;]>>()?.is_some() {
+            rows.push(Vec::new());
+        } else if !content.is_empty() {
+            content.parse::<Token![,]>()?;
+        }
+    }
+    Ok(BasisMatrix { name, rows })
 }
 
 /// `attitude: SO3`
@@ -342,7 +393,7 @@ fn factor(input: ParseStream<'_>) -> syn::Result<Factor> {
     let group = input.parse::<Ident>().map_err(|error| {
         syn::Error::new(error.span(), "expected a group; a factor is written `attitude: SO3`")
     })?;
-    Ok(Factor { name: Some(name), group: sized_name(input, group)? })
+    grouped(input, Some(name), group)
 }
 
 /// `R(3)` is another way to write `R3`.

@@ -6,8 +6,8 @@ mod nesting;
 mod shape;
 
 pub use attribute::{
-    ADVECTED, Advected, Attribute, CONTROL, CRATE, Control, DERIVATIVES, FORCE, Factor, Force, GROUP,
-    HAMILTONIAN, INVARIANCE, KEYS, Key, LAGRANGIAN, METHODS, POTENTIAL,
+    ADVECTED, Advected, Attribute, BasisMatrix, CONTROL, CRATE, Control, DERIVATIVES, FORCE, Factor, Force,
+    GROUP, HAMILTONIAN, INVARIANCE, KEYS, Key, LAGRANGIAN, METHODS, POTENTIAL,
 };
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};
 pub use shape::{ScalarType, Shape, of_segment};

@@ -312,9 +312,49 @@ fn a_sound_description_breaks_no_rule() {
 }
 
 #[test]
+fn bases_of_groups() {
+    let body = "struct Body { #[inertia] j: f64 }";
+    for sound in [
+        "group = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }, advected(v: R2), potential = v.x",
+        "group(a: SL(2), b: matrices { x: [0, 1; -1, 0] }), potential = a[(0, 0)] + b.trace()",
+        "group = SE2(3)",
+        "group = SP(4)",
+    ] {
+        breaks(sound, body, &[]);
+    }
+    breaks(
+        "group = matrices { a: [1, 0; 0, 1], b: [0, 1; 0, 0], c: [2, 1; 0, 2] }",
+        body,
+        &[("c", "`c` is a combination of the matrices before it")],
+    );
+    breaks(
+        "group = matrices { a: [0, 1, 0; 0, 0, 0; 0, 0, 0], b: [0, 0, 0; 0, 0, 1; 0, 0, 0] }",
+        body,
+        &[("a", "the commutator [a, b] = a b − b a is no combination of the basis")],
+    );
+    breaks(
+        "group = matrices { a: [0, 1; 0, 0], b: [1, 0] }",
+        body,
+        &[("b", "the matrices of a basis are square and of one size, 2 × 2 here; `b` is 1 × 2")],
+    );
+    breaks("group = SU(3)", body, &[("SU", "there are no steps on SU3: its Cayley map leaves the group")]);
+    breaks(
+        "group = SL(2), retractions(SecondKind)",
+        body,
+        &[("SL", "there are no steps on SL2 with `SecondKind`")],
+    );
+    breaks(
+        "group = SL(2), advected(v: R3)",
+        body,
+        &[("R3", "`SL2` does not act on a space `R3`; known: `R2`")],
+    );
+    breaks("group = SO(40)", body, &[("SO", "there is no group `SO40`")]);
+}
+
+#[test]
 fn rules() {
     let body = "struct Body { #[inertia] j: Vector3<f64> }";
-    breaks("group = SO4", body, &[("SO4", "there is no group `SO4`; known: `R1`, `R2`, `R3`")]);
+    breaks("group = S4", body, &[("S4", "there is no group `S4`; known: `R1`, `R2`, `R3`")]);
     breaks("group = so3", body, &[("so3", "there is no group `so3`; did you mean `SO3`?")]);
     breaks("group = Circle", body, &[("Circle", "there is no group `Circle`; known: `R1`")]);
     breaks(
@@ -535,14 +575,14 @@ fn configurations_in_expressions() {
 fn the_potential_is_looked_at_whatever_else_is_wrong() {
     let body = "struct Body { #[inertia] j: f64, weight: f64, r#type: f64 }";
     breaks(
-        "group = SO4, advected(gamma: R3), potential = wieght * gamma.z + r#type",
+        "group = S4, advected(gamma: R3), potential = wieght * gamma.z + r#type",
         body,
-        &[("SO4", "there is no group"), ("wieght", "there is no `wieght` here; did you mean `weight`?")],
+        &[("S4", "there is no group"), ("wieght", "there is no `wieght` here; did you mean `weight`?")],
     );
     breaks(
-        "group(a: SO4, b: SO3), potential = a * b_momentum",
+        "group(a: S4, b: SO3), potential = a * b_momentum",
         "struct Body { #[inertia(a)] j: f64, #[inertia(b)] k: f64 }",
-        &[("SO4", "there is no group"), ("b_momentum", "a potential does not depend on the momentum")],
+        &[("S4", "there is no group"), ("b_momentum", "a potential does not depend on the momentum")],
     );
     breaks(
         "group = SO3, advected(gamma: R3), potential = weight * gamma",

@@ -32,7 +32,7 @@ fn problems_are_compile_errors_beside_the_names_that_users_write() {
     assert!(whole.contains("compile_error") && whole.contains("wieght"), "{whole}");
     assert!(whole.contains("BodyState"), "{whole}");
     assert!(expand(tokens("group = SO3, potential = wieght"), tokens(BODY)).is_err());
-    assert!(program(tokens("group = SO4"), tokens(BODY)).is_err());
+    assert!(program(tokens("group = S4"), tokens(BODY)).is_err());
 }
 
 /// Each derivative brings its functions, and those that composed steps need.

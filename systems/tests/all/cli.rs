@@ -75,21 +75,31 @@ fn table(csv: &str) -> (Vec<&str>, Vec<Vec<f64>>) {
 
 #[test]
 fn list_names_systems_parameters_and_defaults() {
-    let listing = Scratch::new("list").prints(&["list"]);
-    for expected in [
-        "free_rigid_body: ",
-        "heavy_top: ",
-        "inertia=1,10,100",
-        "weight=1",
-        "momentum=1,1,1",
-        "kg m²",
-        "kovalevskaya_top: ",
-        "kirchhoff: ",
-        "controls       moment",
-        "conserved      energy, |gamma|², momentum·gamma",
-        "conserved      nothing",
-    ] {
+    let scratch = Scratch::new("list");
+    let listing = scratch.prints(&["list"]);
+    for expected in ["free_rigid_body ", "heavy_top ", "kovalevskaya_top ", "kirchhoff "] {
         assert!(listing.contains(expected), "{expected} in\n{listing}");
+    }
+    for (system, all) in [
+        (
+            "heavy_top",
+            &["inertia=1,10,100  kg m²", "weight=1  N", "momentum=1,1,1", "energy, J", "|gamma|²"][..],
+        ),
+        ("quadrotor", &["controls\n  moment", "chosen by the system's own law"]),
+        ("driven_pendulum", &["conserved\n  nothing"]),
+        ("free_rigid_body", &["methods      standard, euler-a, euler-b, midpoint, verlet, right-lift"]),
+    ] {
+        let told = scratch.prints(&["list", system]);
+        for expected in all {
+            assert!(told.contains(expected), "{expected} in\n{told}");
+        }
+    }
+    // all of it in 80 columns
+    let systems = listing.lines().filter_map(|line| line.split(' ').next()).filter(|name| name.contains('_'));
+    let told: Vec<String> = systems.map(|system| scratch.prints(&["list", system])).collect();
+    for line in told.iter().flat_map(|told| told.lines()).chain(listing.lines()) {
+        let is_assignment = line.starts_with("  ") && line.contains('=');
+        assert!(line.chars().count() <= 80 || is_assignment, "{line}");
     }
 }
 
@@ -165,7 +175,7 @@ fn an_interrupted_run_tells_where_it_stopped() {
     use std::io::{BufRead, BufReader};
     let scratch = Scratch::new("interrupted");
     let mut child = Command::new(env!("CARGO_BIN_EXE_coadjoint"))
-        .args(["run", "heavy_top", "--duration", "1e9", "--every", "100000000000"])
+        .args(["run", "heavy_top", "--duration", "1e9", "--every", "100000000000", "--long"])
         .current_dir(&scratch.0)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -303,7 +313,9 @@ fn classical_methods_are_compared_with_at_ones_own_step() {
 fn controls_are_set_by_name_and_component() {
     let scratch = Scratch::new("controls");
     let json = |name: &str| -> Value { serde_json::from_str(&scratch.read(name)).expect("JSON") };
+    // from where nothing turns
     let run = ["run", "quadrotor", "--duration", "1", "--every", "100", "--format", "json"];
+    let run = [&run[..], &["--set", "attitude_momentum=0,0,0"]].concat();
     scratch.prints(&[&run[..], &["--set", "thrust=0", "--set", "moment_z=0.25"]].concat());
     let free = json("out/quadrotor-exponential.json");
     assert_eq!(free["controls"], serde_json::json!({ "moment": [null, null, 0.25], "thrust": 0.0 }));
@@ -319,7 +331,7 @@ fn controls_are_set_by_name_and_component() {
     // described by a file, the same
     fs::write(
         scratch.0.join("fall.toml"),
-        "system = \"quadrotor\"\n[controls]\nthrust = 0\nmoment = [0, 0, 0.25]",
+        "system = \"quadrotor\"\n[state]\nattitude_momentum = [0, 0, 0]\n[controls]\nthrust = 0\nmoment = [0, 0, 0.25]",
     )
     .expect("writable");
     scratch.prints(&[
@@ -445,8 +457,9 @@ fn show_prints_code_that_parses() {
 }
 
 #[test]
-fn the_papers_heavy_top_runs_without_arguments() {
+fn the_papers_heavy_top_is_one_command() {
     let scratch = Scratch::new("paper");
+    // it is what is run without a command
     let printed = scratch.prints(&[]);
     for expected in [
         "exponential",
@@ -535,7 +548,7 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--method", "rk5"], 2, "similar value exists: 'rk4'"),
         (&["run", "heavy_top", "--method", "family=5/4"], 2, "`5/4` is not a fraction from 0 to 1"),
         (&["run", "heavy_top", "--method", "family=1/4"], 2, "`methods(…)` in its description asks for it"),
-        (&["run", "heavy_top", "--method", "right-lift"], 2, "something acts on it; free_rigid_body"),
+        (&["run", "heavy_top", "--method", "right-lift"], 2, "which carries the momentum in space: something acts on it"),
         (
             &["run", "free_rigid_body", "--method", "right-lift", "--retraction", "second-kind"],
             2,
@@ -606,9 +619,16 @@ fn bad_input_is_refused_with_a_message() {
         (&["run", "heavy_top", "--checkpoint", "order.toml"], 2, "`coadjoint resume order.toml` resumes it"),
         (
             &["run", "heavy_top", "--duration", "1", "--set", "momentum=1e200,1e200,1e200"],
-            3,
-            "step 1, from time 0",
+            2,
+            "the energy of the initial state is inf",
         ),
+        (
+            &["run", "kepler", "--set", "position=0,0,0", "--duration", "0"],
+            2,
+            "the energy of the initial state is",
+        ),
+        (&["run", "heavy_top", "--step", "1000", "--duration", "1000"], 3, "step 1, from time 0"),
+        (&["bench", "--filter", "a"], 2, "built without its benchmarks"),
     ];
     let scratch = Scratch::new("bad-input");
     for (name, content) in [
@@ -688,7 +708,7 @@ fn a_run_that_fails_leaves_an_earlier_file_alone() {
     let scratch = Scratch::new("earlier");
     scratch.prints(&["run", "heavy_top", "--duration", "0.1"]);
     let before = scratch.read("out/heavy_top-exponential.csv");
-    let output = scratch.coadjoint(&["run", "heavy_top", "--set", "momentum=1e200,1e200,1e200"]);
+    let output = scratch.coadjoint(&["run", "heavy_top", "--step", "1000", "--duration", "1000"]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
     assert_eq!(scratch.read("out/heavy_top-exponential.csv"), before);
     assert_eq!(scratch.files("out"), ["heavy_top-exponential.csv"]);
@@ -939,7 +959,7 @@ fn an_ensemble_that_cannot_be_is_refused() {
         (&["--spread", "momentum"], "has no `=`"),
         (&["--spread", "momentum=-1"], "must be finite and not negative"),
         (&["--spread", "momentum=1,2"], "takes 3 numbers separated by commas or one, got 2"),
-        (&["--spread", "attitude=1%"], "cannot vary one by one"),
+        (&["--spread", "attitude=1%"], "write `attitude=5deg` or `attitude=0.1rad`"),
         (&["--quantity", "enrgy"], "did you mean `energy`?"),
         (&["--members", "0"], "0 is not in"),
         (&["--spread", "inertia=300%"], "not positive definite"),
@@ -961,4 +981,16 @@ fn an_ensemble_is_controlled() {
     let printed = scratch.prints(&[&arguments[..], &["--spread", "attitude_momentum=0.001"]].concat());
     assert!(printed.contains("9 members"), "{printed}");
     assert!(scratch.read("out/quadrotor-ensemble.csv").lines().count() > 20);
+}
+
+/// The tensor of a body in axes of any direction stays symmetric, and positive definite where it varies little.
+#[test]
+fn a_full_inertia_spreads() {
+    let scratch = Scratch::new("full-inertia");
+    let spread = ["ensemble", "full_rigid_body", "--members", "200", "--duration", "5", "--spread"];
+    let printed = scratch.prints(&[&spread[..], &["inertia=1%"]].concat());
+    assert!(printed.contains("inertia_xy") && !printed.contains("inertia_yx"), "{printed}");
+    let refused = scratch.coadjoint(&[&spread[..], &["inertia=200%"]].concat());
+    let message = text(&refused.stderr);
+    assert!(message.starts_with("error: member ") && message.contains("not positive definite"), "{message}");
 }

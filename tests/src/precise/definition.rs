@@ -1,7 +1,7 @@
 //! What a group *is*: matrices. Everything here is a definition — commutators, power series, differences — and knows no closed form,
 //! so that the generator's closed forms can be held against it.
 
-use coadjoint_codegen::group::{Group, Representation, Retraction, Semidirect};
+use coadjoint_codegen::group::{Group, MatrixGroup, Representation, Retraction, Semidirect, family};
 
 use super::matrix::{Column, Matrix, jacobian};
 use super::real::Real;
@@ -29,7 +29,109 @@ pub fn realization(group: &dyn Group) -> &'static dyn Realization {
         "SE3" => &Motions { rotations: &Rotations, dimension: 3, angular: 3, stored: 4 },
         "SE2" => &Motions { rotations: &PlaneRotations, dimension: 2, angular: 1, stored: 2 },
         "R1" | "R2" | "R3" | "R4" | "R5" | "R6" => &Translations,
-        other => panic!("give {other} its definition by matrices"),
+        other => match family(other) {
+            Some(group) => Box::leak(Box::new(Basis(group))),
+            None => panic!("give {other} its definition by matrices"),
+        },
+    }
+}
+
+/// A group of matrices, stored as what they are.
+struct Basis(&'static MatrixGroup);
+
+impl Basis {
+    fn matrix_of(&self, axis: usize) -> Matrix {
+        let n = self.0.size();
+        let entry = |i: usize, j: usize| {
+            let (numerator, denominator) = self.0.basis_entry(axis, i, j);
+            let part = |part: i128| Real::from(i64::try_from(part).expect("small"));
+            part(numerator) / part(denominator)
+        };
+        Matrix::from_fn(n, n, entry)
+    }
+}
+
+impl Realization for Basis {
+    fn hat(&self, x: &Column) -> Matrix {
+        let n = self.0.size();
+        let zero = Matrix::from_fn(n, n, |_, _| Real::from(0));
+        (0..x.len()).fold(zero, |sum, axis| &sum + &self.matrix_of(axis).scale(&x[axis]))
+    }
+
+    /// By the method of least squares, which is exact for what is in the algebra.
+    fn vee(&self, m: &Matrix) -> Column {
+        let d = self.0.dimension();
+        let basis: Vec<Column> = (0..d).map(|axis| self.matrix_of(axis).entries()).collect();
+        let products = Matrix::from_fn(d, d, |i, j| basis[i].dot(&basis[j]));
+        let right = Column(basis.iter().map(|e| e.dot(&m.entries())).collect());
+        &products.inverse() * &right
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        let n = self.0.size();
+        Matrix::from_fn(n, n, |i, j| g[i * n + j].clone())
+    }
+
+    fn defect(&self, g: &Column) -> Column {
+        let (g, n) = (self.matrix(g), self.0.size());
+        let zero = || Real::from(0);
+        // what a form has on the diagonal of rotations and boosts, and beside it for symplectic matrices
+        let kept = |form: &Matrix| (&(&(&g * form) * &g.transpose()) - form).entries();
+        let first = |count: usize| Matrix::from_fn(n, n, |i, j| Real::from(i64::from(i == j && i < count)));
+        let below = |from: usize| {
+            let entries = (from..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+            Column(entries.map(|(i, j)| g.at(i, j) - &Real::from(i64::from(i == j))).collect())
+        };
+        let block = |count: usize| {
+            let rotation = Matrix::from_fn(count, count, |i, j| g.at(i, j).clone());
+            (&(&rotation * &rotation.transpose()) - &Matrix::identity(count)).entries()
+        };
+        match self.0.name() {
+            "SL3" => {
+                let m = |i: usize, j: usize| g.at(i % 3, j % 3);
+                let cofactor = |j: usize| m(1, j + 1) * m(2, j + 2) - m(1, j + 2) * m(2, j + 1);
+                let determinant = (0..3).fold(zero(), |sum, j| sum + m(0, j) * &cofactor(j));
+                Column(vec![determinant - Real::from(1)])
+            }
+            "SU3" => {
+                let blocks = (0..n * n).map(|k| (k / n, k % n)).filter(|(i, j)| i % 2 == 0 && j % 2 == 0);
+                let complex = blocks
+                    .flat_map(|(i, j)| [g.at(i, j) - g.at(i + 1, j + 1), g.at(i + 1, j) + g.at(i, j + 1)]);
+                Column::stack([&kept(&first(n)), &Column(complex.collect())])
+            }
+            "SL2" | "SP4" => {
+                let half = n / 2;
+                kept(&Matrix::from_fn(n, n, |i, j| {
+                    Real::from(i64::from(j == i + half) - i64::from(i == j + half))
+                }))
+            }
+            "SO21" => kept(&Matrix::from_fn(3, 3, |i, j| {
+                Real::from(i64::from(i == j) * (1 - 2 * i64::from(i == 2)))
+            })),
+            "SE23" => Column::stack([&block(3), &below(3)]),
+            "SGal3" => Column::stack([
+                &block(3),
+                &below(4),
+                &Column((0..3).map(|j| g.at(3, j).clone()).chain([g.at(3, 3) - &Real::from(1)]).collect()),
+            ]),
+            "Heisenberg" => Column(vec![
+                g.at(1, 0).clone(),
+                g.at(2, 0).clone(),
+                g.at(2, 1).clone(),
+                g.at(0, 0) - &Real::from(1),
+                g.at(1, 1) - &Real::from(1),
+                g.at(2, 2) - &Real::from(1),
+            ]),
+            "Aff1" => below(1),
+            name if name.starts_with("SO") => kept(&first(n)),
+            name if name.starts_with("GL") => Column(vec![zero()]),
+            other => panic!("say what vanishes on {other}"),
+        }
+    }
+
+    /// The standard one.
+    fn representation(&self, _: &str, x: &Column) -> Matrix {
+        self.hat(x)
     }
 }
 

@@ -3,7 +3,7 @@
 use coadjoint::prelude::*;
 use coadjoint::{Invariants, Run, System};
 
-#[lie_poisson_system(group = SO4, advected(gamma: R3), control(moment: R3), potential = gamma.z, derivatives)]
+#[lie_poisson_system(group = S4, advected(gamma: R3), control(moment: R3), potential = gamma.z, derivatives)]
 #[derive(Clone, Debug)]
 pub struct Top {
     #[inertia]

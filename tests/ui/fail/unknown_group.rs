@@ -1,6 +1,6 @@
 use coadjoint::prelude::*;
 
-#[lie_poisson_system(group = SO4)]
+#[lie_poisson_system(group = S4)]
 pub struct Body {
     #[inertia]
     pub inertia: Vector3<f64>,

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use coadjoint_app::App;
 
-/// Without a command: the heavy top for 30 minutes of its motion with both retractions, as a table, trajectories and a picture under `out/`.
+/// Without a command it runs the paper's heavy top.
 fn main() -> ExitCode {
     App::new(coadjoint_systems::catalogue::entries())
         .command(
@@ -18,6 +18,11 @@ fn main() -> ExitCode {
             command::bench::bench,
         )
         .command("figures", "Draw the paper's figures, and five of our own", command::figures::figures)
-        .without_command(command::paper::paper)
+        .command(
+            "paper",
+            "The paper's heavy top: 30 minutes, both retractions, a table and a figure",
+            command::paper::paper,
+        )
+        .default_command("paper")
         .main()
 }

@@ -12,9 +12,15 @@ use coadjoint_app::{Catalogue, Error};
 /// What to do with the times.
 #[derive(Debug, Args)]
 pub(crate) struct Arguments {
-    /// Write them to this file too
-    #[arg(long, value_name = "FILE")]
+    /// Only cases whose problem or method contains this text
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) filter: Option<String>,
+    /// Print one JSON object in place of the table, or write it to a file
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     pub(crate) json: Option<PathBuf>,
+    /// Show no progress
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 pub(crate) fn bench(_: Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
@@ -22,7 +28,7 @@ pub(crate) fn bench(_: Catalogue, arguments: &Arguments, console: &mut dyn Write
     return timing::bench(arguments, console);
     #[cfg(not(feature = "bench"))]
     {
-        let Arguments { json: _ } = arguments;
+        let Arguments { filter: _, json: _, quiet: _ } = arguments;
         let _ = console;
         Err(Error::Input(
             "this program was built without its benchmarks: `cargo run --profile bench --features bench -- bench` builds and runs them"

@@ -1,14 +1,24 @@
-//! `coadjoint` without a command: the paper's heavy top, 30 minutes of its motion with both retractions, and its figure.
+//! `coadjoint paper`: the paper's heavy top, 30 minutes of its motion with both retractions, and its figure.
 
 use std::io::Write;
 use std::path::PathBuf;
 
-use crate::figures::chosen;
+use clap::Args;
 use coadjoint_app::output::Format;
 use coadjoint_app::report::{RunSummary, Table, grouped};
 use coadjoint_app::session::{Plan, Session};
 use coadjoint_app::simulation::{Job, Method, Order, Retraction};
 use coadjoint_app::{Catalogue, Error};
+
+use crate::figures::chosen;
+
+/// Where to write it.
+#[derive(Debug, Args)]
+pub(crate) struct Arguments {
+    /// The directory to write to
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    pub(crate) out: PathBuf,
+}
 
 const SYSTEM: &str = "heavy_top";
 const FIGURE: &str = "6.2";
@@ -17,10 +27,14 @@ const STEPS: u64 = 180_000;
 /// Trajectories of every step would fill 100 MB.
 const EVERY: u64 = 10;
 
-pub(crate) fn paper(catalogue: Catalogue, console: &mut dyn Write) -> Result<(), Error> {
+pub(crate) fn paper(
+    catalogue: Catalogue,
+    arguments: &Arguments,
+    console: &mut dyn Write,
+) -> Result<(), Error> {
     let entry = catalogue.system(SYSTEM)?;
     let setup = entry.example.clone();
-    let out = PathBuf::from("out");
+    let out = &arguments.out;
     writeln!(
         console,
         "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
@@ -61,7 +75,7 @@ pub(crate) fn paper(catalogue: Catalogue, console: &mut dyn Write) -> Result<(),
     }
     write!(console, "\n{}\n", Table::new(entry, summaries))?;
     for drawing in chosen(&[FIGURE.to_owned()])? {
-        let (paths, caption) = drawing.write(&out)?;
+        let (paths, caption) = drawing.write(out)?;
         written.extend(paths);
         for paragraph in caption {
             writeln!(console, "{paragraph}")?;

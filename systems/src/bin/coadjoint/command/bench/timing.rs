@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use coadjoint_app::Error;
 use coadjoint_app::output::write_text;
+use coadjoint_app::progress::Progress;
 use coadjoint_systems::cases::{self, BASELINE, Case};
 use serde::Serialize;
 
@@ -32,8 +33,11 @@ struct Timed {
 /// Times the standard cases in turns, so that a slow machine slows all of them alike.
 pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Result<(), Error> {
     let mut cases = cases::all().map_err(|error| Error::other(error.to_string()))?;
+    keep(&mut cases, arguments.filter.as_deref().unwrap_or(""))?;
     let mut best = vec![f64::INFINITY; cases.len()];
+    let mut progress = (!arguments.quiet).then(|| Progress::of("bench", ROUNDS as u64 + 1, "round"));
     for round in 0..=ROUNDS {
+        progress.iter_mut().for_each(|progress| progress.show(round as u64));
         for (case, best) in cases.iter_mut().zip(&mut best) {
             let start = Instant::now();
             if !case.run(case.steps) {
@@ -47,6 +51,7 @@ pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Re
             }
         }
     }
+    drop(progress);
     let baseline = |problem: &str| {
         let is = |case: &Case| case.problem == problem && case.method == BASELINE;
         cases.iter().position(is).map(|index| best[index])
@@ -59,12 +64,34 @@ pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Re
     });
     let results =
         Results { processor: processor(), version: env!("CARGO_PKG_VERSION"), cases: timed.collect() };
-    print(&results, console)?;
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&results).map_err(Error::other)?;
-        write_text(path, &(text + "\n"))?;
-        writeln!(console, "wrote {}", path.display())?;
+    let object = || serde_json::to_string_pretty(&results).map_err(Error::other);
+    match &arguments.json {
+        Some(path) if path.as_os_str() == "-" => writeln!(console, "{}", object()?)?,
+        Some(path) => {
+            print(&results, console)?;
+            write_text(path, &(object()? + "\n"))?;
+            writeln!(console, "wrote {}", path.display())?;
+        }
+        None => print(&results, console)?,
     }
+    Ok(())
+}
+
+/// Keeps the cases that a text names, in small letters or capitals, and what they are compared with.
+fn keep(cases: &mut Vec<Case>, filter: &str) -> Result<(), Error> {
+    let filter = filter.to_lowercase();
+    let is_named =
+        |case: &Case| [case.problem, &case.method].iter().any(|name| name.to_lowercase().contains(&filter));
+    let problems: Vec<&str> = cases.iter().filter(|case| is_named(case)).map(|case| case.problem).collect();
+    if problems.is_empty() {
+        let mut known: Vec<&str> = cases.iter().map(|case| case.problem).collect();
+        known.dedup();
+        return Err(Error::Input(format!(
+            "no case has `{filter}` in its name (problems: {})",
+            known.join("; ")
+        )));
+    }
+    cases.retain(|case| is_named(case) || (case.method == BASELINE && problems.contains(&case.problem)));
     Ok(())
 }
 

@@ -1,0 +1,346 @@
+//! `--spread name=width`: how members of an ensemble differ from one another.
+
+use coadjoint::system::{Quantity, Role};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::names::{Name, Names, Part, count, laid_out, named, numbers};
+use super::rotation::rotation;
+use super::transport::{displace, places};
+use crate::entry::{Entry, component_name};
+use crate::error::Error;
+use crate::simulation::Setup;
+
+/// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of up to its width.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variation {
+    parameters: Vec<f64>,
+    state: Vec<f64>,
+    /// Parameters that are drawn once for two places: the second takes what the first has.
+    mirrored: Vec<(usize, usize)>,
+    turns: Vec<Turn>,
+    /// What was asked for, in words: `inertia ±1 % of each component`.
+    pub words: Vec<String>,
+    /// What the user should know of it.
+    pub notes: Vec<String>,
+}
+
+/// How far a rotation is turned: a rotation vector evenly distributed in a ball.
+#[derive(Clone, Debug, PartialEq)]
+struct Turn {
+    name: &'static str,
+    /// The place in tangent vectors of the rotation's first component, and how many there are.
+    start: usize,
+    dimension: usize,
+    /// How long tangent vectors are.
+    length: usize,
+    /// In radians.
+    width: f64,
+    in_degrees: bool,
+}
+
+/// A width as it is written.
+enum Width {
+    /// Of each component's own size.
+    Percent(Vec<f64>),
+    /// In the quantity's unit.
+    Absolute(Vec<f64>),
+    /// In radians, and whether it was given in degrees.
+    Angle(f64, bool),
+}
+
+/// What was drawn of a number: the range of all members.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// The number's name, or that of a rotation.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The least and the greatest; of a rotation, of the angles by which it was turned.
+    pub range: (f64, f64),
+}
+
+impl Variation {
+    /// Reads `inertia=1%`, `chi=0,0,0.1`, `momentum_z=0.01 kg m²/s`, `attitude=5deg`.
+    ///
+    /// # Errors
+    /// If a name is unknown, or a width none that its quantity can have.
+    pub fn parse(entry: &Entry, setup: &Setup, spreads: &[String]) -> Result<Self, Error> {
+        let mut all = Self {
+            parameters: vec![0.0; setup.parameters.len()],
+            state: vec![0.0; setup.state.len()],
+            mirrored: mirrored(entry, setup),
+            turns: Vec::new(),
+            words: Vec::new(),
+            notes: Vec::new(),
+        };
+        for spread in spreads {
+            let wrong = |what: String| Error::Input(format!("`--spread {spread}`: {what}"));
+            let (name, value) = spread
+                .split_once('=')
+                .ok_or_else(|| wrong("has no `=`; write for example `momentum=1%`".to_owned()))?;
+            let target = named(entry, Names::Varied, name.trim())?;
+            let width = width(entry, &target, value.trim()).map_err(|error| wrong(error.to_string()))?;
+            all.words.push(in_words(entry, &target.name, &width));
+            match width {
+                Width::Angle(width, in_degrees) => {
+                    all.turns.retain(|turn| turn.name != target.quantity.name);
+                    all.turns.extend(turn(entry, target.quantity, width, in_degrees));
+                }
+                Width::Percent(percent) => {
+                    let values = if target.part == Part::State { &setup.state } else { &setup.parameters };
+                    let values = &values[target.slots.clone()];
+                    let widths: Vec<f64> = values
+                        .iter()
+                        .zip(percent)
+                        .map(|(value, percent)| 0.01 * percent * value.abs())
+                        .collect();
+                    if widths.iter().all(|width| *width == 0.0) {
+                        all.notes
+                            .push(format!("`--spread {spread}` spreads nothing: `{}` is zero", target.name));
+                    }
+                    all.set(&target, &widths);
+                }
+                Width::Absolute(widths) => all.set(&target, &widths),
+            }
+        }
+        Ok(all)
+    }
+
+    fn set(&mut self, target: &Name, widths: &[f64]) {
+        if target.part == Part::State {
+            self.state[target.slots.clone()].copy_from_slice(widths);
+            return;
+        }
+        self.parameters[target.slots.clone()].copy_from_slice(widths);
+        // one entry stands for its mirror image too
+        for &(first, second) in &self.mirrored {
+            match (target.slots.contains(&first), target.slots.contains(&second)) {
+                (true, false) => self.parameters[second] = self.parameters[first],
+                (false, true) => self.parameters[first] = self.parameters[second],
+                _ => {}
+            }
+        }
+    }
+
+    /// The setup of one member: the same numbers for the same seed and member, however many there are.
+    pub fn member(&self, entry: &Entry, setup: &Setup, seed: u64, member: usize) -> Setup {
+        self.drawn(entry, setup, seed, member).0
+    }
+
+    /// The same with the angles by which rotations were turned, rad.
+    fn drawn(&self, entry: &Entry, setup: &Setup, seed: u64, member: usize) -> (Setup, Vec<f64>) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(member as u64);
+        // 53 bits, from −1 to 1
+        let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
+        let mut drawn = setup.clone();
+        // numbers that do not vary are drawn too, so that those of the others do not depend on them
+        let numbers = drawn.parameters.iter_mut().zip(&self.parameters);
+        for (value, width) in numbers.chain(drawn.state.iter_mut().zip(&self.state)) {
+            *value += width * even();
+        }
+        for &(first, second) in &self.mirrored {
+            drawn.parameters[second] = drawn.parameters[first];
+        }
+        if self.turns.is_empty() {
+            return (drawn, Vec::new());
+        }
+        let system = entry.system(&drawn.parameters);
+        let mut angles = Vec::new();
+        for turn in &self.turns {
+            let (by, angle) = turn.draw(&mut even);
+            drawn.state = displace(&*system, &drawn.state, &by);
+            angles.push(angle);
+        }
+        (drawn, angles)
+    }
+
+    /// The ranges of all that varies, over so many members.
+    pub(crate) fn ranges<'v>(&'v self, entry: &'v Entry, setup: &'v Setup) -> Ranges<'v> {
+        let mut slots = Vec::new();
+        let parts = [
+            (entry.description.parameters, &self.parameters, false),
+            (entry.description.state, &self.state, true),
+        ];
+        for (quantities, widths, of_state) in parts {
+            for (quantity, place) in laid_out(quantities) {
+                for (component, slot) in quantity.components.iter().zip(place) {
+                    // what mirrors another number is the same
+                    let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
+                    if widths[slot] > 0.0 && !is_second {
+                        let name = component_name(quantity, component);
+                        let unit = entry.unit(&name);
+                        slots.push((of_state, slot, Drawn { name, unit, range: NOTHING }));
+                    }
+                }
+            }
+        }
+        let angles = self.turns.iter().map(|turn| Drawn {
+            name: turn.name.to_owned(),
+            unit: if turn.in_degrees { "°" } else { "rad" },
+            range: NOTHING,
+        });
+        Ranges { entry, setup, variation: self, slots, angles: angles.collect() }
+    }
+}
+
+/// The range of no members.
+const NOTHING: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
+
+/// Draws members, and keeps the ranges of what was drawn.
+pub(crate) struct Ranges<'v> {
+    entry: &'v Entry,
+    setup: &'v Setup,
+    variation: &'v Variation,
+    slots: Vec<(bool, usize, Drawn)>,
+    angles: Vec<Drawn>,
+}
+
+impl Ranges<'_> {
+    /// The setup of a member.
+    pub(crate) fn member(&mut self, seed: u64, member: usize) -> Setup {
+        let (drawn, angles) = self.variation.drawn(self.entry, self.setup, seed, member);
+        let widen = |range: &mut (f64, f64), value: f64| *range = (range.0.min(value), range.1.max(value));
+        for (of_state, slot, Drawn { range, .. }) in &mut self.slots {
+            widen(range, if *of_state { drawn.state[*slot] } else { drawn.parameters[*slot] });
+        }
+        for (Drawn { unit, range, .. }, angle) in self.angles.iter_mut().zip(angles) {
+            widen(range, if *unit == "°" { angle.to_degrees() } else { angle });
+        }
+        drawn
+    }
+
+    /// What was drawn.
+    pub(crate) fn finish(self) -> Vec<Drawn> {
+        self.slots.into_iter().map(|(_, _, drawn)| drawn).chain(self.angles).collect()
+    }
+}
+
+impl Turn {
+    /// A tangent vector, and the angle.
+    fn draw(&self, even: &mut impl FnMut() -> f64) -> (Vec<f64>, f64) {
+        let (vector, length) = loop {
+            let vector: Vec<f64> = (0..self.dimension).map(|_| even()).collect();
+            let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+            if length <= 1.0 {
+                break (vector, length);
+            }
+        };
+        let mut by = vec![0.0; self.length];
+        by[self.start..].iter_mut().zip(vector).for_each(|(by, x)| *by = self.width * x);
+        (by, self.width * length)
+    }
+}
+
+/// The turn of a quantity that is a rotation, or begins with one.
+fn turn(entry: &Entry, quantity: &Quantity, width: f64, in_degrees: bool) -> Option<Turn> {
+    let places = places(entry.description.state);
+    let length = places.last()?.tangent.end;
+    let place = places.iter().find(|place| place.quantity.name == quantity.name)?;
+    let (stored, _) = rotation(quantity)?;
+    // a rotation of space has three numbers, one of the plane one
+    let dimension = if stored == 4 { 3 } else { 1 };
+    Some(Turn { name: place.quantity.name, start: place.tangent.start, dimension, length, width, in_degrees })
+}
+
+/// The entries of square matrices that are symmetric in the setup, each with its mirror image.
+fn mirrored(entry: &Entry, setup: &Setup) -> Vec<(usize, usize)> {
+    let mut pairs = Vec::new();
+    for (quantity, slots) in laid_out(entry.description.parameters) {
+        let n = slots.len().isqrt();
+        // `xx` and so on: else it is a vector
+        let is_matrix = quantity.components.iter().all(|component| component.chars().count() == 2);
+        if !is_matrix || n * n != slots.len() || quantity.role != Role::Parameter {
+            continue;
+        }
+        let of_quantity = |i: usize, j: usize| (slots.start + i * n + j, slots.start + j * n + i);
+        let own = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j))).map(|(i, j)| of_quantity(i, j));
+        let own: Vec<_> = own.collect();
+        if own.iter().all(|&(first, second)| setup.parameters[first] == setup.parameters[second]) {
+            pairs.extend(own);
+        }
+    }
+    pairs
+}
+
+/// Reads a width.
+fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, Error> {
+    let wrong = |what: String| Err(Error::Input(what));
+    let name = &target.name;
+    let (text, unit) = split_unit(value);
+    let mut numbers = numbers(name, text)?;
+    if let Some(number) = numbers.iter().find(|number| !(number.is_finite() && **number >= 0.0)) {
+        return wrong(format!("a width must be finite and not negative, got {number}"));
+    }
+    let turns = rotation(target.quantity).filter(|_| target.part == Part::State);
+    if let Some((stored, _)) = turns {
+        let whole =
+            laid_out(entry.description.state).find(|(quantity, _)| quantity.name == target.quantity.name);
+        let start = whole.map_or(0, |(_, slots)| slots.start);
+        if target.is_whole() {
+            let form = format!("a rotation spreads by an angle: write `{name}=5deg` or `{name}=0.1rad`");
+            let in_degrees = match unit {
+                "deg" | "°" => true,
+                "rad" => false,
+                _ => return wrong(form),
+            };
+            let [width] = numbers[..] else { return wrong(form) };
+            return Ok(Width::Angle(if in_degrees { width.to_radians() } else { width }, in_degrees));
+        }
+        if target.slots.start < start + stored {
+            let whole = target.quantity.name;
+            return wrong(format!(
+                "the components of a rotation cannot vary one by one; write `{whole}=5deg` or `{whole}=0.1rad`"
+            ));
+        }
+    }
+    let (wanted, one) = (target.slots.len(), numbers.len() == 1);
+    if one {
+        numbers.resize(wanted, numbers[0]);
+    }
+    if numbers.len() != wanted {
+        return wrong(format!("takes {} or one, got {}", count(wanted), numbers.len()));
+    }
+    match (unit, entry.unit(name)) {
+        ("%", _) => Ok(Width::Percent(numbers)),
+        ("", _) => Ok(Width::Absolute(numbers)),
+        (unit, own) if unit == own => Ok(Width::Absolute(numbers)),
+        (unit, "") => wrong(format!("`{unit}` is no unit of `{name}`, which is a pure number")),
+        (unit, own) => wrong(format!("`{unit}` is not the unit of `{name}`, which is {own}")),
+    }
+}
+
+/// The numbers of a value, and what stands behind the last of them.
+fn split_unit(value: &str) -> (&str, &str) {
+    let last = value.rfind(',').map_or(0, |comma| comma + 1);
+    let ends = (last..=value.len()).rev().filter(|&end| value.is_char_boundary(end));
+    let end = ends.into_iter().find(|&end| value[last..end].trim().parse::<f64>().is_ok());
+    let (numbers, unit) = value.split_at(end.unwrap_or(value.len()));
+    (numbers, unit.trim())
+}
+
+/// `inertia ±1 % of each component`
+fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
+    let own = |numbers: &[f64]| match numbers {
+        [first, rest @ ..] if rest.iter().all(|number| number == first) => first.to_string(),
+        numbers => {
+            let list: Vec<String> = numbers.iter().map(f64::to_string).collect();
+            format!("({})", list.join(", "))
+        }
+    };
+    match width {
+        Width::Angle(width, true) => format!("{name} turned by up to {}°", rounded(width.to_degrees())),
+        Width::Angle(width, false) => format!("{name} turned by up to {width} rad"),
+        Width::Percent(percent) if percent.len() == 1 => format!("{name} ±{} %", own(percent)),
+        Width::Percent(percent) => format!("{name} ±{} % of each component", own(percent)),
+        Width::Absolute(widths) => {
+            format!("{name} ±{} {}", own(widths), entry.unit(name)).trim_end().to_owned()
+        }
+    }
+}
+
+/// Degrees as they were written, but for the roundoff of having been radians.
+fn rounded(degrees: f64) -> f64 {
+    (degrees * 1e9).round() / 1e9
+}

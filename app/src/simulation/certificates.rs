@@ -1,0 +1,112 @@
+//! What a scheme claims, measured on a system's example.
+
+use std::ops::ControlFlow;
+
+use coadjoint::__private::Map;
+use coadjoint::certify::{Report, certify_erased};
+use coadjoint::erased;
+use coadjoint::system::Role;
+use nalgebra::DMatrix;
+use nalgebra::DVector;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::{Job, Method, Order, Retraction, Setup, SimulationError, scheme, tangent_places};
+use crate::entry::Entry;
+
+impl Entry {
+    /// Measures the claims of a scheme at [`states_in_motion`](Self::states_in_motion), with the controls of the setup there.
+    ///
+    /// # Errors
+    /// If parameters are not valid, or a step cannot be taken.
+    pub fn certify(
+        &self,
+        setup: &Setup,
+        method: Method,
+        retraction: Retraction,
+    ) -> Result<Report, SimulationError> {
+        let method = if method == Method::Standard { self.standard(retraction) } else { method };
+        let scheme = scheme(method, retraction, Order::Two)?;
+        let (states, _) = self.states_in_motion(setup)?;
+        let law = self.law(setup);
+        let chosen = |state: &Vec<f64>| {
+            let mut control = vec![0.0; setup.controls.len()];
+            law.as_ref().map(|law| {
+                law(state, 0.0, &mut control);
+                control
+            })
+        };
+        let controls: Vec<Vec<f64>> = states.iter().filter_map(chosen).collect();
+        let system = self.system(&setup.parameters);
+        Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
+    }
+
+    /// Three states at which the motion shows what it can: the example's, and where 40 and 80 steps lead from there; if it rests, three near it,
+    /// chosen at random, with momenta that turn it by up to a radian, or move it by up to a metre, in a tenth of its usual duration. The answer is also
+    /// whether it rests.
+    ///
+    /// # Errors
+    /// If parameters are not valid, or a step cannot be taken.
+    pub fn states_in_motion(&self, setup: &Setup) -> Result<(Vec<Vec<f64>>, bool), SimulationError> {
+        let job = Job {
+            method: Method::Standard,
+            retraction: Retraction::Exponential,
+            order: Order::Two,
+            step: self.step,
+            steps: 80,
+        };
+        let mut states = Vec::new();
+        self.simulate(setup, &job, None, &|index| index + 40, &mut |sample| {
+            states.push(sample.state.to_vec());
+            ControlFlow::Continue(())
+        })?;
+        let moves = |(x, y): (&f64, &f64)| (x - y).abs() > 1e-9 * (1.0 + y.abs());
+        let rests = !states.iter().any(|state| state.iter().zip(&setup.state).any(moves));
+        if rests {
+            let system = self.system(&setup.parameters);
+            let mut random = ChaCha8Rng::seed_from_u64(1);
+            // 53 bits, from −1 to 1
+            let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
+            states =
+                (0..3).map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut even)).collect();
+        }
+        Ok((states, rests))
+    }
+}
+
+/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
+fn in_motion(
+    system: &dyn erased::System,
+    state: &[f64],
+    rate: f64,
+    random: &mut dyn FnMut() -> f64,
+) -> Vec<f64> {
+    let places: Vec<_> = tangent_places(system.description().state).collect();
+    let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
+    let (turns, momenta) =
+        (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());
+    let length = places.last().map_or(0, |place| place.1.end);
+    let mut by = vec![0.0; length];
+    turns.iter().for_each(|&turn| by[turn] = 0.5 * random());
+    let displaced = system.displace(state, Map::Exponential, &by);
+    // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
+    let velocity = |by: &[f64]| {
+        let differential = system.differential(&system.displace(&displaced, Map::Exponential, by), 0.0);
+        DVector::from_iterator(momenta.len(), momenta.iter().map(|&place| differential[place]))
+    };
+    let at_rest = velocity(&vec![0.0; length]);
+    let columns: Vec<DVector<f64>> = momenta
+        .iter()
+        .map(|&place| {
+            let mut unit = vec![0.0; length];
+            unit[place] = 1.0;
+            velocity(&unit) - &at_rest
+        })
+        .collect();
+    let wanted = DVector::from_fn(momenta.len(), |_, _| rate * random());
+    let mut by = vec![0.0; length];
+    if let Some(momentum) = DMatrix::from_columns(&columns).lu().solve(&(wanted - at_rest)) {
+        momenta.iter().zip(momentum.iter()).for_each(|(&place, momentum)| by[place] = *momentum);
+    }
+    system.displace(&displaced, Map::Exponential, &by)
+}

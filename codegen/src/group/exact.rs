@@ -1,0 +1,165 @@
+//! Small matrices of exact fractions.
+
+use num_rational::Ratio;
+use num_traits::{One, Signed, Zero};
+
+/// An exact fraction.
+pub(super) type Fraction = Ratio<i128>;
+
+/// A matrix of exact fractions, by rows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Exact {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    pub(super) entries: Vec<Fraction>,
+}
+
+impl Exact {
+    pub(super) fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Fraction) -> Self {
+        let places = (0..rows * columns).map(|k| (k / columns, k % columns));
+        Self { rows, columns, entries: places.map(|(i, j)| of(i, j)).collect() }
+    }
+
+    pub(super) fn identity(n: usize) -> Self {
+        Self::from_fn(n, n, |i, j| if i == j { Fraction::one() } else { Fraction::zero() })
+    }
+
+    pub(super) fn at(&self, i: usize, j: usize) -> Fraction {
+        self.entries[i * self.columns + j]
+    }
+
+    pub(super) fn is_zero(&self) -> bool {
+        self.entries.iter().all(Zero::is_zero)
+    }
+
+    pub(super) fn transpose(&self) -> Self {
+        Self::from_fn(self.columns, self.rows, |i, j| self.at(j, i))
+    }
+
+    pub(super) fn times(&self, other: &Self) -> Self {
+        Self::from_fn(self.rows, other.columns, |i, j| {
+            (0..self.columns).map(|k| self.at(i, k) * other.at(k, j)).sum()
+        })
+    }
+
+    pub(super) fn plus(&self, other: &Self, factor: Fraction) -> Self {
+        Self::from_fn(self.rows, self.columns, |i, j| self.at(i, j) + factor * other.at(i, j))
+    }
+
+    pub(super) fn trace(&self) -> Fraction {
+        (0..self.rows).map(|i| self.at(i, i)).sum()
+    }
+
+    /// `self · other − other · self`
+    pub(super) fn commutator(&self, other: &Self) -> Self {
+        self.times(other).plus(&other.times(self), -Fraction::one())
+    }
+
+    /// Reduced to echelon form by rows; the columns of the pivots.
+    pub(super) fn reduce(&mut self) -> Vec<usize> {
+        let mut pivots = Vec::new();
+        for column in 0..self.columns {
+            let row = pivots.len();
+            let Some(found) = (row..self.rows).find(|&i| !self.at(i, column).is_zero()) else { continue };
+            let n = self.columns;
+            (0..n).for_each(|j| self.entries.swap(row * n + j, found * n + j));
+            let pivot = self.at(row, column);
+            (0..n).for_each(|j| self.entries[row * n + j] /= pivot);
+            for i in (0..self.rows).filter(|&i| i != row) {
+                let factor = self.at(i, column);
+                if !factor.is_zero() {
+                    (0..n).for_each(|j| {
+                        let change = factor * self.at(row, j);
+                        self.entries[i * n + j] -= change;
+                    });
+                }
+            }
+            pivots.push(column);
+        }
+        pivots
+    }
+
+    /// The columns that come first and span all.
+    pub(super) fn independent_columns(&self) -> Vec<usize> {
+        self.clone().reduce()
+    }
+
+    /// The inverse; none if there is none.
+    pub(super) fn inverse(&self) -> Option<Self> {
+        let n = self.rows;
+        let mut both = Self::from_fn(n, 2 * n, |i, j| match j.checked_sub(n) {
+            None => self.at(i, j),
+            Some(j) if i == j => Fraction::one(),
+            Some(_) => Fraction::zero(),
+        });
+        let is_regular = both.reduce().into_iter().eq(0..n);
+        is_regular.then(|| Self::from_fn(n, n, |i, j| both.at(i, n + j)))
+    }
+
+    /// A basis of the vectors `v` with `self · v = 0`.
+    pub(super) fn kernel(&self) -> Vec<Vec<Fraction>> {
+        let mut reduced = self.clone();
+        let pivots = reduced.reduce();
+        let free = (0..self.columns).filter(|column| !pivots.contains(column));
+        let vector = |free: usize| {
+            let mut vector = vec![Fraction::zero(); self.columns];
+            vector[free] = Fraction::one();
+            for (row, &pivot) in pivots.iter().enumerate() {
+                vector[pivot] = -reduced.at(row, free);
+            }
+            vector
+        };
+        free.map(vector).collect()
+    }
+
+    /// Whether a symmetric matrix has no negative direction.
+    pub(super) fn is_positive_semidefinite(&self) -> bool {
+        let (mut m, n) = (self.clone(), self.rows);
+        for k in 0..n {
+            let pivot = m.at(k, k);
+            if pivot.is_negative() || (pivot.is_zero() && (k..n).any(|j| !m.at(k, j).is_zero())) {
+                return false;
+            }
+            if pivot.is_zero() {
+                continue;
+            }
+            let row: Vec<Fraction> = (0..n).map(|j| m.at(k, j)).collect();
+            for i in k + 1..n {
+                let factor = row[i] / pivot;
+                (0..n).for_each(|j| m.entries[i * n + j] -= factor * row[j]);
+            }
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix<const N: usize>(rows: [[i128; N]; N]) -> Exact {
+        Exact::from_fn(N, N, |i, j| Fraction::from(rows[i][j]))
+    }
+
+    #[test]
+    fn linear_algebra_is_exact() {
+        let m = matrix([[2, 1, 0], [1, 3, 1], [0, 1, 7]]);
+        let inverse = m.inverse().expect("regular");
+        assert_eq!(m.times(&inverse), Exact::identity(3));
+        let singular = matrix([[1, 2, 3], [2, 4, 6], [1, 0, 1]]);
+        assert_eq!(singular.inverse(), None);
+        assert_eq!(singular.independent_columns(), [0, 1]);
+        let kernel = singular.kernel();
+        assert_eq!(kernel.len(), 1);
+        let column = Exact::from_fn(3, 1, |i, _| kernel[0][i]);
+        assert!(singular.times(&column).is_zero() && !column.is_zero());
+    }
+
+    #[test]
+    fn definiteness_is_told() {
+        assert!(matrix([[1, 1], [1, 1]]).is_positive_semidefinite());
+        assert!(matrix([[0, 0], [0, 3]]).is_positive_semidefinite());
+        assert!(!matrix([[0, 1], [1, 3]]).is_positive_semidefinite());
+        assert!(!matrix([[1, 2], [2, 1]]).is_positive_semidefinite());
+    }
+}
