@@ -90,14 +90,6 @@ pub enum Error {
     /// Ctrl-C, or a signal to end, ended a run; what was computed is written.
     #[error("interrupted")]
     Interrupted,
-    /// A picture could not be drawn.
-    #[error("cannot draw {}: {reason}", .path.display())]
-    Draw {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
     /// The terminal, or the program this one is piped into, is closed.
     #[error("cannot write to standard output: {0}")]
     Console(#[from] io::Error),
@@ -146,7 +138,7 @@ impl Error {
             | Error::Motion(_)
             | Error::Diverged(_)
             | Error::Command(_) => 3,
-            Error::Write { .. } | Error::Draw { .. } | Error::Console(_) => 4,
+            Error::Write { .. } | Error::Console(_) => 4,
             Error::Generator { .. } | Error::Claim { .. } => 1,
         }
     }

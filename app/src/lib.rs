@@ -33,7 +33,8 @@
 //!
 //! The program offers what was generated: `methods(Midpoint)` adds its method `midpoint`, `retractions(Cayley)` leaves the exponential out.
 //!
-//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of systems.
+//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of systems. Pictures are SVG
+//! and, with the feature `png`, on by default too, PNG.
 #![cfg_attr(not(feature = "program"), allow(rustdoc::broken_intra_doc_links))]
 // they panic where the stream is closed
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -65,6 +66,8 @@ pub mod conservation;
 pub mod console;
 #[cfg(feature = "program")]
 pub mod ensemble;
+#[cfg(feature = "program")]
+mod ensemble_plot;
 #[cfg(feature = "program")]
 pub mod entry;
 #[cfg(feature = "program")]

@@ -179,9 +179,17 @@ pub(crate) fn table(run: &Provenance, records: impl Iterator<Item = Vec<String>>
 /// # Errors
 /// If that cannot be done.
 pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// Writes a file, whole or not at all.
+///
+/// # Errors
+/// If that cannot be done.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let write = || {
         let mut file = AtomicFile::create(path)?;
-        io::Write::write_all(&mut file, text.as_bytes())?;
+        io::Write::write_all(&mut file, bytes)?;
         file.finish()
     };
     write().map_err(|source| Error::Write { path: path.to_owned(), source })

@@ -9,7 +9,7 @@ use coadjoint::system::Quantity;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-pub(crate) use self::embedded::{comment, in_markup, in_png, interruption, read};
+pub(crate) use self::embedded::{comment, in_markup, in_picture, interruption, read};
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 use crate::setting::laid_out;

@@ -13,15 +13,16 @@ use super::motion::{MotionArguments, SchemeArguments, check_scheme, job};
 use super::run::RunArguments;
 use crate::console::{Console, Telling};
 use crate::ensemble::{EnsembleSpec, EnsembleSummary, Observable, Variation};
+use crate::ensemble_plot::figure;
 use crate::entry::{Catalogue, Entry, component_name};
 use crate::error::Error;
 use crate::estimate::Estimate;
 use crate::interrupt;
 use crate::output::path::is_stdout;
 use crate::output::{Claim, Guard, file_in, table};
-use crate::plot::{Axis, Figure, Key, Panel, Series};
+use crate::plot::Kind;
 use crate::progress::Progress;
-use crate::provenance::{Members, Provenance, in_markup, in_png};
+use crate::provenance::{Members, Provenance, in_picture};
 use crate::report::{grouped, rate_in_words, short};
 use crate::setting::{Changes, assignments, laid_out};
 use crate::simulation::{Job, Retraction, Setup};
@@ -89,7 +90,10 @@ pub(crate) fn ensemble(
     let guard = Guard::new(run, arguments.motion.force);
     let paths: Vec<PathBuf> = match is_stdout(out) {
         true => vec![out.clone()],
-        false => ["csv", "png", "svg"].map(|end| file_in(out, &format!("{stem}.{end}"))).to_vec(),
+        false => {
+            let ends = std::iter::once("csv").chain(Kind::ALL.iter().map(|kind| kind.extension()));
+            ends.map(|end| file_in(out, &format!("{stem}.{end}"))).collect()
+        }
     };
     let claim = |path: &PathBuf| Claim { what: "the ensemble", path: path.clone(), written: true };
     for stale in guard.check_all(&paths.iter().map(claim).collect::<Vec<_>>())? {
@@ -174,11 +178,12 @@ fn contents<'p>(
     let is_seen = |spread: &&Spread| spread.members > 0;
     let looks = summary.spreads.first().map_or(0, |spreads| spreads.iter().filter(is_seen).count());
     // of members that failed at once there is nothing to draw
-    if let ([_, png, svg], true) = (paths, looks > 1) {
+    if looks > 1 {
         let figure = figure(entry, named, summary, spec, &spec.variation.words);
-        let pixels = figure.png().map_err(|reason| Error::Draw { path: png.clone(), reason })?;
-        contents.push((png, content(in_png(&pixels, &run))));
-        contents.push((svg, content(in_markup(&figure.svg(), "metadata", "<svg", &run).into_bytes())));
+        for (path, kind) in paths.iter().skip(1).zip(Kind::ALL) {
+            let failure = |source| Error::Write { path: path.clone(), source };
+            contents.push((path, content(in_picture(&figure, *kind, &run).map_err(failure)?)));
+        }
     }
     Ok(contents)
 }
@@ -321,45 +326,6 @@ fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> impl It
         record
     };
     std::iter::once(header).chain((0..samples).map(record))
-}
-
-/// A panel for each quantity: the median in bands that hold more and more members.
-fn figure(
-    entry: &Entry,
-    named: &[(String, Observable)],
-    summary: &EnsembleSummary,
-    spec: &EnsembleSpec,
-    spread: &[String],
-) -> Figure {
-    let panel = |((name, _), spreads): (&(String, Observable), &Vec<Spread>)| {
-        let edge = |k: usize| {
-            let points = spreads.iter().filter(|spread| spread.members > 0);
-            points.map(|spread| (spread.time, spread.quantiles[k])).collect::<Vec<_>>()
-        };
-        let bands = [(0, 6), (1, 5), (2, 4)].map(|(low, high)| Series::band(edge(low), edge(high)));
-        let series = bands.into_iter().chain([Series::line("median", edge(3))]).collect();
-        Panel::new(Axis::linear(""), Axis::linear(name), series)
-    };
-    let panels: Vec<Panel> = named.iter().zip(&summary.spreads).map(panel).collect();
-    let times = |of: fn(f64, f64) -> f64| {
-        let times = summary.spreads.iter().flatten().map(|spread| spread.time);
-        times.reduce(of).unwrap_or(0.0)
-    };
-    let title = format!("{} of {}", grouped(spec.members as u64), entry.name);
-    let mut figure =
-        Figure::over_time(title, "time / s", (times(f64::min), times(f64::max)), Key::Below, panels);
-    let mut caption = format!(
-        "Members differ by {}, uniformly distributed. Line: the median; bands, from dark to light: a half, nine tenths, all of the members.",
-        spread.join(", ")
-    );
-    if !summary.failed.is_empty() {
-        caption += &format!(
-            " {} failed on the way and are no longer counted.",
-            grouped(summary.failed.len() as u64)
-        );
-    }
-    figure.caption = vec![caption];
-    figure
 }
 
 /// The members that failed, at most so many of them by name.

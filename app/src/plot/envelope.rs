@@ -2,6 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{Color, Series};
+
+type Points = Vec<(f64, f64)>;
+
 /// The smallest and largest value in each of a fixed number of equal bins of a run, gathered as it goes: a picture of
 /// a million steps is as small as one of a thousand, and shows the same extremes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -40,8 +44,58 @@ impl Envelope {
         }
     }
 
+    /// What a run did, in one colour: a line, and a light area with its edges where it goes up and down too fast for a line.
+    pub fn series(&self, label: &str, color: Color, unit: f64) -> Vec<Series> {
+        let scaled = |points: Points| points.into_iter().map(|(time, y)| (time, unit * y)).collect();
+        if !self.is_fast() {
+            return vec![Series::line(label, color, scaled(self.both()))];
+        }
+        let (lower, upper) = self.smoothed();
+        let (lower, upper): (Points, Points) = (scaled(lower), scaled(upper));
+        vec![
+            Series::band("", color, 0.2, lower.clone(), upper.clone()),
+            Series::line("", color, lower),
+            Series::line(label, color, upper),
+        ]
+    }
+
+    /// The least value and the greatest of all.
+    pub fn range(&self) -> (f64, f64) {
+        let none = (f64::INFINITY, f64::NEG_INFINITY);
+        let bins = self.bins.iter().flatten();
+        bins.fold(none, |(low, high), bin| (low.min(bin.least.1), high.max(bin.greatest.1)))
+    }
+
+    /// Whether a bin has, on average, more than a third of the range in which nine tenths of the bins are.
+    fn is_fast(&self) -> bool {
+        let sorted = |of: fn(&Bin) -> f64| {
+            let mut values: Vec<f64> = self.bins.iter().flatten().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            values
+        };
+        let (least, greatest) = (sorted(|bin| bin.least.1), sorted(|bin| bin.greatest.1));
+        let tenth = least.len() / 10;
+        let (Some(low), Some(high)) = (least.get(tenth), greatest.iter().rev().nth(tenth)) else {
+            return false;
+        };
+        let sum: f64 = greatest.iter().sum::<f64>() - least.iter().sum::<f64>();
+        sum > 0.35 * least.len() as f64 * (high - low)
+    }
+
+    /// The least and the greatest values of some bins each: what goes up and down once in a few bins has smooth edges.
+    fn smoothed(&self) -> (Points, Points) {
+        const BESIDE: usize = 5;
+        let bins: Vec<Bin> = self.bins.iter().flatten().copied().collect();
+        let edge = |pick: fn(&Bin) -> (f64, f64), of: fn(f64, f64) -> f64| {
+            let near = |k: usize| bins[k.saturating_sub(BESIDE)..(k + BESIDE + 1).min(bins.len())].iter();
+            let value = |k: usize| near(k).map(|bin| pick(bin).1).fold(pick(&bins[k]).1, of);
+            (0..bins.len()).map(|k| (pick(&bins[k]).0, value(k))).collect()
+        };
+        (edge(|bin| bin.least, f64::min), edge(|bin| bin.greatest, f64::max))
+    }
+
     /// Both extremes of every bin, in the order of time.
-    pub fn both(&self) -> Vec<(f64, f64)> {
+    fn both(&self) -> Points {
         let mut points = Vec::new();
         for bin in self.bins.iter().flatten() {
             let (first, second) = if bin.least.0 <= bin.greatest.0 {
@@ -74,11 +128,15 @@ mod tests {
         for i in 0..100_000 {
             envelope.push(i, i as f64, value(i));
         }
-        let points = envelope.both();
-        assert_eq!(points.len(), 100);
-        assert!(points.is_sorted_by(|a, b| a.0 < b.0));
-        assert!(points.contains(&(77_777.0, 9.0)));
-        assert!(points.iter().all(|&(t, y)| y == value(t as u64)));
+        let [band, lower, upper] = &envelope.series("x", Color::X, 1.0)[..] else {
+            panic!("a band and its edges")
+        };
+        assert_eq!((lower.points.len(), upper.points.len(), band.points.len()), (50, 50, 100));
+        for line in [lower, upper] {
+            assert!(line.points.is_sorted_by(|a, b| a.0 < b.0));
+        }
+        assert!(upper.points.contains(&(77_777.0, 9.0)));
+        assert!(lower.points.iter().all(|point| point.1 < -0.99));
         assert_eq!(envelope.upper().len(), 50);
         assert!(envelope.upper().iter().all(|point| point.1 > 0.99));
     }
@@ -89,7 +147,8 @@ mod tests {
         for i in 0..3 {
             envelope.push(i, i as f64, -(i as f64));
         }
-        assert_eq!(envelope.both(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
-        assert_eq!(envelope.upper(), envelope.both());
+        assert_eq!(envelope.upper(), [(0.0, 0.0), (1.0, -1.0), (2.0, -2.0)]);
+        let [line] = &envelope.series("x", Color::X, 10.0)[..] else { panic!("a line") };
+        assert_eq!(line.points, [(0.0, 0.0), (1.0, -10.0), (2.0, -20.0)]);
     }
 }

@@ -16,6 +16,7 @@ use std::path::Path;
 use serde_json::{Map, Value};
 
 use super::{PROGRAM, Provenance};
+use crate::plot::{Figure, Kind};
 
 /// What a file begins with is searched up to here.
 const HEAD: u64 = 1 << 20;
@@ -38,6 +39,15 @@ pub(crate) fn interruption(steps: u64, of: u64) -> String {
     format!("# interrupted: {steps} of {of} steps\n")
 }
 
+/// A picture with what made it.
+pub(crate) fn in_picture(figure: &Figure, kind: Kind, provenance: &Provenance) -> io::Result<Vec<u8>> {
+    match kind {
+        Kind::Svg => Ok(in_markup(&figure.svg(), "metadata", "<svg", provenance).into_bytes()),
+        #[cfg(feature = "png")]
+        Kind::Png => Ok(in_png(&figure.picture(kind)?, provenance)),
+    }
+}
+
 /// A page or a picture with one more element of this name (`script`, `metadata`), behind the first tag that begins like this.
 pub(crate) fn in_markup(markup: &str, element: &str, behind: &str, provenance: &Provenance) -> String {
     // in a text of JSON only, so that no tag begins or ends in it
@@ -53,7 +63,8 @@ pub(crate) fn in_markup(markup: &str, element: &str, behind: &str, provenance: &
 }
 
 /// A PNG with one more chunk.
-pub(crate) fn in_png(png: &[u8], provenance: &Provenance) -> Vec<u8> {
+#[cfg(feature = "png")]
+fn in_png(png: &[u8], provenance: &Provenance) -> Vec<u8> {
     let Some((first, rest)) = png.split_at_checked(PNG.1) else { return png.to_vec() };
     let data = [CHUNK, provenance.line().as_bytes()].concat();
     let length = (data.len() as u32).to_be_bytes();

@@ -9,14 +9,14 @@ use crate::entry::Entry;
 use crate::error::Error;
 use crate::output::path::is_stdout;
 use crate::output::{Claim, Format, Guard};
-use crate::provenance::{Provenance, in_markup, in_png};
+use crate::plot::Kind;
+use crate::provenance::{Provenance, in_markup, in_picture};
 
 /// The files of a run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Files {
     pub(super) trajectory: Option<PathBuf>,
-    png: Option<PathBuf>,
-    svg: Option<PathBuf>,
+    pictures: Vec<(Kind, PathBuf)>,
     html: Option<PathBuf>,
 }
 
@@ -33,8 +33,10 @@ impl Files {
         };
         Ok(Self {
             trajectory: plan.format.map(trajectory),
-            png: plan.plot.then(|| named("png")),
-            svg: plan.plot.then(|| named("svg")),
+            pictures: match plan.plot {
+                true => Kind::ALL.iter().map(|kind| (*kind, named(kind.extension()))).collect(),
+                false => Vec::new(),
+            },
             html: plan.html.clone(),
         })
     }
@@ -48,10 +50,10 @@ impl Files {
             }
             !stays
         };
-        let Self { trajectory, png, svg, html } = self;
-        let [trajectory, png, svg, html] =
-            [trajectory, png, svg, html].map(|path| path.filter(is_to_be_written));
-        Self { trajectory, png, svg, html }
+        let Self { trajectory, mut pictures, html } = self;
+        let [trajectory, html] = [trajectory, html].map(|path| path.filter(is_to_be_written));
+        pictures.retain(|(_, path)| is_to_be_written(path));
+        Self { trajectory, pictures, html }
     }
 
     /// What each is to the run.
@@ -64,13 +66,10 @@ impl Files {
             claims.push(claim("the checkpoint's journal", &beside(path, "rows"), false));
             claims.push(claim("the checkpoint's lock", &beside(path, "lock"), false));
         }
-        let written = [
-            ("the trajectory", &self.trajectory),
-            ("the picture", &self.png),
-            ("the picture", &self.svg),
-            ("the page", &self.html),
-        ];
-        let written = written.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?)));
+        let pictures = self.pictures.iter().map(|(_, path)| ("the picture", path));
+        let written = [("the trajectory", &self.trajectory), ("the page", &self.html)];
+        let written =
+            written.into_iter().filter_map(|(what, path)| Some((what, path.as_ref()?))).chain(pictures);
         claims.extend(written.map(|(what, path)| claim(what, path, true)));
         claims
     }
@@ -86,12 +85,11 @@ pub(super) fn shown(
 ) -> Result<Vec<(PathBuf, Vec<u8>)>, Error> {
     let mut shown = Vec::new();
     let figure = record.run_plot.as_ref().map(|run_plot| run_plot.figure(entry, title(entry, &plan.job)));
-    if let (Some(figure), Some(path)) = (&figure, &files.png) {
-        let pixels = figure.png().map_err(|reason| Error::Draw { path: path.clone(), reason })?;
-        shown.push((path.clone(), in_png(&pixels, run)));
-    }
-    if let (Some(figure), Some(path)) = (&figure, &files.svg) {
-        shown.push((path.clone(), in_markup(&figure.svg(), "metadata", "<svg", run).into_bytes()));
+    for (figure, (kind, path)) in
+        figure.iter().flat_map(|figure| files.pictures.iter().map(move |file| (figure, file)))
+    {
+        let failure = |source| Error::Write { path: path.clone(), source };
+        shown.push((path.clone(), in_picture(figure, *kind, run).map_err(failure)?));
     }
     if let (Some(html_player), Some(path)) = (&record.html_player, &files.html) {
         let page = in_markup(&html_player.html(entry, plan), "script", "<meta charset", run);

@@ -517,6 +517,7 @@ fn the_papers_heavy_top_is_one_command() {
             "figure-6.2.csv",
             "figure-6.2.png",
             "figure-6.2.svg",
+            "figure-6.2.txt",
             "heavy_top-cayley.csv",
             "heavy_top-exponential.csv"
         ]
@@ -916,28 +917,45 @@ fn a_view_is_one_page_that_needs_nothing_else() {
 }
 
 #[test]
-fn a_figure_is_a_picture_and_its_data() {
+fn a_figure_is_a_picture_its_data_and_its_caption() {
     let scratch = Scratch::new("figures");
     let printed = scratch.prints(&["figures", "1.1", "1.2", "1.3"]);
     assert!(printed.contains("1.645 times the energy"), "{printed}");
-    assert_eq!(
-        scratch.files("out/figures"),
-        [
-            "figure-1.1.csv",
-            "figure-1.1.png",
-            "figure-1.1.svg",
-            "figure-1.2.csv",
-            "figure-1.2.png",
-            "figure-1.2.svg",
-            "figure-1.3.csv",
-            "figure-1.3.png",
-            "figure-1.3.svg",
-            "index.html",
-        ]
-    );
+    let files = ["1.1", "1.2", "1.3"]
+        .map(|name| ["csv", "png", "svg", "txt"].map(|extension| format!("figure-{name}.{extension}")));
+    let mut files = files.concat();
+    files.push("index.html".to_owned());
+    assert_eq!(scratch.files("out/figures"), files);
     let csv = scratch.read("out/figures/figure-1.1.csv");
     assert_eq!(csv.lines().next(), Some("panel,horizontal,vertical,series,x,y"));
-    assert!(csv.contains("\n1,\"q\",\"p\",\"explicit Euler\",1.0,0.0\n"), "{csv}");
+    assert!(
+        csv.contains("\n1,\"position q, m\",\"momentum p, kg m/s\",\"explicit Euler\",1.0,0.0\n"),
+        "{csv}"
+    );
+
+    // the numbers of a caption are those of the file beside it
+    let csv = scratch.read("out/figures/figure-1.2.csv");
+    let values = |panel: usize, series: &str| -> Vec<f64> {
+        let of_series =
+            |line: &&str| line.starts_with(&format!("{panel},")) && line.contains(&format!(",\"{series}\","));
+        let value = |line: &str| line.rsplit(',').next().and_then(|y| y.parse().ok()).expect("a number");
+        csv.lines().filter(of_series).map(value).collect()
+    };
+    let caption = scratch.read("out/figures/figure-1.2.txt");
+    for (panel, series) in [(3, "RK2"), (4, "RK2"), (3, "Störmer–Verlet"), (4, "Störmer–Verlet")] {
+        let largest = values(panel, series).into_iter().map(f64::abs).fold(0.0, f64::max);
+        let text = coadjoint_app::plot::two_digits(largest);
+        assert!(largest > 0.0 && caption.contains(&text), "{text} in {caption}");
+    }
+    for panel in [3, 4] {
+        let text = coadjoint_app::plot::two_digits(*values(panel, "RK2").last().expect("a last one"));
+        assert!(caption.contains(&text), "{text} in {caption}");
+    }
+    let page = scratch.read("out/figures/index.html");
+    for link in ["href=\"#1.2\"", "src=\"figure-1.2.svg\"", "href=\"figure-1.2.txt\""] {
+        assert!(page.contains(link), "{link} in {page}");
+    }
+    assert!(caption.lines().skip(2).all(|paragraph| page.contains(paragraph)), "{page}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The paper's figures, drawn with our steppers beside the classical ones, and five of our own.
 //!
-//! Each figure is a module with what it measures, as numbers that tests hold against the paper's claims, and how that is drawn. Captions
-//! carry the measured numbers: they are set when the figure is drawn.
+//! Each figure is a module with what it measures, as numbers that tests hold against the paper's claims, how that is drawn, and its caption. The
+//! numbers of a caption are computed from the data that is drawn and written beside it, and from nothing else.
 //!
 //! | figure | what it shows |
 //! |---|---|
@@ -21,21 +21,25 @@
 
 pub(crate) mod applications;
 pub(crate) mod bodies;
+mod caption;
 #[cfg(test)]
 mod claims;
+mod data;
 mod invariant_errors;
 pub(crate) mod kepler;
+mod methods;
 pub(crate) mod oscillator;
 pub(crate) mod pendulum;
 pub(crate) mod quadrotor;
 pub(crate) mod steps;
 pub(crate) mod work;
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+pub(crate) use data::{Curve, Data};
 pub(crate) use invariant_errors::{ErrorSeries, InvariantErrors};
 
+use caption::Caption;
 use coadjoint_app::Error;
 use coadjoint_app::output::{make_directory, write_text};
 use coadjoint_app::plot::Figure;
@@ -50,6 +54,8 @@ pub(crate) struct Drawing {
     pub(crate) about: &'static str,
     /// Makes the runs and draws it.
     pub(crate) draw: fn() -> Result<Figure, Error>,
+    /// What is said of it: all that was measured comes from its data.
+    pub(crate) caption: fn(&Data) -> Caption,
 }
 
 /// All figures, in the order in which they are drawn.
@@ -58,56 +64,67 @@ pub(crate) static DRAWINGS: &[Drawing] = &[
         name: "1.1",
         about: "harmonic oscillator: phase plane and energy with four Euler methods",
         draw: || oscillator::Oscillator::measure().map(|measured| measured.figure()),
+        caption: oscillator::caption,
     },
     Drawing {
         name: "1.2",
         about: "Kepler problem: orbit, energy and angular momentum, RK2 and Störmer–Verlet",
         draw: || kepler::Orbits::measure().map(|measured| measured.figure()),
+        caption: kepler::caption,
     },
     Drawing {
         name: "1.3",
         about: "planar pendulum on its cylinder: RK2 with and without projection",
         draw: || pendulum::Swings::measure().map(|measured| measured.figure()),
+        caption: pendulum::caption,
     },
     Drawing {
         name: "6.1",
         about: "free rigid body over 30 minutes: energy and Casimir",
         draw: || bodies::Bodies::free(bodies::STEPS).map(|measured| measured.figure()),
+        caption: bodies::free_caption,
     },
     Drawing {
         name: "6.2",
         about: "heavy top over 30 minutes: energy and Casimirs",
         draw: || bodies::Bodies::top(bodies::STEPS).map(|measured| measured.figure()),
+        caption: bodies::top_caption,
     },
     Drawing {
         name: "6.3",
         about: "quadrotor with the thrust of hover, over 30 minutes",
         draw: || quadrotor::Hover::measure(bodies::STEPS).map(|measured| measured.figure()),
+        caption: quadrotor::caption,
     },
     Drawing {
         name: "work",
         about: "error against time, orders 2 to 10 and the classical methods",
         draw: || work::Work::measure(&work::Sampling::FULL).map(|measured| measured.figure()),
+        caption: work::caption,
     },
     Drawing {
         name: "steps",
         about: "long runs at large steps: what each method still keeps",
         draw: || steps::Steps::measure(steps::DURATION).map(|measured| measured.figure()),
+        caption: steps::caption,
     },
     Drawing {
         name: "identify",
         about: "a spacecraft's inertia from noisy gyroscopes, by exact derivatives of steps",
         draw: applications::identify,
+        caption: applications::identify_caption,
     },
     Drawing {
         name: "steer",
         about: "a manoeuvre with few pulses and the least effort, by exact derivatives of steps",
         draw: applications::steer,
+        caption: applications::steer_caption,
     },
     Drawing {
         name: "estimate",
         about: "attitude and momentum from stars: a Kalman filter with exact derivatives of steps",
         draw: applications::estimate,
+        caption: applications::estimate_caption,
     },
 ];
 
@@ -129,61 +146,32 @@ pub(crate) fn chosen(names: &[String]) -> Result<Vec<&'static Drawing>, Error> {
 }
 
 impl Drawing {
-    /// Makes the runs, and writes `figure-<name>.png`, `.svg` and `.csv`; the answer is their paths and the caption.
+    /// Makes the runs, and writes `figure-<name>.png`, `.svg`, `.csv` with its data and `.txt` with its caption; the answer is their paths and the
+    /// caption.
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
-    pub(crate) fn write(&self, directory: &Path) -> Result<(Vec<PathBuf>, Vec<String>), Error> {
+    pub(crate) fn write(&self, directory: &Path) -> Result<(Vec<PathBuf>, Caption), Error> {
         make_directory(directory)?;
         let figure = (self.draw)()?;
-        let stem = directory.join(format!("figure-{}", self.name));
-        let mut written = figure.write(&stem)?.to_vec();
-        let csv = directory.join(format!("figure-{}.csv", self.name));
-        write_text(&csv, &table(&figure))?;
-        written.push(csv);
-        Ok((written, figure.caption))
-    }
-}
-
-/// The figure's data: a line for each point of each series.
-fn table(figure: &Figure) -> String {
-    let mut text = String::from("panel,horizontal,vertical,series,x,y\n");
-    for (i, panel) in figure.panels.iter().enumerate() {
-        for series in &panel.series {
-            for (x, y) in &series.points {
-                let quoted = |text: &str| text.replace('"', "\"\"");
-                // writing to a string does not fail
-                let _ = writeln!(
-                    text,
-                    "{},\"{}\",\"{}\",\"{}\",{x:?},{y:?}",
-                    i + 1,
-                    quoted(&panel.x.label),
-                    quoted(&panel.y.label),
-                    quoted(&series.label)
-                );
-            }
+        let data = Data::of(&figure);
+        let caption = (self.caption)(&data);
+        let mut written = figure.write(&directory.join(format!("figure-{}", self.name)))?;
+        let text: String = caption.iter().map(|paragraph| format!("{paragraph}\n")).collect();
+        for (extension, text) in [("csv", data.csv()), ("txt", format!("{}\n\n{text}", figure.title))] {
+            let path = directory.join(format!("figure-{}.{extension}", self.name));
+            write_text(&path, &text)?;
+            written.push(path);
         }
-    }
-    text
-}
-
-/// Two digits of a magnitude: `3.1·10⁻⁹`.
-pub(crate) fn figures(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let text = format!("{value:.1e}");
-    match text.split_once('e') {
-        Some((digits, exponent)) => {
-            let exponent: f64 = exponent.parse().unwrap_or(0.0);
-            format!("{digits}·{}", coadjoint_app::plot::power_of_ten(exponent))
-        }
-        None => text,
+        Ok((written, caption))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::LazyLock;
+
+    use super::caption::Piece;
     use super::*;
 
     #[test]
@@ -199,10 +187,117 @@ mod tests {
         assert!(message.contains("there is no figure `6.4`") && message.contains("1.1"), "{message}");
     }
 
+    /// The figures, with runs as short as tests can wait for.
+    static DRAWN: LazyLock<Vec<(&Drawing, Figure)>> = LazyLock::new(|| {
+        let sampling = work::Sampling { most: 1 << 12, reference: 1 << 11, seconds: 0.0 };
+        let draw = |drawing: &'static Drawing| {
+            let figure = match drawing.name {
+                "6.1" => bodies::Bodies::free(2000).map(|measured| measured.figure()),
+                "6.2" => bodies::Bodies::top(2000).map(|measured| measured.figure()),
+                "6.3" => quadrotor::Hover::measure(2000).map(|measured| measured.figure()),
+                "work" => work::Work::measure(&sampling).map(|measured| measured.figure()),
+                "steps" => steps::Steps::measure(200.0).map(|measured| measured.figure()),
+                _ => (drawing.draw)(),
+            };
+            (drawing, figure.expect("the runs can be made"))
+        };
+        DRAWINGS.iter().map(draw).collect()
+    });
+
+    /// Captions come from the CSV alone, and have no number of their own.
     #[test]
-    fn numbers_of_captions_are_short() {
-        assert_eq!(figures(3.14e-9), "3.1·10⁻⁹");
-        assert_eq!(figures(-250.0), "-2.5·10²");
-        assert_eq!(figures(0.0), "0");
+    fn every_number_of_every_caption_comes_from_the_data_beside_it() {
+        for (Drawing { name, caption, .. }, figure) in DRAWN.iter() {
+            let data = Data::of(figure);
+            let read = Data::from_csv(&data.csv());
+            // too long to be printed
+            assert!(read == data, "{name}: numbers change on their way through the CSV");
+            let mut names: Vec<_> = read.columns().map(|(panel, name, _)| (panel, name.to_owned())).collect();
+            assert!(names.iter().all(|(_, name)| !name.is_empty()), "{name}: a series without a name");
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), read.columns().count(), "{name}: two series of the same name in a panel");
+            let recomputed = caption(&read);
+            assert_eq!(recomputed, caption(&data), "{name}");
+            let pieces = || recomputed.iter().flat_map(|paragraph| &paragraph.0);
+            assert!(
+                pieces().any(|piece| matches!(piece, Piece::Measured(_))),
+                "{name} says nothing measured"
+            );
+            for piece in pieces() {
+                match piece {
+                    Piece::Words(words) => {
+                        let words = ["RK2", "RK4", "RKMK4"]
+                            .iter()
+                            .fold((*words).to_owned(), |words, method| words.replace(method, ""));
+                        assert!(!words.contains(|letter: char| letter.is_ascii_digit()), "{name}: `{words}`");
+                    }
+                    Piece::Measured(text) => {
+                        assert!(
+                            !text.contains("NaN") && !text.contains("inf") && !text.is_empty(),
+                            "{name}: {recomputed:?}"
+                        );
+                    }
+                    Piece::Given(_) => {}
+                }
+            }
+        }
+    }
+
+    /// A caption follows its data: where every number is another one, and there is a point less, every measured number changes.
+    #[test]
+    fn captions_change_with_the_data() {
+        for (Drawing { name, caption, .. }, figure) in DRAWN.iter() {
+            let mut changed = figure.clone();
+            for series in changed.panels.iter_mut().flat_map(|panel| &mut panel.series) {
+                series.points.truncate(series.points.len() - 1);
+                for (k, (x, y)) in series.points.iter_mut().enumerate() {
+                    (*x, *y) = (1.7 * *x, 3.7 * *y * (1.0 + 0.05 * k as f64));
+                }
+            }
+            let numbers = |figure: &Figure| {
+                let pieces = caption(&Data::of(figure)).into_iter().flat_map(|paragraph| paragraph.0);
+                let numbers = pieces.filter_map(|piece| match piece {
+                    Piece::Measured(text) if text.contains(|letter: char| letter.is_ascii_digit()) => {
+                        Some(text)
+                    }
+                    _ => None,
+                });
+                numbers.collect::<Vec<String>>()
+            };
+            for (before, after) in numbers(figure).into_iter().zip(numbers(&changed)) {
+                assert!(before != after || before == "100.0", "{name}: {before} comes from nowhere");
+            }
+        }
+    }
+
+    /// Every series of a figure has a colour of its own within its panel, or is told apart by its lines or marks.
+    #[test]
+    fn no_two_series_of_a_panel_look_the_same() {
+        for (Drawing { name, .. }, figure) in DRAWN.iter() {
+            for panel in &figure.panels {
+                for (i, one) in panel.series.iter().enumerate() {
+                    for other in &panel.series[..i] {
+                        assert!(
+                            one.color != other.color || one.style != other.style,
+                            "{name}: {} and {}",
+                            one.label,
+                            other.label
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// A name has one colour in all figures.
+    #[test]
+    fn a_method_has_one_colour() {
+        let series = DRAWN.iter().flat_map(|(_, figure)| &figure.panels).flat_map(|panel| &panel.series);
+        let mut colors = std::collections::BTreeMap::new();
+        for series in series.filter(|series| !["error", "change"].contains(&series.label.as_str())) {
+            let color = *colors.entry(series.label.clone()).or_insert(series.color);
+            assert_eq!(color, series.color, "{}", series.label);
+        }
     }
 }

@@ -20,19 +20,20 @@ pub(crate) struct Arguments {
     pub(crate) out: PathBuf,
 }
 
-/// Draws figures, each with its data, and a page with all of them and their captions.
+/// Draws figures, each with its data and its caption, and a page with all of them.
 pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
     let drawings = chosen(&arguments.figures)?;
     let mut drawn = Vec::new();
     for drawing in drawings {
-        writeln!(console, "{:5} {}", drawing.name, drawing.about)?;
+        writeln!(console, "{:8} {}", drawing.name, drawing.about)?;
         console.flush()?;
         let (written, caption) = drawing.write(&arguments.out)?;
+        let caption: Vec<String> = caption.iter().map(ToString::to_string).collect();
         for paragraph in &caption {
-            writeln!(console, "      {paragraph}")?;
+            writeln!(console, "         {paragraph}")?;
         }
         for path in written {
-            writeln!(console, "      wrote {}", path.display())?;
+            writeln!(console, "         wrote {}", path.display())?;
         }
         drawn.push((drawing, caption));
     }
@@ -42,27 +43,64 @@ pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Wri
     Ok(())
 }
 
-/// All figures on one page.
+/// What the page looks like: pictures follow its colours, and on a phone they are moved sideways rather than made illegible.
+const STYLE: &str = "\
+:root { color-scheme: light dark; --ink: #1c1f23; --paper: #fff; --faint: #5d646c; --link: #0a5fa0 }
+@media (prefers-color-scheme: dark) { :root { --ink: #e6e8ea; --paper: #14171a; --faint: #9aa2aa; --link: #6db3f2 } }
+body { font: 1rem/1.55 system-ui, sans-serif; max-width: 74rem; margin: 2rem auto; padding: 0 1rem; color: var(--ink); background: var(--paper) }
+a { color: var(--link) }
+nav ol { padding-left: 0; list-style: none }
+nav li { display: flex; gap: .75rem }
+nav a { flex: 0 0 4.5rem }
+figure { margin: 0 0 4rem }
+.picture { overflow-x: auto }
+.picture img { display: block; max-width: 100%; min-width: 40rem; height: auto; margin: 0 auto }
+figcaption { max-width: 46rem; margin: 0 auto }
+figcaption .files { color: var(--faint) }
+";
+
+/// All figures on one page, with contents.
 fn index(drawn: &[(&Drawing, Vec<String>)]) -> String {
-    let escape = |text: &str| text.replace('&', "&amp;").replace('<', "&lt;");
-    let mut page = String::from(
-        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>coadjoint: figures</title>\n\
-         <style>body { font: 16px/1.5 sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; } \
-         img { max-width: 100%; } figure { margin: 0 0 3rem; }</style>\n<h1>Figures</h1>\n",
+    let mut page = format!(
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>coadjoint: figures</title>\n<style>\n{STYLE}</style>\n<h1>Figures</h1>\n<nav>\n<ol>\n"
     );
+    // writing to a string does not fail
+    for (Drawing { name, about, .. }, _) in drawn {
+        let _ = writeln!(page, "<li><a href=\"#{name}\">{name}</a><span>{}</span></li>", escape(about));
+    }
+    page.push_str("</ol>\n</nav>\n");
     for (drawing, caption) in drawn {
-        let name = drawing.name;
-        // the caption stands in the picture; here it can be searched and copied
-        let alt = escape(&caption.join(" ")).replace('"', "&quot;");
-        // writing to a string does not fail
-        let _ = write!(
-            page,
-            "<figure id=\"{name}\">\n<h2>{name}: {about}</h2>\n\
-             <img src=\"figure-{name}.svg\" alt=\"{alt}\">\n\
-             <figcaption><a href=\"figure-{name}.png\">PNG</a>, <a href=\"figure-{name}.csv\">data</a></figcaption>\n</figure>\n",
-            about = escape(drawing.about),
-        );
+        let _ = write_figure(&mut page, drawing, caption);
     }
     page.push_str("</html>\n");
     page
+}
+
+fn write_figure(
+    page: &mut String,
+    Drawing { name, about, .. }: &Drawing,
+    caption: &[String],
+) -> std::fmt::Result {
+    let about = escape(about);
+    writeln!(page, "<figure id=\"{name}\">\n<div class=\"picture\">")?;
+    writeln!(
+        page,
+        "<a href=\"figure-{name}.svg\"><img src=\"figure-{name}.svg\" alt=\"{about}\"></a>\n</div>\n<figcaption>"
+    )?;
+    for paragraph in caption {
+        writeln!(page, "<p>{}</p>", escape(paragraph))?;
+    }
+    write!(page, "<p class=\"files\">")?;
+    for (k, (extension, what)) in
+        [("png", "PNG"), ("svg", "SVG"), ("csv", "data"), ("txt", "text")].iter().enumerate()
+    {
+        let separate = if k > 0 { " · " } else { "" };
+        write!(page, "{separate}<a href=\"figure-{name}.{extension}\">{what}</a>")?;
+    }
+    writeln!(page, "</p>\n</figcaption>\n</figure>")
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

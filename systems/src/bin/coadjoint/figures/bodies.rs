@@ -3,8 +3,10 @@
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
-use super::invariant_errors::panel;
-use super::{ErrorSeries, InvariantErrors, figures};
+use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verdict};
+use super::invariant_errors::{BINS, panel};
+use super::methods::{CAYLEY, EXPONENTIAL, RK4, RKMK4};
+use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
 use coadjoint_app::Example;
 use coadjoint_app::plot::{Figure, Key};
@@ -26,8 +28,6 @@ pub(crate) struct Bodies {
     /// In this order; of each, the energy first, then the Casimirs.
     pub(crate) runs: [InvariantErrors; 4],
     title: &'static str,
-    /// Parameters and start.
-    given: &'static str,
     /// The quantities' names.
     labels: &'static [&'static str],
     steps: u64,
@@ -50,14 +50,13 @@ impl Bodies {
         let from = AttitudeState { attitude: start.attitude, y: start.momentum };
         Ok(Self {
             runs: [
-                ours("exponential", Retraction::Exponential, &body, &start, steps, quantities)?,
-                ours("Cayley", Retraction::Cayley, &body, &start, steps, quantities)?,
-                theirs("RK4 on quaternions, projected", Rk4Quaternion, &by_hand, from, steps, measured)?,
-                theirs("RKMK4", Rkmk4, &by_hand, from, steps, measured)?,
+                ours(EXPONENTIAL, Retraction::Exponential, &body, &start, steps, quantities)?,
+                ours(CAYLEY, Retraction::Cayley, &body, &start, steps, quantities)?,
+                theirs(RK4, Rk4Quaternion, &by_hand, from, steps, measured)?,
+                theirs(RKMK4, Rkmk4, &by_hand, from, steps, measured)?,
             ],
-            title: "6.1  Free rigid body for 30 minutes",
-            given: "I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, h = 0.01 s.",
-            labels: &["|H − H₀|, J", "| |Π|² − |Π₀|² |, kg² m⁴/s²"],
+            title: "6.1  Free rigid body, 30 minutes",
+            labels: &["energy |H − H₀|, J", "| |Π|² − |Π₀|² |, kg² m⁴/s²"],
             steps,
         })
     }
@@ -84,59 +83,93 @@ impl Bodies {
         let from = AttitudeState { attitude: start.attitude, y };
         Ok(Self {
             runs: [
-                ours("exponential", Retraction::Exponential, &top, &start, steps, quantities)?,
-                ours("Cayley", Retraction::Cayley, &top, &start, steps, quantities)?,
-                theirs("RK4 on quaternions, projected", Rk4Quaternion, &by_hand, from, steps, measured)?,
-                theirs("RKMK4", Rkmk4, &by_hand, from, steps, measured)?,
+                ours(EXPONENTIAL, Retraction::Exponential, &top, &start, steps, quantities)?,
+                ours(CAYLEY, Retraction::Cayley, &top, &start, steps, quantities)?,
+                theirs(RK4, Rk4Quaternion, &by_hand, from, steps, measured)?,
+                theirs(RKMK4, Rkmk4, &by_hand, from, steps, measured)?,
             ],
-            title: "6.2  Heavy top for 30 minutes",
-            given: "I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, Γ₀ = (0, 0, 1), h = 0.01 s; mgχ, which the paper leaves \
-                    open, is (0, 0, 1) N m.",
-            labels: &["|H − H₀|, J", "| |Γ|² − 1 |", "|Π·Γ − Π₀·Γ₀|, kg m²/s"],
+            title: "6.2  Heavy top, 30 minutes",
+            labels: &["energy |H − H₀|, J", "| |Γ|² − 1 |, no unit", "|Π·Γ − Π₀·Γ₀|, kg m²/s"],
             steps,
         })
     }
 
     /// The errors over time.
     pub(crate) fn figure(&self) -> Figure {
-        let time = format!(
-            "time, s (each point is the largest error of {} s)",
-            (self.steps as f64 * STEP / 450.0 * 100.0).round() / 100.0
-        );
+        const TIME: &str = "time, s";
         let panels =
-            self.labels.iter().enumerate().map(|(i, label)| panel(&self.runs, i, &time, label)).collect();
+            self.labels.iter().enumerate().map(|(i, label)| panel(&self.runs, i, TIME, label)).collect();
         let span = (0.0, self.steps as f64 * STEP);
-        let figure = Figure::over_time(self.title.to_owned(), &time, span, Key::Below, panels);
-        let drift = |series: &ErrorSeries| {
-            let stats = &series.stats;
-            if stats.drift() > 0.5 {
-                format!("{}, drifting by {}/s", figures(stats.error), figures(stats.slope()))
-            } else {
-                format!("{}, not drifting", figures(stats.error))
-            }
-        };
-        let lines = self.runs.iter().map(|run| {
-            let energy = run.invariants.first().map(drift).unwrap_or_default();
-            let casimirs: Vec<String> =
-                run.invariants.iter().skip(1).map(|series| figures(series.stats.error)).collect();
-            format!("{}: energy error {energy}; Casimir errors {}.", run.method, casimirs.join(" and "))
-        });
-        let unlike = "Unlike the paper's, the figure shows errors on a logarithmic scale, of all methods in one panel. Ours are the paper's \
-                      reduced steps with the signs and factors of its definitions, not those that are printed."
-            .to_owned();
-        let paragraphs = [self.given.to_owned(), unlike].into_iter().chain(lines).chain([
-            "The steps of order 2 keep the Casimirs to roundoff, and their energy errors do not grow; with the methods of order 4 all \
-             errors grow steadily, from a level that a step as small as this makes very low. RK4 and RKMK4 differ in the attitude \
-             alone, which is not shown."
-                .to_owned(),
-        ]);
-        Figure { caption: paragraphs.collect(), ..figure }
+        Figure {
+            cell: (760.0, 220.0),
+            ..Figure::over_time(self.title.to_owned(), TIME, span, Key::Above, panels)
+        }
     }
+}
+
+/// Below figure 6.1.
+pub(crate) fn free_caption(data: &Data) -> Caption {
+    let body = given("I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, h = 0.01 s");
+    let units = [" kg² m⁴/s²"];
+    caption(data, paragraph![body, ". Each point is the largest error of ", bin(), " s."], &units)
+}
+
+/// Below figure 6.2.
+pub(crate) fn top_caption(data: &Data) -> Caption {
+    let top = given("I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, Γ₀ = (0, 0, 1), h = 0.01 s");
+    let open = paragraph![
+        top,
+        "; mgχ, which the paper leaves open, is ",
+        given("(0, 0, 1) N m"),
+        ". Each point is the largest error of ",
+        bin(),
+        " s."
+    ];
+    caption(data, open, &["", " kg m²/s"])
+}
+
+/// How long a run is of which one point is the largest error, s.
+fn bin() -> Piece {
+    given(STEPS as f64 * STEP / BINS as f64)
+}
+
+fn caption(data: &Data, body: Paragraph, units: &[&'static str]) -> Caption {
+    let mut caption = vec![body];
+    for method in [EXPONENTIAL, CAYLEY, RK4] {
+        let energy = data.curve(1, method);
+        let (first, last) = energy.ends();
+        let Paragraph(mut pieces) = paragraph![
+            given(method),
+            ": energy error up to ",
+            measured(first),
+            " J in the first fifth of the time, ",
+            measured(last),
+            " J in the last: it ",
+            verdict(if energy.grows() { "grows" } else { "does not grow" }),
+            ". Casimir error up to ",
+        ];
+        for (k, (unit, panel)) in units.iter().zip(2..).enumerate() {
+            let separate = if k > 0 { " and " } else { "" };
+            let error = measured(data.curve(panel, method).largest());
+            pieces.extend([separate.into(), error, (*unit).into()]);
+        }
+        pieces.push(".".into());
+        caption.push(Paragraph(pieces));
+    }
+    caption.push(paragraph![
+        "RK4 is on quaternions, brought to unit length after each step. RKMK4 differs from it in the attitude alone, which is not shown. \
+         Both are of order four: their errors are small at a step as small as this, and grow with the time."
+    ]);
+    caption.push(paragraph![
+        "Unlike the paper's, the figure shows errors on a logarithmic scale, of all methods in one panel. Ours are the paper's reduced \
+         steps with the signs and factors of its definitions, not those that are printed."
+    ]);
+    caption
 }
 
 /// A run of ours.
 fn ours<S: Example, const N: usize>(
-    name: &str,
+    name: &'static str,
     retraction: Retraction,
     system: &S,
     start: &S::State,
@@ -153,7 +186,7 @@ fn ours<S: Example, const N: usize>(
 
 /// A run of a classical method.
 fn theirs<I, S, const M: usize, const N: usize>(
-    name: &str,
+    name: &'static str,
     method: I,
     system: &S,
     start: AttitudeState<M>,

@@ -1,13 +1,16 @@
 //! The claims of the paper and of our captions about the figures, tested with numbers.
 
+use crate::figures::Data;
 use crate::figures::bodies::{Bodies, STEPS};
 use crate::figures::kepler::Orbits;
+use crate::figures::methods::{CAYLEY, EXPONENTIAL, ORDER_4, ORDER_6, ORDER_8, RK4, RKMK4, marked};
 use crate::figures::oscillator::Oscillator;
 use crate::figures::pendulum::Swings;
 use crate::figures::quadrotor::Hover;
-use crate::figures::steps::Steps;
+use crate::figures::steps::{Steps, better, growth};
 use crate::figures::work::{Sampling, Work};
 use coadjoint_app::conservation::DriftStats;
+use coadjoint_app::plot::{Axis, Figure, Key, Panel};
 
 /// Whether a quantity drifts: whether a linear trend makes up most of its range.
 fn drifts(stats: &DriftStats) -> bool {
@@ -137,20 +140,20 @@ fn quadrotor_over_thirty_minutes() {
 /// The errors of ours fall with their orders down to roundoff, and the Casimir is roundoff whatever the step.
 #[test]
 fn work_and_precision() {
-    let sampling = Sampling { most: 1 << 12, reference: 1 << 11, repetitions: 1 };
+    let sampling = Sampling { most: 1 << 12, reference: 1 << 11, seconds: 0.0 };
     let work = Work::measure(&sampling).expect("solvable");
     let error = |name: &str, steps: u64| {
         let method = work.methods.iter().find(|method| method.name == name).expect(name);
         method.costs.iter().find(|cost| cost.steps == steps).expect(name).trajectory
     };
     for (name, order, steps) in [
-        ("exponential, order 2", 2.0, 1024),
-        ("Cayley, order 2", 2.0, 1024),
-        ("Cayley, order 4", 4.0, 512),
-        ("Cayley, order 6", 6.0, 256),
-        ("Cayley, order 8", 8.0, 128),
-        ("RK4 on quaternions, projected", 4.0, 512),
-        ("RKMK4", 4.0, 512),
+        (EXPONENTIAL, 2.0, 1024),
+        (CAYLEY, 2.0, 1024),
+        (ORDER_4, 4.0, 512),
+        (ORDER_6, 6.0, 256),
+        (ORDER_8, 8.0, 128),
+        (RK4, 4.0, 512),
+        (RKMK4, 4.0, 512),
     ] {
         let measured = (error(name, steps) / error(name, 2 * steps)).log2();
         assert!((measured - order).abs() < 0.35, "{name}: {measured}");
@@ -182,16 +185,38 @@ fn large_steps_for_long_times() {
             }
         }
     }
+    let data = Data::of(&long.figure());
     for method in &long.methods[3..] {
-        let growth = method.growth();
+        let growth = growth(data.curve(1, method.name));
         assert!((growth - 5.0).abs() < 0.5, "{}: {growth}", method.name);
         for trial in method.trials.iter().filter(|trial| trial.step < 0.1) {
             // the motion is not regular, nor is the drift
             assert!(trial.energy.drift() > 0.4 && trial.casimir.error > 1e-9, "{} {trial:?}", method.name);
         }
     }
-    let [exponential, _, fourth, rk4, _] = &long.methods[..] else { panic!("five methods") };
-    let crossing = exponential.better_from(rk4).expect("somewhere");
+    let rk4 = data.curve(1, RK4);
+    let better = |method| better(data.curve(1, method), rk4);
+    let crossing = better(EXPONENTIAL).first().expect("somewhere").0;
     assert!((0.05..0.3).contains(&crossing), "{crossing}");
-    assert!(fourth.better_from(rk4).expect("everywhere") < 0.05);
+    assert_eq!(better(ORDER_4).len(), 1);
+    assert!(better(ORDER_4)[0].0 < 0.05);
+}
+
+/// Ranges of steps are where one is better, and nowhere else.
+#[test]
+fn better_steps_are_ranges() {
+    let figure = |ours: [f64; 5], theirs: [f64; 5]| {
+        let points = |errors: [f64; 5]| (1..).map(f64::from).zip(errors).collect();
+        let series = vec![marked(CAYLEY, points(ours)), marked(RK4, points(theirs))];
+        let axis = || Axis::linear("");
+        Figure::over_time(String::new(), "", (0.0, 1.0), Key::Above, vec![Panel::new(axis(), axis(), series)])
+    };
+    let ranges = |ours, theirs| {
+        let data = Data::of(&figure(ours, theirs));
+        better(data.curve(1, CAYLEY), data.curve(1, RK4))
+    };
+    assert_eq!(ranges([0.1; 5], [0.2, 0.11, 0.09, 0.11, 0.2]), [(1.0, 2.0), (4.0, 5.0)]);
+    assert!(ranges([0.1; 5], [0.09; 5]).is_empty());
+    // where both exceed the energy nothing is said
+    assert_eq!(ranges([0.1, 0.1, 0.1, 2.0, 2.0], [0.2, 0.05, 0.2, 3.0, 3.0]), [(1.0, 1.0), (3.0, 3.0)]);
 }

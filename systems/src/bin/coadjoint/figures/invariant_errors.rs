@@ -1,10 +1,12 @@
 //! The errors of invariants over a long run, with one method.
 
 use coadjoint_app::conservation::DriftStats;
-use coadjoint_app::plot::{Axis, Envelope, Panel, Series, Style};
+use coadjoint_app::plot::{Axis, Envelope, Panel};
+
+use super::methods::{RKMK4, line, marked};
 
 /// The plot shows the largest error in each of this many bins of the run.
-const BINS: usize = 450;
+pub(super) const BINS: usize = 450;
 
 /// The error of one invariant with one method.
 #[derive(Clone, Debug)]
@@ -36,7 +38,7 @@ impl ErrorSeries {
 #[derive(Clone, Debug)]
 pub(crate) struct InvariantErrors {
     /// The method's name.
-    pub(crate) method: String,
+    pub(crate) method: &'static str,
     /// The quantities, in the same order for every method.
     pub(crate) invariants: Vec<ErrorSeries>,
     ticks: u64,
@@ -44,8 +46,8 @@ pub(crate) struct InvariantErrors {
 
 impl InvariantErrors {
     /// For a run of so many steps.
-    pub(crate) fn new(method: impl Into<String>, steps: u64) -> Self {
-        Self { method: method.into(), invariants: Vec::new(), ticks: steps + 1 }
+    pub(crate) fn new(method: &'static str, steps: u64) -> Self {
+        Self { method, invariants: Vec::new(), ticks: steps + 1 }
     }
 
     /// Adds the values of all quantities at a tick.
@@ -63,14 +65,12 @@ impl InvariantErrors {
 pub(super) fn panel(runs: &[InvariantErrors], quantity: usize, time: &str, label: &str) -> Panel {
     let series = runs.iter().filter_map(|run| {
         let points = run.invariants.get(quantity)?.upper();
-        let label = run.method.clone();
-        // the two methods of order 4 do the same to everything but the attitude: one as marks upon the other
-        Some(if label == "RKMK4" {
-            Series { label, points: points.into_iter().step_by(15).collect(), style: Style::Marks }
+        // the two methods of order 4 do the same to everything but the attitude: one as rings around the other
+        Some(if run.method == RKMK4 {
+            marked(run.method, points.into_iter().step_by(15).collect())
         } else {
-            Series::line(label, points)
+            line(run.method, points)
         })
     });
-    let series = series.collect();
-    Panel::new(Axis::linear(time), Axis::logarithmic(label), series)
+    Panel::new(Axis::linear(time), Axis::logarithmic(label), series.collect())
 }

@@ -3,10 +3,13 @@
 use coadjoint::prelude::*;
 use nalgebra::Vector2;
 
+use super::Data;
+use super::caption::{Caption, given, paragraph, with_places};
+use super::methods::{EULER_A, EULER_B, EXPLICIT_EULER, IMPLICIT_EULER, marked};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series};
 use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
-use coadjoint_systems::classical::{Method as _, RungeKutta, Tableau, integrate};
+use coadjoint_systems::classical::{RungeKutta, Tableau, integrate};
 use coadjoint_systems::harmonic_oscillator::{HarmonicOscillator, HarmonicOscillatorState};
 
 /// The step, in standard units.
@@ -18,7 +21,7 @@ pub(crate) const STEPS: u64 = 50;
 #[derive(Clone, Debug)]
 pub(crate) struct Orbit {
     /// The method's name.
-    pub(crate) method: String,
+    pub(crate) method: &'static str,
     /// `(q, p)`.
     pub(crate) points: Vec<(f64, f64)>,
 }
@@ -47,10 +50,10 @@ impl Oscillator {
     pub(crate) fn measure() -> Result<Self, Error> {
         Ok(Self {
             orbits: [
-                classical(Tableau::explicit_euler())?,
-                classical(Tableau::implicit_euler())?,
-                ours(Method::EulerA, "symplectic Euler A (1.9)")?,
-                ours(Method::EulerB, "symplectic Euler B (1.10)")?,
+                classical(Tableau::explicit_euler(), EXPLICIT_EULER)?,
+                classical(Tableau::implicit_euler(), IMPLICIT_EULER)?,
+                ours(Method::EulerA, EULER_A)?,
+                ours(Method::EulerB, EULER_B)?,
             ],
         })
     }
@@ -59,62 +62,88 @@ impl Oscillator {
     pub(crate) fn figure(&self) -> Figure {
         let turn = |k: u32| f64::from(k) * std::f64::consts::TAU / 200.0;
         let circle = (0..=200).map(|k| (turn(k).cos(), turn(k).sin())).collect();
-        let exact = |points| Series { label: "exact".to_owned(), points, style: Style::Reference };
-        let mut plane = vec![exact(circle)];
-        let mut energy = vec![exact(vec![(0.0, 1.0), (STEPS as f64, 1.0)])];
+        let mut plane = vec![Series::reference("exact", circle)];
+        let mut energy = vec![Series::reference("exact", vec![(0.0, 1.0), (STEPS as f64, 1.0)])];
         for orbit in &self.orbits {
-            let marked = |points| Series { label: orbit.method.clone(), points, style: Style::Marked };
-            plane.push(marked(orbit.points.clone()));
-            energy.push(marked((0..).map(f64::from).zip(orbit.energies()).collect()));
+            plane.push(marked(orbit.method, orbit.points.clone()));
+            energy.push(marked(orbit.method, (0..).map(f64::from).zip(orbit.energies()).collect()));
         }
-        let [explicit, implicit, a, b] = self.orbits.each_ref().map(Orbit::energies);
-        let last = |energies: &[f64]| energies.last().copied().unwrap_or(f64::NAN);
-        let extremes = |energies: &[f64]| {
-            let (least, greatest) =
-                energies.iter().fold((1.0_f64, 1.0_f64), |(l, g), &e| (l.min(e), g.max(e)));
-            format!("between {least:.3} and {greatest:.3}")
-        };
         Figure {
-            title: "1.1  Harmonic oscillator, k/m = 1, h = 0.1, from (1, 0)".to_owned(),
-            caption: vec![
-                format!(
-                    "After {STEPS} steps explicit Euler has {:.3} times the energy, (1 + h²)^{STEPS}; implicit Euler {:.3} times. The \
-                     symplectic methods do not keep the energy, but keep it in bounds: A {}, B {} of its initial value.",
-                    last(&explicit),
-                    last(&implicit),
-                    extremes(&a),
-                    extremes(&b),
-                ),
-                "(b) is logarithmic, as in the paper; here the energy is divided by its initial value. Implicit Euler is the method, not the matrix \
-                 printed in (1.8), whose off-diagonal signs follow the motion backwards."
-                    .to_owned(),
-            ],
+            title: "1.1  Harmonic oscillator".to_owned(),
             columns: 2,
-            cell: (520.0, 460.0),
-            key: Key::Below,
+            cell: (440.0, 400.0),
+            key: Key::Above,
+            shared: (false, false),
             panels: vec![
                 Panel {
                     equal: true,
-                    ..Panel::new(Axis::linear("q"), Axis::linear("p"), plane).titled("(a) phase plane")
+                    ..Panel::new(Axis::linear("position q, m"), Axis::linear("momentum p, kg m/s"), plane)
+                        .titled("(a) phase plane")
                 },
-                Panel::new(Axis::linear("step"), Axis::logarithmic("H / H₀").within(0.5, 2.0), energy)
-                    .titled("(b) energy"),
+                Panel::new(
+                    Axis::counts("step"),
+                    Axis::logarithmic("energy H / H₀ (no unit)").within(0.5, 2.0),
+                    energy,
+                )
+                .titled("(b) energy"),
             ],
         }
     }
 }
 
-fn classical(tableau: Tableau) -> Result<Orbit, Error> {
+/// What the methods do to the energy.
+pub(crate) fn caption(data: &Data) -> Caption {
+    let energy = |method| data.curve(2, method);
+    let ([least_a, least_b], [greatest_a, greatest_b]) = {
+        let [a, b] = [EULER_A, EULER_B].map(|method| energy(method).range());
+        ([a.0, b.0], [a.1, b.1])
+    };
+    vec![
+        paragraph![
+            "From ",
+            given("q = 1 m, p = 0"),
+            " with ",
+            given("k = 1 N/m, m = 1 kg, h = 0.1 s"),
+            ". After ",
+            given(STEPS),
+            " steps explicit Euler has ",
+            with_places(energy(EXPLICIT_EULER).last(), 3),
+            " times the energy, one plus h² to the power of the number of steps; implicit Euler ",
+            with_places(energy(IMPLICIT_EULER).last(), 3),
+            " times. The symplectic methods do not keep the energy, but keep it in bounds: A, ",
+            given("(1.9)"),
+            ", between ",
+            with_places(least_a, 3),
+            " and ",
+            with_places(greatest_a, 3),
+            " of its initial value, B, ",
+            given("(1.10)"),
+            ", between ",
+            with_places(least_b, 3),
+            " and ",
+            with_places(greatest_b, 3),
+            "."
+        ],
+        paragraph![
+            "(b) is logarithmic, as in the paper; here the energy is divided by its initial value. Implicit Euler is the method, not the \
+             matrix printed in ",
+            given("(1.8)"),
+            ", whose off-diagonal signs follow the motion backwards."
+        ],
+    ]
+}
+
+fn classical(tableau: Tableau, name: &'static str) -> Result<Orbit, Error> {
     let method = RungeKutta::from(tableau);
     let field = |_: f64, x: &Vector2<f64>| Vector2::new(x[1], -x[0]);
     let mut points = Vec::new();
     integrate(&method, &field, 0.0, Vector2::new(1.0, 0.0), STEP, STEPS, |_, _, x| {
         points.push((x[0], x[1]))
     })?;
-    Ok(Orbit { method: method.name().to_owned(), points })
+    Ok(Orbit { method: name, points })
 }
 
-fn ours(method: Method, name: &str) -> Result<Orbit, Error> {
+fn ours(method: Method, name: &'static str) -> Result<Orbit, Error> {
     let oscillator = HarmonicOscillator { mass: 1.0, stiffness: 1.0 };
     let start = HarmonicOscillatorState { position: vector![1.0], momentum: vector![0.0] };
     let mut points = Vec::new();
@@ -122,5 +151,5 @@ fn ours(method: Method, name: &str) -> Result<Orbit, Error> {
     each_step(&oscillator, &start, scheme, (STEP, STEPS), |_, _, state| {
         points.push((state.position.x, state.momentum.x));
     })?;
-    Ok(Orbit { method: name.to_owned(), points })
+    Ok(Orbit { method: name, points })
 }

@@ -2,9 +2,11 @@
 
 use nalgebra::Vector3;
 
-use super::{ErrorSeries, figures};
+use super::caption::{Caption, given, measured, paragraph};
+use super::methods::{RK2, RK2_PROJECTED, VERLET, line, marked};
+use super::{Data, ErrorSeries};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series};
 use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::classical::{Integrator, Projected, RungeKutta, Tableau, integrate, unit_leading};
 use coadjoint_systems::planar_pendulum::{PlanarPendulum, PlanarPendulumState};
@@ -20,9 +22,13 @@ const SWING: usize = 68;
 #[derive(Clone, Debug)]
 pub(crate) struct Swing {
     /// The method's name.
-    pub(crate) method: String,
+    pub(crate) method: &'static str,
     /// Angle and momentum.
     pub(crate) path: Vec<(f64, f64)>,
+    /// How far the energy is from where it began.
+    error: Vec<(f64, f64)>,
+    /// The largest distance from the cylinder until then.
+    so_far: Vec<(f64, f64)>,
     /// `½p² − x`, (1.19).
     pub(crate) energy: ErrorSeries,
     /// `√(x² + y²)`, which is 1 on the cylinder.
@@ -43,11 +49,13 @@ pub(crate) struct Swings {
 type Field = fn(f64, &Vector3<f64>) -> Vector3<f64>;
 
 impl Swing {
-    fn new(method: &str) -> Self {
+    fn new(method: &'static str) -> Self {
         let start = start();
         Self {
-            method: method.to_owned(),
+            method,
             path: Vec::new(),
+            error: Vec::new(),
+            so_far: Vec::new(),
             energy: ErrorSeries::new(energy(&start), STEPS + 1),
             radius: ErrorSeries::new(1.0, STEPS + 1),
         }
@@ -57,9 +65,11 @@ impl Swing {
         self.path.push((x[1].atan2(x[0]), x[2]));
         self.energy.push(index, time, energy(x));
         self.radius.push(index, time, x[0].hypot(x[1]));
+        self.error.push((time, energy(x) - self.energy.stats.initial));
+        self.so_far.push((time, self.radius.stats.error));
     }
 
-    fn embedded(name: &str, method: &impl Integrator<Field, Vector3<f64>>) -> Result<Self, Error> {
+    fn embedded(name: &'static str, method: &impl Integrator<Field, Vector3<f64>>) -> Result<Self, Error> {
         let mut swing = Self::new(name);
         // (1.21)
         let field: Field = |_, x| Vector3::new(-x[1] * x[2], x[0] * x[2], -x[1]);
@@ -86,16 +96,16 @@ impl Swings {
         let pendulum = PlanarPendulum { inertia: 1.0, weight: 1.0, length: 1.0 };
         let start = PlanarPendulum::at_rest(1.0);
         let rk2 = RungeKutta::from(Tableau::rk2());
-        let mut verlet = Swing::new("Störmer–Verlet on the circle");
+        let mut verlet = Swing::new(VERLET);
         let scheme = (Method::Verlet, Retraction::Exponential, Order::Two);
         each_step(&pendulum, &start, scheme, (STEP, STEPS), |index, time, state| {
             let PlanarPendulumState { angle, momentum } = state;
             verlet.push(index, time, &Vector3::new(angle.re, angle.im, momentum.x));
         })?;
         Ok(Self {
-            free: Swing::embedded("RK2", &rk2)?,
+            free: Swing::embedded(RK2, &rk2)?,
             projected: Swing::embedded(
-                "RK2 with projection",
+                RK2_PROJECTED,
                 &Projected { method: rk2.clone(), projection: unit_leading::<2, 3> },
             )?,
             verlet,
@@ -105,61 +115,76 @@ impl Swings {
     /// The motion on the unrolled cylinder, the energy, and the distance from the cylinder.
     pub(crate) fn figure(&self) -> Figure {
         let swings = [&self.free, &self.projected, &self.verlet];
-        let exact = {
-            // p = ±√(2 (cos θ − cos 1))
-            let height = |theta: f64| (2.0 * (theta.cos() - 1_f64.cos())).max(0.0).sqrt();
-            let upper = (-100..=100).map(|k| f64::from(k) / 100.0).map(|theta| (theta, height(theta)));
-            let lower = (-100..=100).rev().map(|k| f64::from(k) / 100.0).map(|theta| (theta, -height(theta)));
-            upper.chain(lower).collect()
-        };
-        let exact = Series { label: "exact".to_owned(), points: exact, style: Style::Reference };
+        // p = ±√(2 (cos θ − cos 1)), from below to above
+        let height = |theta: f64| (2.0 * (theta.cos() - 1_f64.cos())).max(0.0).sqrt();
+        let exact = (-100..=100_i32).map(|k| {
+            let theta = 1.0 - 0.2 * (f64::from(k) / 100.0).powi(2);
+            (theta, f64::from(k.signum()) * height(theta))
+        });
         // of many swings only the last can be seen
-        let path = |swing: &Swing| Series {
-            label: swing.method.clone(),
-            points: swing.path[swing.path.len().saturating_sub(SWING)..].to_vec(),
-            style: Style::Marked,
+        let path = |swing: &Swing| {
+            let last = swing.path[swing.path.len().saturating_sub(SWING)..].to_vec();
+            marked(swing.method, last)
         };
-        let plane = [exact].into_iter().chain(swings.iter().map(|swing| path(swing))).collect();
-        let errors = |series: fn(&Swing) -> &ErrorSeries| -> Vec<Series> {
-            swings.iter().map(|swing| Series::line(&swing.method, series(swing).upper())).collect()
-        };
-        let [free, projected, verlet] = swings.map(|swing| swing.energy.stats.error);
+        let plane =
+            [Series::reference("exact", exact.collect())].into_iter().chain(swings.map(path)).collect();
+        let time = || Axis::linear("time, dimensionless").within(0.0, STEPS as f64 * STEP);
         Figure {
-            title: "1.3  Planar pendulum, ml² = mgl = 1, h = 0.1, from θ = 1, p = 0".to_owned(),
-            caption: vec![
-                format!(
-                "Within {STEPS} steps RK2 leaves the cylinder by up to {}, and its energy error comes to {}; with projection it is on the \
-                 cylinder to {}, and its energy error is {}: projection keeps the constraint, and not the energy, which grows with \
-                 either. Störmer–Verlet on the circle itself needs no projection, and its energy error stays below {}.",
-                figures(self.free.radius.stats.error),
-                figures(free),
-                figures(self.projected.radius.stats.error),
-                figures(projected),
-                figures(verlet),
-            ),
-                "Unlike the paper's: (a) shows the last swing of a thousand steps, (b) the error of the energy on a logarithmic scale; (c) and \
-                 Störmer–Verlet on the circle are ours. RK2 is the explicit midpoint rule; the paper does not say which it takes."
-                    .to_owned(),
-            ],
+            title: "1.3  Planar pendulum".to_owned(),
             columns: 3,
-            cell: (460.0, 400.0),
-            key: Key::Below,
+            cell: (360.0, 340.0),
+            key: Key::Above,
+            shared: (false, false),
             panels: vec![
-                Panel::new(Axis::linear("θ, rad"), Axis::linear("p"), plane)
-                    .titled("(a) last swing on the unrolled cylinder"),
                 Panel::new(
-                    Axis::linear("time"),
-                    Axis::logarithmic("|H − H₀|"),
-                    errors(|swing| &swing.energy),
+                    Axis::linear("angle θ, rad").within(0.9, 1.04),
+                    Axis::linear("momentum p, dimensionless").within(-0.4, 0.4),
+                    plane,
                 )
-                .titled("(b) energy"),
+                .titled("(a) last turning point"),
                 Panel::new(
-                    Axis::linear("time"),
-                    Axis::logarithmic("|√(x² + y²) − 1|"),
-                    errors(|swing| &swing.radius),
+                    time(),
+                    Axis::linear("energy H − H₀, dimensionless"),
+                    swings.map(|swing| line(swing.method, swing.error.clone())).into(),
+                )
+                .titled("(b) error of the energy"),
+                Panel::new(
+                    time(),
+                    Axis::logarithmic("largest |√(x² + y²) − 1| so far, dimensionless").within(1e-17, 1e-1),
+                    swings.map(|swing| line(swing.method, swing.so_far.clone())).into(),
                 )
                 .titled("(c) distance from the cylinder"),
             ],
         }
     }
+}
+
+/// What projection keeps, and what it does not.
+pub(crate) fn caption(data: &Data) -> Caption {
+    let energy = |method| measured(data.curve(2, method).largest());
+    let distance = |method| measured(data.curve(3, method).largest());
+    vec![
+        paragraph![
+            given("ml² = mgl = 1, θ = 1, p = 0, h = 0.1, "),
+            given(STEPS),
+            " steps. RK2 leaves the cylinder by up to ",
+            distance(RK2),
+            ", and its energy error comes to ",
+            energy(RK2),
+            "; with projection it is on the cylinder to ",
+            distance(RK2_PROJECTED),
+            ", and its energy error is ",
+            energy(RK2_PROJECTED),
+            ": projection keeps the constraint, and not the energy, which grows with either. Störmer–Verlet on the circle itself needs no \
+             projection, its point stays on the circle to ",
+            distance(VERLET),
+            ", and its energy error below ",
+            energy(VERLET),
+            "."
+        ],
+        paragraph![
+            "Unlike the paper's: (a) shows the last swing, where it turns; (c) and Störmer–Verlet are ours. RK2 is the explicit midpoint \
+             rule; the paper does not say which it takes."
+        ],
+    ]
 }

@@ -3,10 +3,10 @@
 use coadjoint::prelude::*;
 
 use super::bodies::STEP;
-use super::invariant_errors::panel;
-use super::{InvariantErrors, figures};
+use super::caption::{Caption, Paragraph, given, measured, paragraph};
+use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Envelope, Figure, Key, Panel, Series};
+use coadjoint_app::plot::{Axis, Color, Envelope, Figure, Key, Panel, Series, Style};
 use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorState};
 
@@ -18,6 +18,17 @@ pub(crate) struct Hover {
     /// Störmer–Verlet with the exponential and with Cayley, then (6.21) and (6.22).
     pub(crate) flights: [Flight; 4],
     steps: u64,
+}
+
+/// The names of the runs.
+const FLIGHTS: [&str; 4] =
+    ["Störmer–Verlet, exponential", "Störmer–Verlet, Cayley", "Euler A, exponential", "Euler A, Cayley"];
+const HEIGHT: &str = "height";
+
+/// The retraction gives the colour, the order the dashes.
+fn look(name: &str) -> (Color, Style) {
+    let color = if name.ends_with("Cayley") { Color::Cayley } else { Color::Exponential };
+    (color, if name.starts_with("Euler") { Style::Dashed } else { Style::Line })
 }
 
 /// A run with one method.
@@ -34,7 +45,7 @@ pub(crate) struct Flight {
 }
 
 impl Flight {
-    fn new(name: &str, steps: u64) -> Self {
+    fn new(name: &'static str, steps: u64) -> Self {
         let envelope = Envelope::new(steps + 1, 450);
         let run = InvariantErrors::new(name, steps);
         Self { run, height: envelope.clone(), momentum: envelope, largest: 0.0 }
@@ -51,13 +62,13 @@ impl Hover {
         each_of((Method::Standard, Retraction::Exponential, Order::Six), steps, |_, _, state| {
             reference.push(state.position_momentum);
         })?;
-        let fly = |name: &str, method, retraction| flight(name, (method, retraction), steps, &reference);
+        let fly = |name, method, retraction| flight(name, (method, retraction), steps, &reference);
         Ok(Self {
             flights: [
-                fly("Störmer–Verlet, exponential", Method::Verlet, Retraction::Exponential)?,
-                fly("Störmer–Verlet, Cayley", Method::Verlet, Retraction::Cayley)?,
-                fly("(6.21), exponential", Method::EulerA, Retraction::Exponential)?,
-                fly("(6.22), Cayley", Method::EulerA, Retraction::Cayley)?,
+                fly(FLIGHTS[0], Method::Verlet, Retraction::Exponential)?,
+                fly(FLIGHTS[1], Method::Verlet, Retraction::Cayley)?,
+                fly(FLIGHTS[2], Method::EulerA, Retraction::Exponential)?,
+                fly(FLIGHTS[3], Method::EulerA, Retraction::Cayley)?,
             ],
             steps,
         })
@@ -65,51 +76,80 @@ impl Hover {
 
     /// The errors over time, and the height.
     pub(crate) fn figure(&self) -> Figure {
-        let time = "time, s";
-        let runs: Vec<InvariantErrors> = self.flights.iter().map(|flight| flight.run.clone()).collect();
-        let series = |points: &dyn Fn(&Flight) -> Vec<(f64, f64)>| {
-            self.flights.iter().map(|flight| Series::line(&flight.run.method, points(flight))).collect()
+        const TIME: &str = "time, s";
+        let panel = |axis, points: &dyn Fn(&Flight) -> Vec<(f64, f64)>| {
+            let series = self.flights.iter().map(|flight| {
+                let (color, style) = look(flight.run.method);
+                Series::new(flight.run.method, color, style, points(flight))
+            });
+            Panel::new(Axis::linear(TIME), axis, series.collect())
         };
+        let error = |invariant: usize| {
+            move |flight: &Flight| flight.run.invariants.get(invariant).map_or_else(Vec::new, |of| of.upper())
+        };
+        let [first, ..] = &self.flights;
         let panels = vec![
-            panel(&runs, 0, time, "|RΠ − R₀Π₀|, kg m²/s"),
-            panel(&runs, 1, time, "| |Π| − |Π₀| |, kg m²/s"),
-            Panel::new(Axis::linear(time), Axis::linear("height, m"), series(&|flight| flight.height.both())),
+            panel(Axis::logarithmic("|RΠ − R₀Π₀|, kg m²/s"), &error(0)),
+            panel(Axis::logarithmic("| |Π| − |Π₀| |, kg m²/s"), &error(1)),
+            panel(Axis::logarithmic("|p − p*|, kg m/s"), &|flight| flight.momentum.upper()),
             Panel::new(
-                Axis::linear(time),
-                Axis::logarithmic("error of p, kg m/s"),
-                series(&|flight| flight.momentum.upper()),
+                Axis::linear(TIME),
+                Axis::linear("height, km"),
+                vec![Series::line(
+                    HEIGHT,
+                    Color::Ink,
+                    first.height.upper().into_iter().map(|(t, z)| (t, 1e-3 * z)).collect(),
+                )],
             ),
         ];
-        let title = "6.3  Quadrotor with the thrust of hover for 30 minutes";
         let span = (0.0, self.steps as f64 * STEP);
-        let figure = Figure::over_time(title.to_owned(), time, span, Key::Below, panels);
-        Figure { caption: self.caption(), ..figure }
+        Figure {
+            cell: (760.0, 190.0),
+            ..Figure::over_time("6.3  Quadrotor, 30 minutes".to_owned(), TIME, span, Key::Above, panels)
+        }
     }
+}
 
-    fn caption(&self) -> Vec<String> {
-        let given = "I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, p₀ = 0, q₀ = (0, 0, 1) m, h = 0.01 s; mass and gravity, \
-                     which the paper leaves open, are 1 kg and 9.81 m/s²; thrust mg along the third body axis, no moment.";
-        let methods = "(6.21) and (6.22) are the paper's, of order 1, with symplectic Euler for the position; read with the moment times the step \
-                       and p' = p − h m g e₃ + h F R e₃, as its own equations of motion (6.19) have it, not with the signs that are printed. \
-                       Störmer–Verlet, of order 2, is what its text recommends for the position; here it takes the whole step. Its attitude \
-                       is that of two half steps. Between the two is half a kick at both ends of the run: p is off by up to h/2 times the \
-                       force in (6.21), but not the position, as no force acts at the start. Unlike the paper's, the figure shows errors on a \
-                       logarithmic scale, the height (of all four the same, at this scale), and how far p is from that of a composition of order 6.";
-        let measured = self.flights.iter().map(|Flight { run, largest, .. }| {
-            let [turned, length, quaternion] = [0, 1, 2]
-                .map(|i| run.invariants.get(i).map_or_else(String::new, |series| figures(series.stats.error)));
-            format!(
-                "{}: the angular momentum in space is kept to {turned} kg m²/s and its length to {length} kg m²/s, the attitude's quaternion is of \
-                 unit length to {quaternion}; p is off by up to {} kg m/s.",
-                run.method,
-                figures(*largest),
-            )
-        });
-        let tumbles = "The body tumbles, and its thrust with it: it does not hover, but falls. Energy is not conserved, the thrust works. At rest \
-                       upright it stays where it is.";
-        let last = [tumbles.to_owned()];
-        [given.to_owned(), methods.to_owned()].into_iter().chain(measured).chain(last).collect()
+/// What each of the four runs keeps.
+pub(crate) fn caption(data: &Data) -> Caption {
+    let mut caption = vec![paragraph![
+        given(
+            "I = diag(1, 10, 100) kg m², Π₀ = (1, 1, 1) kg m²/s, R₀ = 1, p₀ = 0, q₀ = (0, 0, 1) m, h = 0.01 s"
+        ),
+        "; mass and gravity, which the paper leaves open, are ",
+        given("1 kg and 9.81 m/s²"),
+        "; the thrust of hover, mg along the third body axis, and no moment. The body tumbles, and its thrust with it: it does not hover, but \
+         falls ",
+        measured(-data.curve(4, HEIGHT).last()),
+        " km, the same with all four at this scale. Energy is not conserved, the thrust works."
+    ]];
+    let [length, kick] = [2, 3].map(|panel| move |name| measured(data.curve(panel, name).largest()));
+    for name in FLIGHTS {
+        caption.push(Paragraph(vec![
+            given(name),
+            ": the angular momentum in space is kept to ".into(),
+            measured(data.curve(1, name).largest()),
+            " kg m²/s and its length to ".into(),
+            length(name),
+            " kg m²/s; p is off by up to ".into(),
+            kick(name),
+            " kg m/s.".into(),
+        ]));
     }
+    caption.push(paragraph![
+        "p* is the momentum by a composition of order ",
+        given(6),
+        ". Euler A is the paper's, ",
+        given("(6.21) and (6.22)"),
+        ", of order one, with symplectic Euler for the position; read with the moment times the step and p' = p − h m g e₃ + h F R e₃, as its \
+         own equations of motion ",
+        given("(6.19)"),
+        " have it, not with the signs that are printed. Störmer–Verlet, of order two, is what its text recommends for the position; here it \
+         takes the whole step, its attitude that of two half steps. Between the two is half a kick at both ends of the run: p is off by up to \
+         half a step times the force, but not the position, as no force acts at the start. Unlike the paper's, the figure shows errors on a \
+         logarithmic scale."
+    ]);
+    caption
 }
 
 /// The states of a run.
@@ -128,7 +168,7 @@ fn start() -> QuadrotorState {
 }
 
 fn flight(
-    name: &str,
+    name: &'static str,
     (method, retraction): (Method, Retraction),
     steps: u64,
     reference: &[Vector3<f64>],

@@ -1,9 +1,12 @@
 //! Large steps for long times: the errors of each method, up to the step at which it fails.
 
+use super::caption::{Caption, Paragraph, Piece, given, paragraph, verdict, with_places};
+use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, RK4, RKMK4, marked};
 use super::work::{body, invariants, top};
+use super::{Curve, Data};
 use coadjoint_app::Error;
 use coadjoint_app::conservation::DriftStats;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
+use coadjoint_app::plot::{Axis, Figure, Key, Panel};
 use coadjoint_app::simulation::{self, Order, Retraction, each_step};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
 
@@ -31,11 +34,9 @@ pub(crate) struct Trial {
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     /// Its name.
-    pub(crate) name: String,
-    /// The runs that succeeded.
+    pub(crate) name: &'static str,
+    /// The runs that succeeded; with other steps the equation could not be solved, or the state was not finite.
     pub(crate) trials: Vec<Trial>,
-    /// The first step with which a run did not: the equation could not be solved, or the state was not finite.
-    pub(crate) breaks: Option<f64>,
 }
 
 /// The same top as in [`work`](super::work), for a long time.
@@ -43,29 +44,6 @@ pub(crate) struct Method {
 pub(crate) struct Steps {
     /// Exponential, Cayley, Cayley of order 4, RK4 on quaternions, RKMK4.
     pub(crate) methods: Vec<Method>,
-    duration: f64,
-}
-
-impl Method {
-    /// The power of the step with which the energy error grows, over the smallest steps.
-    pub(crate) fn growth(&self) -> f64 {
-        match self.trials.get(..6) {
-            Some([first, .., last]) => {
-                (last.energy.error / first.energy.error).ln() / (last.step / first.step).ln()
-            }
-            _ => f64::NAN,
-        }
-    }
-
-    /// The step from which on this method's energy error is smaller than the other's, up to where the errors of both exceed the energy: there
-    /// neither follows the motion, and chance says which is larger.
-    pub(crate) fn better_from(&self, other: &Method) -> Option<f64> {
-        let pairs = self.trials.iter().zip(&other.trials);
-        let pairs = pairs.filter(|(ours, theirs)| ours.energy.error.min(theirs.energy.error) < 1.0);
-        let worse = pairs.clone().rfind(|(ours, theirs)| ours.energy.error >= theirs.energy.error);
-        let mut better = pairs.filter(|(ours, _)| worse.is_none_or(|(worse, _)| ours.step > worse.step));
-        better.next().map(|(ours, _)| ours.step)
-    }
 }
 
 impl Steps {
@@ -76,72 +54,119 @@ impl Steps {
     pub(crate) fn measure(duration: f64) -> Result<Self, Error> {
         Ok(Self {
             methods: vec![
-                method("exponential", |step| ours(Retraction::Exponential, Order::Two, step, duration)),
-                method("Cayley", |step| ours(Retraction::Cayley, Order::Two, step, duration)),
-                method("Cayley, order 4", |step| ours(Retraction::Cayley, Order::Four, step, duration)),
-                method("RK4 on quaternions, projected", |step| classical(&Rk4Quaternion, step, duration)),
-                method("RKMK4", |step| classical(&Rkmk4, step, duration)),
+                method(EXPONENTIAL, |step| ours(Retraction::Exponential, Order::Two, step, duration)),
+                method(CAYLEY, |step| ours(Retraction::Cayley, Order::Two, step, duration)),
+                method(ORDER_4, |step| ours(Retraction::Cayley, Order::Four, step, duration)),
+                method(RK4, |step| classical(&Rk4Quaternion, step, duration)),
+                method(RKMK4, |step| classical(&Rkmk4, step, duration)),
             ],
-            duration,
         })
     }
 
     /// Largest errors against the step.
     pub(crate) fn figure(&self) -> Figure {
         let panel = |title: &str, label: &str, error: fn(&Trial) -> f64| {
-            let series = self.methods.iter().map(|method| Series {
-                label: method.name.clone(),
-                points: method.trials.iter().map(|trial| (trial.step, error(trial))).collect(),
-                style: if method.name == "RKMK4" { Style::DashedMarked } else { Style::Marked },
+            let series = self.methods.iter().map(|method| {
+                let points = method.trials.iter().map(|trial| (trial.step, error(trial)));
+                marked(method.name, points.collect())
             });
             let horizontal = Axis::logarithmic("step h, s").within(SMALLEST, LARGEST);
             Panel::new(horizontal, Axis::logarithmic(label), series.collect()).titled(title)
         };
-        let breaks = self.methods.iter().map(|method| match method.breaks {
-            Some(step) => format!("{} breaks at h = {step:.2} s", method.name),
-            None => format!("{} comes to its end with every step tried", method.name),
-        });
-        let growth = self.methods.get(3).map_or(f64::NAN, Method::growth);
-        let smaller = self.methods.iter().take(3).map(|method| match self.methods.get(3) {
-            Some(rk4) => match method.better_from(rk4) {
-                Some(step) => format!("with {} from h = {step:.2} s on", method.name),
-                None => format!("with {} from none of these steps on", method.name),
-            },
-            None => String::new(),
-        });
         Figure {
-            title: format!("Large steps for a long time: a heavy top for {} s", self.duration),
-            caption: vec![
-                "I = diag(1, 2, 2.5) kg m², mgχ = (0.3, 0.2, 1) N m, |Π₀| = 1.7 kg m²/s: a turn takes some 6 s. A step of order 4 is made \
-                 of five."
-                    .to_owned(),
-                format!(
-                    "RK4's energy error after this time grows like h to the power {growth:.1}, and it grows with the time; ours do not. \
-                     The energy error stays below RK4's {}. Our Casimir errors are roundoff with every step.",
-                    smaller.collect::<Vec<_>>().join(", ")
-                ),
-                format!("{}.", breaks.collect::<Vec<_>>().join("; ")),
-            ],
+            title: "Large steps for a long time: a heavy top".to_owned(),
             columns: 2,
-            cell: (600.0, 440.0),
-            key: Key::Below,
+            cell: (460.0, 400.0),
+            key: Key::Above,
+            shared: (false, false),
             panels: vec![
                 panel("(a) energy", "largest |H − H₀|, J", |trial| trial.energy.error),
-                panel("(b) Casimir", "largest |Π·Γ − Π₀·Γ₀|, kg m²/s", |trial| trial.casimir.error),
+                panel("(b) Casimir", "largest |Π·Γ − Π₀·Γ₀|, kg m²/s", |trial| {
+                    trial.casimir.error
+                }),
             ],
         }
     }
 }
 
-fn method(name: &str, run: impl Fn(f64) -> Option<(DriftStats, DriftStats)>) -> Method {
-    let mut method = Method { name: name.to_owned(), trials: Vec::new(), breaks: None };
+/// The power of the step with which the energy error grows, over the smallest steps.
+pub(crate) fn growth(errors: Curve<'_>) -> f64 {
+    match errors.points().get(..6) {
+        Some([first, .., last]) => (last.1 / first.1).ln() / (last.0 / first.0).ln(),
+        _ => f64::NAN,
+    }
+}
+
+/// The steps with which these errors are smaller than the others: the ends of ranges of steps that were tried, up to the step from which on both
+/// exceed 1 J: there neither follows the motion, and chance says which is larger.
+pub(crate) fn better(ours: Curve<'_>, theirs: Curve<'_>) -> Vec<(f64, f64)> {
+    let mut ranges: Vec<(f64, f64)> = Vec::new();
+    let mut goes_on = false;
+    for (&(step, error), (_, other)) in ours.points().iter().zip(theirs.points()) {
+        if error.min(*other) > 1.0 {
+            break;
+        }
+        let is_better = error < *other;
+        match ranges.last_mut().filter(|_| goes_on) {
+            Some(range) if is_better => range.1 = step,
+            _ if is_better => ranges.push((step, step)),
+            _ => {}
+        }
+        goes_on = is_better;
+    }
+    ranges
+}
+
+/// Where each method is better than RK4, and up to which step it comes.
+pub(crate) fn caption(data: &Data) -> Caption {
+    let energy = |method| data.curve(1, method);
+    let mut caption = vec![
+        paragraph![
+            given("I = diag(1, 2, 2.5) kg m², mgχ = (0.3, 0.2, 1) N m, |Π₀| = 1.7 kg m²/s"),
+            ", for ",
+            given(DURATION),
+            " s. A step of order ",
+            given(4),
+            " is made of five. RKMK4, rings, is on RK4."
+        ],
+        paragraph![
+            "RK4's energy error after this time grows like h to the power ",
+            with_places(growth(energy(RK4)), 1),
+            ". Our Casimir errors are roundoff with every step."
+        ],
+    ];
+    let mut pieces: Vec<Piece> = vec!["The energy error is smaller than RK4's".into()];
+    for (k, method) in [EXPONENTIAL, CAYLEY, ORDER_4].into_iter().enumerate() {
+        pieces.extend([if k > 0 { "; with ".into() } else { " with ".into() }, given(method)]);
+        let ranges = better(energy(method), energy(RK4));
+        if ranges.is_empty() {
+            pieces.push(verdict(" at none of these steps"));
+        }
+        for (k, (low, high)) in ranges.into_iter().enumerate() {
+            pieces.push(if k > 0 { " and from ".into() } else { " from h = ".into() });
+            pieces.extend([with_places(low, 2), " s to ".into(), with_places(high, 2), " s".into()]);
+        }
+    }
+    pieces.push(". It is compared up to where both exceed ".into());
+    pieces.extend([given(1), " J.".into()]);
+    caption.push(Paragraph(pieces));
+    let mut pieces: Vec<Piece> = vec!["The largest step tried with which a run came to its end was ".into()];
+    for (k, method) in [EXPONENTIAL, CAYLEY, ORDER_4, RK4, RKMK4].into_iter().enumerate() {
+        let largest = energy(method).points().last().map_or(f64::NAN, |point| point.0);
+        let separate = if k > 0 { ", " } else { "" };
+        pieces.extend([separate.into(), with_places(largest, 2), " s with ".into(), given(method)]);
+    }
+    pieces.push(".".into());
+    caption.push(Paragraph(pieces));
+    caption
+}
+
+fn method(name: &'static str, run: impl Fn(f64) -> Option<(DriftStats, DriftStats)>) -> Method {
+    let mut method = Method { name, trials: Vec::new() };
     let steps = (0..).map(|k| SMALLEST * RATIO.powi(k)).take_while(|&step| step <= LARGEST);
     for step in steps {
-        match run(step) {
-            Some((energy, casimir)) => method.trials.push(Trial { step, energy, casimir }),
-            None => {
-                method.breaks.get_or_insert(step);
-            }
+        if let Some((energy, casimir)) = run(step) {
+            method.trials.push(Trial { step, energy, casimir });
         }
     }
     method

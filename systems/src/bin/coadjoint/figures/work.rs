@@ -6,9 +6,12 @@ use coadjoint::erased;
 use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
+use super::Data;
+use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verdict};
+use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, ORDER_6, ORDER_8, ORDER_10, RK4, RKMK4, marked};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series, Style};
-use coadjoint_app::simulation::{self, Order, Retraction, SimulationError, each_step};
+use coadjoint_app::plot::{Axis, Figure, Key, Panel};
+use coadjoint_app::simulation::{self, Order, Retraction, each_step};
 use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies, integrate};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 
@@ -22,13 +25,13 @@ pub(crate) struct Sampling {
     pub(crate) most: u64,
     /// Steps of the run that counts as exact, with order 10.
     pub(crate) reference: u64,
-    /// The best time of so many repetitions counts.
-    pub(crate) repetitions: u32,
+    /// Steps are timed for so many seconds.
+    pub(crate) seconds: f64,
 }
 
 impl Sampling {
     /// For the figure.
-    pub(crate) const FULL: Self = Self { most: 1 << 18, reference: 1 << 13, repetitions: 5 };
+    pub(crate) const FULL: Self = Self { most: 1 << 18, reference: 1 << 13, seconds: 0.04 };
 }
 
 /// One run of one method.
@@ -41,8 +44,6 @@ pub(crate) struct Cost {
     pub(crate) time: f64,
     /// Distance of the end state from the exact one, relative to its size.
     pub(crate) trajectory: f64,
-    /// The largest error of the energy, J.
-    pub(crate) energy: f64,
     /// The largest error of `Π·Γ`, kg m²/s.
     pub(crate) casimir: f64,
 }
@@ -51,7 +52,7 @@ pub(crate) struct Cost {
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     /// Its name.
-    pub(crate) name: String,
+    pub(crate) name: &'static str,
     /// Its runs.
     pub(crate) costs: Vec<Cost>,
 }
@@ -62,9 +63,6 @@ pub(crate) struct Work {
     /// Ours first.
     pub(crate) methods: Vec<Method>,
 }
-
-/// The last so many methods are the classical ones.
-const CLASSICAL: usize = 2;
 
 /// The top and its start.
 pub(super) fn top() -> (HeavyTop, HeavyTopState) {
@@ -95,7 +93,31 @@ fn coordinates(attitude: &UnitQuaternion<f64>, y: &Vector6<f64>) -> ([f64; 9], V
 type Observe<'a> = dyn FnMut(&Vector6<f64>) + 'a;
 
 /// A method's run: from the start with so many steps to the end.
-type Integrate<'a> = dyn Fn(u64, Option<&mut Observe<'_>>) -> Option<AttitudeState<6>> + 'a;
+type Integrate<'a> = dyn Fn(u64, &mut Observe<'_>) -> Option<AttitudeState<6>> + 'a;
+
+/// A run that goes on with so many steps more, each time it is called. Whether they could be taken.
+type Run<'a> = Box<dyn FnMut() -> bool + 'a>;
+
+/// The most steps of a batch that is timed: others at work on the machine disturb few of them.
+const BATCH: u64 = 1024;
+
+/// One method: a run from the start that is observed, and runs to be timed.
+struct Candidate<'a> {
+    name: &'static str,
+    integrate: Box<Integrate<'a>>,
+    /// With a step of this size, in batches of so many.
+    run: Box<dyn Fn(f64, u64) -> Option<Run<'a>> + 'a>,
+}
+
+/// Ours, with their order.
+const OURS: [(&str, Retraction, Order); 6] = [
+    (EXPONENTIAL, Retraction::Exponential, Order::Two),
+    (CAYLEY, Retraction::Cayley, Order::Two),
+    (ORDER_4, Retraction::Cayley, Order::Four),
+    (ORDER_6, Retraction::Cayley, Order::Six),
+    (ORDER_8, Retraction::Cayley, Order::Eight),
+    (ORDER_10, Retraction::Cayley, Order::Ten),
+];
 
 impl Work {
     /// Makes the runs.
@@ -106,178 +128,169 @@ impl Work {
         let (top, start) = top();
         let classical_top = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
         let from = AttitudeState { attitude: start.attitude, y: body(&start) };
-        let exact = {
-            let end = integrate_to_end(
-                &top,
-                start,
-                (Retraction::Exponential, Order::Ten),
-                sampling.reference,
-                None,
-            )?;
-            coordinates(&end.attitude, &end.y)
-        };
-        let ours: [(&str, Box<Integrate<'_>>); 7] = [
-            (
-                "exponential, order 2",
-                Box::new(|n, observe| {
-                    integrate_to_end(&top, start, (Retraction::Exponential, Order::Two), n, observe).ok()
-                }),
-            ),
-            (
-                "Cayley, order 2",
-                Box::new(|n, observe| {
-                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Two), n, observe).ok()
-                }),
-            ),
-            (
-                "Cayley, order 4",
-                Box::new(|n, observe| {
-                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Four), n, observe).ok()
-                }),
-            ),
-            (
-                "Cayley, order 6",
-                Box::new(|n, observe| {
-                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Six), n, observe).ok()
-                }),
-            ),
-            (
-                "Cayley, order 8",
-                Box::new(|n, observe| {
-                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Eight), n, observe).ok()
-                }),
-            ),
-            (
-                "Cayley, order 10",
-                Box::new(|n, observe| {
-                    integrate_to_end(&top, start, (Retraction::Cayley, Order::Ten), n, observe).ok()
-                }),
-            ),
-            (
-                "RK4 on quaternions, projected",
-                Box::new(|n, observe| classical(&Rk4Quaternion, &classical_top, from, n, observe)),
-            ),
+        let best = (Retraction::Exponential, Order::Ten);
+        let end = integrate_to_end(&top, start, best, sampling.reference, &mut |_| {})?;
+        let exact = coordinates(&end.attitude, &end.y);
+        let top = &top;
+        let ours = OURS.into_iter().map(|(name, retraction, order)| Candidate {
+            name,
+            integrate: Box::new(move |n, observe| {
+                integrate_to_end(top, start, (retraction, order), n, observe).ok()
+            }),
+            run: Box::new(move |step, n| run(top, start, (retraction, order), (step, n))),
+        });
+        let classical: [Candidate<'_>; 2] = [
+            Candidate {
+                name: RK4,
+                integrate: Box::new(|n, observe| classical(&Rk4Quaternion, &classical_top, from, n, observe)),
+                run: Box::new(|step, n| classical_run(&Rk4Quaternion, &classical_top, from, (step, n))),
+            },
+            Candidate {
+                name: RKMK4,
+                integrate: Box::new(|n, observe| classical(&Rkmk4, &classical_top, from, n, observe)),
+                run: Box::new(|step, n| classical_run(&Rkmk4, &classical_top, from, (step, n))),
+            },
         ];
-        let rkmk: Box<Integrate<'_>> =
-            Box::new(|n, observe| classical(&Rkmk4, &classical_top, from, n, observe));
-        let methods =
-            ours.iter().map(|(name, integrate_to_end)| (*name, integrate_to_end)).chain([("RKMK4", &rkmk)]);
-        let methods = methods.map(|(name, integrate_to_end)| Method {
-            name: name.to_owned(),
-            costs: (6..)
-                .map(|k| 1_u64 << k)
-                .take_while(|&steps| steps <= sampling.most)
-                .filter_map(|steps| {
-                    cost(integrate_to_end.as_ref(), steps, sampling.repetitions, &classical_top, &exact)
-                })
-                .collect(),
+        let methods = ours.chain(classical).map(|method| Method {
+            name: method.name,
+            costs: costs(&method, sampling, &classical_top, &exact),
         });
         Ok(Self { methods: methods.collect() })
     }
 
-    /// Three errors against time.
+    /// Errors against time.
     pub(crate) fn figure(&self) -> Figure {
         let panel = |title: &str, label: &str, error: fn(&Cost) -> f64| {
-            let series = self.methods.iter().map(|method| Series {
-                label: method.name.clone(),
-                points: method
-                    .costs
-                    .iter()
-                    // beyond the length of the motion nothing is accurate
-                    .filter(|cost| cost.trajectory < 3.0)
-                    .map(|cost| (cost.time * 1e6, error(cost)))
-                    .collect(),
-                style: if method.name == "RKMK4" { Style::DashedMarked } else { Style::Marked },
+            let series = self.methods.iter().map(|method| {
+                // beyond the length of the motion nothing is accurate
+                let costs = method.costs.iter().filter(|cost| cost.trajectory < 1.0);
+                marked(method.name, costs.map(|cost| (cost.time * 1e6, error(cost))).collect())
             });
-            Panel::new(
-                Axis::logarithmic("µs of computation for 1 s of motion"),
-                Axis::logarithmic(label),
-                series.collect(),
-            )
-            .titled(title)
+            let time = Axis::logarithmic("µs of computation for 1 s of motion");
+            Panel::new(time, Axis::logarithmic(label), series.collect()).titled(title)
         };
-        let named = |methods: &[Method], error: f64| match cheapest(methods, error) {
-            Some((name, time)) => format!("{:.2} µs with {name}", time * 1e6),
-            None => "out of reach".to_owned(),
-        };
-        let (ours, classical) = self.methods.split_at(self.methods.len().saturating_sub(CLASSICAL));
-        let prices = [(1e-4, "10⁻⁴"), (1e-8, "10⁻⁸"), (1e-11, "10⁻¹¹")].map(|(error, text)| {
-            format!(
-                "{text} costs {} of ours, {} of the classical ones",
-                named(ours, error),
-                named(classical, error)
-            )
-        });
         Figure {
-            title: "Work and precision: a heavy top for 20 s".to_owned(),
-            caption: vec![
-                "I = diag(1, 2, 2.5) kg m², mgχ = (0.3, 0.2, 1) N m, |Π₀| = 1.7 kg m²/s. Every mark is a run with twice as many steps \
-                 as the one before it."
-                    .to_owned(),
-                format!(
-                    "For each second of motion, a trajectory error of {}. Times were measured on the machine that drew this. The \
-                     Casimir errors of ours are roundoff with any step, whatever the order.",
-                    prices.join("; of ")
-                ),
-            ],
-            columns: 3,
-            cell: (480.0, 440.0),
-            key: Key::Below,
+            title: "Work and precision: a heavy top".to_owned(),
+            columns: 2,
+            cell: (520.0, 460.0),
+            key: Key::Lines,
+            shared: (true, false),
             panels: vec![
-                panel("(a) trajectory", "relative error at 20 s", |cost| cost.trajectory),
-                panel("(b) energy", "largest |H − H₀|, J", |cost| cost.energy),
-                panel("(c) Casimir", "largest |Π·Γ − Π₀·Γ₀|, kg m²/s", |cost| cost.casimir),
+                panel("(a) trajectory", "relative error after 20 s, no unit", |cost| cost.trajectory),
+                panel("(b) Casimir", "largest |Π·Γ − Π₀·Γ₀|, kg m²/s", |cost| cost.casimir),
             ],
         }
     }
 }
 
-/// The method with the least time that has at most this error, and its time, by interpolation between runs.
-pub(crate) fn cheapest(methods: &[Method], error: f64) -> Option<(&str, f64)> {
-    let time = |method: &Method| {
-        method.costs.windows(2).find_map(|pair| {
-            let [a, b] = pair else { return None };
-            let (x, y) = ((a.trajectory / error).ln(), (b.trajectory / error).ln());
-            (x > 0.0 && y <= 0.0).then(|| (a.time.ln() + (b.time / a.time).ln() * x / (x - y)).exp())
-        })
+/// What an error costs with ours, and with the classical methods.
+pub(crate) fn caption(data: &Data) -> Caption {
+    let mut caption = vec![paragraph![
+        given("I = diag(1, 2, 2.5) kg m², mgχ = (0.3, 0.2, 1) N m, |Π₀| = 1.7 kg m²/s"),
+        ". Every mark is a run with twice as many steps as the one before it, up to roundoff. Steps are timed as in a \
+         long run, in batches of at most ",
+        given(BATCH),
+        ", on the machine that drew this."
+    ]];
+    let mut pieces: Vec<Piece> = vec!["For each second of motion a relative error of ".into()];
+    for (k, (error, name)) in [(1e-4, "10⁻⁴"), (1e-8, "10⁻⁸"), (1e-11, "10⁻¹¹")].into_iter().enumerate()
+    {
+        pieces.extend([if k > 0 { "; of ".into() } else { "".into() }, given(name), " costs ".into()]);
+        let ours: Vec<&str> = OURS.iter().map(|(name, ..)| *name).collect();
+        for (k, methods) in [&ours[..], &[RK4, RKMK4]].into_iter().enumerate() {
+            let separate = if k > 0 { " and " } else { "" };
+            pieces.push(separate.into());
+            match cheapest(data, methods, error) {
+                Some((name, time)) => {
+                    pieces.extend([measured(time), " µs with ".into(), verdict(name)]);
+                }
+                None => pieces.push(verdict("more than was tried")),
+            }
+        }
+    }
+    pieces.push(". The Casimir errors of ours are roundoff with any step, whatever the order.".into());
+    caption.push(Paragraph(pieces));
+    caption
+}
+
+/// The method with the least time that has at most this error, and its time, by interpolation between runs. What is cheaper by less than a
+/// fifth is not said to be: the first of them in the list counts, as timings differ from run to run.
+pub(crate) fn cheapest<'a>(data: &Data, methods: &[&'a str], error: f64) -> Option<(&'a str, f64)> {
+    let time = |name: &&'a str| {
+        let runs = data.curve(1, name).points();
+        let time = runs.windows(2).find_map(|pair| {
+            let &[a, b] = pair else { return None };
+            let (x, y) = ((a.1 / error).ln(), (b.1 / error).ln());
+            (x > 0.0 && y <= 0.0).then(|| (a.0.ln() + (b.0 / a.0).ln() * x / (x - y)).exp())
+        })?;
+        Some((*name, time))
     };
-    let times = methods.iter().filter_map(|method| Some((method.name.as_str(), time(method)?)));
-    times.min_by(|a, b| a.1.total_cmp(&b.1))
+    let least = methods.iter().filter_map(time).map(|(_, time)| time).reduce(f64::min)?;
+    methods.iter().filter_map(time).find(|(_, time)| *time <= 1.25 * least)
+}
+
+/// Runs with more and more steps, until roundoff is all that is left of the error.
+fn costs(
+    method: &Candidate<'_>,
+    sampling: &Sampling,
+    top: &bodies::HeavyTop,
+    exact: &([f64; 9], Vector6<f64>),
+) -> Vec<Cost> {
+    let mut costs: Vec<Cost> = Vec::new();
+    for steps in (6..).map(|k| 1_u64 << k).take_while(|&steps| steps <= sampling.most) {
+        let cost = cost(method, steps, sampling, top, exact);
+        let least = costs.iter().map(|cost| cost.trajectory).fold(f64::INFINITY, f64::min);
+        if let Some(cost) = cost {
+            costs.push(cost);
+            if cost.trajectory < 1e-10 && cost.trajectory > least {
+                break;
+            }
+        }
+    }
+    costs
 }
 
 fn cost(
-    integrate_to_end: &Integrate<'_>,
+    method: &Candidate<'_>,
     steps: u64,
-    repetitions: u32,
+    sampling: &Sampling,
     top: &bodies::HeavyTop,
     exact: &([f64; 9], Vector6<f64>),
 ) -> Option<Cost> {
     let mut initial: Option<[f64; 2]> = None;
     let mut errors = [0.0_f64; 2];
-    let mut observe = |y: &Vector6<f64>| {
+    let end = (method.integrate)(steps, &mut |y: &Vector6<f64>| {
         let now = invariants(top, y);
         let initial = initial.get_or_insert(now);
         errors = std::array::from_fn(|i| errors[i].max((now[i] - initial[i]).abs()));
-    };
-    let end = integrate_to_end(steps, Some(&mut observe))?;
+    })?;
     let (attitude, y) = coordinates(&end.attitude, &end.y);
     let turned = attitude.iter().zip(&exact.0).map(|(is, should)| (is - should).powi(2)).sum::<f64>();
     let size = 3.0 + exact.1.norm_squared();
     let trajectory = ((turned + (y - exact.1).norm_squared()) / size).sqrt();
-    let mut time = f64::INFINITY;
-    for _ in 0..repetitions {
-        let start = Instant::now();
-        std::hint::black_box(integrate_to_end(steps, None));
-        time = time.min(start.elapsed().as_secs_f64());
-    }
     Some(Cost {
         #[cfg(test)]
         steps,
-        time: time / DURATION,
+        time: duration(method, steps, sampling.seconds)? / DURATION,
         trajectory,
-        energy: errors[0],
         casimir: errors[1],
     })
+}
+
+/// The time of so many steps: the median of batches, one after the other, for so many seconds and not less than three. The first is for warming up.
+fn duration(method: &Candidate<'_>, steps: u64, seconds: f64) -> Option<f64> {
+    let batch = steps.min(BATCH);
+    let mut run = (method.run)(DURATION / steps as f64, batch)?;
+    run().then_some(())?;
+    let mut times: Vec<f64> = Vec::new();
+    let begin = Instant::now();
+    while begin.elapsed().as_secs_f64() < seconds || times.len() < 3 {
+        let start = Instant::now();
+        run().then_some(())?;
+        times.push(start.elapsed().as_secs_f64());
+    }
+    times.sort_by(f64::total_cmp);
+    Some(times[times.len() / 2] * steps as f64 / batch as f64)
 }
 
 fn integrate_to_end(
@@ -285,25 +298,28 @@ fn integrate_to_end(
     start: HeavyTopState,
     (retraction, order): (Retraction, Order),
     steps: u64,
-    observe: Option<&mut Observe<'_>>,
+    observe: &mut Observe<'_>,
 ) -> Result<AttitudeState<6>, Error> {
     let (scheme, step) = ((simulation::Method::Standard, retraction, order), DURATION / steps as f64);
     let mut end = start;
-    match observe {
-        Some(observe) => each_step(top, &start, scheme, (step, steps), |_, _, state| {
-            observe(&body(state));
-            end = *state;
-        })?,
-        // as users take steps that nobody has to observe
-        None => {
-            let scheme = simulation::scheme(scheme.0, scheme.1, scheme.2)?;
-            let mut stepper = erased::Stepper::new(top, &scheme, step).map_err(SimulationError::from)?;
-            let mut components = start.to_components();
-            stepper.steps(&mut components, &[], steps)?;
-            end = HeavyTopState::from_components(&components);
-        }
-    }
+    each_step(top, &start, scheme, (step, steps), |_, _, state| {
+        observe(&body(state));
+        end = *state;
+    })?;
     Ok(AttitudeState { attitude: end.attitude, y: body(&end) })
+}
+
+/// As users take steps that nobody has to observe: a batch with one call.
+fn run(
+    top: &HeavyTop,
+    start: HeavyTopState,
+    (retraction, order): (Retraction, Order),
+    (step, batch): (f64, u64),
+) -> Option<Run<'_>> {
+    let scheme = simulation::scheme(simulation::Method::Standard, retraction, order).ok()?;
+    let mut stepper = erased::Stepper::new(top, &scheme, step).ok()?;
+    let mut components = start.to_components();
+    Some(Box::new(move || stepper.steps(components.as_mut(), &[], batch).is_ok()))
 }
 
 fn classical<I: Timed<bodies::HeavyTop, AttitudeState<6>>>(
@@ -311,12 +327,23 @@ fn classical<I: Timed<bodies::HeavyTop, AttitudeState<6>>>(
     top: &bodies::HeavyTop,
     start: AttitudeState<6>,
     steps: u64,
-    observe: Option<&mut Observe<'_>>,
+    observe: &mut Observe<'_>,
 ) -> Option<AttitudeState<6>> {
     let step = DURATION / steps as f64;
-    match observe {
-        Some(observe) => integrate(method, top, 0.0, start, step, steps, |_, _, state| observe(&state.y)),
-        None => method.run(top, start, step, steps),
-    }
-    .ok()
+    integrate(method, top, 0.0, start, step, steps, |_, _, state| observe(&state.y)).ok()
+}
+
+fn classical_run<'a, I: Timed<bodies::HeavyTop, AttitudeState<6>>>(
+    method: &'a I,
+    top: &'a bodies::HeavyTop,
+    mut state: AttitudeState<6>,
+    (step, batch): (f64, u64),
+) -> Option<Run<'a>> {
+    Some(Box::new(move || match method.run(top, state, step, batch) {
+        Ok(end) => {
+            state = end;
+            true
+        }
+        Err(_) => false,
+    }))
 }
