@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::command::{certify, ensemble, init, list, run};
+use crate::command::{certify, ensemble, init, list, play, run};
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 
@@ -29,6 +29,8 @@ enum Command {
     Resume(run::ResumeArguments),
     /// Run a system and write a page that shows it moving
     View(run::RunArguments),
+    /// Write a page that shows data of any program's moving
+    Play(play::PlayArguments),
     /// Write a file that describes a run, to be changed and given to `run --config`
     Init(init::InitArguments),
     /// Run many members of a system at once, and draw how they spread
@@ -140,6 +142,7 @@ impl Command {
             Command::Run(arguments) => run::run(catalogue, arguments, console),
             Command::Resume(arguments) => run::resume(catalogue, arguments, console),
             Command::View(arguments) => run::view(catalogue, arguments, console),
+            Command::Play(arguments) => play::play(arguments, console),
             Command::Init(arguments) => init::init(catalogue, arguments, console),
             Command::Ensemble(arguments) => ensemble::ensemble(catalogue, arguments, console),
             #[cfg(feature = "show")]

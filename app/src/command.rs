@@ -4,6 +4,7 @@ pub(crate) mod certify;
 pub(crate) mod ensemble;
 pub(crate) mod init;
 pub(crate) mod list;
+pub(crate) mod play;
 pub(crate) mod run;
 #[cfg(feature = "show")]
 pub(crate) mod show;

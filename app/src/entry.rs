@@ -7,6 +7,7 @@ use coadjoint::{Discretized, RightLift, System};
 
 use crate::error::Error;
 use crate::example::Example;
+use crate::scene::Scene;
 use crate::simulation::{Retraction, Setup};
 use crate::suggest::did_you_mean;
 
@@ -37,6 +38,8 @@ pub struct Entry {
     pub(crate) right_lift: Option<MethodFn>,
     /// The moment of inertia, if it is a body of mass, by its parameters.
     pub(crate) body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
+    /// What is seen of it with these parameters, from what is seen by its state alone.
+    pub(crate) scene: fn(&[f64], Scene) -> Scene,
 }
 
 /// What takes steps on a retraction, with these parameters, of this size. None on retractions that not every system has steps with.
@@ -63,6 +66,7 @@ impl Entry {
             control: if description.controls.is_empty() { None } else { Some(control::<S>) },
             right_lift: None,
             body_inertia: |parameters| system::<S>(parameters).body_inertia(),
+            scene: |parameters, by_state| system::<S>(parameters).scene(by_state),
         }
     }
 

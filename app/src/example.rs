@@ -5,6 +5,8 @@ use coadjoint::System;
 use coadjoint::prelude::*;
 use coadjoint::system::Schemes;
 
+use crate::scene::Scene;
+
 /// A system with an example: all that the program needs beside what `#[lie_poisson_system]` generates.
 ///
 /// Only [`example`](Self::example) has to be given.
@@ -32,6 +34,12 @@ pub trait Example: System<Scalar = f64> + Geometry + Schemes + Send + Sync + 'st
     /// The moment of inertia, if the system is a body of mass: not every positive definite matrix belongs to one.
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         None
+    }
+
+    /// What of the system is seen in space: that by its state, a body for each configuration and arrows for momenta and advected vectors, with
+    /// what only the system knows.
+    fn scene(&self, by_state: Scene) -> Scene {
+        by_state
     }
 
     /// The system as the program lists it: under its own name, `heavy_top` for `HeavyTop`.

@@ -39,6 +39,8 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod example;
+pub mod scene;
+pub mod shape;
 
 pub use example::Example;
 #[cfg(feature = "program")]
@@ -70,7 +72,7 @@ mod interrupt;
 #[cfg(feature = "program")]
 pub mod output;
 #[cfg(feature = "program")]
-mod page;
+pub mod page;
 #[cfg(feature = "program")]
 pub mod plot;
 #[cfg(feature = "program")]

@@ -1,177 +1,131 @@
-//! An HTML page that animates a run: one self-contained file.
+//! The HTML page that shows motions in three dimensions: one self-contained file, and its data format.
+//!
+//! `coadjoint view SYSTEM` writes such a page; `coadjoint play DATA.json` makes one of data that any program wrote. The least data are the moments
+//! and one body's attitudes, as quaternions `[w, x, y, z]`:
+//!
+//! ```json
+//! { "format": "coadjoint page 1",
+//!   "time": [0.0, 0.1, 0.2],
+//!   "runs": [{ "bodies": [{ "rotation": [[1, 0, 0, 0], [0.995, 0, 0, 0.0998], [0.980, 0, 0, 0.199]] }] }] }
+//! ```
+//!
+//! `PAGE_FORMAT.md` beside this crate's manifest describes the whole format; [`Page`] is the same as Rust types. [`Page::from_json`] reads and
+//! checks data, [`Page::write`] writes the page.
+//!
+//! In a browser's console, `coadjoint.scene()` tells what the page shows, in numbers, and `coadjoint.seek(t)` goes to a moment; so does `#t=…`
+//! after the page's address.
+
+mod film;
+mod format;
+mod open;
+mod recording;
+mod scenery;
+mod validate;
 
 use std::io::Write as _;
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-
-use coadjoint::system::{Quantity, Role};
-
-use crate::entry::{Entry, component_name};
+pub use self::format::*;
+pub(crate) use self::open::open;
+pub(crate) use self::recording::HtmlPlayer;
+pub use self::validate::PageError;
+use crate::entry::Entry;
 use crate::error::Error;
 use crate::output::{AtomicFile, make_directory};
-use crate::run_plot::symbols;
-use crate::session::{Plan, title};
-use crate::setting::{laid_out, rotation};
-use crate::simulation::{Job, Sample};
+use crate::session::Plan;
 
-/// The page; the data go where [`PLACE`] stands.
-const PAGE: &str = include_str!("page.html");
-const PLACE: &str = "__COADJOINT_DATA__";
+/// The page; its parts go where their places stand.
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/page.css");
+const SCRIPTS: [&str; 6] = [
+    include_str!("page/data.js"),
+    include_str!("page/mesh.js"),
+    include_str!("page/view.js"),
+    include_str!("page/scene.js"),
+    include_str!("page/plot.js"),
+    include_str!("page/player.js"),
+];
+/// What stands around the data in a page.
+const DATA: [&str; 2] = ["<script id=\"data\" type=\"application/json\">", "</script>"];
 
-/// At most so many frames: more than a screen shows.
-const FRAMES: u64 = 2000;
-
-/// Evenly spaced samples of a run, and the page that animates them.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct HtmlPlayer {
-    every: u64,
-    last: u64,
-    times: Vec<f64>,
-    states: Vec<Vec<f64>>,
-    energies: Vec<f64>,
-    casimirs: Vec<Vec<f64>>,
-}
-
-impl HtmlPlayer {
-    /// For a run that is about to start.
-    pub(crate) fn new(_: &Entry, job: &Job) -> Self {
-        let (times, states, energies, casimirs) = Default::default();
-        Self { every: job.steps.div_ceil(FRAMES).max(1), last: job.steps, times, states, energies, casimirs }
-    }
-
-    /// Whether it fits this system.
-    pub(crate) fn is_of(&self, entry: &Entry) -> bool {
-        let (numbers, casimirs) = (entry.example.state.len(), entry.description.casimirs.len());
-        self.states.iter().all(|state| state.len() == numbers)
-            && self.casimirs.iter().all(|values| values.len() == casimirs)
-    }
-
-    /// Adds a sample of the run.
-    pub(crate) fn push(&mut self, sample: &Sample<'_>) {
-        if sample.index.is_multiple_of(self.every) || sample.index == self.last {
-            self.times.push(sample.time);
-            self.states.push(sample.state.to_vec());
-            self.energies.push(sample.energy);
-            self.casimirs.push(sample.casimirs.to_vec());
+impl Page {
+    /// The page as HTML.
+    pub fn to_html(&self) -> String {
+        // a `<` inside a script could end it
+        let data = serde_json::to_string(self).unwrap_or_default().replace('<', "\\u003c");
+        let mut html = String::with_capacity(PAGE.len() + STYLE.len() + data.len());
+        let mut rest = PAGE;
+        let script = SCRIPTS.concat();
+        for (place, part) in [
+            ("__COADJOINT_STYLE__", STYLE),
+            ("__COADJOINT_DATA__", data.as_str()),
+            ("__COADJOINT_SCRIPT__", script.as_str()),
+        ] {
+            let (before, after) = rest.split_once(place).unwrap_or((rest, ""));
+            html.push_str(before);
+            html.push_str(part);
+            rest = after;
         }
+        html.push_str(rest);
+        html
     }
 
-    /// Writes the page.
+    /// Writes the page as HTML, and the directory that it is in.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub(crate) fn write(&self, path: &Path, entry: &Entry, plan: &Plan) -> Result<(), Error> {
-        // a `<` inside a script could end it
-        let data = self.data(entry, plan).to_string().replace('<', "\\u003c");
-        let (before, after) = PAGE.split_once(PLACE).unwrap_or((PAGE, ""));
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
         if let Some(directory) = path.parent().filter(|directory| !directory.as_os_str().is_empty()) {
             make_directory(directory)?;
         }
         let write = || {
             let mut file = AtomicFile::create(path)?;
-            for part in [before, &data, after] {
-                file.write_all(part.as_bytes())?;
-            }
+            file.write_all(self.to_html().as_bytes())?;
             file.finish()
         };
         write().map_err(|source| Error::Write { path: path.to_owned(), source })
     }
 
-    fn data(&self, entry: &Entry, plan: &Plan) -> Value {
-        let mut columns = Vec::new();
-        let mut rows = serde_json::Map::new();
-        let mut frames: Vec<(&str, Option<Value>, Option<Value>)> = Vec::new();
-        let (mut points, mut vectors) = (Vec::new(), Vec::new());
-        for (quantity, slots) in laid_out(entry.description.state) {
-            for (component, slot) in quantity.components.iter().zip(slots.clone()) {
-                let name = component_name(quantity, component);
-                columns.push(json!({ "name": name }));
-                rows.insert(name, self.states.iter().map(|state| state[slot]).collect());
-            }
-            let start = slots.start;
-            match (quantity.role, rotation(quantity)) {
-                (Role::Configuration, Some((count, _))) => {
-                    let turns = self.path(|state| in_space(&state[start..start + count]));
-                    let rest = slots.len() - count;
-                    let place = (rest > 0)
-                        .then(|| self.path(|state| padded(&state[start + count..start + count + rest])));
-                    frames.push((quantity.name, Some(turns), place));
-                }
-                (Role::Configuration, None) if slots.len() <= 3 => {
-                    let path = self.path(|state| padded(&state[slots.clone()]));
-                    points.push((quantity, path));
-                }
-                (Role::Advected, _) if slots.len() == 3 => {
-                    let path = self.path(|state| padded(&state[slots.clone()]));
-                    vectors.push(json!({
-                        "name": quantity.name,
-                        "label": format!("{} seen from the body", symbols(quantity.name)),
-                        "path": path,
-                    }));
-                }
-                _ => {}
-            }
-        }
-        // a body with a rotation and a position as factors of their own is one body
-        if let ([(_, Some(_), place @ None)], [_]) = (&mut frames[..], &points[..]) {
-            *place = points.pop().map(|(_, path)| path);
-        }
-        let bodies: Vec<Value> = frames
-            .into_iter()
-            .map(|(name, turns, place)| json!({ "name": name, "rotation": turns, "position": place }))
-            .collect();
-        let points: Vec<Value> = points
-            .into_iter()
-            .map(|(quantity, path): (&Quantity, Value)| {
-                json!({ "name": quantity.name, "label": quantity.name, "path": path, "rod": false })
-            })
-            .collect();
-        let difference =
-            |values: Vec<f64>| values.iter().map(|value| value - values[0]).collect::<Vec<f64>>();
-        let mut errors = Vec::new();
-        if entry.description.autonomous && !self.energies.is_empty() {
-            errors.push(json!({
-                "name": "energy", "unit": "J", "kind": "energy", "values": difference(self.energies.clone()),
-            }));
-        }
-        for (i, (name, unit)) in entry.casimirs().enumerate() {
-            let values = difference(self.casimirs.iter().map(|casimirs| casimirs[i]).collect());
-            errors.push(json!({ "name": symbols(name), "unit": unit, "kind": "casimir", "values": values }));
-        }
-        json!({
-            "title": entry.name,
-            "about": entry.about,
-            "subtitle": format!("{}, {} steps", title(entry, &plan.job), plan.job.steps),
-            "time": self.times,
-            "columns": columns,
-            "rows": rows,
-            "bodies": bodies,
-            "points": points,
-            "vectors": vectors,
-            "errors": errors,
-        })
+    /// Reads data, or those of a page.
+    ///
+    /// # Errors
+    /// If there is no such file, or it is no page; the message names the place.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let in_page = text.split_once(DATA[0]).and_then(|(_, rest)| rest.split_once(DATA[1]));
+        Self::from_json(in_page.map_or(text.as_str(), |(data, _)| data))
+            .map_err(|error| Error::Input(format!("{}: {error}", path.display())))
     }
 
-    fn path<const N: usize>(&self, of: impl Fn(&[f64]) -> [f64; N]) -> Value {
-        self.states.iter().map(|state| of(state).to_vec()).collect()
+    /// Shows another page's runs over those of this one.
+    pub fn overlay(&mut self, other: Self) {
+        for run in &mut self.runs {
+            name_run(run, &self.time, &self.subtitle);
+        }
+        self.runs.extend(other.runs.into_iter().map(|mut run| {
+            name_run(&mut run, &other.time, &other.subtitle);
+            run
+        }));
     }
 }
 
-/// The quaternion of a rotation in space, or of one in the plane, which turns about the third axis.
-fn in_space(rotation: &[f64]) -> [f64; 4] {
-    match *rotation {
-        [w, x, y, z] => [w, x, y, z],
-        [re, im] => {
-            let half = 0.5 * im.atan2(re);
-            [half.cos(), 0.0, 0.0, half.sin()]
-        }
-        _ => [1.0, 0.0, 0.0, 0.0],
+/// A run with its own moments and a name.
+fn name_run(run: &mut Run, time: &[f64], name: &str) {
+    if run.time.is_empty() {
+        time.clone_into(&mut run.time);
+    }
+    if run.name.is_empty() {
+        name.clone_into(&mut run.name);
     }
 }
 
-/// A vector in space of one that may have fewer components.
-fn padded(vector: &[f64]) -> [f64; 3] {
-    std::array::from_fn(|i| vector.get(i).copied().unwrap_or(0.0))
+impl HtmlPlayer {
+    /// Writes the page.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn write(&self, path: &Path, entry: &Entry, plan: &Plan) -> Result<(), Error> {
+        film::page(self, entry, plan).write(path)
+    }
 }

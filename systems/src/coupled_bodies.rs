@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::Solid;
 use serde::{Deserialize, Serialize};
 
 /// Two rigid bodies that share their centre of mass, and a spring that turns each towards the other's attitude.
@@ -66,5 +68,10 @@ impl Example for CoupledBodies {
             second_momentum: vector![-0.3, 0.2, 0.6],
         };
         (bodies, start)
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let solid = |inertia: &Vector3<f64>| Solid::of_inertia(&Matrix3::from_diagonal(inertia));
+        by_state.solid(0, solid(&self.first_inertia)).solid(1, solid(&self.second_inertia))
     }
 }

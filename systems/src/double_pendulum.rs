@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A pendulum that hangs from another one: two point masses on light rods in a vertical plane.
@@ -77,5 +78,10 @@ impl Example for DoublePendulum {
     /// Let go with the upper rod 100° and the lower one 150° from hanging: both turn over, again and again.
     fn example() -> (Self, DoublePendulumState) {
         (Self::equal(), Self::at_rest(100_f64.to_radians(), 150_f64.to_radians()))
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let joint = vector![0.0, 0.0, -self.upper_length];
+        by_state.hang(1, 0, joint).bob(0, self.upper_length).bob(1, self.lower_length)
     }
 }

@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A pendulum whose axis has friction and a motor that turns it to and fro.
@@ -72,5 +73,9 @@ impl Example for DrivenPendulum {
     fn example() -> (Self, DrivenPendulumState) {
         let start = DrivenPendulumState { angle: UnitComplex::new(0.2), momentum: vector![0.0] };
         (Self::scaled(1.0, 1.0, 2.0, 1.15, 2.0 / 3.0), start)
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        by_state.bob(0, self.length).weight(0, self.weight, vector![0.0, 0.0, -self.length])
     }
 }

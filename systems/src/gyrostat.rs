@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// A rigid body that carries a rotor on a bearing without friction, and nothing acts on the two: a satellite with a flywheel.
@@ -58,5 +60,12 @@ impl Example for Gyrostat {
             rotor_momentum: vector![2.5],
         };
         (gyrostat, start)
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let all =
+            Matrix3::from_diagonal(&self.inertia) + self.rotor_inertia * self.axis * self.axis.transpose();
+        let rotor = Solid::new(Shape::Disc { radius: 1.0, thickness: 0.2 }).along(self.axis).of_any_size();
+        by_state.named(0, "body").solid(0, Solid::of_inertia(&all)).mount(1, 0, self.axis).solid(1, rotor)
     }
 }

@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// A plate that hangs on an elastic band, tied off its centre, and moves in a vertical plane: it swings, bounces and turns at once.
@@ -74,5 +76,16 @@ impl Example for HangingPlate {
     /// A plate of 200 g, 20 cm wide and 10 cm high, let go beside the place where it would hang.
     fn example() -> (Self, HangingPlateState) {
         (Self::rectangle(0.2, 0.2, 0.1), Self::at_rest(vector![0.1, -0.45], 1.7))
+    }
+
+    /// A plate that is tied at a corner.
+    fn scene(&self, by_state: Scene) -> Scene {
+        let size = [2.0 * self.eye.x.abs(), 0.01, 2.0 * self.eye.y.abs()];
+        let eye = vector![self.eye.x, 0.0, self.eye.y];
+        by_state
+            .named(0, "plate")
+            .solid(0, Solid::new(Shape::Box { size }))
+            .spring(Vector3::zeros(), 0, eye)
+            .weight(0, self.weight, Vector3::zeros())
     }
 }

@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A mass on a spring, on a line.
@@ -43,5 +44,10 @@ impl Example for HarmonicOscillator {
     fn example() -> (Self, HarmonicOscillatorState) {
         let oscillator = HarmonicOscillator { mass: 0.5, stiffness: 20.0 };
         (oscillator, HarmonicOscillatorState { position: vector![0.1], momentum: vector![0.0] })
+    }
+
+    /// The spring is held half a metre away.
+    fn scene(&self, by_state: Scene) -> Scene {
+        by_state.named(0, "mass").spring(vector![-0.5, 0.0, 0.0], 0, Vector3::zeros())
     }
 }

@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A rigid body that turns about a fixed point under gravity.
@@ -96,5 +97,9 @@ impl Example for HeavyTop {
 
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         Some(Matrix3::from_diagonal(&self.inertia))
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        by_state.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, self.chi)
     }
 }

@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::{Arrow, Body, Scene};
 use serde::{Deserialize, Serialize};
 
 /// The [heavy top](crate::heavy_top::HeavyTop) as the paper integrates it: on all of SE(3), with an auxiliary vector `x` beside the attitude, (6.15)
@@ -59,5 +60,17 @@ impl Example for HeavyTopOnSE3 {
 
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         Some(Matrix3::from_diagonal(&self.inertia))
+    }
+
+    /// The attitude alone: `x` is no place.
+    fn scene(&self, _by_state: Scene) -> Scene {
+        let angular = Arrow::quantity("momentum").named("angular momentum").symbol("Π").in_body();
+        let vertical =
+            Arrow::quantity("momentum").from_component(3).named("vertical").symbol("Γ").colour("c4");
+        let scene = Scene::default()
+            .body(Body::turning("pose").named("body"))
+            .arrow(angular)
+            .arrow(vertical.in_body());
+        scene.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, self.chi)
     }
 }

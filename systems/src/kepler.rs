@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::{Body, Scene};
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// A satellite of a body so heavy that it stays where it is.
@@ -30,6 +32,8 @@ pub struct Kepler {
 impl Kepler {
     /// Earth's constant of gravitation times its mass, m³/s².
     pub const EARTH: f64 = 3.986_004_418e14;
+    /// Earth's mean radius, m.
+    pub const EARTH_RADIUS: f64 = 6.371e6;
 
     /// Where it comes closest on an ellipse in the plane `z = 0`, on its way counter-clockwise.
     pub fn at_pericentre(&self, semi_major_axis: f64, eccentricity: f64) -> KeplerState {
@@ -61,5 +65,10 @@ impl Example for Kepler {
         let kepler = Kepler { mass: 1000.0, attraction: Self::EARTH };
         let start = kepler.at_pericentre(2e7, 0.6);
         (kepler, start)
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let earth = Solid::new(Shape::Sphere { radius: Self::EARTH_RADIUS });
+        by_state.named(0, "satellite").body(Body::fixed("Earth").planet().with(earth))
     }
 }

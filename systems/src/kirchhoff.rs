@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// A rigid body without weight in a fluid without friction, which it sets in motion and which is at rest far away: Kirchhoff's equations.
@@ -63,5 +65,11 @@ impl Example for Kirchhoff {
         };
         let attitude = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.02);
         (body, Self::start(attitude, vector![0.01, 0.0, 0.05], vector![0.0, 0.0, 5.0]))
+    }
+
+    /// Slender, as that of the example.
+    fn scene(&self, by_state: Scene) -> Scene {
+        let body = Shape::Ellipsoid { semi_axes: [0.3, 0.3, 1.0] };
+        by_state.solid(0, Solid::new(body).of_any_size())
     }
 }

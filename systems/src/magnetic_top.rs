@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::{Arrow, Scene};
 use serde::{Deserialize, Serialize};
 
 /// A magnet that turns about a fixed point in two fields at once: that of gravity, and a magnetic one.
@@ -72,5 +73,10 @@ impl Example for MagneticTop {
 
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         Some(Matrix3::from_diagonal(&self.inertia))
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let dipole = Arrow::constant("dipole", self.dipole, "A m²").symbol("d").colour("c5").in_body();
+        by_state.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, self.chi).arrow(dipole)
     }
 }

@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A body that swings about a horizontal axis under gravity.
@@ -55,5 +56,9 @@ impl Example for PlanarPendulum {
     /// One kilogram on a rod of one metre, let go high above its axis: 150° from its lowest position.
     fn example() -> (Self, PlanarPendulumState) {
         (Self::simple(1.0, 1.0), Self::at_rest(150_f64.to_radians()))
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        by_state.bob(0, self.length).weight(0, self.weight, vector![0.0, 0.0, -self.length])
     }
 }

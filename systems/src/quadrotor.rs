@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// A rigid body with four propellers: they pull along its third axis, and turn it by pulling unequally.
@@ -34,6 +36,9 @@ pub struct Quadrotor {
 }
 
 impl Quadrotor {
+    /// From the centre of [Lee's vehicle](Self::lee) to the axis of a propeller, m.
+    pub const ARM: f64 = 0.315;
+
     /// What keeps it in hover: `F = mg`, `M = 0`.
     pub fn hover(&self) -> QuadrotorControl {
         QuadrotorControl { moment: Vector3::zeros(), thrust: self.mass * self.gravity }
@@ -88,5 +93,14 @@ impl Example for Quadrotor {
 
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         Some(Matrix3::from_diagonal(&self.inertia))
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let body = Solid::new(Shape::Quadrotor { arm: Self::ARM });
+        by_state.named(0, "quadrotor").solid(0, body).without_axes(0).weight(
+            0,
+            self.mass * self.gravity,
+            Vector3::zeros(),
+        )
     }
 }

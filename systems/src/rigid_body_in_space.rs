@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::Solid;
 use serde::{Deserialize, Serialize};
 
 /// A rigid body on which nothing acts, tumbling and drifting, seen from a point of it that is not its centre of mass: the corner where
@@ -65,5 +67,12 @@ impl Example for RigidBodyInSpace {
         let velocity = vector![0.3, 8.0, 0.2, -1.0, 0.3, 0.5];
         let momentum = body.inertia * velocity;
         (body, RigidBodyInSpaceState { pose: Isometry3::identity(), momentum })
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        let (mass, centre) = (self.mass(), self.centre());
+        let moved = Matrix3::from_diagonal_element(centre.norm_squared()) - centre * centre.transpose();
+        let about_centre = self.inertia.fixed_view::<3, 3>(0, 0) - mass * moved;
+        by_state.named(0, "body").solid(0, Solid::of_mass(&about_centre, mass).map(|solid| solid.at(centre)))
     }
 }

@@ -2,6 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A rod that hangs from a joint and swings in all directions.
@@ -74,5 +75,9 @@ impl Example for SphericalPendulum {
 
     fn body_inertia(&self) -> Option<Matrix3<f64>> {
         Some(Matrix3::from_diagonal(&self.inertia))
+    }
+
+    fn scene(&self, by_state: Scene) -> Scene {
+        by_state.top(0, &Matrix3::from_diagonal(&self.inertia), self.weight, vector![0.0, 0.0, self.length])
     }
 }

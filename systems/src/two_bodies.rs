@@ -1,7 +1,11 @@
 //! The two-body problem.
 
+use std::f64::consts::PI;
+
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::Scene;
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// Two masses that attract each other, both of them moving, as the stars of a double star do: (1.12) to (1.18) of the paper.
@@ -88,5 +92,12 @@ impl Example for TwoBodies {
         let balls = TwoBodies { first_mass: 1000.0, second_mass: 300.0, gravitation: Self::GRAVITATION };
         let start = balls.at_pericentre(2.0, 0.6);
         (balls, start)
+    }
+
+    /// Balls of lead, kg/m³.
+    fn scene(&self, by_state: Scene) -> Scene {
+        const LEAD: f64 = 11_340.0;
+        let ball = |mass: f64| Solid::new(Shape::Sphere { radius: (0.75 / PI * mass / LEAD).cbrt() });
+        by_state.solid(0, ball(self.first_mass)).solid(1, ball(self.second_mass))
     }
 }

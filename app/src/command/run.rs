@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::program;
+use crate::command::play;
 use crate::config::Config;
 use crate::entry::Catalogue;
 use crate::error::Error;
@@ -44,6 +45,9 @@ pub(crate) struct RunArguments {
     /// Write a page that shows the run moving, to be opened in a browser
     #[arg(long, value_name = "FILE")]
     pub(crate) html: Option<PathBuf>,
+    /// Open the page in a browser
+    #[arg(long)]
+    pub(crate) open: bool,
     /// Keep a checkpoint here, so that `coadjoint resume FILE` can go on if the run is interrupted
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
@@ -82,10 +86,15 @@ pub(crate) fn run(
     arguments: &RunArguments,
     console: &mut dyn Write,
 ) -> Result<(), Error> {
+    if arguments.open && arguments.html.is_none() {
+        return Err(Error::Input("`--open` opens a page: say where to write it by `--html`".to_owned()));
+    }
     let plan = plan(catalogue, arguments, console)?;
     let checkpoint = arguments.checkpoint.clone();
     let go_on = checkpoint.clone();
-    finish(Session::begin(catalogue, plan, checkpoint)?.run()?, go_on.as_deref(), console)
+    let page = plan.html.clone().filter(|_| arguments.open);
+    finish(Session::begin(catalogue, plan, checkpoint)?.run()?, go_on.as_deref(), console)?;
+    page.map_or(Ok(()), |page| play::show(&page, console))
 }
 
 pub(crate) fn resume(
@@ -109,7 +118,9 @@ pub(crate) fn view(
         plan.html = Some(plan.out.join(format!("{}.html", name(entry, &plan.job))));
     }
     plan.format = None;
-    finish(Session::begin(catalogue, plan, None)?.run()?, None, console)
+    let page = plan.html.clone().filter(|_| arguments.open);
+    finish(Session::begin(catalogue, plan, None)?.run()?, None, console)?;
+    page.map_or(Ok(()), |page| play::show(&page, console))
 }
 
 /// The plan from the arguments and the configuration file; the arguments take precedence.

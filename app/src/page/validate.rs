@@ -1,0 +1,342 @@
+//! Whether data make a page, and where they do not.
+
+use thiserror::Error;
+
+use super::format::{Body, FORMAT, Frame, MOST_MOMENTS, MOST_THINGS, Page, Run, Track};
+
+/// Data that make no page.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PageError {
+    /// They are no such JSON.
+    #[error("{0}")]
+    Json(#[from] serde_json::Error),
+    /// Something in them cannot be.
+    #[error("`{place}`: {reason}")]
+    Value {
+        /// Where: `runs[0].bodies[1].rotation[2]`.
+        place: String,
+        /// Why.
+        reason: String,
+    },
+}
+
+fn wrong<T>(place: &str, reason: impl Into<String>) -> Result<T, PageError> {
+    Err(PageError::Value { place: place.to_owned(), reason: reason.into() })
+}
+
+/// A quaternion's length may be off 1 by so much: it is normalised. Farther off it is taken for a mistake.
+const NEARLY_UNIT: f64 = 0.1;
+
+impl Page {
+    /// The page that a JSON text describes. Quaternions that are not quite of unit length are normalised.
+    ///
+    /// # Errors
+    /// If it is none; the error names the place.
+    pub fn from_json(text: &str) -> Result<Self, PageError> {
+        let mut page: Self = serde_json::from_str(text)?;
+        page.check()?;
+        Ok(page)
+    }
+
+    /// Checks everything that the types do not say, and normalises quaternions.
+    ///
+    /// # Errors
+    /// If something cannot be; the error names the place.
+    pub fn check(&mut self) -> Result<(), PageError> {
+        if self.format != FORMAT {
+            return wrong("format", format!("expected \"{FORMAT}\", got {:?}", self.format));
+        }
+        moments("time", &self.time)?;
+        few("runs", self.runs.len())?;
+        for number in self.space.ground.iter().chain(self.space.look.iter().flatten()) {
+            finite("space", *number)?;
+        }
+        for (k, run) in self.runs.iter_mut().enumerate() {
+            let place = format!("runs[{k}]");
+            if run.time.is_empty() && self.time.is_empty() {
+                return wrong(&place, "has no moments: give `time`, here or for all runs");
+            }
+            let count = if run.time.is_empty() { self.time.len() } else { run.time.len() };
+            check_run(&place, run, count)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), PageError> {
+    moments(&format!("{place}.time"), &run.time)?;
+    for (name, count) in [
+        ("bodies", run.bodies.len()),
+        ("arrows", run.arrows.len()),
+        ("links", run.links.len()),
+        ("plots", run.plots.len()),
+    ] {
+        few(&format!("{place}.{name}"), count)?;
+    }
+    for (name, number) in [("turn", run.turn), ("rate", run.rate)] {
+        if number.is_some_and(|number| !(number.is_finite() && number >= 0.0)) {
+            return wrong(&format!("{place}.{name}"), "must be finite and not negative");
+        }
+    }
+    let bodies = run.bodies.len();
+    for (k, body) in run.bodies.iter_mut().enumerate() {
+        check_body(&format!("{place}.bodies[{k}]"), body, moment_count)?;
+    }
+    for (k, arrow) in run.arrows.iter_mut().enumerate() {
+        let place = format!("{place}.arrows[{k}]");
+        known(&place, arrow.body, bodies)?;
+        colour(&place, arrow.colour.as_deref())?;
+        vector(&format!("{place}.from"), arrow.from.iter().flatten())?;
+        if arrow.frame == Frame::Body && arrow.body.is_none() {
+            return wrong(&format!("{place}.frame"), "is that of a body; say which by `body`");
+        }
+        match &mut arrow.vector {
+            Some(track) => check_track::<3>(&format!("{place}.vector"), track, moment_count)?,
+            None => return wrong(&format!("{place}.vector"), "is missing"),
+        }
+    }
+    for (k, link) in run.links.iter().enumerate() {
+        for (name, end) in [("from", &link.from), ("to", &link.to)] {
+            let place = format!("{place}.links[{k}].{name}");
+            known(&place, end.body, bodies)?;
+            vector(&place, &end.at)?;
+        }
+    }
+    for (k, plot) in run.plots.iter().enumerate() {
+        few(&format!("{place}.plots[{k}].series"), plot.series.len())?;
+        for (j, series) in plot.series.iter().enumerate() {
+            let place = format!("{place}.plots[{k}].series[{j}]");
+            colour(&place, series.colour.as_deref())?;
+            as_many(&format!("{place}.values"), series.values.len(), moment_count)?;
+            vector(&format!("{place}.values"), &series.values)?;
+        }
+    }
+    Ok(())
+}
+
+fn check_body(place: &str, body: &mut Body, moment_count: usize) -> Result<(), PageError> {
+    colour(place, body.colour.as_deref())?;
+    if let Some(rotation) = &mut body.rotation {
+        let place = format!("{place}.rotation");
+        check_track::<4>(&place, rotation, moment_count)?;
+        match rotation {
+            Track::Constant(one) => normalise(&place, one)?,
+            Track::Path(path) => {
+                for (k, quaternion) in path.iter_mut().enumerate() {
+                    normalise(&format!("{place}[{k}]"), quaternion)?;
+                }
+            }
+        }
+    }
+    if let Some(position) = &mut body.position {
+        check_track::<3>(&format!("{place}.position"), position, moment_count)?;
+    }
+    if let Some(solid) = &mut body.shape {
+        let place = format!("{place}.shape");
+        vector(&format!("{place}.centre"), &solid.centre)?;
+        vector(&format!("{place}.rotation"), &solid.rotation)?;
+        normalise(&format!("{place}.rotation"), &mut solid.rotation)?;
+        if !solid.shape.lengths().iter().all(|length| length.is_finite() && *length > 0.0) {
+            return wrong(&place, "all its lengths must be finite and positive");
+        }
+    }
+    Ok(())
+}
+
+/// Moments that all lie ahead of each other, forwards or backwards in time.
+fn moments(place: &str, time: &[f64]) -> Result<(), PageError> {
+    if time.len() > MOST_MOMENTS {
+        return wrong(place, format!("has {} moments; at most {MOST_MOMENTS} can be shown", time.len()));
+    }
+    vector(place, time)?;
+    let backwards = time.last() < time.first();
+    let wrong_way =
+        time.windows(2).position(|pair| if backwards { pair[1] >= pair[0] } else { pair[1] <= pair[0] });
+    match wrong_way {
+        Some(k) => wrong(&format!("{place}[{}]", k + 1), "moments must follow each other in one direction"),
+        None => Ok(()),
+    }
+}
+
+fn check_track<const N: usize>(place: &str, track: &mut Track, moment_count: usize) -> Result<(), PageError> {
+    let check = |place: &str, v: &[f64]| {
+        if v.len() != N {
+            return wrong(place, format!("expected {N} numbers, got {}", v.len()));
+        }
+        vector(place, v)
+    };
+    match track {
+        Track::Constant(one) => check(place, one),
+        Track::Path(path) => {
+            as_many(place, path.len(), moment_count)?;
+            path.iter().enumerate().try_for_each(|(k, v)| check(&format!("{place}[{k}]"), v))
+        }
+    }
+}
+
+fn normalise(place: &str, quaternion: &mut [f64]) -> Result<(), PageError> {
+    let length = quaternion.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !((length - 1.0).abs() <= NEARLY_UNIT) {
+        return wrong(
+            place,
+            format!("a rotation is a quaternion [w, x, y, z] of length 1; this one has {length}"),
+        );
+    }
+    quaternion.iter_mut().for_each(|x| *x /= length);
+    Ok(())
+}
+
+fn finite(place: &str, number: f64) -> Result<(), PageError> {
+    if number.is_finite() { Ok(()) } else { wrong(place, format!("{number} is not finite")) }
+}
+
+fn vector<'a>(place: &str, numbers: impl IntoIterator<Item = &'a f64>) -> Result<(), PageError> {
+    numbers.into_iter().try_for_each(|number| finite(place, *number))
+}
+
+fn as_many(place: &str, count: usize, moment_count: usize) -> Result<(), PageError> {
+    if count == moment_count {
+        return Ok(());
+    }
+    wrong(place, format!("has {count} entries for {moment_count} moments"))
+}
+
+fn few(place: &str, count: usize) -> Result<(), PageError> {
+    if count <= MOST_THINGS {
+        Ok(())
+    } else {
+        wrong(place, format!("has {count} entries; at most {MOST_THINGS} can be shown"))
+    }
+}
+
+fn known(place: &str, body: Option<usize>, bodies: usize) -> Result<(), PageError> {
+    match body {
+        Some(body) if body >= bodies => wrong(
+            &format!("{place}.body"),
+            format!("there is no body {body}; there are {bodies}, counted from 0"),
+        ),
+        _ => Ok(()),
+    }
+}
+
+fn colour(place: &str, colour: Option<&str>) -> Result<(), PageError> {
+    const COLOURS: [&str; 11] =
+        ["solid", "second", "planet", "ink", "c0", "c1", "c2", "c3", "c4", "c5", "c6"];
+    match colour {
+        Some(other) if !COLOURS.contains(&other) => wrong(
+            &format!("{place}.colour"),
+            format!("expected one of {}, got {other:?}", COLOURS.join(", ")),
+        ),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TWO: &str = r#""time": [0, 1]"#;
+
+    fn rejected(rest: &str) -> String {
+        let text = format!(r#"{{"format": "{FORMAT}", {rest}}}"#);
+        Page::from_json(&text).expect_err(&text).to_string()
+    }
+
+    #[test]
+    fn the_least_page_is_one() {
+        let text = format!(
+            r#"{{"format": "{FORMAT}", {TWO}, "runs": [{{"bodies": [{{"rotation": [[1, 0, 0, 0], [0.99, 0, 0, 0]]}}]}}]}}"#
+        );
+        let page = Page::from_json(&text).expect("valid");
+        let Some(Track::Path(path)) = &page.runs[0].bodies[0].rotation else { panic!("a path") };
+        assert_eq!(path[1], [1.0, 0.0, 0.0, 0.0], "normalised");
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_place() {
+        for (rest, place, reason) in [
+            (r#""runs": [{}]"#, "`runs[0]`", "no moments"),
+            (r#""time": [0, 1, 1]"#, "`time[2]`", "one direction"),
+            (r#""time": [0, 2, 1]"#, "`time[2]`", "one direction"),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [[1,0,0,0]]}}]}}]"#),
+                "`runs[0].bodies[0].rotation`",
+                "1 entries for 2 moments",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [1,0,0]}}]}}]"#),
+                "`runs[0].bodies[0].rotation`",
+                "expected 4 numbers, got 3",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"rotation": [[1,0,0,0],[2,0,0,0]]}}]}}]"#),
+                "`runs[0].bodies[0].rotation[1]`",
+                "this one has 2",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"arrows": [{{"vector": [1,0,0], "body": 3}}]}}]"#),
+                "`runs[0].arrows[0].body`",
+                "no body 3",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"arrows": [{{"vector": [1,0,0], "frame": "body"}}]}}]"#),
+                "`runs[0].arrows[0].frame`",
+                "say which",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"plots": [{{"series": [{{"values": [1]}}]}}]}}]"#),
+                "`runs[0].plots[0].series[0].values`",
+                "1 entries for 2",
+            ),
+            (
+                &format!(
+                    r#"{TWO}, "runs": [{{"bodies": [{{"shape": {{"kind": "sphere", "radius": -1}}}}]}}]"#
+                ),
+                "`runs[0].bodies[0].shape`",
+                "positive",
+            ),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"colour": "red"}}]}}]"#),
+                "`runs[0].bodies[0].colour`",
+                "expected one of",
+            ),
+            (&format!(r#"{TWO}, "runs": [{{"bodies": [{{"roation": []}}]}}]"#), "roation", "expected one of"),
+            (
+                &format!(r#"{TWO}, "runs": [{{"bodies": [{{"position": [[0,0,null],[0,0,0]]}}]}}]"#),
+                "line 1",
+                "list of vectors of numbers",
+            ),
+            (r#""time": 1e999"#, "line 1", "out of range"),
+        ] {
+            let message = rejected(rest);
+            assert!(message.contains(place) && message.contains(reason), "{rest}: {message}");
+        }
+        assert!(Page::from_json("{}").expect_err("no format").to_string().contains("`format`"));
+    }
+
+    #[test]
+    fn a_text_that_is_cut_off_is_no_page() {
+        let text = format!(
+            r#"{{"format": "{FORMAT}", {TWO}, "runs": [{{"bodies": [{{"position": [1, 2, 3]}}]}}]}}"#
+        );
+        assert!(Page::from_json(&text).is_ok());
+        for end in 0..text.len() {
+            assert!(Page::from_json(&text[..end]).is_err(), "{}", &text[..end]);
+        }
+    }
+
+    #[test]
+    fn the_examples_of_the_documentation_are_valid() {
+        let text = include_str!("../../PAGE_FORMAT.md");
+        let blocks: Vec<&str> =
+            text.split("```json\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+        let [page, shapes] = blocks.as_slice() else { panic!("{} blocks", blocks.len()) };
+        assert_eq!(Page::from_json(page).expect("valid").runs.len(), 1);
+        for shape in shapes.lines() {
+            let solid: crate::shape::Solid = serde_json::from_str(shape).expect(shape);
+            assert!(solid.shape.lengths().iter().all(|length| *length > 0.0), "{shape}");
+        }
+        assert_eq!(shapes.lines().count(), 7);
+    }
+}

@@ -1,0 +1,85 @@
+//! A headless Chromium, where one is installed.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// A browser, and a directory of pages for it.
+pub(super) struct Browser {
+    program: PathBuf,
+    directory: PathBuf,
+}
+
+impl Browser {
+    /// The browser that is installed. None is said loudly, and fails where `COADJOINT_REQUIRE_CHROMIUM` is set.
+    pub(super) fn find(test: &str) -> Option<Self> {
+        let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+        let path = std::env::var_os("PATH").unwrap_or_default();
+        let mut programs =
+            std::env::split_paths(&path).flat_map(|directory| names.map(|name| directory.join(name)));
+        let Some(program) = programs.find(|program| program.is_file()) else {
+            assert!(
+                std::env::var_os("COADJOINT_REQUIRE_CHROMIUM").is_none(),
+                "COADJOINT_REQUIRE_CHROMIUM is set, and there is no Chromium"
+            );
+            // past the capture of what tests print
+            let notice = format!(
+                "\nSKIPPED: {test}: no Chromium is installed, so what the page draws is NOT TESTED\n"
+            );
+            std::io::stderr().write_all(notice.as_bytes()).expect("writable");
+            return None;
+        };
+        let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("page-{test}"));
+        std::fs::create_dir_all(&directory).expect("writable");
+        Some(Self { program, directory })
+    }
+
+    /// Where a page of this name is.
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.directory.join(name)
+    }
+
+    /// The value of an expression once a page is shown in a window of this size, after checking that nothing went wrong.
+    pub(super) fn ask(&self, name: &str, (width, height): (u32, u32), expression: &str) -> Value {
+        let page = std::fs::read_to_string(self.path(name)).expect("a page");
+        assert!(page.contains("</body>") && page.contains("default-src 'none'"), "{name}");
+        // a canvas has its size only after the first layout
+        let question = format!(
+            "<script>(function ask(tries) {{
+               const drawn = coadjoint.scene().runs.every(({{ bodies }}) => bodies.every(({{ screen }}) => screen));
+               if (!drawn && tries > 0) return setTimeout(ask, 50, tries - 1);
+               let answer;
+               try {{ answer = {{ value: {expression}, errors: coadjoint.errors }}; }}
+               catch (error) {{ answer = {{ errors: [String(error.stack)] }}; }}
+               const text = JSON.stringify(answer).replace(/[<>&]/g, c => '\\\\u00' + c.charCodeAt().toString(16));
+               document.body.append(Object.assign(document.createElement('pre'), {{ id: 'answer', textContent: text }}));
+             }})(20);</script></body>"
+        );
+        let asked = self.path(&format!("asked-{name}"));
+        std::fs::write(&asked, page.replace("</body>", &question)).expect("writable");
+        let output = Command::new(&self.program)
+            .args([
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--disable-background-networking",
+                "--hide-scrollbars",
+            ])
+            .args(["--enable-logging=stderr", "--virtual-time-budget=1500", "--dump-dom"])
+            .arg(format!("--user-data-dir={}", self.directory.join("profile").display()))
+            .arg(format!("--window-size={width},{height}"))
+            .arg(format!("file://{}", asked.display()))
+            .output()
+            .expect("Chromium can be started");
+        let (shown, log) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        let said: Vec<&str> = log.lines().filter(|line| line.contains("CONSOLE")).collect();
+        assert!(said.is_empty(), "{name}: {said:#?}");
+        let answer = shown.split_once("<pre id=\"answer\">").and_then(|(_, rest)| rest.split_once("</pre>"));
+        let (answer, _) = answer.unwrap_or_else(|| panic!("{name} gave no answer:\n{log}"));
+        let mut answer: Value = serde_json::from_str(answer).expect("an answer");
+        assert_eq!(answer["errors"], Value::Array(Vec::new()), "{name}");
+        answer["value"].take()
+    }
+}
