@@ -55,7 +55,7 @@ pub(crate) struct RunArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) checkpoint: Option<PathBuf>,
     /// How often the checkpoint is brought up to date, s
-    #[arg(long, value_name = "S", default_value_t = PAUSE, requires = "checkpoint", value_parser = pause)]
+    #[arg(long = "save-every", value_name = "S", default_value_t = PAUSE, requires = "checkpoint", value_parser = pause)]
     pub(crate) checkpoint_every: f64,
     /// One run for each value, in parallel: `weight=1:10:20`, `weight=1,2,5`
     ///

@@ -21,7 +21,9 @@ fn the_ranges_drawn_are_told() {
     }
     assert_eq!((&object["members"], &object["failed"]), (&json!(20), &json!(0)));
     // the picture says it in the same words
-    assert!(scratch.read("out/heavy_top-ensemble.svg").contains("1 % of each component"));
+    assert!(
+        scratch.read(&scratch.named("out", "heavy_top-ensemble-", ".svg")).contains("1 % of each component")
+    );
 }
 
 /// Members one by one, with another scheme, move as they do side by side.
@@ -48,7 +50,7 @@ fn schemes_agree() {
             "{scheme:?}: {one_by_one} {side_by_side}"
         );
     }
-    assert!(scratch.files("out").contains(&"heavy_top-order4-cayley-ensemble.csv".to_owned()));
+    scratch.named("out", "heavy_top-order4-cayley-ensemble-", ".csv");
     assert!(
         scratch
             .fails(2, &[&FEW[..], &["--method", "rk4", "--order", "4"]].concat())

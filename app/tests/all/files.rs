@@ -222,7 +222,8 @@ fn a_page_that_cannot_be_written_is_told_before_the_run() {
     let scratch = Scratch::new("before");
     scratch.write("file", b"in the way");
     // long enough that it would not end
-    let output = scratch.run(&["run", "pendulum", "--duration", "1e12", "--html", "file/page.html"]);
+    let output =
+        scratch.run(&["run", "pendulum", "--duration", "1e12", "--long", "--html", "file/page.html"]);
     assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
     assert!(text(&output.stderr).starts_with("error: cannot write"), "{}", text(&output.stderr));
 }

@@ -57,6 +57,15 @@ impl Scratch {
         fs::read_to_string(self.0.join(path)).expect(path)
     }
 
+    /// The one file in a directory whose name begins and ends so: settings of one's own have a checksum between.
+    pub(crate) fn named(&self, directory: &str, begins: &str, ends: &str) -> String {
+        let names = self.files(directory);
+        let is_it = |name: &&String| name.starts_with(begins) && name.ends_with(ends);
+        let found: Vec<&String> = names.iter().filter(is_it).collect();
+        assert_eq!(found.len(), 1, "{begins}…{ends} among {names:?}");
+        format!("{directory}/{}", found[0])
+    }
+
     /// The names of the files in a directory, hidden ones too; none if it does not exist.
     pub(crate) fn files(&self, directory: &str) -> Vec<String> {
         let Ok(entries) = fs::read_dir(self.0.join(directory)) else { return Vec::new() };

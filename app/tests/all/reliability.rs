@@ -36,7 +36,7 @@ impl Random {
 
 /// A run of about half a second, which saves its checkpoint all the time.
 const LONG: [&str; 9] = ["run", "free_body", "--duration", "1500", "--step", "0.01", "--every", "5", "--set"];
-const CHECKPOINT: [&str; 4] = ["--checkpoint", "run.ck", "--checkpoint-every", "0.005"];
+const CHECKPOINT: [&str; 4] = ["--checkpoint", "run.ck", "--save-every", "0.005"];
 
 fn long<'a>(momentum: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
     [&LONG[..], &[momentum], rest].concat()
@@ -115,9 +115,7 @@ fn two_runs_do_not_share_a_checkpoint() {
             2 => [run(momenta[0]), resume()],
             _ => {
                 let child = scratch.command(&run(momenta[0])).spawn().expect("it starts");
-                while !scratch.path("run.ck.rows").exists() {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
+                wait_for("it has no journal", || scratch.path("run.ck.rows").exists());
                 std::thread::sleep(Duration::from_millis(random.below(60) as u64));
                 signal(&child, "-KILL");
                 let _ = child.wait_with_output();
@@ -241,9 +239,8 @@ fn flipped_bits_are_refused_or_of_no_effect() {
     let interrupted = Scratch::new("to-flip");
     let child = interrupted.command(&long(momentum, &CHECKPOINT)).spawn().expect("it starts");
     // until it has saved a while
-    while fs::metadata(interrupted.path("run.ck.rows")).map_or(0, |file| file.len()) < 300_000 {
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    let saved = || fs::metadata(interrupted.path("run.ck.rows")).map_or(0, |file| file.len());
+    wait_for("it does not save", || saved() >= 300_000);
     signal(&child, "-KILL");
     let _ = child.wait_with_output();
     let mut random = Random::new(3);
@@ -376,16 +373,28 @@ fn with_limited_files(command: &Command, size: usize) -> Command {
 }
 
 /// Without a checkpoint, what was computed until a signal is written, and says so; it does not take the place of all of it.
+/// Waits until something is so; a minute is too long.
+fn wait_for(otherwise: &str, is_so: impl Fn() -> bool) {
+    let start = std::time::Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < Duration::from_secs(60), "{otherwise}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// Waits until a run writes.
+fn wait_for_output(scratch: &Scratch) {
+    wait_for("the run does not write", || scratch.files("out").iter().any(|name| name.ends_with("tmp")));
+}
+
 #[test]
 fn signals_end_a_run_cleanly() {
     for (name, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
         let scratch = Scratch::new("signal");
-        let endless = ["run", "free_body", "--duration", "1e9", "--every", "1000", "--plot"];
+        let endless = ["run", "free_body", "--duration", "1e9", "--long", "--every", "1000", "--plot"];
         let end = |limit: &[&str]| {
             let child = scratch.command(&[&endless[..], limit].concat()).spawn().expect("it starts");
-            while !scratch.files("out").iter().any(|name| name.ends_with("tmp")) {
-                std::thread::sleep(Duration::from_millis(1));
-            }
+            wait_for_output(&scratch);
             std::thread::sleep(Duration::from_millis(100));
             signal(&child, name);
             child.wait_with_output().expect("it ends")
@@ -418,9 +427,7 @@ fn a_run_under_nohup_goes_on() {
     let mut nohup = Command::new("sh");
     nohup.args(["-c", "trap '' HUP; exec \"$0\" \"$@\""]).arg(command.get_program()).args(command.get_args());
     let child = nohup.current_dir(&scratch.0).spawn().expect("it starts");
-    while !scratch.files("out").iter().any(|name| name.ends_with("tmp")) {
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    wait_for_output(&scratch);
     signal(&child, "-HUP");
     assert_eq!(child.wait_with_output().expect("it ends").status.code(), Some(0));
 }
@@ -433,14 +440,23 @@ fn a_second_signal_leaves_no_temporary_file() {
     // the output goes into a pipe that nobody reads: after the first signal the program waits for ever
     assert!(Command::new("mkfifo").arg(scratch.path("page")).status().expect("mkfifo").success());
     let mut child = scratch
-        .command(&["run", "free_body", "--duration", "1e9", "--every", "1000", "--plot", "--html", "page"])
+        .command(&[
+            "run",
+            "free_body",
+            "--duration",
+            "1e9",
+            "--long",
+            "--every",
+            "1000",
+            "--plot",
+            "--html",
+            "page",
+        ])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()
         .expect("it starts");
-    while !scratch.files("out").iter().any(|name| name.ends_with("tmp")) {
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    wait_for_output(&scratch);
     for _ in 0..2 {
         std::thread::sleep(Duration::from_millis(50));
         signal(&child, "-TERM");
