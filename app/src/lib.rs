@@ -50,6 +50,7 @@ pub use {
     cli::App,
     entry::{Catalogue, Entry},
     error::Error,
+    trajectory::Trajectory,
 };
 
 #[cfg(feature = "program")]
@@ -103,6 +104,8 @@ mod threads;
 
 #[cfg(all(test, feature = "program"))]
 mod test_systems;
+#[cfg(feature = "program")]
+pub mod trajectory;
 
 /// The guide's page, whose code is compiled here.
 #[cfg(all(doctest, feature = "program"))]

@@ -48,6 +48,16 @@ impl Format {
     }
 }
 
+impl Format {
+    /// The format of files with this extension.
+    pub(crate) fn of_extension(extension: &str) -> Option<Self> {
+        clap::ValueEnum::value_variants()
+            .iter()
+            .copied()
+            .find(|format: &Self| format.extension() == extension)
+    }
+}
+
 /// A file format being written.
 trait Write {
     /// Adds a row: time, the state's components, energy.
@@ -58,12 +68,12 @@ trait Write {
 }
 
 /// A trajectory being written; dropped before it is finished, it leaves no file.
-pub struct Trajectory {
+pub(crate) struct TrajectoryWriter {
     path: PathBuf,
     writer: Box<dyn Write>,
 }
 
-impl Trajectory {
+impl TrajectoryWriter {
     /// Begins a trajectory; `-` is the standard output.
     ///
     /// # Errors
@@ -122,9 +132,9 @@ fn failure(path: &Path, source: io::Error) -> Error {
     }
 }
 
-impl std::fmt::Debug for Trajectory {
+impl std::fmt::Debug for TrajectoryWriter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Trajectory").field("path", &self.path).finish_non_exhaustive()
+        f.debug_struct("TrajectoryWriter").field("path", &self.path).finish_non_exhaustive()
     }
 }
 

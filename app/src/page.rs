@@ -25,6 +25,7 @@ mod validate;
 use std::io::Write as _;
 use std::path::Path;
 
+pub(crate) use self::film::Heading;
 pub use self::format::*;
 pub(crate) use self::open::open;
 pub(crate) use self::recording::HtmlPlayer;
@@ -32,7 +33,7 @@ pub use self::validate::PageError;
 use crate::entry::Entry;
 use crate::error::Error;
 use crate::output::{AtomicFile, make_directory};
-use crate::session::Plan;
+use crate::session::{Plan, title};
 
 /// The page; its parts go where their places stand.
 const PAGE: &str = include_str!("page/page.html");
@@ -123,6 +124,13 @@ fn name_run(run: &mut Run, time: &[f64], name: &str) {
 impl HtmlPlayer {
     /// The page.
     pub(crate) fn html(&self, entry: &Entry, plan: &Plan) -> String {
-        film::page(self, entry, plan).to_html()
+        let Plan { setup, job, .. } = plan;
+        let (parameters, title) = (&setup.parameters[..], title(entry, job));
+        self.page(entry, &Heading { title, parameters, step: job.step, steps: job.steps }).to_html()
+    }
+
+    /// The page with this heading.
+    pub(crate) fn page(&self, entry: &Entry, heading: &Heading<'_>) -> Page {
+        film::page(self, entry, heading)
     }
 }

@@ -15,7 +15,7 @@ use crate::conservation::ConservationReport;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 use crate::interrupt;
-use crate::output::{Format, Guard, Trajectory};
+use crate::output::{Format, Guard, TrajectoryWriter};
 use crate::page::HtmlPlayer;
 use crate::progress::Progress;
 use crate::provenance::{self, Provenance};
@@ -130,7 +130,7 @@ enum Rows {
     /// Nowhere.
     Discarded,
     /// Into the file.
-    File(Trajectory),
+    File(TrajectoryWriter),
     /// To be put into the file at the end.
     Journal(Store),
 }
@@ -177,7 +177,7 @@ impl Session {
                 (file.plan, file.record, Rows::Journal(store))
             }
             (None, Some(format), Some(path)) => {
-                let trajectory = Trajectory::create(path, format, entry, &guard)?;
+                let trajectory = TrajectoryWriter::create(path, format, entry, &guard)?;
                 (plan, record, Rows::File(trajectory))
             }
             _ => (plan, record, Rows::Discarded),
@@ -302,7 +302,7 @@ impl Session {
             (Rows::File(trajectory), Some(_)) => written.push(trajectory.finish(&conservation, interrupted)?),
             (Rows::Journal(mut journal), path) => {
                 if let (Some(format), Some(path)) = (plan.format, path) {
-                    let mut trajectory = Trajectory::create(path, format, entry, &guard)?;
+                    let mut trajectory = TrajectoryWriter::create(path, format, entry, &guard)?;
                     journal.replay(&mut |row| trajectory.row(row))?;
                     written.push(trajectory.finish(&conservation, interrupted)?);
                 }

@@ -8,10 +8,10 @@ use coadjoint::system::Quantity;
 use serde_json::json;
 
 use crate::console::Telling;
-use crate::entry::Catalogue;
+use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 use crate::setting::laid_out;
-use crate::simulation::{Method, Retraction};
+use crate::simulation::{Method, Order, Retraction, scheme};
 
 /// Which steps to certify.
 #[derive(Debug, Args)]
@@ -28,6 +28,14 @@ pub(crate) struct CertifyArguments {
     pub(crate) telling: Telling,
 }
 
+/// Whether steps of a method were generated.
+fn is_there(entry: &Entry, method: Method) -> bool {
+    let retraction = Retraction::of(entry).first().copied().unwrap_or(Retraction::Exponential);
+    let system = entry.system(&entry.example.parameters);
+    let scheme = scheme(method, retraction, Order::Two);
+    scheme.is_ok_and(|scheme| coadjoint::erased::Stepper::new(&*system, &scheme, entry.step).is_ok())
+}
+
 /// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests; fails if a claim is
 /// wrong.
 pub(crate) fn certify(
@@ -39,7 +47,10 @@ pub(crate) fn certify(
     let entry = catalogue.system(&arguments.system)?;
     let methods = match arguments.method {
         Some(method) => vec![method],
-        None => vec![Method::Standard, Method::Midpoint],
+        None => [Method::Standard, Method::Midpoint]
+            .into_iter()
+            .filter(|&method| is_there(entry, method))
+            .collect(),
     };
     let retractions = match arguments.retraction {
         Some(retraction) => vec![retraction],

@@ -219,7 +219,7 @@ pub(crate) fn again(
         every: Some(made.every),
         seed,
         long: run.long,
-        telling: run.telling.clone(),
+        telling: run.telling,
     };
     ensemble(catalogue, &arguments, stdout)
 }

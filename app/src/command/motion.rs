@@ -153,11 +153,17 @@ pub(crate) fn job(
     note.into_iter().try_for_each(|note| console.note(note))?;
     Ok(Job {
         method: scheme.method.unwrap_or(Method::Standard),
-        retraction: scheme.retraction.unwrap_or(retraction),
+        retraction: scheme.retraction.unwrap_or_else(|| default_retraction(entry, retraction)),
         order: scheme.order.unwrap_or(Order::Two),
         step,
         steps,
     })
+}
+
+/// This retraction, or where there are no steps with it the first one with which there are.
+fn default_retraction(entry: &Entry, usual: Retraction) -> Retraction {
+    let known = Retraction::of(entry);
+    if known.contains(&usual) { usual } else { known.first().copied().unwrap_or(usual) }
 }
 
 /// Whether what was asked for beside a method means anything to it.

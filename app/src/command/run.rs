@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::motion::{ChosenRun, Motion};
 use super::scan;
@@ -229,7 +229,7 @@ fn again(
 ) -> Result<Plan, Error> {
     let entry = made.entry(catalogue)?;
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let format = Format::value_variants().iter().copied().find(|format| format.extension() == extension);
+    let format = Format::of_extension(&extension);
     let mut plan = Plan {
         system: entry.name.to_owned(),
         setup: made.setup(entry)?,

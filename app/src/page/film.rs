@@ -11,16 +11,25 @@ use super::scenery;
 use crate::entry::Entry;
 use crate::run_plot::symbols;
 use crate::scene::{Arrow, Body, Link, Scene, Vector};
-use crate::session::{Plan, title};
 use crate::setting::{laid_out, rotation};
 
+/// What is said of a run beside its motion.
+pub(crate) struct Heading<'a> {
+    /// The system and its scheme.
+    pub(crate) title: String,
+    pub(crate) parameters: &'a [f64],
+    /// s
+    pub(crate) step: f64,
+    pub(crate) steps: u64,
+}
+
 /// The page of a run.
-pub(super) fn page(player: &HtmlPlayer, entry: &Entry, plan: &Plan) -> Page {
+pub(super) fn page(player: &HtmlPlayer, entry: &Entry, heading: &Heading<'_>) -> Page {
     let moments = player.moments();
-    let scene = scenery::scene(entry, &plan.setup.parameters);
+    let scene = scenery::scene(entry, heading.parameters);
     let film = Film { entry, moments: &moments };
     let run = Run {
-        name: title(entry, &plan.job),
+        name: heading.title.clone(),
         bodies: (0..scene.bodies.len()).map(|k| film.body(&scene, k)).collect(),
         arrows: scene.arrows.iter().filter_map(|arrow| film.arrow(&scene, arrow)).collect(),
         links: scene.links.iter().map(link).collect(),
@@ -33,28 +42,28 @@ pub(super) fn page(player: &HtmlPlayer, entry: &Entry, plan: &Plan) -> Page {
         format: format::FORMAT.to_owned(),
         title: entry.name.to_owned(),
         about: entry.about.to_owned(),
-        subtitle: format!("{}, {} steps", title(entry, &plan.job), plan.job.steps),
-        details: details(entry, plan),
+        subtitle: format!("{}, {} steps", heading.title, heading.steps),
+        details: details(entry, heading),
         time: moments.kept.iter().map(|moment| moment.time).collect(),
         space: Space { axes: scenery::axes(entry, &scene), ground: scene.ground, ..Space::default() },
         runs: vec![run],
     }
 }
 
-fn details(entry: &Entry, plan: &Plan) -> Vec<Detail> {
+fn details(entry: &Entry, heading: &Heading<'_>) -> Vec<Detail> {
     let detail =
         |name: &str, value, unit: &str| Detail { name: name.to_owned(), value, unit: unit.to_owned() };
     let mut details = Vec::new();
     for (quantity, slots) in laid_out(entry.description.parameters) {
-        let value = match plan.setup.parameters.get(slots).unwrap_or_default() {
+        let value = match heading.parameters.get(slots).unwrap_or_default() {
             [one] => DetailValue::Number(*one),
             several => DetailValue::Numbers(several.to_vec()),
         };
         details.push(detail(quantity.name, value, entry.unit(quantity.name)));
     }
-    details.push(detail("scheme", DetailValue::Text(title(entry, &plan.job)), ""));
-    details.push(detail("step", DetailValue::Number(plan.job.step), "s"));
-    details.push(detail("steps", DetailValue::Number(plan.job.steps as f64), ""));
+    details.push(detail("scheme", DetailValue::Text(heading.title.clone()), ""));
+    details.push(detail("step", DetailValue::Number(heading.step), "s"));
+    details.push(detail("steps", DetailValue::Number(heading.steps as f64), ""));
     details.push(detail(
         "made by",
         DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION"))),

@@ -50,7 +50,7 @@ impl Entry {
     pub fn states_in_motion(&self, setup: &Setup) -> Result<(Vec<Vec<f64>>, bool), SimulationError> {
         let job = Job {
             method: Method::Standard,
-            retraction: Retraction::Exponential,
+            retraction: Retraction::of(self).first().copied().unwrap_or(Retraction::Exponential),
             order: Order::Two,
             step: self.step,
             steps: 80,

@@ -274,7 +274,18 @@ pub struct Sample<'a> {
     memory: core::cell::RefCell<&'a mut dyn FnMut() -> Vec<f64>>,
 }
 
-impl Sample<'_> {
+impl<'a> Sample<'a> {
+    /// A moment of a motion; what carries it on gives its numbers by the function.
+    pub fn new(
+        (index, time): (u64, f64),
+        state: &'a [f64],
+        energy: f64,
+        casimirs: &'a [f64],
+        memory: &'a mut dyn FnMut() -> Vec<f64>,
+    ) -> Self {
+        Self { index, time, state, energy, casimirs, memory: core::cell::RefCell::new(memory) }
+    }
+
     /// What the stepper carries here: see [`Stepper::snapshot`].
     pub fn snapshot(&self) -> Vec<f64> {
         (self.memory.borrow_mut())()
