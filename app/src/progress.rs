@@ -61,7 +61,7 @@ impl Progress {
         }
     }
 
-    /// As [`at`](Self::at), without the interval.
+    /// Tells at once how many steps have been taken.
     pub fn show(&mut self, index: u64) {
         match &mut self.display {
             Display::Bar(bar) => bar.set_position(index),
