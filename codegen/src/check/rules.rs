@@ -98,7 +98,9 @@ fn own(factor: &parse::Factor, diagnostics: &mut Diagnostics) -> Option<&'static
                 ),
             )
         }
-        Err(_) => (&factor.group, "matrices of 1 to 6 rows are known, of small whole numbers".to_owned()),
+        Err(_) => {
+            (&factor.group, "a basis has up to 16 matrices of 1 to 6 rows, of small whole numbers".to_owned())
+        }
     };
     diagnostics.push(at, message);
     None

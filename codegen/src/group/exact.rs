@@ -1,10 +1,118 @@
 //! Small matrices of exact fractions.
 
-use num_rational::Ratio;
-use num_traits::{One, Signed, Zero};
+use std::iter::Sum;
+use std::ops::{Add, Div, DivAssign, Mul, Neg, Sub, SubAssign};
 
-/// An exact fraction.
-pub(super) type Fraction = Ratio<i128>;
+use num_rational::Ratio;
+use num_traits::{CheckedAdd, CheckedDiv, CheckedMul, CheckedSub};
+
+/// Numerators and denominators grow no larger.
+const LARGEST: u128 = 1 << 120;
+
+/// An exact fraction; unknown where its numbers have grown too large, and then so is all that is made of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Fraction(Option<Ratio<i128>>);
+
+impl Fraction {
+    pub(super) fn new(numerator: i128, denominator: i128) -> Self {
+        Self::of((denominator != 0).then(|| Ratio::new(numerator, denominator)))
+    }
+
+    fn of(ratio: Option<Ratio<i128>>) -> Self {
+        let is_small = |part: &i128| part.unsigned_abs() <= LARGEST;
+        Self(ratio.filter(|ratio| is_small(ratio.numer()) && is_small(ratio.denom())))
+    }
+
+    pub(super) fn zero() -> Self {
+        Self::from(0)
+    }
+
+    pub(super) fn one() -> Self {
+        Self::from(1)
+    }
+
+    /// Whether it is known, and zero.
+    pub(super) fn is_zero(&self) -> bool {
+        self.0.is_some_and(|ratio| *ratio.numer() == 0)
+    }
+
+    /// Whether it is known, and negative.
+    pub(super) fn is_negative(&self) -> bool {
+        self.0.is_some_and(|ratio| *ratio.numer() < 0)
+    }
+
+    pub(super) fn is_known(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Numerator and denominator, if they are known.
+    pub(super) fn parts(&self) -> Option<(i128, i128)> {
+        self.0.map(|ratio| (*ratio.numer(), *ratio.denom()))
+    }
+
+    fn with(self, other: Self, operation: fn(&Ratio<i128>, &Ratio<i128>) -> Option<Ratio<i128>>) -> Self {
+        Self::of(self.0.zip(other.0).and_then(|(a, b)| operation(&a, &b)))
+    }
+}
+
+impl From<i128> for Fraction {
+    fn from(number: i128) -> Self {
+        Self::of(Some(Ratio::from_integer(number)))
+    }
+}
+
+impl Add for Fraction {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.with(other, Ratio::checked_add)
+    }
+}
+
+impl Sub for Fraction {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.with(other, Ratio::checked_sub)
+    }
+}
+
+impl Mul for Fraction {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        self.with(other, Ratio::checked_mul)
+    }
+}
+
+impl Div for Fraction {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        if other.is_zero() { Self(None) } else { self.with(other, Ratio::checked_div) }
+    }
+}
+
+impl Neg for Fraction {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self::zero() - self
+    }
+}
+
+impl SubAssign for Fraction {
+    fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl DivAssign for Fraction {
+    fn div_assign(&mut self, other: Self) {
+        *self = *self / other;
+    }
+}
+
+impl Sum for Fraction {
+    fn sum<I: Iterator<Item = Self>>(fractions: I) -> Self {
+        fractions.fold(Self::zero(), Add::add)
+    }
+}
 
 /// A matrix of exact fractions, by rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,16 +128,17 @@ impl Exact {
         Self { rows, columns, entries: places.map(|(i, j)| of(i, j)).collect() }
     }
 
-    pub(super) fn identity(n: usize) -> Self {
-        Self::from_fn(n, n, |i, j| if i == j { Fraction::one() } else { Fraction::zero() })
-    }
-
     pub(super) fn at(&self, i: usize, j: usize) -> Fraction {
         self.entries[i * self.columns + j]
     }
 
+    /// Whether no number has grown too large.
+    pub(super) fn is_known(&self) -> bool {
+        self.entries.iter().all(Fraction::is_known)
+    }
+
     pub(super) fn is_zero(&self) -> bool {
-        self.entries.iter().all(Zero::is_zero)
+        self.entries.iter().all(Fraction::is_zero)
     }
 
     pub(super) fn transpose(&self) -> Self {
@@ -38,7 +147,8 @@ impl Exact {
 
     pub(super) fn times(&self, other: &Self) -> Self {
         Self::from_fn(self.rows, other.columns, |i, j| {
-            (0..self.columns).map(|k| self.at(i, k) * other.at(k, j)).sum()
+            let terms = (0..self.columns).filter(|&k| !self.at(i, k).is_zero() && !other.at(k, j).is_zero());
+            terms.map(|k| self.at(i, k) * other.at(k, j)).sum()
         })
     }
 
@@ -145,7 +255,7 @@ mod tests {
     fn linear_algebra_is_exact() {
         let m = matrix([[2, 1, 0], [1, 3, 1], [0, 1, 7]]);
         let inverse = m.inverse().expect("regular");
-        assert_eq!(m.times(&inverse), Exact::identity(3));
+        assert_eq!(m.times(&inverse), matrix([[1, 0, 0], [0, 1, 0], [0, 0, 1]]));
         let singular = matrix([[1, 2, 3], [2, 4, 6], [1, 0, 1]]);
         assert_eq!(singular.inverse(), None);
         assert_eq!(singular.independent_columns(), [0, 1]);
@@ -153,6 +263,14 @@ mod tests {
         assert_eq!(kernel.len(), 1);
         let column = Exact::from_fn(3, 1, |i, _| kernel[0][i]);
         assert!(singular.times(&column).is_zero() && !column.is_zero());
+    }
+
+    #[test]
+    fn what_grows_too_large_is_unknown() {
+        let large = Fraction::from(i128::MAX / 1024);
+        assert!(!(large * large).is_known() && !(large * large).is_zero() && !(large * large).is_negative());
+        assert!(!(large + Fraction::one() / Fraction::zero()).is_known());
+        assert_eq!(Fraction::new(1, 3) + Fraction::new(1, 6), Fraction::new(1, 2));
     }
 
     #[test]

@@ -13,8 +13,6 @@
 
 use std::sync::OnceLock;
 
-use num_traits::{One, Zero};
-
 use super::exact::{Exact, Fraction};
 use super::{
     EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, Side, StorageType,
@@ -93,6 +91,8 @@ impl Hull {
         let mut span: Vec<Exact> = Vec::new();
         let mut new = basis.to_vec();
         loop {
+            // what has grown too large is an error at the end, and no reason to go on
+            let is_known = new.iter().all(Exact::is_known);
             span.append(&mut new);
             let mut rows = Exact::from_fn(span.len(), n * n, |i, k| span[i].entries[k]);
             let pivots = rows.reduce();
@@ -107,7 +107,7 @@ impl Hull {
             let products = reduced.iter().flat_map(|a| basis.iter().map(move |e| a.times(e)));
             new = products.filter(is_new).collect();
             span = reduced;
-            if new.is_empty() {
+            if new.is_empty() || !is_known {
                 let entries = span.into_iter().map(|row| row.entries);
                 return Self { rows: pivots.into_iter().zip(entries).collect() };
             }
@@ -130,6 +130,8 @@ const RADIUS: (i128, i128) = (3, 2);
 /// So many powers of a matrix as large as that, over their factorials, are below half an ulp of the sum.
 pub(super) const TERMS: usize = 20;
 
+/// The largest dimension of an algebra: what is found of it takes seconds then, and its steps are thousands of operations.
+const LARGEST_BASIS: usize = 16;
 /// The largest dimension of an algebra whose series are summed: Newton's correction has their derivative, which is ten thousand operations in eight
 /// dimensions.
 const LARGEST_SUMMED: usize = 6;
@@ -165,17 +167,23 @@ impl Annihilator {
                 sum.plus(e, Fraction::from(point[i % 5] + 17 * (i / 5) as i128))
             })
         };
+        // what annihilates a vector like any other annihilates all of them
+        let vector =
+            Exact::from_fn(n, 1, |i, _| Fraction::from([2, -3, 5, 7, -11][i % 5] + 13 * (i / 5) as i128));
         let points = POINTS.map(|point| at(&point));
-        let power = |x: &Exact, a: usize| (0..a).fold(Exact::identity(n), |power, _| power.times(x));
-        if let Some(power) = (1..=n).find(|&a| points.iter().all(|x| power(x, a).is_zero())) {
+        let powers = points.each_ref().map(|x| {
+            let mut powers = vec![vector.clone()];
+            (0..n).for_each(|k| powers.push(x.times(&powers[k])));
+            powers
+        });
+        if let Some(power) = (1..=n).find(|&a| powers.iter().all(|powers| powers[a].is_zero())) {
             return Some(Self { power, multiplicity: 0, quadratic: None });
         }
-        let is_annihilated = |(a, m, q): &(usize, usize, usize)| {
-            points.iter().all(|x| {
-                let square = x.times(x);
-                let z = -square.trace() / Fraction::from(2 * *m as i128);
-                let factor = square.plus(&Exact::identity(n), z);
-                (0..*q).fold(power(x, *a), |power, _| power.times(&factor)).is_zero()
+        let is_annihilated = |&(a, m, q): &(usize, usize, usize)| {
+            points.iter().zip(&powers).all(|(x, powers)| {
+                let z = -x.times(x).trace() / Fraction::from(2 * m as i128);
+                let factor = |v: &Exact| x.times(&x.times(v)).plus(v, z);
+                (0..q).fold(powers[a].clone(), |v, _| factor(&v)).is_zero()
             })
         };
         let kinds = (1..=3).flat_map(|q| (0..n).map(move |a| (q, a)));
@@ -293,7 +301,9 @@ fn frobenius(matrices: &[Exact]) -> Exact {
 }
 
 fn number(fraction: Fraction) -> Number {
-    Number::ratio(*fraction.numer(), *fraction.denom())
+    // a group is made of known numbers alone
+    let (numerator, denominator) = fraction.parts().unwrap_or((0, 1));
+    Number::ratio(numerator, denominator)
 }
 
 impl MatrixGroup {
@@ -323,6 +333,9 @@ impl MatrixGroup {
         if basis.is_empty() || !is_square {
             return Err(BasisError::Shape);
         }
+        if basis.len() > LARGEST_BASIS {
+            return Err(BasisError::TooLarge);
+        }
         let matrices: Vec<Exact> = basis
             .iter()
             .map(|(_, entries)| {
@@ -336,6 +349,14 @@ impl MatrixGroup {
         let is_traceless = matrices.iter().all(|matrix| matrix.trace().is_zero());
         let is_special = form.is_none() && is_traceless && hull.rows.len() == size * size;
         let adjoint: Vec<Exact> = (0..matrices.len()).map(|i| structure.adjoint(i)).collect();
+        let known =
+            [&readout.inverse, &frobenius(&matrices), &frobenius(&adjoint)].into_iter().all(Exact::is_known);
+        let hull_is_known = hull.rows.iter().all(|(_, row)| row.iter().all(Fraction::is_known));
+        let form_is_known =
+            form.as_ref().is_none_or(|form| form.matrix.is_known() && form.inverse.is_known());
+        if !(known && hull_is_known && form_is_known) {
+            return Err(BasisError::TooLarge);
+        }
         Ok(Self {
             name,
             configuration_type: ["Matrix1", "Matrix2", "Matrix3", "Matrix4", "Matrix5", "Matrix6"]
@@ -375,7 +396,7 @@ impl MatrixGroup {
     /// The entry of a basis matrix.
     pub fn basis_entry(&self, axis: usize, row: usize, column: usize) -> (i128, i128) {
         let entry = self.basis[axis].at(row, column);
-        (*entry.numer(), *entry.denom())
+        entry.parts().unwrap_or((0, 1))
     }
 
     /// `X`
@@ -497,8 +518,9 @@ fn structure(basis: &[Exact], readout: &Readout) -> Result<Structure, BasisError
             let coordinates = readout.coordinates(basis, &bracket).ok_or(BasisError::NotClosed(i, j))?;
             let mut row = Vec::new();
             for (k, c) in coordinates.into_iter().enumerate().filter(|(_, c)| !c.is_zero()) {
-                let part = |part: &i128| i64::try_from(*part).map_err(|_| BasisError::TooLarge);
-                row.push((k, num_rational::Ratio::new(part(c.numer())?, part(c.denom())?)));
+                let part = |part: i128| i64::try_from(part).map_err(|_| BasisError::TooLarge);
+                let (numerator, denominator) = c.parts().ok_or(BasisError::TooLarge)?;
+                row.push((k, num_rational::Ratio::new(part(numerator)?, part(denominator)?)));
             }
             constants.push(row);
         }

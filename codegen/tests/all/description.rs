@@ -348,6 +348,24 @@ fn bases_of_groups() {
         body,
         &[("R3", "`SL2` does not act on a space `R3`; known: `R2`")],
     );
+    // neither large numbers nor many of them are more than an error
+    breaks("group = SL(6)", body, &[("SL", "there is no group `SL6`")]);
+    breaks("group = SU(3)", body, &[("SU", "there are no steps on SU3")]);
+    let dense = (0..6).map(|i| {
+        let row = |r: i64| {
+            (0..6)
+                .map(|c| (2_000_000_011 - 977 * (7 * i + 5 * r * r + c)).to_string())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        format!("a{i}: [{}]", (0..6).map(row).collect::<Vec<_>>().join("; "))
+    });
+    let dense = format!("group = matrices {{ {} }}", dense.collect::<Vec<_>>().join(", "));
+    let mut diagnostics = Diagnostics::new();
+    let attribute = Attribute::parse(tokens(&dense), &mut diagnostics);
+    let item = Item::parse(tokens(body), &mut diagnostics).expect("a struct");
+    let _ = check::resolve(&attribute, &item, &mut diagnostics);
+    assert!(!told(diagnostics).is_empty());
     breaks("group = SO(40)", body, &[("SO", "there is no group `SO40`")]);
 }
 
