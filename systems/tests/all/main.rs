@@ -20,7 +20,7 @@ macro_rules! entries {
             heavy_top_on_se3
             magnetic_top
             quadrotor
-            loose_quadrotor
+            hovering_quadrotor
             rigid_body_in_space
             hanging_plate
             gyrostat

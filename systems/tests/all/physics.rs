@@ -242,7 +242,7 @@ fn hover_stays_put() {
     where
         Quadrotor: Discretized<M>,
     {
-        let (quadrotor, start) = Quadrotor::example();
+        let (quadrotor, start) = Quadrotor::hovering();
         let states = motion::<_, M>(&quadrotor, &start, 0.01, 2_000);
         let end = &states[2_000];
         assert_eq!(end.attitude, start.attitude);
