@@ -1,13 +1,18 @@
-//! A program for two systems: a heavy top, and a pendulum that a motor drives.
+//! A program for two systems of one's own, a heavy top and a pendulum that a motor drives:
+//! `cargo run --example two_systems -- run heavy_top --plot`.
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
 
+/// A rigid body that turns about a fixed point under gravity.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
 struct HeavyTop {
+    /// Principal moments of inertia about the point, kg m².
     #[inertia]
     inertia: Vector3<f64>,
+    /// N.
     weight: f64,
+    /// From the point to the centre of mass, m.
     chi: Vector3<f64>,
 }
 
@@ -21,14 +26,27 @@ impl Example for HeavyTop {
     }
 }
 
-#[lie_poisson_system(group = SO2, control(motor: R1), potential = -weight * angle.cos_angle(), force = motor)]
+/// A pendulum that swings in a plane, and a motor.
+#[lie_poisson_system(
+    group = SO2,
+    control(motor: R1),
+    potential = -weight * angle.cos_angle(),
+    force = motor,
+    methods(Midpoint)
+)]
 struct DrivenPendulum {
+    /// Moment of inertia about the pivot, kg m².
     #[inertia]
     inertia: f64,
+    /// Times the distance from the pivot to the centre of mass, N m.
     weight: f64,
 }
 
 impl Example for DrivenPendulum {
+    const ABOUT: &'static str = "a pendulum that swings in a plane";
+    const UNITS: &'static [(&'static str, &'static str)] =
+        &[("inertia", "kg m²"), ("weight", "N m"), ("motor", "N m")];
+
     fn example() -> (Self, DrivenPendulumState) {
         let start = DrivenPendulumState { angle: UnitComplex::new(1.0), momentum: vector![0.1] };
         (DrivenPendulum { inertia: 0.1, weight: 3.0 }, start)

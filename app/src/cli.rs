@@ -8,7 +8,9 @@ use std::process::ExitCode;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::command::{certify, ensemble, init, list, manual, play, run};
+#[cfg(feature = "manual")]
+use crate::command::manual;
+use crate::command::{certify, ensemble, init, list, play, run};
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 
@@ -52,8 +54,10 @@ enum Command {
     /// Measure what the schemes claim of their steps of a system
     Certify(certify::CertifyArguments),
     /// Print a script that completes commands in a shell
+    #[cfg(feature = "manual")]
     Completions(manual::CompletionsArguments),
     /// Print the manual's page
+    #[cfg(feature = "manual")]
     Man,
 }
 
@@ -174,7 +178,9 @@ impl Command {
             #[cfg(feature = "show")]
             Command::Show(arguments) => crate::command::show::show(catalogue, arguments, console),
             Command::Certify(arguments) => certify::certify(catalogue, arguments, console),
+            #[cfg(feature = "manual")]
             Command::Completions(arguments) => manual::completions(app.parser(), arguments, console),
+            #[cfg(feature = "manual")]
             Command::Man => manual::man(app.parser(), console),
         }
     }

@@ -4,6 +4,7 @@ pub(crate) mod certify;
 pub(crate) mod ensemble;
 pub(crate) mod init;
 pub(crate) mod list;
+#[cfg(feature = "manual")]
 pub(crate) mod manual;
 pub(crate) mod motion;
 pub(crate) mod play;

@@ -107,7 +107,8 @@ fn numbers(name: &str, value: &Value) -> Result<Vec<f64>, Error> {
         Value::Integer(number) => Err(Error::Input(format!(
             "`{name}`: {number} is a whole number that would be rounded; write it with a point, as `{number}.0`"
         ))),
-        other => Err(Error::Input(format!("`{name}` takes numbers, got {} `{other}`", other.type_str()))),
+        Value::String(text) => Err(Error::Input(format!("`{name}` takes numbers, got string `{text:?}`"))),
+        other => Err(Error::Input(format!("`{name}` takes numbers, got {}", other.type_str()))),
     };
     match value {
         Value::Array(values) => values.iter().map(number).collect(),

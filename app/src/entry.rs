@@ -8,6 +8,7 @@ use coadjoint::{Discretized, RightLift, System};
 use crate::error::Error;
 use crate::example::Example;
 use crate::scene::Scene;
+use crate::shown::Shown;
 use crate::simulation::{Retraction, Setup};
 use crate::suggest::did_you_mean;
 
@@ -40,6 +41,8 @@ pub struct Entry {
     pub(crate) body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
     /// What is seen of it with these parameters, from what is seen by its state alone.
     pub(crate) scene: fn(&[f64], Scene) -> Scene,
+    /// What pictures show of its state.
+    pub(crate) shown: Shown,
 }
 
 /// What takes steps on a retraction, with these parameters, of this size. None on retractions that not every system has steps with.
@@ -52,6 +55,8 @@ impl Entry {
     /// The entry of a system, under its own name.
     pub fn of<S: Example>() -> Self {
         let description = Description::of::<S>();
+        let example = flat(&S::example());
+        let build = |parameters: &[f64]| -> Box<dyn erased::System> { Box::new(system::<S>(parameters)) };
         Self {
             name: snake_case(S::NAME).leak(),
             about: S::ABOUT,
@@ -60,9 +65,10 @@ impl Entry {
             duration: S::DURATION,
             certified_step: S::CERTIFIED_STEP,
             description,
-            example: flat(&S::example()),
+            shown: Shown::of(&*build(&example.parameters), &example.state),
+            example,
             units: S::UNITS,
-            build: |parameters| Box::new(system::<S>(parameters)),
+            build,
             control: if description.controls.is_empty() { None } else { Some(control::<S>) },
             right_lift: None,
             body_inertia: |parameters| system::<S>(parameters).body_inertia(),
@@ -149,8 +155,11 @@ impl Entry {
             let components = quantity.components.iter().map(|component| component_name(quantity, component));
             components.chain([quantity.name.to_owned()])
         };
-        let mut known: Vec<String> =
-            [parameters, state, controls].into_iter().flatten().flat_map(names).collect();
+        let mut known: Vec<String> = [parameters, state, controls, self.shown.plotted()]
+            .into_iter()
+            .flatten()
+            .flat_map(names)
+            .collect();
         known.extend(casimirs.iter().copied().chain(["energy", "time"]).map(str::to_owned));
         let is_known = |of: &str| known.iter().any(|name| name == of || is_part(of, name));
         self.units.iter().map(|(of, _)| *of).filter(|of| !is_known(of)).collect()

@@ -40,6 +40,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod example;
+mod linear;
 pub mod scene;
 pub mod shape;
 
@@ -88,6 +89,8 @@ pub mod progress;
 #[cfg(feature = "program")]
 pub mod provenance;
 #[cfg(feature = "program")]
+pub mod random;
+#[cfg(feature = "program")]
 pub mod report;
 #[cfg(feature = "program")]
 mod run_plot;
@@ -95,6 +98,8 @@ mod run_plot;
 pub mod session;
 #[cfg(feature = "program")]
 mod setting;
+#[cfg(feature = "program")]
+mod shown;
 #[cfg(feature = "program")]
 pub mod simulation;
 #[cfg(feature = "program")]

@@ -16,12 +16,12 @@ use serde::{Deserialize, Serialize};
 
 pub use self::atomic_file::AtomicFile;
 pub(crate) use self::atomic_file::{Replace, random, remove_temporaries};
-pub(crate) use self::guard::{Claim, Guard};
+pub use self::guard::{Claim, Guard};
 pub(crate) use self::json::invariants;
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
 use crate::error::Error;
-use crate::provenance::{self, Provenance};
+use crate::provenance::{self, Origin};
 
 /// How a trajectory is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
@@ -87,10 +87,10 @@ impl TrajectoryWriter {
         let writer = || -> io::Result<Box<dyn Write>> {
             let file = AtomicFile::begin(path, Replace::Guarded(guard.clone()))?;
             Ok(match format {
-                Format::Csv => Box::new(csv::Csv::new(file, entry, guard.run())?),
-                Format::Json => Box::new(json::Json::new(file, entry, guard.run())?),
+                Format::Csv => Box::new(csv::Csv::new(file, entry, guard.origin())?),
+                Format::Json => Box::new(json::Json::new(file, entry, guard.origin())?),
                 #[cfg(feature = "parquet")]
-                Format::Parquet => Box::new(parquet::Parquet::new(file, entry, guard.run())?),
+                Format::Parquet => Box::new(parquet::Parquet::new(file, entry, guard.origin())?),
             })
         };
         match writer() {
@@ -159,7 +159,7 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
 ///
 /// # Errors
 /// If that cannot be done.
-pub fn make_directory(directory: &Path) -> Result<(), Error> {
+pub(crate) fn make_directory(directory: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(directory).map_err(|source| Error::Write { path: directory.to_owned(), source })
 }
 
@@ -169,34 +169,22 @@ pub(crate) fn file_in(directory: &Path, name: &str) -> PathBuf {
 }
 
 /// A table as CSV, with what made it in front.
-///
-/// # Errors
-/// Never, but for a defect of the writer.
-pub(crate) fn table(run: &Provenance, records: impl Iterator<Item = Vec<String>>) -> io::Result<Vec<u8>> {
-    let mut writer = ::csv::Writer::from_writer(provenance::comment(run).into_bytes());
+pub(crate) fn table(run: &Origin, records: &[Vec<String>]) -> Vec<u8> {
+    let mut table = provenance::comment(run).into_bytes();
     for record in records {
-        writer.write_record(record)?;
+        csv::write_record(&mut table, record);
     }
-    let mut table = writer.into_inner().map_err(|error| error.into_error())?;
-    if let Some(steps) = run.interrupted {
-        table.extend(provenance::interruption(steps, run.steps).into_bytes());
+    if let Some(steps) = run.interrupted() {
+        table.extend(provenance::interruption(steps, run.steps()).into_bytes());
     }
-    Ok(table)
+    table
 }
 
-/// Writes a text, whole or not at all.
+/// Writes a file, whole or not at all, in the place of what is there.
 ///
 /// # Errors
 /// If that cannot be done.
-pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
-    write_bytes(path, text.as_bytes())
-}
-
-/// Writes a file, whole or not at all.
-///
-/// # Errors
-/// If that cannot be done.
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let write = || {
         let mut file = AtomicFile::create(path)?;
         io::Write::write_all(&mut file, bytes)?;

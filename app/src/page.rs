@@ -22,7 +22,6 @@ mod recording;
 mod scenery;
 mod validate;
 
-use std::io::Write as _;
 use std::path::Path;
 
 pub(crate) use self::film::Heading;
@@ -32,7 +31,7 @@ pub(crate) use self::recording::HtmlPlayer;
 pub use self::validate::PageError;
 use crate::entry::Entry;
 use crate::error::Error;
-use crate::output::{AtomicFile, make_directory};
+use crate::output::{make_directory, write_bytes};
 use crate::session::{Plan, title};
 
 /// The page; its parts go where their places stand.
@@ -71,7 +70,7 @@ impl Page {
         html
     }
 
-    /// Writes the page as HTML, and the directory that it is in.
+    /// Writes the page as HTML, and the directory that it is in. A file that is there is replaced.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -79,12 +78,7 @@ impl Page {
         if let Some(directory) = path.parent().filter(|directory| !directory.as_os_str().is_empty()) {
             make_directory(directory)?;
         }
-        let write = || {
-            let mut file = AtomicFile::create(path)?;
-            file.write_all(self.to_html().as_bytes())?;
-            file.finish()
-        };
-        write().map_err(|source| Error::Write { path: path.to_owned(), source })
+        write_bytes(path, self.to_html().as_bytes())
     }
 
     /// Reads data, or those of a page.
@@ -125,8 +119,8 @@ impl HtmlPlayer {
     /// The page.
     pub(crate) fn html(&self, entry: &Entry, plan: &Plan) -> String {
         let Plan { setup, job, .. } = plan;
-        let (parameters, title) = (&setup.parameters[..], title(entry, job));
-        self.page(entry, &Heading { title, parameters, step: job.step, steps: job.steps }).to_html()
+        let (parameters, title, law) = (&setup.parameters[..], title(entry, job), entry.law(setup));
+        self.page(entry, &Heading { title, parameters, step: job.step, steps: job.steps, law }).to_html()
     }
 
     /// The page with this heading.

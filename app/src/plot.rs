@@ -217,23 +217,18 @@ impl Figure {
             let mut name = stem.as_os_str().to_owned();
             name.push(format!(".{}", kind.extension()));
             let path = PathBuf::from(name);
-            let written =
-                self.picture(*kind).map_err(|source| Error::Write { path: path.clone(), source })?;
-            write_bytes(&path, &written)?;
+            write_bytes(&path, &self.picture(*kind))?;
             Ok(path)
         };
         Kind::ALL.iter().map(write).collect()
     }
 
     /// The picture as the content of a file.
-    ///
-    /// # Errors
-    /// If it is too large for one.
-    pub fn picture(&self, kind: Kind) -> std::io::Result<Vec<u8>> {
+    pub fn picture(&self, kind: Kind) -> Vec<u8> {
         match kind {
             #[cfg(feature = "png")]
-            Kind::Png => png::png(&layout::scene(self)).map_err(std::io::Error::other),
-            Kind::Svg => Ok(self.svg().into_bytes()),
+            Kind::Png => png::png(&layout::scene(self)),
+            Kind::Svg => self.svg().into_bytes(),
         }
     }
 

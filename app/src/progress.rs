@@ -4,14 +4,16 @@ use std::io::{self, IsTerminal, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressState, ProgressStyle};
-
 use crate::report::{rate_in_words, seconds_in_words};
 
 /// Reading the clock costs more than a step: it is read once in this many.
 const INTERVAL: u64 = 1024;
 /// Between two plain lines.
 const PAUSE: Duration = Duration::from_secs(2);
+/// Between two looks of a bar.
+const BLINK: Duration = Duration::from_millis(100);
+/// Columns of a terminal that does not tell.
+const COLUMNS: usize = 80;
 
 /// Whether no progress is shown.
 static SILENT: AtomicBool = AtomicBool::new(false);
@@ -26,12 +28,16 @@ pub struct Progress {
     label: String,
     unit: &'static str,
     total: u64,
+    begin: Instant,
+    /// When it was shown last.
+    last: Instant,
     display: Display,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Display {
-    Bar(ProgressBar),
-    Lines { last: Instant },
+    Bar,
+    Lines,
     Nothing,
 }
 
@@ -46,11 +52,12 @@ impl Progress {
         let display = if SILENT.load(Ordering::Relaxed) {
             Display::Nothing
         } else if io::stderr().is_terminal() {
-            Display::Bar(bar(label, total, unit))
+            Display::Bar
         } else {
-            Display::Lines { last: Instant::now() }
+            Display::Lines
         };
-        Self { label: label.to_owned(), unit, total, display }
+        let begin = Instant::now();
+        Self { label: label.to_owned(), unit, total, begin, last: begin, display }
     }
 
     /// Tells how many steps have been taken.
@@ -63,24 +70,52 @@ impl Progress {
 
     /// Tells at once how many steps have been taken.
     pub fn show(&mut self, index: u64) {
-        match &mut self.display {
-            Display::Bar(bar) => bar.set_position(index),
-            Display::Lines { last } if last.elapsed() > PAUSE => {
-                *last = Instant::now();
-                let percent = 100 * u128::from(index) / u128::from(self.total.max(1));
-                let Self { label, unit, total, .. } = self;
-                // the run goes on even if standard error is closed
-                let _ = writeln!(io::stderr(), "{label}: {unit} {index} of {total} ({percent} %)");
+        let text = match self.display {
+            Display::Bar if self.last.elapsed() > BLINK => {
+                let columns = terminal_size::terminal_size_of(io::stderr())
+                    .map_or(COLUMNS, |(terminal_size::Width(columns), _)| columns.into());
+                // the cursor goes back to the beginning of the line
+                format!("\r{}{CLEAR}", self.bar(index, self.begin.elapsed().as_secs_f64(), columns))
             }
-            Display::Lines { .. } | Display::Nothing => {}
-        }
+            Display::Lines if self.last.elapsed() > PAUSE => {
+                let Self { label, unit, total, .. } = &*self;
+                format!("{label}: {unit} {index} of {total} ({} %)\n", self.percent(index))
+            }
+            _ => return,
+        };
+        self.last = Instant::now();
+        // the run goes on even if standard error is closed
+        let _ = io::stderr().write_all(text.as_bytes());
+    }
+
+    fn percent(&self, index: u64) -> u128 {
+        100 * u128::from(index.min(self.total)) / u128::from(self.total.max(1))
+    }
+
+    /// A bar as wide as what a terminal of so many columns leaves for it: `heavy_top ████░░░░  50 %  1.2 million steps/s  3 s left`
+    fn bar(&self, index: u64, seconds: f64, columns: usize) -> String {
+        let Self { label, unit, total, .. } = self;
+        let rate = index as f64 / seconds;
+        let left = match index {
+            0 => "…".to_owned(),
+            _ => seconds_in_words(total.saturating_sub(index) as f64 / rate),
+        };
+        let after = format!(" {:>3} %  {} {unit}s/s  {left} left", self.percent(index), rate_in_words(rate));
+        // the last column stays empty: a terminal might go on to the next line
+        let room = columns.saturating_sub(label.chars().count() + after.chars().count() + 2);
+        let full = (room as u128 * self.percent(index) / 100) as usize;
+        let line = format!("{label} {}{}{after}", "█".repeat(full), "░".repeat(room - full));
+        line.chars().take(columns.saturating_sub(1)).collect()
     }
 }
 
+/// What clears the rest of a terminal's line.
+const CLEAR: &str = "\x1b[K";
+
 impl Drop for Progress {
     fn drop(&mut self) {
-        if let Display::Bar(bar) = &self.display {
-            bar.finish_and_clear();
+        if self.display == Display::Bar {
+            let _ = write!(io::stderr(), "\r{CLEAR}");
         }
     }
 }
@@ -94,23 +129,25 @@ impl std::fmt::Debug for Progress {
     }
 }
 
-/// A bar as wide as what the terminal leaves for it.
-fn bar(label: &str, total: u64, unit: &'static str) -> ProgressBar {
-    let bar = ProgressBar::new(total);
-    let template = "{msg} {wide_bar} {percent:>3} %  {rate}  {left} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        // writing to a line of text does not fail
-        let rate = move |state: &ProgressState, line: &mut dyn std::fmt::Write| {
-            let _ = write!(line, "{} {unit}s/s", rate_in_words(state.per_sec()));
-        };
-        let left = |state: &ProgressState, line: &mut dyn std::fmt::Write| {
-            let _ = match state.pos() {
-                0 => write!(line, "…"),
-                _ => write!(line, "{}", seconds_in_words(state.eta().as_secs_f64())),
-            };
-        };
-        bar.set_style(style.with_key("rate", rate).with_key("left", left));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bar_fits_its_terminal() {
+        let progress = Progress::of("heavy_top", 2000, "step");
+        for columns in [0, 1, 20, 60, 80, 200] {
+            for index in [0, 1, 1000, 2000, 3000] {
+                let bar = progress.bar(index, 0.5, columns);
+                let width = bar.chars().count();
+                assert!(width < columns.max(1), "{columns}: {bar}");
+                assert!(columns < 80 || width == columns - 1, "{columns}: {bar}");
+            }
+        }
+        let bar = progress.bar(1000, 0.5, 80);
+        assert!(bar.starts_with("heavy_top █") && bar.contains("░  50 %") && bar.ends_with(" left"), "{bar}");
+        let [full, empty] = ['█', '░'].map(|part| bar.matches(part).count());
+        assert!(full > 5 && (full..=full + 1).contains(&empty), "{bar}");
+        assert!(progress.bar(0, 0.0, 80).contains("… left"));
     }
-    bar.set_message(label.to_owned());
-    bar
 }

@@ -2,6 +2,7 @@
 //! from itself, and so that files of different runs are told apart.
 
 mod embedded;
+mod origin;
 
 use std::ops::ControlFlow;
 
@@ -9,7 +10,11 @@ use coadjoint::system::Quantity;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-pub(crate) use self::embedded::{comment, in_markup, in_picture, interruption, read};
+#[cfg(feature = "parquet")]
+pub(crate) use self::embedded::INVARIANTS;
+pub use self::embedded::embed;
+pub(crate) use self::embedded::{comment, interruption, read};
+pub use self::origin::Origin;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 use crate::setting::laid_out;
@@ -57,9 +62,6 @@ pub struct Provenance {
     /// The values of which each has a run, as the command line takes them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scan: Vec<String>,
-    /// The steps taken when the run was interrupted; nothing of a complete one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub interrupted: Option<u64>,
 }
 
 /// What members of an ensemble differ in.
@@ -102,38 +104,18 @@ impl Provenance {
             every,
             ensemble: None,
             scan: Vec::new(),
-            interrupted: None,
         }
     }
 
-    /// The same, of a run that was interrupted after so many steps.
-    #[must_use]
-    pub fn interrupted_after(&self, steps: Option<u64>) -> Self {
-        Self { interrupted: steps, ..self.clone() }
-    }
-
-    /// As JSON on one line; numbers are the shortest text that reads back as the same.
-    pub fn line(&self) -> String {
-        json!(self.fields()).to_string()
+    /// As files have it.
+    pub fn origin(&self) -> Origin {
+        Origin(self.fields())
     }
 
     /// By the names of its fields.
     pub(crate) fn fields(&self) -> Map<String, Value> {
-        match serde_json::to_value(self) {
-            Ok(Value::Object(fields)) => fields,
-            // it is a struct, and its maps have texts for keys
-            _ => Map::new(),
-        }
-    }
-
-    /// The fields in which two runs differ, complete or not.
-    pub(crate) fn differences(&self, other: &Self) -> Vec<String> {
-        let (ours, theirs) = (self.fields(), other.fields());
-        let mut names: Vec<String> = ours.keys().chain(theirs.keys()).cloned().collect();
-        names.sort();
-        names.dedup();
-        names.retain(|name| name != "interrupted" && ours.get(name) != theirs.get(name));
-        names
+        // its maps have texts for keys
+        fields(serde_json::to_value(self).unwrap_or_default())
     }
 
     /// What the files of the run are called: `heavy_top-midpoint-order4-cayley` with the example's numbers, step and duration; with others
@@ -163,8 +145,8 @@ impl Provenance {
         let every = if self.ensemble.is_some() { Members::every(usual.steps) } else { 1 };
         let usual =
             Self { ensemble: self.ensemble.clone(), ..Self::of_run(entry, &entry.example, &usual, every) };
-        if !self.differences(&usual).is_empty() || self.ensemble.as_ref().is_some_and(Members::are_chosen) {
-            stem += &format!("-{:06x}", crc32fast::hash(self.line().as_bytes()) & 0xff_ffff);
+        if self.fields() != usual.fields() || self.ensemble.as_ref().is_some_and(Members::are_chosen) {
+            stem += &format!("-{:06x}", crc32fast::hash(self.origin().line().as_bytes()) & 0xff_ffff);
         }
         stem
     }
@@ -271,6 +253,14 @@ pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
         ControlFlow::Continue(())
     });
     hasher.finalize()
+}
+
+/// The fields of what is an object.
+fn fields(object: Value) -> Map<String, Value> {
+    match object {
+        Value::Object(fields) => fields,
+        _ => Map::new(),
+    }
 }
 
 pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map<String, Value> {

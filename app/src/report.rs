@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use crate::conservation::{ConservationReport, DriftStats};
 use crate::entry::Entry;
 use crate::provenance::Provenance;
+use crate::run_plot::symbols;
 use crate::simulation::{Job, Method, Setup};
 
 /// A table with a column for each run.
@@ -38,7 +39,7 @@ impl RunSummary {
         let mut lines = Vec::new();
         let energy = &self.conservation.energy;
         lines.push(if entry.description.autonomous {
-            format!("energy: {}", describe(energy, self.conservation.steps, "J"))
+            format!("energy: {}", describe(energy, self.conservation.steps, entry.unit("energy")))
         } else {
             "energy: not conserved by this system".to_owned()
         });
@@ -101,6 +102,7 @@ impl<'a> Table<'a> {
         let row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
             (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
         };
+        let of = |energy: &str| with_unit(energy, self.entry.unit("energy"));
         let mut rows = vec![
             row("retraction", &|run| match run.job.method.classical() {
                 None => run.job.retraction.name().to_owned(),
@@ -113,18 +115,22 @@ impl<'a> Table<'a> {
                 run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
             }),
             row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
-            row("energy at the start, J", &|run| format!("{:.4}", Figures(run.conservation.energy.initial))),
+            row(&of("energy at the start"), &|run| {
+                format!("{:.4}", Figures(run.conservation.energy.initial))
+            }),
             row(
-                if self.entry.description.autonomous {
-                    "largest energy error, J"
+                &if self.entry.description.autonomous {
+                    of("largest energy error")
                 } else {
                     // forces act, or the time has a part in it
-                    "largest change of energy, J (it is not conserved)"
+                    of("largest change of energy") + " (it is not conserved)"
                 },
                 &|run| magnitude(run.conservation.energy.error),
             ),
         ];
         for (i, (name, unit)) in self.entry.casimirs().enumerate() {
+            // what has many terms is shorter in symbols
+            let name = if name.chars().count() > 40 { symbols(name) } else { name.to_owned() };
             let name = with_unit(&format!("drift of {name}"), unit);
             rows.push(row(&name, &|run| {
                 magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))

@@ -10,6 +10,7 @@ use crate::entry::{Entry, component_name};
 use crate::plot::{Axis, Color, Envelope, Figure, Key, Panel, Series};
 use crate::report::with_unit;
 use crate::setting::{laid_out, rotation};
+use crate::shown::Shown;
 use crate::simulation::{Job, Sample};
 
 /// The plot shows the extremes in each of this many bins of the run.
@@ -50,7 +51,7 @@ enum Kind {
 }
 
 fn parts(entry: &Entry) -> impl Iterator<Item = Part> {
-    laid_out(entry.description.state).flat_map(|(quantity, slots)| {
+    laid_out(entry.shown.plotted()).flat_map(|(quantity, slots)| {
         let count = rotation(quantity).map_or(0, |(count, _)| count);
         let middle = slots.start + count;
         let kind = if count == 4 { Kind::Rotation } else { Kind::PlaneRotation };
@@ -74,7 +75,7 @@ impl Part {
 
     /// The quantity, in words.
     fn label(&self) -> String {
-        let name = self.quantity.name.replace('_', " ");
+        let name = Shown::name(self.quantity);
         match (self.is_half, self.kind) {
             (true, Kind::Vector) => format!("{name}, translation"),
             (true, _) => format!("{name}, rotation"),
@@ -170,8 +171,9 @@ impl RunPlot {
         let (energy, casimirs) =
             self.reference.get_or_insert_with(|| (sample.energy, sample.casimirs.to_vec()));
         let mut curves = self.state.iter_mut();
+        let state = entry.shown.numbers(sample.state);
         for (part, angles) in parts(entry).zip(&mut self.angles) {
-            let values = sample.state.get(part.slots.clone()).unwrap_or(&[]);
+            let values = state.get(part.slots.clone()).unwrap_or(&[]);
             let now = match (part.kind, values) {
                 (Kind::Vector, _) => {
                     for (curve, value) in curves.by_ref().take(values.len()).zip(values) {
@@ -229,14 +231,35 @@ impl RunPlot {
 
 /// Casimirs in the letters of the literature, which are also shorter.
 pub(crate) fn symbols(name: &str) -> String {
-    name.replace("angular_momentum", "Π")
+    let name = name
+        .replace("angular_momentum", "Π")
         .replace("linear_momentum", "P")
         .replace("attitude_momentum", "Π")
         .replace("rotor_momentum", "ℓ")
         .replace("momentum", "Π")
         .replace("gamma", "Γ")
         .replace("field", "B")
-        .replace("impulse", "P")
+        .replace("impulse", "P");
+    subscripts(&name).unwrap_or(name)
+}
+
+/// `Π₁₂` for `Π.r12`, where all components have one letter.
+fn subscripts(name: &str) -> Option<String> {
+    let mut parts = name.split('.');
+    let mut written = parts.next()?.to_owned();
+    let mut known = None;
+    for part in parts {
+        let letters = part.find(|letter: char| !letter.is_ascii_alphabetic())?;
+        let (stem, rest) = part.split_at(letters);
+        let end = rest.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(rest.len());
+        if end == 0 || *known.get_or_insert(stem) != stem {
+            return None;
+        }
+        let subscript = |digit: char| char::from_u32('₀' as u32 + digit.to_digit(10)?);
+        written.extend(rest[..end].chars().filter_map(subscript));
+        written += &rest[end..];
+    }
+    Some(written)
 }
 
 #[cfg(test)]
@@ -253,6 +276,14 @@ mod tests {
     fn roll_pitch_and_yaw_are_those_of_the_rotation() {
         let [roll, pitch, yaw] = angles(&UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1));
         assert!((roll - 0.3).abs() < 1e-14 && (pitch + 0.7).abs() < 1e-14 && (yaw - 1.1).abs() < 1e-14);
+    }
+
+    #[test]
+    fn components_are_subscripts_where_they_have_one_letter() {
+        assert_eq!(symbols("momentum.r12 momentum.r34 − momentum.r13²"), "Π₁₂ Π₃₄ − Π₁₃²");
+        assert_eq!(symbols("momentum.h1² + momentum.e12"), "Π.h1² + Π.e12");
+        assert_eq!(symbols("momentum·gamma"), "Π·Γ");
+        assert_eq!(symbols("momentum.x momentum.y"), "Π.x Π.y");
     }
 
     #[test]

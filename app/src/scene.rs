@@ -46,6 +46,8 @@ pub struct Body {
     pub rotation: Option<String>,
     /// The quantity that moves it: a position, or a rigid motion.
     pub position: Option<String>,
+    /// The configuration that is a matrix and moves it, and the point that it takes to where this is.
+    pub carried: Option<(String, Vec<f64>)>,
     /// On which other body it is, where in the axes of that one, m, and whether it turns with it.
     pub mount: Option<(usize, [f64; 3], bool)>,
     /// The axis of a rotation in the plane; none is that of a plane that stands upright.
@@ -90,6 +92,8 @@ pub enum Vector {
     Constant([f64; 3]),
     /// Three components of a quantity of the state, from this one on.
     Quantity(String, usize),
+    /// A control of one number, in this direction.
+    Control(String, [f64; 3]),
 }
 
 /// A rod or a spring between two points, each in the axes of a body or, without one, in space, m.
@@ -116,7 +120,13 @@ impl Body {
         Self { rotation, axes, trace, ..Self::fixed(quantity) }
     }
 
-    /// What this quantity moves: a position, or the position of a rigid motion.
+    /// A point that this configuration, a matrix, takes to another place. Of more than three coordinates the first three are seen.
+    pub fn carried(matrix: &str, point: &[f64]) -> Self {
+        Self { carried: Some((matrix.to_owned(), point.to_vec())), ..Self::fixed(matrix) }
+    }
+
+    /// What this quantity moves: a position, or the position of a rigid motion. Of a matrix whose first rows and columns are a rotation, `element`,
+    /// `element_rotation` turns, and its further columns move, by the names of their coordinates: `element_p`.
     pub fn moving(quantity: &str) -> Self {
         Self { position: Some(quantity.to_owned()), trace: true, ..Self::fixed(quantity) }
     }
@@ -165,6 +175,11 @@ impl Arrow {
     pub fn quantity(quantity: &str) -> Self {
         let vector = Vector::Quantity(quantity.to_owned(), 0);
         Self { vector, colour: "c3", ..Self::constant(&quantity.replace('_', " "), Vector3::zeros(), "") }
+    }
+
+    /// A control of one number, in a direction: a thrust, the force of a motor.
+    pub fn control(control: &str, direction: Vector3<f64>) -> Self {
+        Self { vector: Vector::Control(control.to_owned(), direction.into()), ..Self::quantity(control) }
     }
 
     /// In the axes of the body that it starts from.
@@ -226,6 +241,20 @@ impl Scene {
     #[must_use]
     pub fn rod(mut self, from: Vector3<f64>, body: usize, to: Vector3<f64>) -> Self {
         self.links.push(Link { from: (None, from.into()), to: (Some(body), to.into()), spring: false });
+        self
+    }
+
+    /// With what these edges between points look like where a configuration that is a matrix takes the points.
+    #[must_use]
+    pub fn frame(mut self, matrix: &str, points: &[Vec<f64>], edges: &[(usize, usize)]) -> Self {
+        let first = self.bodies.len();
+        self.bodies.extend(points.iter().map(|point| Body::carried(matrix, point)));
+        let end = |point: usize| (Some(first + point), [0.0; 3]);
+        self.links.extend(edges.iter().map(|&(from, to)| Link {
+            from: end(from),
+            to: end(to),
+            spring: false,
+        }));
         self
     }
 

@@ -310,7 +310,7 @@ impl Session {
             }
             _ => {}
         }
-        let run = guard.run().interrupted_after(interrupted);
+        let run = guard.origin().interrupted_after(interrupted);
         for (path, content) in shown(entry, &plan, &record, &files, &run)? {
             guard.write(&path, &content)?;
             written.push(path);

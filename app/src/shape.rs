@@ -1,7 +1,8 @@
 //! What bodies look like: solids of a kind and a size, as given or as a moment of inertia has them.
 
 use coadjoint::prelude::*;
-use nalgebra::SymmetricEigen;
+
+use crate::linear::symmetric_eigen;
 
 /// A solid about its own centre, in its own axes; lengths in m.
 #[derive(Clone, Debug, PartialEq)]
@@ -165,12 +166,9 @@ fn principal(inertia: &Matrix3<f64>) -> Option<(Vector3<f64>, UnitQuaternion<f64
     let (moments, axes) = if *inertia == Matrix3::from_diagonal(&diagonal) {
         (diagonal, UnitQuaternion::identity())
     } else {
-        let SymmetricEigen { eigenvalues, mut eigenvectors } = SymmetricEigen::new(*inertia);
-        if eigenvectors.determinant() < 0.0 {
-            eigenvectors.neg_mut();
-        }
-        let rotation = Rotation3::from_matrix_unchecked(eigenvectors);
-        (eigenvalues, UnitQuaternion::from_rotation_matrix(&rotation))
+        let (moments, axes) = symmetric_eigen(inertia);
+        let rotation = Rotation3::from_matrix_unchecked(axes);
+        (moments, UnitQuaternion::from_rotation_matrix(&rotation))
     };
     (moments.min() > 0.0).then_some((moments, axes))
 }

@@ -41,7 +41,7 @@ pub enum Retraction {
 impl Retraction {
     /// All of them.
     pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
-    /// Those with which there are steps of every system.
+    /// Those with which most systems have steps.
     pub const COMMON: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
 
     /// Those with which there are steps of this system.
@@ -366,7 +366,7 @@ impl Entry {
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.
 fn triangle_note(inertia: &Matrix3<f64>) -> Option<String> {
-    let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
+    let mut moments: [f64; 3] = crate::linear::symmetric_eigen(inertia).0.into();
     moments.sort_by(f64::total_cmp);
     let [small, middle, large] = moments;
     (large > (small + middle) * (1.0 + 1e-12)).then(|| {

@@ -93,7 +93,7 @@ impl Trajectory {
         let format = Format::of_extension(&extension).ok_or_else(|| {
             Error::Input(format!("{}: there is no format of tables `{extension}`", path.display()))
         })?;
-        let guard = Guard::new(self.provenance(), true);
+        let guard = Guard::new(self.provenance().origin(), true);
         let mut writer = TrajectoryWriter::create(path, format, self.entry, &guard)?;
         let mut conservation: Option<ConservationReport> = None;
         self.each(|sample| {
@@ -130,7 +130,8 @@ impl Trajectory {
         });
         let Job { step, steps, .. } = self.job();
         let parameters = &self.setup.parameters;
-        player.page(self.entry, &Heading { title: self.title(), parameters, step, steps })
+        // what acted on what was measured elsewhere is not known
+        player.page(self.entry, &Heading { title: self.title(), parameters, step, steps, law: None })
     }
 
     fn title(&self) -> String {

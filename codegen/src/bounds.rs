@@ -5,16 +5,12 @@ use proc_macro2::Ident;
 use crate::check::Description;
 use crate::diagnostics::Diagnostics;
 use crate::expr::Arena;
-use crate::limits::{COMPONENTS, DERIVATION, DIMENSION};
+use crate::limits::{COMPONENTS, DERIVATION};
 use crate::parse::{Attribute, Item};
 
-/// Reports that a system has too many dimensions or parameters. `None` if so.
+/// Reports that a system has too many parameters. `None` if so.
 pub(crate) fn sizes(description: &Description<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
     let before = diagnostics.len();
-    let dimensions = description.factors.iter().map(|factor| (&factor.name, factor.group.dimension()));
-    if let Some(factor) = beyond(DIMENSION, dimensions) {
-        diagnostics.push(factor, format!("a system may have dimension {DIMENSION} at most"));
-    }
     let fields = description.parameters.iter().map(|field| (&field.name, field.shape.size()));
     let controls = description.controls.iter().map(|control| (&control.name, control.shape.size()));
     if let Some(name) = beyond(COMPONENTS, fields.chain(controls)) {

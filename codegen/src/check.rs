@@ -1,5 +1,6 @@
 //! From what the user wrote to what it means: names are looked up once, here, and every rule that a description breaks is reported.
 
+pub(crate) mod groups;
 mod rules;
 
 use proc_macro2::Ident;
@@ -110,6 +111,7 @@ pub fn resolve<'d>(
     subject.check_energy(diagnostics);
     let inertias = subject.inertias(diagnostics);
     let advected = subject.advected(diagnostics);
+    subject.check_retractions(&advected, diagnostics);
     subject.check_names(diagnostics);
     let forces = subject.forces(diagnostics);
     subject.check_scalars(diagnostics);
@@ -132,8 +134,8 @@ pub fn resolve<'d>(
 }
 
 /// What a factor's momentum is called.
-fn momentum_name(factor: &parse::Factor) -> Ident {
-    match &factor.name {
+fn momentum_name(factor: Option<&Ident>) -> Ident {
+    match factor {
         Some(name) => format_ident!("{}_momentum", name.unraw(), span = name.span()),
         None => format_ident!("momentum"),
     }

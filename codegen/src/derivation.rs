@@ -127,6 +127,13 @@ fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
         kernel::function(arena, Role::Casimirs, &casimirs, inputs()),
         kernel::function(arena, Role::SpatialMomentum, &spatial_momentum(system), inputs()),
     ];
+    let off =
+        system.factors.iter().filter_map(|factor| factor.algebra.group.deviation(&factor.configuration));
+    let off = Vector::concat(&off.collect::<Vec<_>>());
+    if !off.is_empty() {
+        let inputs = Inputs::default().with(Input::State, system.state_symbols());
+        functions.push(kernel::function(arena, Role::Deviation, &Vector(vec![off.dot(&off).sqrt()]), inputs));
+    }
     let velocity = system.velocity_symbols().symbols();
     let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
     functions.extend(match system.velocity_relation() {
@@ -190,20 +197,23 @@ fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
     let by = geometry::tangent_symbols(arena, system, "by");
     let with_tangent = || at_state(system).with(Input::Tangent, by.symbols());
     let with_time = |inputs: Inputs| inputs.with(Input::Time, system.time_symbol());
-    // any local coordinates are as good as others where there are no steps with the map
-    let displaced = |retraction| {
-        let is_there = system.factors.iter().all(|factor| factor.algebra.group.has(retraction));
-        geometry::displaced(system, if is_there { retraction } else { Retraction::Exponential }, &by)
-    };
     let controlled = at_state(system).with(Input::Control, system.control_symbols());
-    let mut functions = vec![
-        (Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent()),
-        (Role::CayleyDisplacement, displaced(Retraction::Cayley), with_tangent()),
-        (Role::SecondKindDisplacement, displaced(Retraction::SecondKind), with_tangent()),
+    let displaced = |retraction| geometry::displaced(system, retraction, &by);
+    let mut functions =
+        vec![(Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent())];
+    // any local coordinates are as good as others where there are no steps with the map
+    let others = [
+        (Role::CayleyDisplacement, Retraction::Cayley),
+        (Role::SecondKindDisplacement, Retraction::SecondKind),
+    ];
+    let is_there = |retraction| system.factors.iter().all(|factor| factor.algebra.group.has(retraction));
+    let others = others.into_iter().filter(|(_, retraction)| is_there(*retraction));
+    functions.extend(others.map(|(role, retraction)| (role, displaced(retraction), with_tangent())));
+    functions.extend([
         (Role::Differential, geometry::differential(system), with_time(at_state(system))),
         (Role::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
         (Role::Force, geometry::force(arena, system), with_time(controlled)),
-    ];
+    ]);
     if is_isolated(system) {
         let symbol = |i: usize| arena.symbol(format!("conserved_{i}"), Stage::Step);
         let conserved = Vector((0..system.dimension()).map(symbol).collect());

@@ -184,6 +184,26 @@ mod tests {
     }
 
     #[test]
+    fn edits_are_counted() {
+        for (from, to, count) in [
+            ("", "abc", 3),
+            ("abc", "", 3),
+            ("abc", "abc", 0),
+            ("abc", "abd", 1),
+            ("abc", "ac", 1),
+            ("ac", "abc", 1),
+            // neighbours swapped, and letters that only look so
+            ("ab", "ba", 1),
+            ("xaby", "xbay", 1),
+            ("ab", "ca", 2),
+            ("ab", "bc", 2),
+            ("abc", "cba", 2),
+        ] {
+            assert_eq!(edits(from, to), count, "{from} {to}");
+        }
+    }
+
+    #[test]
     fn a_single_letter_is_not_a_slip_of_another() {
         assert_eq!(nearest("a", &["b", "x"]), None);
     }

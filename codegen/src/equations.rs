@@ -3,7 +3,7 @@
 use quote::ToTokens;
 
 use crate::expr::{Formulas, gradient};
-use crate::group::{EquationNames, Side};
+use crate::group::{EquationNames, Representation, Side};
 use crate::identifiers::{plain, velocity_name};
 use crate::limits::FORMULAS;
 use crate::model::{Energy, Factor, InertiaField, System};
@@ -66,15 +66,24 @@ fn by_inertia(system: &System<'_>, field: &InertiaField<'_>, block: &[usize]) ->
 /// How configuration, momentum and advected parameters of a factor change.
 fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
     let energy = energy(system);
-    let advected: Vec<&str> = factor.advected.iter().map(|a| a.name.as_str()).collect();
+    let group = factor.algebra.group;
+    let is_own =
+        |space: &dyn Representation| group.representations().iter().any(|own| own.name() == space.name());
+    let spaces = factor.advected.iter().map(|advected| advected.name.as_str()).zip(&factor.algebra.spaces);
+    let (own_spaces, others): (Vec<_>, Vec<_>) = spaces.partition(|(_, space)| is_own(**space));
+    let advected: Vec<&str> = own_spaces.iter().map(|(advected, _)| *advected).collect();
     let (name, momentum) = (plain(&factor.name), plain(&factor.momentum_name));
     let velocity = velocity_name(&factor.momentum_name);
-    let mut equations = factor.algebra.group.equations(&EquationNames {
+    let mut equations = group.equations(&EquationNames {
         configuration: &name,
         momentum: &momentum,
         velocity: &velocity,
         advected: &advected,
     });
+    for (advected, _) in others {
+        equations.momentum.push(format!("{advected} ⋄ ∂V/∂{advected}"));
+        equations.advected.push(format!("{advected}' = ad*({velocity}) {advected}"));
+    }
     let is_lagrangian = matches!(system.energy, Energy::Lagrangian(_));
     // the energy's derivatives are those of `−l`
     let (space, own) = if is_lagrangian { ("+", " − ") } else { ("−", " + ") };

@@ -26,6 +26,7 @@ pub mod language;
 mod limits;
 pub mod method;
 pub mod model;
+mod own;
 pub mod parse;
 pub mod program;
 mod regularity;
@@ -39,7 +40,8 @@ use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
 use model::System;
-use parse::{Attribute, Item};
+pub use own::{lie_group, lie_poisson_system_with};
+use parse::{Attribute, Definition, Item};
 use program::Program;
 use scheme::{Member, Rule, Scheme};
 
@@ -47,8 +49,22 @@ use scheme::{Member, Rule, Scheme};
 /// tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that one mistake does not bring
 /// others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    described(attribute, item, Vec::new(), &TokenStream::new())
+}
+
+/// The same with the definitions of groups of the user's own, as far as they are known.
+fn described(
+    tokens: TokenStream,
+    item: TokenStream,
+    definitions: Vec<Definition>,
+    known: &TokenStream,
+) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let mut attribute = Attribute::parse(tokens.clone(), &mut diagnostics);
+    attribute.definitions = definitions;
+    if let Some(question) = own::ask(&attribute, known, &tokens, &item) {
+        return question;
+    }
     match derive(&attribute, item.clone(), &mut diagnostics, emitted) {
         Some(expansion) => {
             let (expansion, messages) = (expansion.into_tokens(), diagnostics.into_tokens());
@@ -122,6 +138,19 @@ fn derive<R>(
     Some(emit(program, &system, attribute, &item))
 }
 
+/// The retractions to generate steps with: those that are named, or the usual ones that the groups have. Of these a series, whose code is long,
+/// only where there is nothing else.
+fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
+    if !named.is_empty() {
+        return named.to_vec();
+    }
+    let has = |retraction: &Retraction| system.factors.iter().all(|factor| factor.algebra.has(*retraction));
+    let is_summed =
+        |retraction: &Retraction| system.factors.iter().any(|factor| factor.algebra.is_summed(*retraction));
+    let (summed, closed): (Vec<_>, Vec<_>) = Retraction::DEFAULT.into_iter().filter(has).partition(is_summed);
+    if closed.is_empty() { summed } else { closed }
+}
+
 /// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
 /// names.
 fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Scheme>)> {
@@ -129,9 +158,7 @@ fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Schem
     rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();
-    let is_there =
-        |retraction: &Retraction| system.factors.iter().all(|factor| factor.algebra.group.has(*retraction));
-    let retractions: Vec<Retraction> = attribute.retractions().iter().copied().filter(is_there).collect();
+    let retractions = retractions(system, attribute.named_retractions());
     let of = |&retraction: &Retraction| rules.iter().map(move |&rule| Scheme { retraction, rule });
     let all: Vec<Scheme> = retractions.iter().flat_map(of).collect();
     let original = |scheme: &Scheme| scheme.original(system, retractions[0]);

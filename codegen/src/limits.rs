@@ -22,6 +22,9 @@ pub(crate) const PROBLEMS: usize = 32;
 /// How many methods may be asked for. Each is two kernels, and tenths of a second.
 pub(crate) const METHODS: usize = 16;
 
+/// How many groups may be defined at a time. Each is looked at when it is defined, which takes tenths of a second.
+pub(crate) const GROUPS: usize = 32;
+
 /// The largest dimension of a configuration. A step solves as many equations, and what is derived grows with the cube of it.
 pub(crate) const DIMENSION: usize = 64;
 

@@ -28,6 +28,7 @@ use crate::parse::Shape;
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
 /// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls stage *step*.
+#[derive(Clone)]
 pub struct System<'a> {
     /// The factors of the configuration's group, each with its momentum and the advected parameters that it acts on.
     pub factors: Vec<Factor<'a>>,
@@ -56,6 +57,7 @@ pub struct System<'a> {
 }
 
 /// One factor of the configuration's group.
+#[derive(Clone)]
 pub struct Factor<'a> {
     /// What the configuration is called.
     pub name: Ident,
@@ -90,6 +92,7 @@ impl<'a> Factor<'a> {
 }
 
 /// An advected parameter.
+#[derive(Clone)]
 pub struct Advected<'a> {
     /// Its name at the user's tokens.
     pub ident: Ident,
@@ -100,6 +103,7 @@ pub struct Advected<'a> {
 }
 
 /// The energy, as it was described: a function of configuration, advected parameters, time, and of momentum or velocity.
+#[derive(Clone)]
 pub enum Energy<'a> {
     /// `½ μ·𝕀⁻¹μ + V`
     Mechanical {
@@ -115,7 +119,7 @@ pub enum Energy<'a> {
 }
 
 /// The user's expressions.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Sources {
     /// The potential.
     pub potential: Option<Source>,
@@ -128,6 +132,7 @@ pub struct Sources {
 }
 
 /// An energy as the user wrote it.
+#[derive(Clone)]
 pub struct Source {
     /// The expression.
     pub value: syn::Expr,
@@ -136,6 +141,7 @@ pub struct Source {
 }
 
 /// A force as the user wrote it.
+#[derive(Clone)]
 pub struct ForceSource {
     /// The factor it acts on.
     pub factor: usize,
@@ -146,6 +152,7 @@ pub struct ForceSource {
 }
 
 /// A field of the struct.
+#[derive(Clone)]
 pub struct Parameter {
     /// Its name.
     pub name: Ident,
@@ -167,6 +174,7 @@ impl Parameter {
 }
 
 /// A field marked `#[inertia]`.
+#[derive(Clone)]
 pub struct InertiaField<'a> {
     /// Its name.
     pub name: Ident,
@@ -180,6 +188,19 @@ pub struct InertiaField<'a> {
 }
 
 impl<'a> System<'a> {
+    /// The same up to a few terms of series that are not finite sums, if groups or spaces have such.
+    pub(crate) fn coarse(&self) -> Option<Self> {
+        let coarse: Vec<_> = self.factors.iter().map(|factor| factor.algebra.coarse()).collect();
+        if coarse.iter().all(Option::is_none) {
+            return None;
+        }
+        let mut system = self.clone();
+        for (factor, algebra) in system.factors.iter_mut().zip(coarse) {
+            factor.algebra = algebra.unwrap_or_else(|| factor.algebra.clone());
+        }
+        Some(system)
+    }
+
     /// The dimension of the configuration.
     pub fn dimension(&self) -> usize {
         self.factors.iter().map(|factor| factor.algebra.group.dimension()).sum()

@@ -7,9 +7,9 @@ use proc_macro::TokenStream;
 ///
 /// | key | meaning |
 /// |---|---|
-/// | `group = SO3` | where the configuration lives: `R1` … `R6`, `SO2`, `SO3`, `SE2`, `SE3`, `SU2`, families such as `SL(2)` and `SE2(3)`, or `matrices { … }` with a basis of your own |
+/// | `group = SO3` | where the configuration lives: `R1` … `R6`, `SO2`, `SO3`, `SE2`, `SE3`, `SU2`, families such as `SL(2)` and `SE2(3)`, `product(…)`, `semidirect(…)` and `tangent(…)` of them, `matrices { … }` with a basis of your own, or a group that `lie_group!` defines |
 /// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own |
-/// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates |
+/// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates; or `adjoint`, `coadjoint`, `dual(R3)`, `matrices { … }` |
 /// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |
 /// | `hamiltonian = …` | any smooth energy, of the momentum too, in place of inertia and potential |
 /// | `lagrangian = …` | any smooth Lagrangian of configuration and velocity, in place of inertia and potential; nothing is inverted by hand |
@@ -38,4 +38,37 @@ use proc_macro::TokenStream;
 #[proc_macro_attribute]
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_poisson_system(attribute.into(), item.into()).into()
+}
+
+/// Lie groups of your own, for the systems of a crate: what `group = …` says, under a name.
+///
+/// ```text
+/// lie_group! {
+///     /// Maps of the plane that keep areas.
+///     pub Areas = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] };
+///     /// The motions of a vehicle that carries a rotor.
+///     Carrier = product(vehicle: SE3, rotor: SO2);
+///     Shaped = semidirect(shape: Areas!, offset: R2);
+///     Rates = tangent(SO3)
+/// }
+///
+/// #[lie_poisson_system(group = Areas!, advected(v: R2), potential = v.norm_squared())]
+/// ```
+///
+/// * `matrices { … }`: a basis of the Lie algebra, each matrix with the name of its coordinate; closed under the commutator.
+/// * `product(name: group, …)`: the direct product.
+/// * `semidirect(name: group, name: space, …)`: the group with vectors that it moves, `(g, v)(h, w) = (g h, v + g w)`.
+/// * `tangent(group)`: the group of its positions and velocities, `TG`.
+///
+/// A name stands for a macro: `Areas!` is the group, visible from there on, `pub` groups to other crates too. Elements are stored as matrices, of which
+/// the rows of a product's factors are blocks. Mistakes in a basis are errors at its matrices.
+#[proc_macro]
+pub fn lie_group(input: TokenStream) -> TokenStream {
+    coadjoint_codegen::lie_group(input.into()).into()
+}
+
+#[doc(hidden)]
+#[proc_macro]
+pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
+    coadjoint_codegen::lie_poisson_system_with(input.into()).into()
 }

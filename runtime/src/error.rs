@@ -74,6 +74,12 @@ pub enum StepError {
         /// How far off it is.
         deviation: f64,
     },
+    /// A run cannot end at a time that is not finite, or farther away than steps can be counted.
+    #[error("no number of steps leads to the time {time}")]
+    OutOfReach {
+        /// The time asked for.
+        time: f64,
+    },
     /// Newton's iteration did not solve the step's equation; a smaller step helps.
     #[error(
         "no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step"

@@ -9,6 +9,7 @@
 //! **Concepts**
 //!
 //! * [Describing a system](describing): group, inertia, potential, advected parameters
+//! * [Groups of your own](groups): from a basis, or made of other groups
 //! * [Any energy](energies): Hamiltonians and Lagrangians
 //! * [Choosing retraction, method and order](choosing), and when structure pays
 //! * [The mathematics](mathematics)
@@ -43,6 +44,10 @@ pub mod program {
 // its code needs a crate that depends on this one, which compiles it
 pub mod your_program {
     #![cfg_attr(not(doctest), doc = include_str!("guide/your_program.md"))]
+}
+
+pub mod groups {
+    #![doc = include_str!("guide/groups.md")]
 }
 
 pub mod describing {

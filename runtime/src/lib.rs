@@ -105,6 +105,33 @@ mod readme {}
 
 #[cfg(feature = "std")]
 pub use certify::certify;
+/// ```
+/// use coadjoint::prelude::*;
+///
+/// lie_group! {
+///     /// Maps of the plane that keep areas.
+///     Areas = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }
+/// }
+///
+/// /// A drop that shears freely, with a mark on it.
+/// #[lie_poisson_system(group = Areas!, advected(mark: R2), potential = stiffness * mark.norm_squared())]
+/// struct Drop {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+///     stiffness: f64,
+/// }
+///
+/// let drop = Drop { inertia: vector![1.0, 2.0, 2.0], stiffness: 1.0 };
+/// let momentum = vector![0.1, 0.5, -0.5];
+/// let mut state = DropState { element: Matrix2::identity(), momentum, mark: vector![1.0, 0.0] };
+/// let mut stepper = drop.stepper::<Exponential>(0.01)?;
+/// for _ in 0..100 {
+///     stepper.step(&mut state)?;
+/// }
+/// assert!((state.element.determinant() - 1.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use coadjoint_macros::lie_group;
 /// Derives a structure-preserving stepper from the description of a mechanical system.
 ///
 /// ```
@@ -172,5 +199,6 @@ pub mod __private {
     pub use crate::system::{
         Control, Generated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored, System, Visitor,
     };
+    pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;
 }

@@ -10,13 +10,14 @@ pub use crate::composition::{Order4, Order6, Order8, Order10};
 pub use crate::error::{ParameterError, StepError};
 #[cfg(feature = "std")]
 pub use crate::fused::Fused;
-pub use crate::lie_poisson_system;
 pub use crate::retraction::{Cayley, Exponential};
 pub use crate::scheme::{Midpoint, StormerVerlet, SymplecticEulerA, SymplecticEulerB};
 pub use crate::stepper::Stepper;
 pub use crate::system::{Control as _, NoControl, State as _, System as _};
+pub use crate::{lie_group, lie_poisson_system};
 pub use crate::{matrix, vector};
 pub use nalgebra::{
-    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix4, Matrix6, Point2, Point3, Quaternion, Rotation3,
-    UnitComplex, UnitQuaternion, Vector1, Vector2, Vector3, Vector4, Vector5, Vector6,
+    Isometry2, Isometry3, Matrix1, Matrix2, Matrix3, Matrix4, Matrix5, Matrix6, Point2, Point3, Quaternion,
+    Rotation3, SMatrix, SVector, UnitComplex, UnitQuaternion, Vector1, Vector2, Vector3, Vector4, Vector5,
+    Vector6,
 };

@@ -337,7 +337,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// If a step cannot be taken, or `time` is not finite; state and stepper's time are then the last ones that were reached.
+    /// If a step cannot be taken; state and stepper's time are then the last ones that were reached. If no number of steps leads to `time`, since it
+    /// is not finite or too far: nothing is done then.
     pub fn to(mut self, time: f64) -> Result<RunReport, RunError> {
         let (whole, rest) = self.way(time)?;
         let mut report = RunReport::default();
@@ -371,13 +372,16 @@ where
 
     /// How many whole steps it is until a time, and what is left then; nothing if that is no more than roundoff.
     fn way(&mut self, time: f64) -> Result<(u64, f64), RunError> {
-        self.begin();
-        let (now, step) = (self.stepper.now(), self.stepper.step_size());
-        if !time.is_finite() {
-            let (report, cause) = (RunReport::default(), StepError::NotFinite);
-            return Err(RunError { step: self.stepper.steps_taken() + 1, time: now, report, cause });
-        }
+        // above that not every number of steps is a number
+        const MOST: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
+        let now = self.start.unwrap_or_else(|| self.stepper.now());
+        let step = self.stepper.step_size();
         let steps = (time - now) / step;
+        if !time.is_finite() || !(steps <= MOST) {
+            let (step, cause) = (self.stepper.steps_taken() + 1, StepError::OutOfReach { time });
+            return Err(RunError { step, time: now, report: RunReport::default(), cause });
+        }
+        self.begin();
         // less than half a step, be it ever so far
         let roundoff = (4.0 * f64::EPSILON * (time.abs() + now.abs() + step.abs()) / step.abs()).min(0.25);
         if steps <= roundoff {
@@ -584,12 +588,34 @@ mod tests {
         let mut state = start();
         let report = Run::new(&mut stepper, &mut state).past(0.25).expect("solvable");
         assert_eq!((report.steps, stepper.time()), (3, 0.30000000000000004));
-        let error = Run::new(&mut stepper, &mut state).to(f64::NAN).expect_err("no time");
-        assert_eq!((error.step, error.cause), (4, StepError::NotFinite));
         // whoever ends the run ends it, be it before the short step
         let report =
             Run::new(&mut stepper, &mut state).until(|tick| tick.index == 4).to(0.55).expect("solvable");
         assert_eq!((report.steps, report.stopped), (1, true));
+    }
+
+    #[test]
+    fn a_time_that_no_steps_lead_to_is_named_and_nothing_is_done() {
+        let (mut state, mut ticks) = (start(), 0);
+        let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
+        Run::new(&mut stepper, &mut state).steps(3).expect("solvable");
+        let (before, memory) = (state.clone(), stepper.snapshot());
+        for time in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e300] {
+            let run = Run::new(&mut stepper, &mut state).starting_at(2.0).each(|_| ticks += 1);
+            let to = run.to(time).expect_err("out of reach");
+            let run = Run::new(&mut stepper, &mut state).starting_at(2.0);
+            let past = run.past(time).expect_err("out of reach");
+            for error in [to, past] {
+                assert_eq!((error.step, error.time, error.report), (4, 2.0, RunReport::default()));
+                let StepError::OutOfReach { time: named } = error.cause else { panic!("{error}") };
+                assert_eq!(named.to_bits(), time.to_bits());
+            }
+        }
+        assert_eq!((ticks, &state, stepper.snapshot()), (0, &before, memory));
+        let error = Run::new(&mut stepper, &mut state).to(f64::INFINITY).expect_err("out of reach");
+        assert!(std::format!("{error}").ends_with("no number of steps leads to the time inf"), "{error}");
+        // a time behind is no way at all
+        assert_eq!(Run::new(&mut stepper, &mut state).to(-1e300).expect("behind").steps, 0);
     }
 
     #[test]

@@ -3,12 +3,13 @@
 //! The free rigid body and the heavy top are the paper's, with principal moments 1, 10 and 100 and steps of 0.01 s.
 
 use std::fmt;
+use std::hint::black_box;
 
 use coadjoint::ensemble::Instructions;
 use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
-use coadjoint::{Discretized, Ensemble, System};
+use coadjoint::{Control, Discretized, Ensemble, State, System};
 
 use crate::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies};
 use crate::coupled_bodies::CoupledBodies;
@@ -71,6 +72,8 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
 
     let mut cases = vec![classical(FREE, Rk4Quaternion, plain, at), classical(FREE, Rkmk4, plain, at)];
     cases.extend(ours_of_order_2(FREE, &body, &start)?);
+    cases.extend(from_new_states(FREE, &body, &start)?);
+    cases.push(classical_from_new_states(FREE, Rk4Quaternion, plain, at));
     cases.extend([
         ours(FREE, "Cayley, order 4", at_once::<_, Order4<Cayley>>, &body, start)?,
         ours(FREE, "Cayley, order 6", at_once::<_, Order6<Cayley>>, &body, start)?,
@@ -97,6 +100,8 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     ]);
     cases.extend([classical(TOP, Rk4Quaternion, heavy, heavy_at), classical(TOP, Rkmk4, heavy, heavy_at)]);
     cases.extend(ours_of_order_2(TOP, &top, &top_start)?);
+    cases.extend(from_new_states(TOP, &top, &top_start)?);
+    cases.push(classical_from_new_states(TOP, Rk4Quaternion, heavy, heavy_at));
     cases.extend([
         generic(
             TOP,
@@ -125,6 +130,7 @@ pub fn all() -> Result<Vec<Case>, Box<dyn std::error::Error>> {
     let (quadrotor, loose) = Quadrotor::example();
     cases.push(ours("quadrotor", "Cayley", at_once::<_, Cayley>, &quadrotor, loose)?);
     cases.push(ours("quadrotor", "exponential", at_once::<_, Exponential>, &quadrotor, loose)?);
+    cases.extend(jumping(&quadrotor, &Quadrotor::example().1)?);
     let (coupled, still) = CoupledBodies::example();
     cases.push(ours("coupled_bodies", "Cayley", at_once::<_, Cayley>, &coupled, still)?);
     cases.push(ours("coupled_bodies", "exponential", at_once::<_, Exponential>, &coupled, still)?);
@@ -254,16 +260,7 @@ where
     S: Example + Discretized<M>,
     M: 'static,
 {
-    // all members differ
-    let states = (0..MEMBERS).map(|member| {
-        let mut components = state.to_components();
-        for (k, (quantity, slot)) in places(S::State::QUANTITIES).enumerate() {
-            if quantity == coadjoint::system::Role::Momentum {
-                components.as_mut()[slot] *= 1.0 + 1e-4 * (member * (k + 1)) as f64;
-            }
-        }
-        S::State::from_components(&components)
-    });
+    let states = spread(state, MEMBERS);
     let systems = std::iter::repeat(system);
     let mut ensemble = Ensemble::<S, M>::with_instructions(systems, states, 0.01, config.instructions)?;
     let threads = rayon::ThreadPoolBuilder::new().num_threads(config.threads).build()?;
@@ -273,6 +270,127 @@ where
         threads.install(|| ensemble.run(steps)).failures == 0
     };
     Ok(Case { problem, method, steps: 12_000 * MEMBERS as u64, run: Box::new(run) })
+}
+
+/// So many states that differ from each other in their momenta.
+fn spread<S: State<Scalar = f64>>(state: &S, count: usize) -> Vec<S> {
+    let states = (0..count).map(|member| {
+        let mut components = state.to_components();
+        for (k, (quantity, slot)) in places(S::QUANTITIES).enumerate() {
+            if quantity == coadjoint::system::Role::Momentum {
+                components.as_mut()[slot] *= 1.0 + 1e-4 * (member * (k + 1)) as f64;
+            }
+        }
+        S::from_components(&components)
+    });
+    states.collect()
+}
+
+/// The states that short runs start from, one after the other.
+const NEW: usize = 64;
+
+/// Short runs, each from a new state: single steps, and as many as model-predictive control takes.
+fn from_new_states<S>(
+    problem: &'static str,
+    system: &S,
+    state: &S::State,
+) -> Result<Vec<Case>, ParameterError>
+where
+    S: Example + Discretized<Cayley> + Discretized<Exponential>,
+{
+    let mut cases = Vec::new();
+    for length in [1, 20, 200] {
+        cases.push(rollouts::<_, Cayley>(problem, "Cayley", system, state, length)?);
+        cases.push(rollouts::<_, Exponential>(problem, "exponential", system, state, length)?);
+    }
+    Ok(cases)
+}
+
+fn rollouts<S, M>(
+    problem: &'static str,
+    method: &str,
+    system: &S,
+    state: &S::State,
+    length: u64,
+) -> Result<Case, ParameterError>
+where
+    S: Example + Discretized<M>,
+    M: 'static,
+{
+    let mut stepper = system.stepper::<M>(0.01)?;
+    let (states, control) = (spread(state, NEW), system.control(state, 0.0));
+    let run = move |steps: u64| {
+        states.iter().cycle().take((steps / length) as usize).all(|from| {
+            let mut state = black_box(from).clone();
+            let taken = if length == 1 {
+                stepper.step_with(&mut state, &control).is_ok()
+            } else {
+                stepper.steps_with(&mut state, &control, length).is_ok()
+            };
+            black_box(&state);
+            taken
+        })
+    };
+    Ok(Case { problem, method: format!("{method}, {}", called(length)), steps: 8_000, run: Box::new(run) })
+}
+
+/// What a run of so many steps from a new state is called.
+fn called(length: u64) -> String {
+    if length == 1 {
+        "each step from a new state".to_owned()
+    } else {
+        format!("{length} steps from each new state")
+    }
+}
+
+/// The same of a classical integrator's single steps.
+fn classical_from_new_states<I, S, const N: usize>(
+    problem: &'static str,
+    integrator: I,
+    system: S,
+    state: AttitudeState<N>,
+) -> Case
+where
+    I: Timed<S, AttitudeState<N>> + 'static,
+    S: 'static,
+{
+    let method = format!("{}, {}", integrator.name(), called(1));
+    let run = move |steps: u64| {
+        (0..steps).all(|step| {
+            let mut from = state;
+            from.y *= 1.0 + 1e-4 * (step % NEW as u64) as f64;
+            black_box(integrator.run(&system, black_box(from), 0.01, 1)).is_ok()
+        })
+    };
+    Case { problem, method, steps: 8_000, run: Box::new(run) }
+}
+
+/// Steps of which each has a control of its own, that jumps by so much of its unit, or by nothing.
+fn jumping(system: &Quadrotor, state: &<Quadrotor as System>::State) -> Result<Vec<Case>, ParameterError> {
+    let cases = [0.0, 1e-9, 1e-6, 1e-3, 0.1].map(|size| {
+        let mut stepper = system.stepper::<Cayley>(0.01)?;
+        let (from, law) = (*state, system.control(state, 0.0).to_components());
+        let controls: Vec<_> = (0..1_000_u32)
+            .map(|k| {
+                let mut components = law;
+                for (component, i) in components.as_mut().iter_mut().zip(1_u32..) {
+                    // between −1 and 1, with no pattern
+                    *component += size * (2.0 * (f64::from(k * i + i) * 0.618_033_988_75).fract() - 1.0);
+                }
+                <Quadrotor as System>::Control::from_components(&components)
+            })
+            .collect();
+        let run = move |steps: u64| {
+            let mut state = from;
+            let mut controls = controls.iter().cycle().take(steps as usize);
+            let taken = controls.all(|control| stepper.step_with(&mut state, control).is_ok());
+            black_box(&state);
+            taken
+        };
+        let method = format!("Cayley, one by one, controls that jump by {size:e}");
+        Ok(Case { problem: "quadrotor", method, steps: 8_000, run: Box::new(run) })
+    });
+    cases.into_iter().collect()
 }
 
 /// The role of each component of a state, and its place.

@@ -53,10 +53,15 @@ catalogue! {
     rigid_body_in_space: crate::rigid_body_in_space::RigidBodyInSpace as isolated,
     hanging_plate: crate::hanging_plate::HangingPlate,
     gyrostat: crate::gyrostat::Gyrostat as isolated,
+    satellite_with_wheels: crate::satellite_with_wheels::SatelliteWithWheels,
     coupled_bodies: crate::coupled_bodies::CoupledBodies,
     kirchhoff: crate::kirchhoff::Kirchhoff,
     ellipsoidal_fluid: crate::ellipsoidal_fluid::EllipsoidalFluid as isolated,
     nuclear_spin: crate::nuclear_spin::NuclearSpin,
+    spin_chain: crate::spin_chain::SpinChain,
+    four_dimensional_body: crate::four_dimensional_body::FourDimensionalBody,
+    affine_body: crate::affine_body::AffineBody,
+    navigation: crate::navigation::Navigation,
 }
 
 /// All systems.

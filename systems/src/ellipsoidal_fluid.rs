@@ -2,6 +2,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
+use coadjoint_app::scene::{Body, Scene};
+use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
 /// A fluid without friction that fills a vessel at rest, an ellipsoid, and turns in it with the same vorticity everywhere.
@@ -65,5 +67,11 @@ impl Example for EllipsoidalFluid {
         let fluid = EllipsoidalFluid { mass: 1000.0, semi_axes: vector![0.5, 0.6, 0.8] };
         let momentum = fluid.moments().component_mul(&vector![0.01, 1.0, 0.02]);
         (fluid, EllipsoidalFluidState { attitude: UnitQuaternion::identity(), momentum })
+    }
+
+    /// The vessel stands still; what turns in it are the axes of the fluid, in the coordinates in which the vessel is a ball.
+    fn scene(&self, by_state: Scene) -> Scene {
+        let vessel = Solid::new(Shape::Ellipsoid { semi_axes: self.semi_axes.into() });
+        by_state.named(0, "fluid").solid(0, None).body(Body::fixed("vessel").with(vessel))
     }
 }

@@ -13,11 +13,13 @@
 
 pub use coadjoint_classical as classical;
 
+pub mod affine_body;
 pub mod coupled_bodies;
 #[cfg(feature = "program")]
 pub mod double_pendulum;
 pub mod driven_pendulum;
 pub mod ellipsoidal_fluid;
+pub mod four_dimensional_body;
 pub mod free_rigid_body;
 pub mod full_rigid_body;
 pub mod guide;
@@ -29,11 +31,14 @@ pub mod heavy_top_on_se3;
 pub mod kepler;
 pub mod kirchhoff;
 pub mod magnetic_top;
+pub mod navigation;
 pub mod nuclear_spin;
 pub mod planar_pendulum;
 pub mod quadrotor;
 pub mod rigid_body_in_space;
+pub mod satellite_with_wheels;
 pub mod spherical_pendulum;
+pub mod spin_chain;
 pub mod two_bodies;
 
 #[cfg(feature = "program")]

@@ -2,7 +2,7 @@
 
 use coadjoint::prelude::*;
 use coadjoint_app::Example;
-use coadjoint_app::scene::Scene;
+use coadjoint_app::scene::{Arrow, Scene};
 use coadjoint_app::shape::{Shape, Solid};
 use serde::{Deserialize, Serialize};
 
@@ -97,10 +97,8 @@ impl Example for Quadrotor {
 
     fn scene(&self, by_state: Scene) -> Scene {
         let body = Solid::new(Shape::Quadrotor { arm: Self::ARM });
-        by_state.named(0, "quadrotor").solid(0, body).without_axes(0).weight(
-            0,
-            self.mass * self.gravity,
-            Vector3::zeros(),
-        )
+        let thrust = Arrow::control("thrust", Vector3::z()).symbol("F").colour("c4").in_body();
+        let scene = by_state.named(0, "quadrotor").solid(0, body).without_axes(0);
+        scene.arrow(thrust).weight(0, self.mass * self.gravity, Vector3::zeros())
     }
 }

@@ -10,6 +10,7 @@ use serde_json::json;
 use crate::console::Telling;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
+use crate::run_plot::symbols;
 use crate::setting::laid_out;
 use crate::simulation::{Method, Order, Retraction, scheme};
 
@@ -68,7 +69,7 @@ pub(crate) fn certify(
     for &method in &methods {
         for &retraction in &retractions {
             let report = entry.certify(&entry.example, method, retraction)?;
-            writeln!(console.words(), "{report}\n")?;
+            writeln!(console.words(), "{}\n", in_short(&report))?;
             reports.push(report);
         }
     }
@@ -82,6 +83,15 @@ pub(crate) fn certify(
         0 => Ok(()),
         wrong => Err(Error::Claim { system: entry.name, wrong }),
     }
+}
+
+/// With the Casimirs of many terms in symbols.
+fn in_short(report: &Report) -> Report {
+    let mut report = report.clone();
+    for row in report.certificates.iter_mut().filter(|row| row.name.chars().count() > 40) {
+        row.name = symbols(&row.name);
+    }
+    report
 }
 
 /// What the rows say, one line each.

@@ -22,7 +22,7 @@ use crate::output::path::is_stdout;
 use crate::output::{Claim, Guard, file_in, table};
 use crate::plot::Kind;
 use crate::progress::Progress;
-use crate::provenance::{Members, Provenance, in_picture};
+use crate::provenance::{Members, Provenance, embed};
 use crate::report::{grouped, rate_in_words, short};
 use crate::setting::{Changes, assignments, laid_out};
 use crate::simulation::{Job, Retraction, Setup};
@@ -46,7 +46,7 @@ pub(crate) struct EnsembleArguments {
     ///
     /// Evenly within plus or minus the width: `inertia=2%` of each component's own size, `momentum_z=0.01` in the component's own unit,
     /// `chi=0,0,0.1` for each component. A rotation is turned about any axis by an angle up to the width: `attitude=5deg`, `attitude=0.1rad`;
-    /// advected vectors turn along. Symmetric matrices stay symmetric.
+    /// advected vectors turn along. Symmetric matrices stay symmetric; an element of a group of matrices is displaced as a whole: `element=0.1`.
     #[arg(long, value_name = "NAME=WIDTH")]
     pub(crate) spread: Vec<String>,
     #[command(flatten)]
@@ -87,7 +87,7 @@ pub(crate) fn ensemble(
     }
     let run = provenance(entry, &setup, &spec, arguments);
     let stem = run.stem(entry, &spec.job);
-    let guard = Guard::new(run, arguments.motion.force);
+    let guard = Guard::new(run.origin(), arguments.motion.force);
     let paths: Vec<PathBuf> = match is_stdout(out) {
         true => vec![out.clone()],
         false => {
@@ -168,12 +168,11 @@ fn contents<'p>(
     let last = summary.spreads.first().and_then(|spreads| spreads.last());
     let taken = last.map_or(0, |spread| (spread.time / spec.job.step).round() as u64);
     let interrupted = (taken < spec.job.steps).then_some(taken);
-    let run = guard.run().interrupted_after(interrupted);
+    let run = guard.origin().interrupted_after(interrupted);
     let content = |bytes| Content { bytes, is_interrupted: interrupted.is_some() };
     let mut contents = Vec::new();
     if let Some(path) = paths.first() {
-        let failure = |source| Error::Write { path: path.clone(), source };
-        contents.push((path, content(table(&run, records(named, summary)).map_err(failure)?)));
+        contents.push((path, content(table(&run, &records(named, summary)))));
     }
     let is_seen = |spread: &&Spread| spread.members > 0;
     let looks = summary.spreads.first().map_or(0, |spreads| spreads.iter().filter(is_seen).count());
@@ -181,8 +180,7 @@ fn contents<'p>(
     if looks > 1 {
         let figure = figure(entry, named, summary, spec, &spec.variation.words);
         for (path, kind) in paths.iter().skip(1).zip(Kind::ALL) {
-            let failure = |source| Error::Write { path: path.clone(), source };
-            contents.push((path, content(in_picture(&figure, *kind, &run).map_err(failure)?)));
+            contents.push((path, content(embed(kind.extension(), figure.picture(*kind), &run))));
         }
     }
     Ok(contents)
@@ -310,7 +308,7 @@ fn observables(entry: &'static Entry, asked: &[String]) -> Result<Vec<(String, O
 }
 
 /// Time and, for each quantity, how many members, mean, deviation and quantiles.
-fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> impl Iterator<Item = Vec<String>> {
+fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> Vec<Vec<String>> {
     const COLUMNS: [&str; 10] =
         ["members", "mean", "deviation", "min", "q05", "q25", "median", "q75", "q95", "max"];
     let columns = named.iter().flat_map(|(name, _)| COLUMNS.map(|column| format!("{name}_{column}")));
@@ -325,7 +323,7 @@ fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> impl It
         }
         record
     };
-    std::iter::once(header).chain((0..samples).map(record))
+    std::iter::once(header).chain((0..samples).map(record)).collect()
 }
 
 /// The members that failed, at most so many of them by name.

@@ -8,6 +8,9 @@ use clap::Args;
 use crate::cli::program;
 use crate::entry::Catalogue;
 use crate::error::Error;
+use crate::output::Guard;
+use crate::output::path::is_stdout;
+use crate::provenance::{Origin, embed};
 
 /// Which file to write.
 #[derive(Debug, Args)]
@@ -29,10 +32,13 @@ pub(crate) fn init(
 ) -> Result<(), Error> {
     let entry = catalogue.system(&arguments.system)?;
     let path = arguments.out.clone().unwrap_or_else(|| format!("{}.toml", entry.name).into());
-    if path.exists() && !arguments.force {
-        return Err(Error::Input(format!("{} exists already; `--force` replaces it", path.display())));
+    let origin = Origin::of_command(&format!("init {}", entry.name));
+    // it is written to be edited
+    let guard = Guard::new(origin, arguments.force).unrepeatable();
+    guard.check(&path)?;
+    guard.write(&path, &embed("toml", crate::config::example(entry).into_bytes(), guard.origin()))?;
+    if !is_stdout(&path) {
+        writeln!(console, "wrote {}; run it with `{} run --config {0}`", path.display(), program())?;
     }
-    crate::output::write_text(&path, &crate::config::example(entry))?;
-    writeln!(console, "wrote {}; run it with `{} run --config {0}`", path.display(), program())?;
     Ok(())
 }

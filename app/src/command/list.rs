@@ -11,6 +11,7 @@ use crate::console::Telling;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
 use crate::report::{with_unit, wrapped};
+use crate::run_plot::symbols;
 use crate::setting::laid_out;
 use crate::simulation::{Method, Retraction};
 
@@ -63,7 +64,9 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
         writeln!(words, "  nothing")?;
     }
     for (name, unit) in conserved {
-        writeln!(words, "  {}", with_unit(name, unit))?;
+        // what has many terms is shorter in symbols
+        let name = if name.chars().count() > 40 { symbols(name) } else { name.to_owned() };
+        writeln!(words, "  {}", with_unit(&name, unit))?;
     }
     writeln!(words, "\nretractions  {}", retractions(entry).join(", "))?;
     let methods = methods(entry).join(", ");

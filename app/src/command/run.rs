@@ -128,8 +128,8 @@ pub(crate) fn run(
     }
     let plan = match &arguments.again {
         Some(file) => {
-            let made = made(file)?;
-            if made.interrupted.is_some() {
+            let (made, interrupted) = made(file)?;
+            if interrupted {
                 let file = file.display();
                 console.note(format!("the run of {file} was interrupted; now it goes to its end"))?;
             }
@@ -205,10 +205,15 @@ fn page_of(entry: &Entry, plan: &Plan) -> PathBuf {
     plan.out.join(format!("{}.html", plan.provenance(entry).stem(entry, &plan.job)))
 }
 
-/// What made a file.
-fn made(file: &Path) -> Result<Provenance, Error> {
+/// The run that made a file, and whether it was interrupted.
+fn made(file: &Path) -> Result<(Provenance, bool), Error> {
     let found = provenance::read(file).map_err(|source| Error::Read { path: file.to_owned(), source })?;
-    found.ok_or_else(|| Error::Input(format!("{} does not say what made it", file.display())))
+    let found = found.ok_or_else(|| Error::Input(format!("{} does not say what made it", file.display())))?;
+    found.run().map(|run| (run, found.interrupted().is_some())).ok_or_else(|| {
+        let (file, program) = (file.display(), crate::cli::program());
+        let command = found.command().unwrap_or_default();
+        Error::Input(format!("{file} is of no run: `{program} {command}` makes it again"))
+    })
 }
 
 /// The run about which a scan was made.

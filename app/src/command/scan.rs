@@ -63,7 +63,7 @@ pub(super) fn scan(
     let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let run = Provenance { scan: asked.to_owned(), ..Provenance::of_run(entry, setup, job, 1) };
     let file = file_in(out, &format!("{}.csv", run.stem(entry, job)));
-    let guard = Guard::new(run, *force);
+    let guard = Guard::new(run.origin(), *force);
     guard.check_all(&[Claim { what: "the table", path: file.clone(), written: true }])?;
     interrupt::listen();
     let start = Instant::now();
@@ -72,14 +72,12 @@ pub(super) fn scan(
     if interrupt::requested() {
         return Err(Error::Interrupted);
     }
-    let failure = |source| Error::Write { path: file.clone(), source };
-    let content = csv(guard.run(), records(entry, &scans, &rows).into_iter()).map_err(failure)?;
-    guard.write(&file, &content)?;
+    guard.write(&file, &csv(guard.origin(), &records(entry, &scans, &rows)))?;
     let written = Some(file).filter(|file| !is_stdout(file));
     let notes = console.notes().to_vec();
     console.object(|| {
         let described = |row: &Row| object(entry, &scans, row);
-        let mut object = Value::Object(guard.run().fields());
+        let mut object = Value::Object(run.fields());
         object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
         object["notes"] = notes.into();

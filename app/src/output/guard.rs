@@ -7,35 +7,43 @@ use super::atomic_file::{AtomicFile, Replace, left_behind};
 use super::make_directory;
 use super::path::{followed, is_special, is_stdout, resolved};
 use crate::error::Error;
-use crate::provenance::{self, Provenance};
+use crate::provenance::{self, Origin};
 
-/// Lets a file replace that of the same run, and others where that was asked for.
+/// Lets a file replace one of the same origin, and others where that was asked for.
 #[derive(Clone, Debug)]
-pub(crate) struct Guard {
-    run: Arc<Provenance>,
+pub struct Guard {
+    origin: Arc<Origin>,
+    /// Whether a file of the same origin is the same file.
+    repeats: bool,
     force: bool,
 }
 
 /// A file of a run, and what it is to it.
 #[derive(Clone, Debug)]
-pub(crate) struct Claim {
+pub struct Claim {
     /// `--html`, `the trajectory`
-    pub(crate) what: &'static str,
+    pub what: &'static str,
     /// Where.
-    pub(crate) path: PathBuf,
+    pub path: PathBuf,
     /// Whether it is written; else it is read, or has a lock of its own.
-    pub(crate) written: bool,
+    pub written: bool,
 }
 
 impl Guard {
-    /// Of the files of a run.
-    pub(crate) fn new(run: Provenance, force: bool) -> Self {
-        Self { run: Arc::new(run), force }
+    /// Of files of this origin.
+    pub fn new(origin: Origin, force: bool) -> Self {
+        Self { origin: Arc::new(origin), repeats: true, force }
     }
 
-    /// What made the files.
-    pub(crate) fn run(&self) -> &Provenance {
-        &self.run
+    /// The same, where no two files are the same although their origin is: measured times, what people edit.
+    #[must_use]
+    pub fn unrepeatable(self) -> Self {
+        Self { repeats: false, ..self }
+    }
+
+    /// What makes the files.
+    pub fn origin(&self) -> &Origin {
+        &self.origin
     }
 
     /// Whether a file may be put here.
@@ -46,19 +54,32 @@ impl Guard {
         if self.force || is_stdout(path) || !path.is_file() {
             return Ok(());
         }
-        let found = provenance::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
-        let made = match found.map(|found| self.run.differences(&found)) {
-            None => "was not made by this program".to_owned(),
-            Some(differences) if differences.is_empty() => return Ok(()),
-            Some(differences) => format!("is of a run with another {}", differences.join(", ")),
+        let made = match self.repeats {
+            true => self.other(path).map_err(|source| Error::Read { path: path.to_owned(), source })?,
+            false => Some("would be lost".to_owned()),
         };
-        Err(Error::Taken { path: path.to_owned(), made })
+        made.map_or(Ok(()), |made| Err(Error::Taken { path: path.to_owned(), made }))
+    }
+
+    /// What a file is, if it is of another origin.
+    fn other(&self, path: &Path) -> std::io::Result<Option<String>> {
+        let found = provenance::read(path)?;
+        Ok(match found.map(|found| (self.origin.differences(&found), found)) {
+            None => Some("was not made by this program".to_owned()),
+            Some((differences, _)) if differences.is_empty() => None,
+            Some((differences, found)) => Some(match found.command() {
+                Some(command) if command != self.origin.command().unwrap_or_default() => {
+                    format!("was made by `{command}`")
+                }
+                _ => format!("is of a run with another {}", differences.join(", ")),
+            }),
+        })
     }
 
     /// Whether the file of the same run is here, complete.
     pub(crate) fn is_complete(&self, path: &Path) -> bool {
         let found = provenance::read(path).ok().flatten();
-        found.is_some_and(|found| found.interrupted.is_none() && self.run.differences(&found).is_empty())
+        found.is_some_and(|found| found.interrupted().is_none() && self.origin.differences(&found).is_empty())
     }
 
     /// Looks at all files of a run before it starts: no two are one, none takes the place of another run's or of a stranger's, all can be
@@ -66,7 +87,7 @@ impl Guard {
     ///
     /// # Errors
     /// If any of that is not so.
-    pub(crate) fn check_all(&self, claims: &[Claim]) -> Result<Vec<PathBuf>, Error> {
+    pub fn check_all(&self, claims: &[Claim]) -> Result<Vec<PathBuf>, Error> {
         let places: Vec<PathBuf> = claims.iter().map(|claim| resolved(&claim.path)).collect();
         for (i, claim) in claims.iter().enumerate() {
             // into a device as much goes as one likes
@@ -96,7 +117,7 @@ impl Guard {
     ///
     /// # Errors
     /// If that cannot be done, or another file is in its place.
-    pub(crate) fn write(&self, path: &Path, content: &[u8]) -> Result<(), Error> {
+    pub fn write(&self, path: &Path, content: &[u8]) -> Result<(), Error> {
         let write = || {
             let mut file = AtomicFile::begin(path, Replace::Guarded(self.clone()))?;
             std::io::Write::write_all(&mut file, content)?;

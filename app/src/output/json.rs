@@ -25,7 +25,7 @@ use serde_json::{Value, json};
 use super::{AtomicFile, Write};
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
-use crate::provenance::Provenance;
+use crate::provenance::Origin;
 
 pub(super) struct Json {
     file: AtomicFile,
@@ -34,7 +34,7 @@ pub(super) struct Json {
 }
 
 impl Json {
-    pub(super) fn new(mut file: AtomicFile, entry: &'static Entry, run: &Provenance) -> io::Result<Self> {
+    pub(super) fn new(mut file: AtomicFile, entry: &'static Entry, run: &Origin) -> io::Result<Self> {
         writeln!(file, "{{")?;
         for (name, value) in run.fields() {
             writeln!(file, "  {}: {value},", json!(name))?;

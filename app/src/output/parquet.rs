@@ -16,7 +16,7 @@ use super::json::invariants;
 use super::{AtomicFile, Write};
 use crate::conservation::ConservationReport;
 use crate::entry::Entry;
-use crate::provenance::Provenance;
+use crate::provenance::{INVARIANTS, Origin};
 
 /// Rows that are kept in memory before they are written.
 const GROUP: usize = 1 << 14;
@@ -28,7 +28,7 @@ pub(super) struct Parquet {
 }
 
 impl Parquet {
-    pub(super) fn new(file: AtomicFile, entry: &'static Entry, run: &Provenance) -> io::Result<Self> {
+    pub(super) fn new(file: AtomicFile, entry: &'static Entry, run: &Origin) -> io::Result<Self> {
         let names = entry.columns();
         let writer = || -> Result<_, ParquetError> {
             let fields = names.iter().map(|name| {
@@ -41,7 +41,7 @@ impl Parquet {
             let properties = WriterProperties::builder().set_dictionary_enabled(false).build();
             let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
             for (name, value) in run.fields() {
-                writer.append_key_value_metadata(KeyValue::new(name, value.to_string()));
+                writer.append_key_value_metadata(KeyValue::new(name.clone(), value.to_string()));
             }
             Ok(writer)
         };
@@ -82,7 +82,7 @@ impl Write for Parquet {
             self.write_group().map_err(cause)?;
         }
         let invariants = invariants(self.entry, conservation).to_string();
-        self.writer.append_key_value_metadata(KeyValue::new("invariants".to_owned(), invariants));
+        self.writer.append_key_value_metadata(KeyValue::new(INVARIANTS.to_owned(), invariants));
         if let Some(steps) = interrupted {
             self.writer.append_key_value_metadata(KeyValue::new("interrupted".to_owned(), steps.to_string()));
         }

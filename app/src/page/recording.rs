@@ -1,11 +1,8 @@
 //! The moments of a run that its page shows, as many as its turning needs and memory bears.
 
-use std::ops::Range;
-
 use serde::{Deserialize, Serialize};
 
 use crate::entry::Entry;
-use crate::setting::{laid_out, rotation};
 use crate::simulation::{Job, Sample};
 
 /// At most so many moments are kept: a page of some megabytes, drawn 60 times a second.
@@ -24,7 +21,7 @@ pub(crate) struct HtmlPlayer {
     last: u64,
     moments: Vec<Moment>,
     /// Where in the state the rotations are, and how far each turned since the last kept moment, rad.
-    rotations: Vec<Range<usize>>,
+    rotations: Vec<Vec<usize>>,
     turned: Vec<f64>,
     /// The sample before.
     before: (f64, Vec<f64>),
@@ -56,9 +53,7 @@ pub(super) struct Moments<'a> {
 impl HtmlPlayer {
     /// For a run that is about to start.
     pub(crate) fn new(entry: &Entry, job: &Job) -> Self {
-        let rotations: Vec<Range<usize>> = laid_out(entry.description.state)
-            .filter_map(|(quantity, slots)| Some(slots.start..slots.start + rotation(quantity)?.0))
-            .collect();
+        let rotations = entry.shown.rotations().to_vec();
         let turned = vec![0.0; rotations.len()];
         let (moments, before) = Default::default();
         Self { every: 1, last: job.steps, moments, rotations, turned, before, rate: 0.0 }
@@ -70,7 +65,7 @@ impl HtmlPlayer {
         let rotations = self.rotations.len();
         self.every > 0
             && self.turned.len() == rotations
-            && self.rotations.iter().all(|slots| slots.end <= numbers)
+            && self.rotations.iter().flatten().all(|slot| *slot < numbers)
             && self.moments.iter().all(|moment| {
                 moment.state.len() == numbers
                     && moment.casimirs.len() == casimirs
@@ -99,11 +94,11 @@ impl HtmlPlayer {
         let (time, state) = &mut self.before;
         let elapsed = (sample.time - *time).abs();
         for (slots, turned) in self.rotations.iter().zip(&mut self.turned) {
-            let (Some(before), Some(now)) = (state.get(slots.clone()), sample.state.get(slots.clone()))
-            else {
-                continue;
+            let of = |state: &[f64]| -> Option<Vec<f64>> {
+                slots.iter().map(|slot| state.get(*slot).copied()).collect()
             };
-            let angle = angle_between(before, now);
+            let (Some(before), Some(now)) = (of(state), of(sample.state)) else { continue };
+            let angle = angle_between(&before, &now);
             *turned += angle;
             if elapsed > 0.0 {
                 self.rate = self.rate.max(angle / elapsed);
@@ -153,14 +148,14 @@ impl HtmlPlayer {
     }
 }
 
-/// The angle of the rotation between two unit quaternions, or between two unit complex numbers, rad.
+/// The angle of the rotation between two unit quaternions, two matrices, or two unit complex numbers, rad.
 fn angle_between(a: &[f64], b: &[f64]) -> f64 {
     // by the chord, which is exact for small angles too
     let chord = |sign: f64| a.iter().zip(b).map(|(a, b)| (a - sign * b).powi(2)).sum::<f64>().sqrt();
-    if a.len() == 4 {
-        4.0 * (chord(1.0).min(chord(-1.0)) / 2.0).min(1.0).asin()
-    } else {
-        2.0 * (chord(1.0) / 2.0).min(1.0).asin()
+    match a.len() {
+        4 => 4.0 * (chord(1.0).min(chord(-1.0)) / 2.0).min(1.0).asin(),
+        9 => 2.0 * (chord(1.0) / 8.0_f64.sqrt()).min(1.0).asin(),
+        _ => 2.0 * (chord(1.0) / 2.0).min(1.0).asin(),
     }
 }
 
@@ -175,6 +170,10 @@ mod tests {
             let found = angle_between(&[1.0, 0.0, 0.0, 0.0], &[-c, 0.0, -s, 0.0]);
             assert!((found / angle - 1.0).abs() < 1e-9, "{found} {angle}");
             let found = angle_between(&[1.0, 0.0], &[angle.cos(), angle.sin()]);
+            assert!((found / angle - 1.0).abs() < 1e-9, "{found} {angle}");
+            let unit = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+            let (c, s) = (angle.cos(), angle.sin());
+            let found = angle_between(&unit, &[c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0]);
             assert!((found / angle - 1.0).abs() < 1e-9, "{found} {angle}");
         }
     }
@@ -192,7 +191,7 @@ mod tests {
             every: 1,
             last: steps,
             moments: Vec::new(),
-            rotations: std::iter::once(0..4).collect(),
+            rotations: vec![vec![0, 1, 2, 3]],
             turned: vec![0.0],
             before: Default::default(),
             rate: 0.0,

@@ -9,6 +9,7 @@ use crate::run_plot::symbols;
 use crate::scene::{Arrow, Body, Scene, Vector};
 use crate::setting::{laid_out, rotation};
 use crate::shape::{Shape, Solid};
+use crate::shown::rows;
 
 /// What is seen of a system with these parameters.
 pub(super) fn scene(entry: &Entry, parameters: &[f64]) -> Scene {
@@ -30,7 +31,7 @@ pub(super) fn scene(entry: &Entry, parameters: &[f64]) -> Scene {
 
 /// A body for each configuration, with its momenta, and what the first body sees of space.
 fn by_state(entry: &Entry) -> Scene {
-    let quantities = entry.description.state;
+    let quantities = entry.shown.plotted();
     let in_body = is_left_invariant(entry);
     let mut scene = Scene::default();
     let configurations: Vec<usize> =
@@ -40,6 +41,11 @@ fn by_state(entry: &Entry) -> Scene {
     let alone = kinds(true) <= 1 && kinds(false) <= 1;
     for &k in &configurations {
         let quantity = &quantities[k];
+        // which of several vectors is a place is not known, nor is a matrix that turns nothing
+        let of_matrix = entry.shown.is_of_a_matrix(quantity) && rotation(quantity).is_none();
+        if of_matrix && (configurations.len() > 2 || !quantity.name.contains('_')) {
+            continue;
+        }
         let mut after = quantities[k + 1..].iter().take_while(|next| next.role != Role::Configuration);
         let momentum = after.find(|next| next.role == Role::Momentum);
         let position_of_the_body = configurations.len() == 2
@@ -137,19 +143,23 @@ fn is_rotation_in_space(quantity: &Quantity) -> bool {
 
 /// Whether a quantity turns or moves in space, not only in a plane or on a line.
 pub(super) fn is_spatial(entry: &Entry, name: &str) -> bool {
-    entry.description.state.iter().any(|quantity| {
+    entry.shown.all().iter().any(|quantity| {
         quantity.name == name
             && (is_rotation_in_space(quantity)
+                || rows(quantity).is_some_and(|rows| rows > 2)
                 || rotation(quantity).is_none() && quantity.components.len() == 3)
     })
 }
 
 /// The names of the axes, where the motion is in an upright plane or on a line.
 pub(super) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
-    let mut quantities =
-        scene.bodies.iter().flat_map(|body| body.rotation.iter().chain(&body.position)).peekable();
+    let of = |body: &'_ Body| {
+        let carried = body.carried.as_ref().map(|(matrix, _)| matrix.clone());
+        body.rotation.iter().chain(&body.position).cloned().chain(carried).collect::<Vec<String>>()
+    };
+    let mut quantities = scene.bodies.iter().flat_map(of).peekable();
     quantities.peek()?;
-    let plane = quantities.all(|name| !is_spatial(entry, name))
+    let plane = quantities.all(|name| !is_spatial(entry, &name))
         && scene.bodies.iter().all(|body| body.axis.is_none());
     plane.then(|| ["x", "", "y"].map(str::to_owned))
 }

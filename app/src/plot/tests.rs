@@ -138,11 +138,13 @@ fn pixels_show_what_the_picture_shows() {
     let line = all(&svg, "<polyline class=\"stroke-rk4\" points=\"")[0];
     let (x, y) = line.split(' ').next().and_then(|point| point.split_once(',')).expect("a point");
     let [x, y] = [x, y].map(|number| number.parse::<f64>().expect("a number"));
-    let file = figure.picture(Kind::Png).expect("pixels");
+    let file = figure.picture(Kind::Png);
+    // another program's reader
     let mut reader = ::png::Decoder::new(std::io::Cursor::new(file)).read_info().expect("a picture");
     let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
     let info = reader.next_frame(&mut pixels).expect("a picture");
     assert_eq!((info.width % 2, info.height % 2), (0, 0));
+    assert_eq!(info.color_type, ::png::ColorType::Rgb);
     let at = |x: f64, y: f64| {
         let start = ((2.0 * y) as usize * info.width as usize + (2.0 * x) as usize) * 3;
         pixels[start..start + 3].to_vec()

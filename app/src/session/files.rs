@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::output::path::is_stdout;
 use crate::output::{Claim, Format, Guard};
 use crate::plot::Kind;
-use crate::provenance::{Provenance, in_markup, in_picture};
+use crate::provenance::{Origin, Provenance, embed};
 
 /// The files of a run.
 #[derive(Clone, Debug, Default)]
@@ -81,19 +81,17 @@ pub(super) fn shown(
     plan: &Plan,
     record: &Record,
     files: &Files,
-    run: &Provenance,
+    run: &Origin,
 ) -> Result<Vec<(PathBuf, Vec<u8>)>, Error> {
     let mut shown = Vec::new();
     let figure = record.run_plot.as_ref().map(|run_plot| run_plot.figure(entry, title(entry, &plan.job)));
     for (figure, (kind, path)) in
         figure.iter().flat_map(|figure| files.pictures.iter().map(move |file| (figure, file)))
     {
-        let failure = |source| Error::Write { path: path.clone(), source };
-        shown.push((path.clone(), in_picture(figure, *kind, run).map_err(failure)?));
+        shown.push((path.clone(), embed(kind.extension(), figure.picture(*kind), run)));
     }
     if let (Some(html_player), Some(path)) = (&record.html_player, &files.html) {
-        let page = in_markup(&html_player.html(entry, plan), "script", "<meta charset", run);
-        shown.push((path.clone(), page.into_bytes()));
+        shown.push((path.clone(), embed("html", html_player.html(entry, plan).into_bytes(), run)));
     }
     Ok(shown)
 }
@@ -104,8 +102,9 @@ pub(super) fn prepared(
     plan: &Plan,
     checkpoint: Option<&Path>,
 ) -> Result<(Files, Guard), Error> {
-    let guard = Guard::new(plan.provenance(entry), plan.force);
-    let files = Files::of(entry, plan, guard.run())?;
+    let run = plan.provenance(entry);
+    let files = Files::of(entry, plan, &run)?;
+    let guard = Guard::new(run.origin(), plan.force);
     for path in guard.check_all(&files.claims(plan, checkpoint))? {
         note(&format!("a run that was killed left {0}: `rm {0}` removes it", path.display()));
     }

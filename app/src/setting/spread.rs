@@ -1,17 +1,18 @@
 //! `--spread name=width`: how members of an ensemble differ from one another.
 
 use coadjoint::system::{Quantity, Role};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::names::{Name, Names, Part, count, laid_out, named, numbers};
 use super::rotation::rotation;
 use super::transport::{displace, places};
 use crate::entry::{Entry, component_name};
 use crate::error::Error;
+use crate::random::Random;
+use crate::shown::rows;
 use crate::simulation::Setup;
 
-/// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of up to its width.
+/// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of up to its width, each
+/// matrix of a group by an element as near to the unit matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation {
     parameters: Vec<f64>,
@@ -25,7 +26,7 @@ pub struct Variation {
     pub notes: Vec<String>,
 }
 
-/// How far a rotation is turned: a rotation vector evenly distributed in a ball.
+/// How far a rotation is turned, or another element of a group is displaced: a vector of the algebra evenly distributed in a ball.
 #[derive(Clone, Debug, PartialEq)]
 struct Turn {
     name: &'static str,
@@ -34,9 +35,10 @@ struct Turn {
     dimension: usize,
     /// How long tangent vectors are.
     length: usize,
-    /// In radians.
+    /// In radians, or a pure number.
     width: f64,
-    in_degrees: bool,
+    /// In which it is told: degrees, radians, or none.
+    unit: &'static str,
 }
 
 /// A width as it is written.
@@ -45,8 +47,8 @@ enum Width {
     Percent(Vec<f64>),
     /// In the quantity's unit.
     Absolute(Vec<f64>),
-    /// In radians, and whether it was given in degrees.
-    Angle(f64, bool),
+    /// In radians or as a pure number, and the unit in which it was given.
+    Turn(f64, &'static str),
 }
 
 /// What was drawn of a number: the range of all members.
@@ -83,9 +85,9 @@ impl Variation {
             let width = width(entry, &target, value.trim()).map_err(|error| wrong(error.to_string()))?;
             all.words.push(in_words(entry, &target.name, &width));
             match width {
-                Width::Angle(width, in_degrees) => {
+                Width::Turn(width, unit) => {
                     all.turns.retain(|turn| turn.name != target.quantity.name);
-                    all.turns.extend(turn(entry, target.quantity, width, in_degrees));
+                    all.turns.extend(turn(entry, target.quantity, width, unit));
                 }
                 Width::Percent(percent) => {
                     let values = if target.part == Part::State { &setup.state } else { &setup.parameters };
@@ -130,15 +132,12 @@ impl Variation {
 
     /// The same with the angles by which rotations were turned, rad.
     fn drawn(&self, entry: &Entry, setup: &Setup, seed: u64, member: usize) -> (Setup, Vec<f64>) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(member as u64);
-        // 53 bits, from −1 to 1
-        let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
+        let mut random = Random::new(seed, member as u64);
         let mut drawn = setup.clone();
         // numbers that do not vary are drawn too, so that those of the others do not depend on them
         let numbers = drawn.parameters.iter_mut().zip(&self.parameters);
         for (value, width) in numbers.chain(drawn.state.iter_mut().zip(&self.state)) {
-            *value += width * even();
+            *value += width * random.even();
         }
         for &(first, second) in &self.mirrored {
             drawn.parameters[second] = drawn.parameters[first];
@@ -149,7 +148,7 @@ impl Variation {
         let system = entry.system(&drawn.parameters);
         let mut angles = Vec::new();
         for turn in &self.turns {
-            let (by, angle) = turn.draw(&mut even);
+            let (by, angle) = turn.draw(&mut random);
             drawn.state = displace(&*system, &drawn.state, &by);
             angles.push(angle);
         }
@@ -178,7 +177,7 @@ impl Variation {
         }
         let angles = self.turns.iter().map(|turn| Drawn {
             name: turn.name.to_owned(),
-            unit: if turn.in_degrees { "°" } else { "rad" },
+            unit: turn.unit,
             range: NOTHING,
         });
         Ranges { entry, setup, variation: self, slots, angles: angles.collect() }
@@ -219,9 +218,9 @@ impl Ranges<'_> {
 
 impl Turn {
     /// A tangent vector, and the angle.
-    fn draw(&self, even: &mut impl FnMut() -> f64) -> (Vec<f64>, f64) {
+    fn draw(&self, random: &mut Random) -> (Vec<f64>, f64) {
         let (vector, length) = loop {
-            let vector: Vec<f64> = (0..self.dimension).map(|_| even()).collect();
+            let vector: Vec<f64> = (0..self.dimension).map(|_| random.even()).collect();
             let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
             if length <= 1.0 {
                 break (vector, length);
@@ -233,15 +232,23 @@ impl Turn {
     }
 }
 
-/// The turn of a quantity that is a rotation, or begins with one.
-fn turn(entry: &Entry, quantity: &Quantity, width: f64, in_degrees: bool) -> Option<Turn> {
+/// The turn of a quantity that is a rotation, or begins with one, or the displacement of a matrix.
+fn turn(entry: &Entry, quantity: &Quantity, width: f64, unit: &'static str) -> Option<Turn> {
     let places = places(entry.description.state);
     let length = places.last()?.tangent.end;
     let place = places.iter().find(|place| place.quantity.name == quantity.name)?;
-    let (stored, _) = rotation(quantity)?;
-    // a rotation of space has three numbers, one of the plane one
-    let dimension = if stored == 4 { 3 } else { 1 };
-    Some(Turn { name: place.quantity.name, start: place.tangent.start, dimension, length, width, in_degrees })
+    let dimension = match rotation(quantity) {
+        // a rotation of space has three numbers, one of the plane one
+        Some((stored, _)) => {
+            if stored == 4 {
+                3
+            } else {
+                1
+            }
+        }
+        None => place.tangent.len(),
+    };
+    Some(Turn { name: place.quantity.name, start: place.tangent.start, dimension, length, width, unit })
 }
 
 /// The entries of square matrices that are symmetric in the setup, each with its mirror image.
@@ -280,13 +287,11 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, Error> {
         let start = whole.map_or(0, |(_, slots)| slots.start);
         if target.is_whole() {
             let form = format!("a rotation spreads by an angle: write `{name}=5deg` or `{name}=0.1rad`");
-            let in_degrees = match unit {
-                "deg" | "°" => true,
-                "rad" => false,
-                _ => return wrong(form),
+            return match (unit, &numbers[..]) {
+                ("deg" | "°", [width]) => Ok(Width::Turn(width.to_radians(), "°")),
+                ("rad", [width]) => Ok(Width::Turn(*width, "rad")),
+                _ => wrong(form),
             };
-            let [width] = numbers[..] else { return wrong(form) };
-            return Ok(Width::Angle(if in_degrees { width.to_radians() } else { width }, in_degrees));
         }
         if target.slots.start < start + stored {
             let whole = target.quantity.name;
@@ -294,6 +299,15 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, Error> {
                 "the components of a rotation cannot vary one by one; write `{whole}=5deg` or `{whole}=0.1rad`"
             ));
         }
+    }
+    if rows(target.quantity).is_some() {
+        let whole = target.quantity.name;
+        return match (target.is_whole(), unit, &numbers[..]) {
+            (true, "", [width]) => Ok(Width::Turn(*width, "")),
+            _ => wrong(format!(
+                "an element of a group of matrices is displaced as a whole, by a number: write `{whole}=0.1`"
+            )),
+        };
     }
     let (wanted, one) = (target.slots.len(), numbers.len() == 1);
     if one {
@@ -330,8 +344,9 @@ fn in_words(entry: &Entry, name: &str, width: &Width) -> String {
         }
     };
     match width {
-        Width::Angle(width, true) => format!("{name} turned by up to {}°", rounded(width.to_degrees())),
-        Width::Angle(width, false) => format!("{name} turned by up to {width} rad"),
+        Width::Turn(width, "°") => format!("{name} turned by up to {}°", rounded(width.to_degrees())),
+        Width::Turn(width, "") => format!("{name} displaced by up to {width}"),
+        Width::Turn(width, unit) => format!("{name} turned by up to {width} {unit}"),
         Width::Percent(percent) if percent.len() == 1 => format!("{name} ±{} %", own(percent)),
         Width::Percent(percent) => format!("{name} ±{} % of each component", own(percent)),
         Width::Absolute(widths) => {

@@ -7,10 +7,11 @@ use std::ops::Range;
 
 use coadjoint::erased::{self, Map};
 use coadjoint::system::{Quantity, Role};
-use nalgebra::{Complex, DMatrix, DVector, Quaternion, UnitQuaternion};
+use nalgebra::{Complex, Quaternion, UnitQuaternion};
 
 use super::names::laid_out;
 use super::rotation::rotation;
+use crate::linear;
 use crate::simulation::tangent_places;
 
 /// A quantity of the state: where its numbers are, and where those of its tangent vectors.
@@ -65,16 +66,15 @@ fn carry(system: &dyn erased::System, state: &mut [f64], by: &[f64]) {
         slots.iter().for_each(|&slot| unit[slot] = 0.0);
         unit[slot] = 1.0;
         let rate = system.hamiltonian_vector(&unit, &velocity);
-        DVector::from_iterator(tangents.len(), tangents.iter().map(|&tangent| rate[tangent]))
+        tangents.iter().map(|&tangent| rate[tangent]).collect()
     };
-    let columns: Vec<DVector<f64>> = slots.iter().map(column).collect();
+    let columns: Vec<Vec<f64>> = slots.iter().map(column).collect();
     if columns.iter().all(|column| column.iter().all(|rate| *rate == 0.0)) {
         return;
     }
-    let before = DVector::from_iterator(slots.len(), slots.iter().map(|&slot| state[slot]));
-    let after = DMatrix::from_columns(&columns).exp() * before;
+    let after = linear::flow(&columns, slots.iter().map(|&slot| state[slot]).collect());
     // adding zero leaves no −0
-    slots.iter().zip(after.iter()).for_each(|(&slot, number)| state[slot] = number + 0.0);
+    slots.iter().zip(after).for_each(|(&slot, number)| state[slot] = number + 0.0);
 }
 
 /// The state with the configurations of another one, and with what is advected as it is seen from there. None where no displacement from the
@@ -120,7 +120,8 @@ fn ways(place: &Place, from: &[f64], to: &[f64]) -> Vec<Vec<f64>> {
         None => vec![to.iter().zip(from).map(|(to, from)| to - from).collect()],
         Some((2, _)) => {
             let [from, to] = [from, to].map(|z| Complex::new(z[0], z[1]));
-            vec![vec![(to * from.conj()).arg()]]
+            let turn = to * from.conj();
+            vec![vec![turn.im.atan2(turn.re)]]
         }
         Some(_) => {
             let [from, to] = [from, to].map(|q| Quaternion::new(q[0], q[1], q[2], q[3]));
@@ -155,20 +156,20 @@ fn shifted(
         all[start..].copy_from_slice(shift);
         displace_at(system, turned, place, &all, length)
     };
-    let missing = DVector::from_iterator(n, shifts.clone().map(|slot| to[slot] - turned[slot]));
+    let missing: Vec<f64> = shifts.clone().map(|slot| to[slot] - turned[slot]).collect();
     if n == 0 || missing.iter().all(|x| *x == 0.0) {
         return turned.to_vec();
     }
-    let columns: Vec<DVector<f64>> = (0..n)
+    let columns: Vec<Vec<f64>> = (0..n)
         .map(|k| {
             let mut unit = vec![0.0; n];
             unit[k] = 1.0;
             let there = by(&unit);
-            DVector::from_iterator(n, shifts.clone().map(|slot| there[slot] - turned[slot]))
+            shifts.clone().map(|slot| there[slot] - turned[slot]).collect()
         })
         .collect();
-    match DMatrix::from_columns(&columns).lu().solve(&missing) {
-        Some(shift) => by(shift.as_slice()),
+    match linear::solve(&columns, &missing) {
+        Some(shift) => by(&shift),
         None => turned.to_vec(),
     }
 }

@@ -6,13 +6,11 @@ use coadjoint::__private::Map;
 use coadjoint::certify::{Report, certify_erased};
 use coadjoint::erased;
 use coadjoint::system::Role;
-use nalgebra::DMatrix;
-use nalgebra::DVector;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::{Job, Method, Order, Retraction, Setup, SimulationError, scheme, tangent_places};
 use crate::entry::Entry;
+use crate::linear;
+use crate::random::Random;
 
 impl Entry {
     /// Measures the claims of a scheme at [`states_in_motion`](Self::states_in_motion), with the controls of the setup there.
@@ -64,49 +62,43 @@ impl Entry {
         let rests = !states.iter().any(|state| state.iter().zip(&setup.state).any(moves));
         if rests {
             let system = self.system(&setup.parameters);
-            let mut random = ChaCha8Rng::seed_from_u64(1);
-            // 53 bits, from −1 to 1
-            let mut even = || (random.next_u64() >> 11) as f64 * 2_f64.powi(-52) - 1.0;
-            states =
-                (0..3).map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut even)).collect();
+            let mut random = Random::new(1, 0);
+            states = (0..3)
+                .map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut random))
+                .collect();
         }
         Ok((states, rests))
     }
 }
 
 /// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
-fn in_motion(
-    system: &dyn erased::System,
-    state: &[f64],
-    rate: f64,
-    random: &mut dyn FnMut() -> f64,
-) -> Vec<f64> {
+fn in_motion(system: &dyn erased::System, state: &[f64], rate: f64, random: &mut Random) -> Vec<f64> {
     let places: Vec<_> = tangent_places(system.description().state).collect();
     let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
     let (turns, momenta) =
         (of(Role::Configuration).collect::<Vec<usize>>(), of(Role::Momentum).collect::<Vec<usize>>());
     let length = places.last().map_or(0, |place| place.1.end);
     let mut by = vec![0.0; length];
-    turns.iter().for_each(|&turn| by[turn] = 0.5 * random());
+    turns.iter().for_each(|&turn| by[turn] = 0.5 * random.even());
     let displaced = system.displace(state, Map::Exponential, &by);
     // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
-    let velocity = |by: &[f64]| {
+    let velocity = |by: &[f64]| -> Vec<f64> {
         let differential = system.differential(&system.displace(&displaced, Map::Exponential, by), 0.0);
-        DVector::from_iterator(momenta.len(), momenta.iter().map(|&place| differential[place]))
+        momenta.iter().map(|&place| differential[place]).collect()
     };
     let at_rest = velocity(&vec![0.0; length]);
-    let columns: Vec<DVector<f64>> = momenta
+    let columns: Vec<Vec<f64>> = momenta
         .iter()
         .map(|&place| {
             let mut unit = vec![0.0; length];
             unit[place] = 1.0;
-            velocity(&unit) - &at_rest
+            velocity(&unit).iter().zip(&at_rest).map(|(moving, resting)| moving - resting).collect()
         })
         .collect();
-    let wanted = DVector::from_fn(momenta.len(), |_, _| rate * random());
+    let wanted: Vec<f64> = at_rest.iter().map(|resting| rate * random.even() - resting).collect();
     let mut by = vec![0.0; length];
-    if let Some(momentum) = DMatrix::from_columns(&columns).lu().solve(&(wanted - at_rest)) {
-        momenta.iter().zip(momentum.iter()).for_each(|(&place, momentum)| by[place] = *momentum);
+    if let Some(momentum) = linear::solve(&columns, &wanted) {
+        momenta.iter().zip(momentum).for_each(|(&place, momentum)| by[place] = momentum);
     }
     system.displace(&displaced, Map::Exponential, &by)
 }

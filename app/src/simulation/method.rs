@@ -139,7 +139,7 @@ impl Classical {
 }
 
 impl Method {
-    /// Those of ours that every system of the catalogue has.
+    /// Those of ours that most systems have: `midpoint` where it was asked for.
     pub const COMMON: [Method; 5] =
         [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint, Method::Verlet];
 

@@ -13,5 +13,4 @@ mod page;
 mod program;
 #[cfg(unix)]
 mod reliability;
-mod scratch;
 mod terminal;

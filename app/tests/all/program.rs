@@ -1,8 +1,9 @@
-//! Runs the example `two_systems`.
+//! The program of `examples/two_systems.rs`, started in a directory of its own.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 
@@ -11,24 +12,27 @@ pub(crate) struct Scratch(pub(crate) PathBuf);
 
 impl Scratch {
     pub(crate) fn new(test: &str) -> Self {
-        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{test}-{}", std::process::id()));
+        static COUNT: AtomicUsize = AtomicUsize::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("{test}-{}-{count}", std::process::id());
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         fs::create_dir_all(&path).expect("a writable target directory");
         Self(path)
     }
 
-    /// The program, to be run in this directory.
+    /// The program with these arguments, to be started in this directory.
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
-        // beside the tests, one directory up: `cargo test` builds it
-        let tests = std::env::current_exe().expect("a path");
-        let target = tests.ancestors().nth(2).expect("a target directory");
-        let mut command = Command::new(target.join("examples").join("two_systems"));
+        let mut command = Command::new(program());
         command.args(arguments).current_dir(&self.0).stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
 
     /// Runs the program in this directory.
     pub(crate) fn run(&self, arguments: &[&str]) -> Output {
-        self.command(arguments).output().expect("the program starts")
+        self.command(arguments)
+            .output()
+            .expect("the program starts; `cargo test` and `cargo build --example two_systems` build it")
     }
 
     /// Runs the program, which must succeed, and gives what it printed.
@@ -36,6 +40,13 @@ impl Scratch {
         let output = self.run(arguments);
         assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
         text(&output.stdout)
+    }
+
+    /// Runs the program, which must succeed, and gives what it printed and what it remarked.
+    pub(crate) fn says(&self, arguments: &[&str]) -> String {
+        let output = self.run(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+        text(&output.stdout) + &text(&output.stderr)
     }
 
     /// Runs the program, which must succeed, and gives the JSON object that it printed.
@@ -53,8 +64,22 @@ impl Scratch {
         message
     }
 
+    pub(crate) fn path(&self, path: &str) -> PathBuf {
+        self.0.join(path)
+    }
+
+    pub(crate) fn bytes(&self, path: &str) -> Vec<u8> {
+        fs::read(self.path(path)).expect(path)
+    }
+
     pub(crate) fn read(&self, path: &str) -> String {
-        fs::read_to_string(self.0.join(path)).expect(path)
+        text(&self.bytes(path))
+    }
+
+    pub(crate) fn write(&self, path: &str, content: &[u8]) {
+        let path = self.path(path);
+        fs::create_dir_all(path.parent().expect("in here")).expect("writable");
+        fs::write(path, content).expect("writable");
     }
 
     /// The one file in a directory whose name begins and ends so: settings of one's own have a checksum between.
@@ -82,6 +107,14 @@ impl Drop for Scratch {
     }
 }
 
+/// As text; files of bytes too, to be searched.
 pub(crate) fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// `cargo test` builds the examples beside its tests: `debug/deps/all-…`, `debug/examples/two_systems`.
+fn program() -> PathBuf {
+    let test = std::env::current_exe().expect("it is running");
+    let profile = test.parent().and_then(Path::parent).expect("in deps of a profile");
+    profile.join("examples").join(format!("two_systems{}", std::env::consts::EXE_SUFFIX))
 }

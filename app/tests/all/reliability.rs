@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output};
 use std::time::Duration;
 
-use crate::scratch::{Scratch, text};
+use crate::program::{Scratch, text};
 
 /// How often each test tries: in small, and in the campaign.
 fn times(small: usize, campaign: usize) -> usize {
@@ -35,7 +35,7 @@ impl Random {
 }
 
 /// A run of about half a second, which saves its checkpoint all the time.
-const LONG: [&str; 9] = ["run", "free_body", "--duration", "1500", "--step", "0.01", "--every", "5", "--set"];
+const LONG: [&str; 9] = ["run", "heavy_top", "--duration", "1500", "--step", "0.01", "--every", "5", "--set"];
 const CHECKPOINT: [&str; 4] = ["--checkpoint", "run.ck", "--save-every", "0.005"];
 
 fn long<'a>(momentum: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
@@ -53,7 +53,7 @@ impl Foreign {
             "run.ck.old",
             "run.ck.rows.bak",
             "notes",
-            "out/free_body-cayley.csv",
+            "out/heavy_top-cayley.csv",
         ];
         let plant = |name: &str| {
             let content = format!("of others: {name}").into_bytes();
@@ -403,7 +403,7 @@ fn signals_end_a_run_cleanly() {
             continue;
         }
         let scratch = Scratch::new("signal");
-        let endless = ["run", "free_body", "--duration", "1e9", "--long", "--every", "1000", "--plot"];
+        let endless = ["run", "heavy_top", "--duration", "1e9", "--long", "--every", "1000", "--plot"];
         let end = |limit: &[&str]| {
             let child = scratch.command(&[&endless[..], limit].concat()).spawn().expect("it starts");
             wait_for_output(&scratch);
@@ -416,7 +416,7 @@ fn signals_end_a_run_cleanly() {
         let files = scratch.files("out");
         assert_eq!(files.len(), 3, "{files:?}");
         let csv = files.iter().find(|name| name.ends_with("csv")).expect("a table");
-        let table = scratch.text(&format!("out/{csv}"));
+        let table = scratch.read(&format!("out/{csv}"));
         assert!(table.lines().last().is_some_and(|line| line.starts_with("# interrupted: ")), "{name}");
         // another time it comes as far as it comes
         assert_eq!(end(&[]).status.code(), Some(code));
@@ -426,7 +426,7 @@ fn signals_end_a_run_cleanly() {
         let output = end(&[]);
         assert_eq!(output.status.code(), Some(code));
         assert!(text(&output.stderr).contains("holds the whole run, and stays"), "{}", text(&output.stderr));
-        assert_eq!(scratch.text(&format!("out/{csv}")), whole);
+        assert_eq!(scratch.read(&format!("out/{csv}")), whole);
     }
 }
 
@@ -435,7 +435,7 @@ fn signals_end_a_run_cleanly() {
 #[cfg(target_os = "linux")]
 fn a_run_under_nohup_goes_on() {
     let scratch = Scratch::new("nohup");
-    let command = scratch.command(&["run", "free_body", "--duration", "2000", "--every", "1000"]);
+    let command = scratch.command(&["run", "heavy_top", "--duration", "2000", "--every", "1000"]);
     let mut nohup = Command::new("sh");
     nohup.args(["-c", "trap '' HUP; exec \"$0\" \"$@\""]).arg(command.get_program()).args(command.get_args());
     let child = nohup.current_dir(&scratch.0).spawn().expect("it starts");
@@ -454,7 +454,7 @@ fn a_second_signal_leaves_no_temporary_file() {
     let mut child = scratch
         .command(&[
             "run",
-            "free_body",
+            "heavy_top",
             "--duration",
             "1e9",
             "--long",

@@ -4,10 +4,12 @@ use proc_macro2::Span;
 use quote::format_ident;
 use syn::Ident;
 
+use super::groups::{group, known_space, space};
 use super::{Advected, Factor, Force, Inertia, InertiaShape, momentum_name};
 use crate::diagnostics::{Diagnostics, list, suggestion};
-use crate::group::{self, BasisError, Group, MatrixGroup, Representation, Retraction, part_name};
+use crate::group::{self, Group, Representation, Retraction, is_same, part_name};
 use crate::identifiers::{plain, velocity_name};
+use crate::limits::DIMENSION;
 use crate::parse::{self, Attribute, Field, GROUP, Item, Shape};
 
 /// A description while it is resolved.
@@ -20,110 +22,33 @@ pub(super) struct Subject<'d> {
     factors: Vec<Factor>,
 }
 
-/// The group of a factor, with all steps that are asked for.
-fn group(
-    factor: &parse::Factor,
-    retractions: &[Retraction],
-    diagnostics: &mut Diagnostics,
-) -> Option<&'static dyn Group> {
-    let group =
-        if factor.basis.is_empty() { named(&factor.group, diagnostics) } else { own(factor, diagnostics) }?;
-    if !Retraction::DEFAULT.into_iter().any(|retraction| group.has(retraction)) {
-        let message = format!(
-            "there are no steps on {}: its Cayley map leaves the group, and its exponential has no closed form and too many coordinates to be \
-             summed",
-            group.name()
-        );
-        diagnostics.push(&factor.group, message);
-        return None;
-    }
-    for retraction in retractions.iter().filter(|&&retraction| !group.has(retraction)) {
-        let why = match retraction {
-            Retraction::Cayley => "(1 − X/2)⁻¹(1 + X/2) leaves the group",
-            Retraction::Exponential => "it has no closed form and too many coordinates to be summed",
-            _ => "where they are singular is not known",
-        };
-        let message = format!("there are no steps on {} with `{}`: {why}", group.name(), retraction.name());
-        diagnostics.push(&factor.group, message);
-    }
-    Some(group)
-}
-
-/// The group of this name.
-fn named(name: &Ident, diagnostics: &mut Diagnostics) -> Option<&'static dyn Group> {
-    let known = group::catalogue().iter().copied().find(|group| name == group.name());
-    let group = known.or_else(|| group::family(&name.to_string()).map(|group| group as &dyn Group));
-    if group.is_none() {
-        let names: Vec<&str> = group::catalogue().iter().map(|group| group.name()).collect();
-        let text = name.to_string();
-        diagnostics.push(name, format!("there is no group `{text}`{}", suggestion(&text, &names)));
-    }
-    group
-}
-
-/// The group of a basis of the user's own.
-fn own(factor: &parse::Factor, diagnostics: &mut Diagnostics) -> Option<&'static dyn Group> {
-    let basis = &factor.basis;
-    let size = basis.first().map_or(0, |matrix| matrix.rows.len());
-    let mut is_square = true;
-    for matrix in basis {
-        if matrix.rows.len() != size || matrix.rows.iter().any(|row| row.len() != size) {
-            let (rows, columns) = (matrix.rows.len(), matrix.rows.iter().map(Vec::len).max().unwrap_or(0));
-            let message = format!(
-                "the matrices of a basis are square and of one size, {size} × {size} here; `{}` is {rows} × {columns}",
-                matrix.name
-            );
-            diagnostics.push(&matrix.name, message);
-            is_square = false;
-        }
-    }
-    if !is_square {
-        return None;
-    }
-    // the names live as long as the group, which is as long as the process
-    let matrices: Vec<(&'static str, Vec<i64>)> =
-        basis.iter().map(|matrix| (&*plain(&matrix.name).leak(), matrix.rows.concat())).collect();
-    let (at, message) = match MatrixGroup::new("matrices", size, &matrices) {
-        Ok(group) => return Some(group.leaked()),
-        Err(BasisError::Dependent(i)) => {
-            (&basis[i].name, format!("`{}` is a combination of the matrices before it", basis[i].name))
-        }
-        Err(BasisError::NotClosed(i, j)) => {
-            let (first, second) = (&basis[i].name, &basis[j].name);
-            let bracket = format!("[{first}, {second}] = {first} {second} − {second} {first}");
-            (
-                first,
-                format!(
-                    "the commutator {bracket} is no combination of the basis: the matrices are no Lie algebra"
-                ),
-            )
-        }
-        Err(_) => {
-            (&factor.group, "a basis has up to 16 matrices of 1 to 6 rows, of small whole numbers".to_owned())
-        }
-    };
-    diagnostics.push(at, message);
-    None
-}
-
-/// The space of this name that a group acts on.
-fn representation(group: &dyn Group, name: &str) -> Option<&'static dyn Representation> {
-    group.representations().iter().copied().find(|space| space.name() == name)
-}
-
 impl<'d> Subject<'d> {
-    /// Finds the groups: a system moves on groups of the catalogue.
+    /// Finds the groups: of the catalogue, of a family, or of a basis of the user's own.
     pub(super) fn new(attribute: &'d Attribute, item: &'d Item, diagnostics: &mut Diagnostics) -> Self {
         let retractions = attribute.named_retractions();
-        let groups: Vec<_> =
-            attribute.factors.iter().map(|factor| group(factor, retractions, diagnostics)).collect();
+        let mut dimension = 0;
+        let known = |factor: &parse::Factor| {
+            // nothing more is looked up for a system that is too large already
+            if dimension > DIMENSION {
+                return None;
+            }
+            let group = group(&factor.group, &attribute.definitions, retractions, diagnostics)?;
+            dimension += group.dimension();
+            if dimension > DIMENSION {
+                let name = factor.name.as_ref().unwrap_or_else(|| factor.group.keyword());
+                diagnostics.push(name, format!("a system may have dimension {DIMENSION} at most"));
+                return None;
+            }
+            Some(group)
+        };
+        let groups: Vec<_> = attribute.factors.iter().map(known).collect();
         let mut factors = Vec::new();
         for (factor, group) in attribute.factors.iter().zip(&groups) {
             let Some(group) = *group else { continue };
             let name = factor.name.clone();
             factors.push(Factor {
                 name: name.unwrap_or_else(|| format_ident!("{}", group.configuration_name())),
-                momentum_name: momentum_name(factor),
+                momentum_name: momentum_name(factor.name.as_ref()),
                 group,
             });
         }
@@ -303,7 +228,7 @@ impl<'d> Subject<'d> {
         let groups: Vec<&dyn Group> = factors.iter().map(|&factor| self.factors[factor].group).collect();
         let (first, others) = groups.split_first()?;
         let joint: usize = groups.iter().map(|group| group.dimension()).sum();
-        let alike = !others.is_empty() && others.iter().all(|group| group.name() == first.name());
+        let alike = !others.is_empty() && others.iter().all(|group| is_same(*group, *first));
         if n == Some(joint) || field.shape == Shape::Scalar {
             return Some(vec![factors]);
         }
@@ -344,7 +269,6 @@ impl<'d> Subject<'d> {
         parameter: &'d parse::Advected,
         diagnostics: &mut Diagnostics,
     ) -> Option<Advected<'d>> {
-        let wanted = parameter.space.to_string();
         let candidates: Vec<usize> = match &parameter.factor {
             None => (0..self.factors.len()).collect(),
             Some(name) => match self.factor(name) {
@@ -356,29 +280,64 @@ impl<'d> Subject<'d> {
                 }
             },
         };
+        let (wanted, name) = (parameter.space.to_string(), &parameter.name);
+        if let &[factor] = candidates.as_slice() {
+            let space = space(self.factors[factor].group, &parameter.space, diagnostics)?;
+            return Some(Advected { name, factor, space });
+        }
+        let parse::Space::Named(keyword) = &parameter.space else {
+            let message =
+                format!("which factor acts on `{name}`? Write `{name}: {}::{wanted}`", self.factors[0].name);
+            diagnostics.push(parameter.space.keyword(), message);
+            return None;
+        };
         let acting: Vec<(usize, &'static dyn Representation)> = candidates
             .iter()
-            .filter_map(|&factor| Some((factor, representation(self.factors[factor].group, &wanted)?)))
+            .filter_map(|&factor| Some((factor, known_space(self.factors[factor].group, &wanted)?)))
             .collect();
         match acting.as_slice() {
-            &[(factor, space)] => Some(Advected { name: &parameter.name, factor, space }),
+            &[(factor, space)] => Some(Advected { name, factor, space }),
             [] => {
                 let groups: Vec<_> = candidates.iter().map(|&factor| self.factors[factor].group).collect();
-                diagnostics.push(&parameter.space, nothing_acts(&groups, &wanted));
+                diagnostics.push(keyword, nothing_acts(&groups, &wanted));
                 None
             }
             &[(first, _), ..] => {
                 let names: Vec<String> =
                     acting.iter().map(|&(factor, _)| self.factors[factor].name.to_string()).collect();
                 let message = format!(
-                    "which factor acts on `{}`, {}? Write `{0}: {}::{wanted}`",
-                    parameter.name,
+                    "which factor acts on `{name}`, {}? Write `{name}: {}::{wanted}`",
                     names.join(" or "),
                     self.factors[first].name
                 );
-                diagnostics.push(&parameter.space, message);
+                diagnostics.push(keyword, message);
                 None
             }
+        }
+    }
+
+    /// There are steps, on all factors and all spaces, with every retraction that is named, or with one of the usual ones.
+    pub(super) fn check_retractions(&self, advected: &[Advected<'d>], diagnostics: &mut Diagnostics) {
+        if !self.groups_are_known() {
+            return;
+        }
+        let named = self.attribute.named_retractions();
+        for (parameter, written) in advected.iter().filter_map(|advected| {
+            let written = self.attribute.advected.iter().find(|written| written.name == *advected.name);
+            Some((advected, written?))
+        }) {
+            for retraction in named.iter().filter(|&&retraction| !parameter.space.has(retraction)) {
+                let message = format!("there are no steps with `{}` that move this space", retraction.name());
+                diagnostics.push(written.space.keyword(), message);
+            }
+        }
+        let has = |retraction: Retraction| {
+            self.factors.iter().all(|factor| factor.group.has(retraction))
+                && advected.iter().all(|advected| advected.space.has(retraction))
+        };
+        if named.is_empty() && !Retraction::DEFAULT.into_iter().any(has) {
+            let message = "no retraction moves all of these groups and spaces";
+            diagnostics.push(self.attribute.factors[0].group.keyword(), message);
         }
     }
 
@@ -393,7 +352,7 @@ impl<'d> Subject<'d> {
         let mut reserved: Vec<(String, &str)> =
             vec![("t".to_owned(), "the time"), ("time".to_owned(), "the time")];
         for (factor, &group) in self.attribute.factors.iter().zip(&self.groups) {
-            let momentum = momentum_name(factor);
+            let momentum = momentum_name(factor.name.as_ref());
             for part in group.into_iter().flat_map(|group| group.parts()) {
                 reserved.push((part_name(&plain(&momentum), part), "a part of the momentum"));
                 reserved.push((part_name(&velocity_name(&momentum), part), "a part of the velocity"));
@@ -521,8 +480,7 @@ fn square(field: &Field, n: Option<usize>, diagnostics: &mut Diagnostics) -> Opt
 
 /// What a factor is called, or may be called if it has no name of its own, whose group is not known.
 fn unknown_factor(name: Option<&Ident>) -> Vec<String> {
-    let factor = parse::Factor { name: name.cloned(), group: format_ident!("unknown"), basis: Vec::new() };
-    let momentum = momentum_name(&factor);
+    let momentum = momentum_name(name);
     let mut names = match name {
         Some(name) => vec![plain(name)],
         None => group::catalogue().iter().map(|group| group.configuration_name().to_owned()).collect(),
@@ -538,7 +496,7 @@ fn unknown_factor(name: Option<&Ident>) -> Vec<String> {
 }
 
 /// Says that none of these groups acts on a space of this name.
-fn nothing_acts(groups: &[&'static dyn Group], space: &str) -> String {
+pub(super) fn nothing_acts(groups: &[&'static dyn Group], space: &str) -> String {
     let names = list(groups.iter().map(|group| group.name()));
     let mut known: Vec<&str> =
         groups.iter().flat_map(|group| group.representations().iter().map(|space| space.name())).collect();

@@ -23,8 +23,11 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let functions = functions.map(|(name, role)| function(program, private, role, name));
     let called = |role, name| call(program, names, role, name, &[]);
     let exponential = called(Role::ExponentialDisplacement, "exponential");
-    let cayley = called(Role::CayleyDisplacement, "cayley");
-    let second_kind = called(Role::SecondKindDisplacement, "second_kind");
+    // what the program does not have is displaced by the exponential
+    let other =
+        |role, name| if program.function(role).is_some() { called(role, name) } else { exponential.clone() };
+    let cayley = other(Role::CayleyDisplacement, "cayley");
+    let second_kind = other(Role::SecondKindDisplacement, "second_kind");
     let differential = called(Role::Differential, "differential");
     let vector =
         call(program, names, Role::HamiltonianVector, "vector", &[(Input::Tangent, quote! { covector })]);

@@ -153,7 +153,7 @@ pub fn expansion(
     };
     Expansion {
         declaration: declaration(item, &derived),
-        state: state::state(interface, names),
+        state: state::state(&program, names),
         expressions: expressions::expressions(source, names),
         system: system::system(&program, names),
         geometry: geometry::geometry(&program, names),

@@ -5,10 +5,10 @@ use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::size;
-use super::{Names, docs, quantity};
-use crate::model::{Role, StoredAs};
+use super::{Names, docs, function, quantity};
+use crate::model::{Role as QuantityRole, StoredAs};
 use crate::parse::Shape;
-use crate::program::{Interface, Quantity};
+use crate::program::{Program, Quantity, Role};
 
 /// The state of a system, and its controls if it has any:
 ///
@@ -16,22 +16,35 @@ use crate::program::{Interface, Quantity};
 /// pub struct HeavyTopState { pub attitude: UnitQuaternion<f64>, pub momentum: Vector3<f64>, pub gamma: Vector3<f64> }
 /// impl State for HeavyTopState { … }
 /// ```
-pub(super) fn state(interface: &Interface, names: &Names) -> TokenStream {
-    let Names { state, scalar, .. } = names;
+pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
+    let Names { state, scalar, private, .. } = names;
+    let interface = &program.interface;
     let mut lines = vec![
         format!("The state of a [`{}`]: configuration, momentum and advected parameters.", names.system),
         String::new(),
     ];
     lines.extend(interface.documentation.conventions.iter().cloned());
-    let configurations = interface.state.iter().filter(|part| part.role == Role::Configuration);
+    let configurations = interface.state.iter().filter(|part| part.role == QuantityRole::Configuration);
     let deviations = configurations.map(|part| {
         let (name, size) = (names.of(part), size(part.components.len()));
         quote! { __Stored::<_, #size>::deviation(&self.#name, 0.0) }
+    });
+    let of_matrices = program.function(Role::Deviation).map(|_| {
+        let function = function(program, private, Role::Deviation, "off");
+        quote! {
+            #[allow(clippy::all, clippy::pedantic)]
+            #function
+            let [off] = off(&#private::State::to_components(self));
+            if off > largest {
+                largest = off;
+            }
+        }
     });
     let deviation = quote! {
         #[inline]
         fn deviation(&self) -> #scalar {
             let mut largest = 0.0;
+            #of_matrices
             #(
                 let off = #deviations;
                 if off > largest {

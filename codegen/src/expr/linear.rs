@@ -68,8 +68,8 @@ impl<'a> Vector<'a> {
     /// Dot product, or the pairing of a vector with a covector.
     pub fn dot(&self, other: &Self) -> Expr<'a> {
         let mut products = self.iter().zip(other.iter()).map(|(a, b)| a * b);
-        // no description can make an empty one: there are no types of vectors and no groups of dimension 0
-        let first = products.next().expect("the vectors of the catalogue have at least one component");
+        // no description can make an empty one: types, parts of vectors, `vector![]` and bases have one entry at least
+        let first = products.next().expect("a vector has at least one component");
         products.fold(first, |sum, product| sum + product)
     }
 
@@ -176,6 +176,17 @@ impl<'a> Matrix<'a> {
         Self::new(n, n, (0..n * n).map(|k| entry(k / n, k % n)).collect())
     }
 
+    /// The identity of `n` rows.
+    pub fn identity(arena: &'a Arena, n: usize) -> Self {
+        Self::diagonal(&Vector(vec![arena.one(); n]))
+    }
+
+    /// A matrix of these columns, at least one, all of one length.
+    pub fn from_columns(columns: &[Vector<'a>]) -> Self {
+        let (rows, count) = (columns.first().map_or(0, Vector::len), columns.len());
+        Self::new(rows, count, (0..rows * count).map(|k| columns[k % count].0[k / count]).collect())
+    }
+
     /// The entry in row `i` and column `j`.
     pub fn at(&self, i: usize, j: usize) -> Expr<'a> {
         self.entries[i * self.columns + j]
@@ -265,6 +276,30 @@ impl<'a> Matrix<'a> {
             }
         }
         Some(x)
+    }
+
+    /// The inverse of a matrix that needs no pivots.
+    pub fn inverse(&self) -> Self {
+        let one = Self::identity(self.entries[0].arena, self.rows);
+        Self::from_columns(&(0..self.rows).map(|j| self.solve(&one.column(j))).collect::<Vec<_>>())
+    }
+
+    /// The determinant, expanded along the first row, and so on.
+    pub fn determinant(&self) -> Expr<'a> {
+        let all: Vec<usize> = (0..self.rows).collect();
+        self.minor(&all, &all)
+    }
+
+    /// The determinant of these rows and columns. Those that occur several times are one expression.
+    pub fn minor(&self, rows: &[usize], columns: &[usize]) -> Expr<'a> {
+        let arena = self.entries[0].arena;
+        let Some((&row, others)) = rows.split_first() else { return arena.one() };
+        let terms = columns.iter().enumerate().filter(|(_, column)| !self.at(row, **column).is_zero());
+        terms.fold(arena.zero(), |sum, (k, &column)| {
+            let rest: Vec<usize> = columns.iter().copied().filter(|&other| other != column).collect();
+            let term = self.at(row, column) * self.minor(others, &rest);
+            if k % 2 == 0 { sum + term } else { sum - term }
+        })
     }
 
     /// The unknowns of a linear system in sets that no equation couples.

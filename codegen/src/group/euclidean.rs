@@ -36,8 +36,8 @@ impl Group for R {
         "position"
     }
 
-    fn configuration_type(&self) -> &'static str {
-        NAMES[self.0 - 1].1
+    fn configuration_type(&self) -> StorageType {
+        StorageType::Named(NAMES[self.0 - 1].1)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -77,8 +77,8 @@ impl Group for R {
         m.clone()
     }
 
-    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Option<Expr<'a>> {
-        None
+    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Vec<Expr<'a>> {
+        Vec::new()
     }
 
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {

@@ -50,8 +50,18 @@ impl Fraction {
         self.0.map(|ratio| (*ratio.numer(), *ratio.denom()))
     }
 
-    fn with(self, other: Self, operation: fn(&Ratio<i128>, &Ratio<i128>) -> Option<Ratio<i128>>) -> Self {
-        Self::of(self.0.zip(other.0).and_then(|(a, b)| operation(&a, &b)))
+    /// The result of an operation; whole numbers, as most are, need no common divisor.
+    fn with(
+        self,
+        other: Self,
+        whole: fn(i128, i128) -> Option<i128>,
+        operation: fn(&Ratio<i128>, &Ratio<i128>) -> Option<Ratio<i128>>,
+    ) -> Self {
+        let (Some(a), Some(b)) = (self.0, other.0) else { return Self(None) };
+        if *a.denom() == 1 && *b.denom() == 1 {
+            return Self::of(whole(*a.numer(), *b.numer()).map(Ratio::from_integer));
+        }
+        Self::of(operation(&a, &b))
     }
 }
 
@@ -64,28 +74,33 @@ impl From<i128> for Fraction {
 impl Add for Fraction {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.with(other, Ratio::checked_add)
+        self.with(other, i128::checked_add, Ratio::checked_add)
     }
 }
 
 impl Sub for Fraction {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self.with(other, Ratio::checked_sub)
+        self.with(other, i128::checked_sub, Ratio::checked_sub)
     }
 }
 
 impl Mul for Fraction {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
-        self.with(other, Ratio::checked_mul)
+        self.with(other, i128::checked_mul, Ratio::checked_mul)
     }
 }
 
 impl Div for Fraction {
     type Output = Self;
     fn div(self, other: Self) -> Self {
-        if other.is_zero() { Self(None) } else { self.with(other, Ratio::checked_div) }
+        let (Some(a), Some(b)) = (self.0, other.0) else { return Self(None) };
+        match *b.numer() {
+            0 => Self(None),
+            1 if *b.denom() == 1 => self,
+            _ => Self::of(a.checked_div(&b)),
+        }
     }
 }
 
@@ -128,6 +143,27 @@ impl Exact {
         Self { rows, columns, entries: places.map(|(i, j)| of(i, j)).collect() }
     }
 
+    pub(super) fn zero(rows: usize, columns: usize) -> Self {
+        Self::from_fn(rows, columns, |_, _| Fraction::zero())
+    }
+
+    pub(super) fn identity(rows: usize) -> Self {
+        Self::from_fn(rows, rows, |i, j| Fraction::from(i128::from(i == j)))
+    }
+
+    /// With these columns, all of one length.
+    pub(super) fn from_columns(columns: &[Vec<Fraction>]) -> Self {
+        Self::from_fn(columns.first().map_or(0, Vec::len), columns.len(), |i, j| columns[j][i])
+    }
+
+    pub(super) fn row(&self, i: usize) -> &[Fraction] {
+        &self.entries[i * self.columns..(i + 1) * self.columns]
+    }
+
+    pub(super) fn column(&self, j: usize) -> Vec<Fraction> {
+        (0..self.rows).map(|i| self.at(i, j)).collect()
+    }
+
     pub(super) fn at(&self, i: usize, j: usize) -> Fraction {
         self.entries[i * self.columns + j]
     }
@@ -153,7 +189,22 @@ impl Exact {
     }
 
     pub(super) fn plus(&self, other: &Self, factor: Fraction) -> Self {
-        Self::from_fn(self.rows, self.columns, |i, j| self.at(i, j) + factor * other.at(i, j))
+        let mut sum = self.clone();
+        for (entry, other) in sum.entries.iter_mut().zip(&other.entries).filter(|(_, other)| !other.is_zero())
+        {
+            *entry = *entry + factor * *other;
+        }
+        sum
+    }
+
+    /// Both as blocks on the diagonal.
+    pub(super) fn beside(&self, other: &Self) -> Self {
+        let (m, n) = (self.rows, self.columns);
+        Self::from_fn(m + other.rows, n + other.columns, |i, j| match (i.checked_sub(m), j.checked_sub(n)) {
+            (None, None) => self.at(i, j),
+            (Some(i), Some(j)) => other.at(i, j),
+            _ => Fraction::zero(),
+        })
     }
 
     pub(super) fn trace(&self) -> Fraction {
@@ -174,12 +225,14 @@ impl Exact {
             let n = self.columns;
             (0..n).for_each(|j| self.entries.swap(row * n + j, found * n + j));
             let pivot = self.at(row, column);
-            (0..n).for_each(|j| self.entries[row * n + j] /= pivot);
+            // most entries are zero
+            let filled: Vec<usize> = (0..n).filter(|&j| !self.at(row, j).is_zero()).collect();
+            filled.iter().for_each(|j| self.entries[row * n + j] /= pivot);
             for i in (0..self.rows).filter(|&i| i != row) {
                 let factor = self.at(i, column);
                 if !factor.is_zero() {
-                    (0..n).for_each(|j| {
-                        let change = factor * self.at(row, j);
+                    filled.iter().for_each(|j| {
+                        let change = factor * self.at(row, *j);
                         self.entries[i * n + j] -= change;
                     });
                 }

@@ -1,13 +1,10 @@
 //! Families of groups by name: `SO(4)`, `SL(2)`, `SE2(3)`, …, each from its basis.
 
-use super::MatrixGroup;
 use super::matrix::TERMS;
+use super::{Basis, MatrixGroup, NamedMatrix};
 
 /// The largest matrices: beyond, code would take minutes to compile.
-const LARGEST: usize = 6;
-
-/// A matrix of a basis with the name of its coordinate.
-type Named = (&'static str, Vec<i64>);
+const LARGEST: usize = 7;
 
 /// The group of a family, of this size; none if there is no such family, or none of this size.
 ///
@@ -20,39 +17,52 @@ pub fn family(name: &str) -> Option<&'static MatrixGroup> {
 
 /// The same with so many terms of series that have no closed form.
 pub fn family_with_terms(name: &str, terms: usize) -> Option<&'static MatrixGroup> {
+    MatrixGroup::with_terms(name, &basis(name)?, terms).ok()
+}
+
+/// The basis of a family, of this size.
+pub(super) fn basis(name: &str) -> Option<Basis> {
     let two_vectors = name.strip_prefix("SE2").filter(|n| !n.is_empty());
     let digits = name.find(|letter: char| letter.is_ascii_digit());
-    let (family, n) = match (two_vectors, digits) {
-        (Some(n), _) => ("SE2", n.parse().ok()?),
-        (None, Some(digits)) if name != "SO21" => (&name[..digits], name[digits..].parse().ok()?),
-        _ => (name, 3),
+    let (family, size) = match (two_vectors, digits) {
+        (Some(n), _) => ("SE2", Some(n)),
+        (None, Some(digits)) if name != "SO21" => (&name[..digits], Some(&name[digits..])),
+        _ => (name, None),
     };
-    let (size, basis) = match family {
-        "SO" => (n, rotations(n, n)),
-        "SE" => (n + 1, [rotations(n, n + 1), translations(n, &[n], n + 1)].concat()),
-        "SE2" => (n + 2, [rotations(n, n + 2), translations(n, &[n, n + 1], n + 2)].concat()),
+    let Some(size) = size else {
+        return match family {
+            "SO21" => Basis::new(3, &lorentz()).ok(),
+            "Heisenberg" => Basis::new(3, &heisenberg()).ok().map(|basis| basis.with_blocks(vec![2, 1])),
+            _ => None,
+        };
+    };
+    // no matrices are smaller than the number in the name: what is too large is never made
+    let n = size.parse().ok().filter(|n| (1..=LARGEST).contains(n))?;
+    let turns = n * (n - 1) / 2;
+    let (size, basis, blocks) = match family {
+        "SO" => (n, rotations(n, n), vec![turns]),
+        "R" => (n + 1, translations(n, &[n], n + 1), vec![n]),
+        "SE" => (n + 1, [rotations(n, n + 1), translations(n, &[n], n + 1)].concat(), vec![turns, n]),
+        "SE2" => {
+            let size = n + 2;
+            let vectors = translations(n, &[n, n + 1], size);
+            (size, [rotations(n, size), vectors].concat(), vec![turns, n, n])
+        }
         "SGal" => {
             let size = n + 2;
-            let boosts = [rotations(n, size), translations(n, &[n, n + 1], size)].concat();
-            (size, [boosts, vec![("t", unit(size, &[(n, n + 1, 1)]))]].concat())
+            let vectors = translations(n, &[n, n + 1], size);
+            let time = vec![named("t".to_owned(), unit(size, &[(n, n + 1, 1)]))];
+            (size, [rotations(n, size), vectors, time].concat(), vec![turns, n, n, 1])
         }
-        "GL" => (n, all(n)),
-        "SL" => (n, traceless(n)),
-        "SP" if n % 2 == 0 => (n, symplectic(n / 2)),
-        "SU" => (2 * n, unitary(n)),
-        "SO21" => (3, lorentz()),
-        "Heisenberg" => (
-            3,
-            vec![("x", unit(3, &[(0, 1, 1)])), ("y", unit(3, &[(1, 2, 1)])), ("z", unit(3, &[(0, 2, 1)]))],
-        ),
-        "Aff" => (2, vec![("scale", unit(2, &[(0, 0, 1)])), ("shift", unit(2, &[(0, 1, 1)]))]),
+        "GL" => (n, all(n), vec![n * n]),
+        "SL" => (n, traceless(n), vec![n * n - 1]),
+        "SP" if n % 2 == 0 => (n, symplectic(n / 2), vec![n * (n + 1) / 2]),
+        "SU" => (2 * n, unitary(n), vec![n * n - 1]),
+        "Aff" if n == 1 => (2, affine(), vec![1, 1]),
         _ => return None,
     };
-    let is_there = (1..=LARGEST).contains(&size) && n > 0;
-    // the names live as long as the group, which is as long as the process
-    let group =
-        is_there.then(|| MatrixGroup::with_terms(name.to_owned().leak(), size, &basis, terms).ok()).flatten();
-    group.map(MatrixGroup::leaked)
+    let is_there = size <= LARGEST && blocks.iter().all(|&length| length > 0);
+    is_there.then(|| Basis::new(size, &basis).ok()).flatten().map(|basis| basis.with_blocks(blocks))
 }
 
 /// A matrix with these entries.
@@ -64,36 +74,36 @@ fn unit(size: usize, entries: &[(usize, usize, i64)]) -> Vec<i64> {
     matrix
 }
 
-fn named(name: String, matrix: Vec<i64>) -> Named {
-    (name.leak(), matrix)
+fn named(name: String, matrix: Vec<i64>) -> NamedMatrix {
+    (name, matrix)
 }
 
 /// In space `x`, `y`, `z` as `hat` has them; otherwise by the plane that turns.
-fn rotations(n: usize, size: usize) -> Vec<Named> {
+fn rotations(n: usize, size: usize) -> Vec<NamedMatrix> {
     if n == 3 {
         let planes = [("x", 2, 1), ("y", 0, 2), ("z", 1, 0)];
-        return planes.map(|(name, i, j)| (name, unit(size, &[(i, j, 1), (j, i, -1)]))).to_vec();
+        return planes.map(|(name, i, j)| (name.to_owned(), unit(size, &[(i, j, 1), (j, i, -1)]))).to_vec();
     }
     let planes = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
     planes.map(|(i, j)| named(format!("r{}{}", i + 1, j + 1), unit(size, &[(j, i, 1), (i, j, -1)]))).collect()
 }
 
 /// A column for each vector.
-fn translations(n: usize, columns: &[usize], size: usize) -> Vec<Named> {
+fn translations(n: usize, columns: &[usize], size: usize) -> Vec<NamedMatrix> {
     let places =
         columns.iter().zip(["v", "p"]).flat_map(|(&column, name)| (0..n).map(move |i| (i, column, name)));
     places.map(|(i, column, name)| named(format!("{name}{}", i + 1), unit(size, &[(i, column, 1)]))).collect()
 }
 
-fn all(n: usize) -> Vec<Named> {
+fn all(n: usize) -> Vec<NamedMatrix> {
     (0..n * n)
         .map(|k| (k / n, k % n))
         .map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), unit(n, &[(i, j, 1)])))
         .collect()
 }
 
-fn traceless(n: usize) -> Vec<Named> {
-    let mut basis: Vec<Named> =
+fn traceless(n: usize) -> Vec<NamedMatrix> {
+    let mut basis: Vec<NamedMatrix> =
         (0..n - 1).map(|i| named(format!("h{}", i + 1), unit(n, &[(i, i, 1), (i + 1, i + 1, -1)]))).collect();
     let off = (0..n * n).map(|k| (k / n, k % n)).filter(|(i, j)| i != j);
     basis.extend(off.map(|(i, j)| named(format!("e{}{}", i + 1, j + 1), unit(n, &[(i, j, 1)]))));
@@ -101,7 +111,7 @@ fn traceless(n: usize) -> Vec<Named> {
 }
 
 /// `[[A, B], [C, −Aᵀ]]` with symmetric `B` and `C`.
-fn symplectic(n: usize) -> Vec<Named> {
+fn symplectic(n: usize) -> Vec<NamedMatrix> {
     let size = 2 * n;
     let mut basis = Vec::new();
     for i in 0..n {
@@ -122,7 +132,7 @@ fn symplectic(n: usize) -> Vec<Named> {
 
 /// Antihermitean matrices without trace, a complex number `a + ib` as `[[a, −b], [b, a]]`: `s` symmetric imaginary, `a` antisymmetric real,
 /// `d` diagonal.
-fn unitary(n: usize) -> Vec<Named> {
+fn unitary(n: usize) -> Vec<NamedMatrix> {
     let size = 2 * n;
     let mut basis = Vec::new();
     let real = |i: usize, j: usize, value: i64| [(2 * i, 2 * j, value), (2 * i + 1, 2 * j + 1, value)];
@@ -143,10 +153,18 @@ fn unitary(n: usize) -> Vec<Named> {
 }
 
 /// A rotation of the plane and two boosts.
-fn lorentz() -> Vec<Named> {
-    vec![
-        ("rotation", unit(3, &[(1, 0, 1), (0, 1, -1)])),
-        ("boost_x", unit(3, &[(0, 2, 1), (2, 0, 1)])),
-        ("boost_y", unit(3, &[(1, 2, 1), (2, 1, 1)])),
-    ]
+fn lorentz() -> Vec<NamedMatrix> {
+    let boost = |name: &str, i: usize| named(name.to_owned(), unit(3, &[(i, 2, 1), (2, i, 1)]));
+    let rotation = named("rotation".to_owned(), unit(3, &[(1, 0, 1), (0, 1, -1)]));
+    vec![rotation, boost("boost_x", 0), boost("boost_y", 1)]
+}
+
+fn heisenberg() -> Vec<NamedMatrix> {
+    let entry = |name: &str, i: usize, j: usize| named(name.to_owned(), unit(3, &[(i, j, 1)]));
+    vec![entry("x", 0, 1), entry("y", 1, 2), entry("z", 0, 2)]
+}
+
+fn affine() -> Vec<NamedMatrix> {
+    let entry = |name: &str, j: usize| named(name.to_owned(), unit(2, &[(0, j, 1)]));
+    vec![entry("scale", 0), entry("shift", 1)]
 }

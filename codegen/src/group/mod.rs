@@ -27,8 +27,8 @@ pub(crate) use calculus::{
 };
 pub use euclidean::R;
 pub use families::{family, family_with_terms};
-pub use matrix::{BasisError, MatrixGroup};
-pub use representation::{Representation, Translation};
+pub use matrix::{Basis, BasisError, Linear, LinearError, MatrixGroup, NamedMatrix};
+pub use representation::{Adjoint, Dual, Representation, Translation};
 pub(crate) use retraction::{Law, Order};
 pub use retraction::{MatrixFunction, Retraction};
 pub use se2::SE2;
@@ -54,7 +54,7 @@ pub trait Group: Sync {
     /// The field of the state that holds the configuration of a system with this one group.
     fn configuration_name(&self) -> &'static str;
     /// The type the configuration is stored as, within nalgebra, generic over the scalar.
-    fn configuration_type(&self) -> &'static str;
+    fn configuration_type(&self) -> StorageType;
     /// Suffixes of the stored coordinates.
     fn coordinates(&self) -> &'static [&'static str];
     /// The type an element of the dual of the algebra is stored as.
@@ -79,6 +79,10 @@ pub trait Group: Sync {
     fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a>;
     /// `(dR f_x)* m`
     fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// `dR f_x y`
+    fn closed_d_right<'a>(&self, f: MatrixFunction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        calculus::transposed(y, y.len(), |m| self.closed_d_right_dual(f, x, m))
+    }
     /// `τ(x)`
     fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
         match retraction.law() {
@@ -97,14 +101,22 @@ pub trait Group: Sync {
     fn has(&self, _retraction: Retraction) -> bool {
         true
     }
-    /// Positive where the retraction is a local diffeomorphism, zero on the edge; `None` if that is everywhere.
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>>;
+    /// Whether it is summed as a series, term by term, for want of a closed form.
+    fn is_summed(&self, _retraction: Retraction) -> bool {
+        false
+    }
+    /// Positive, all of them, where the retraction is a local diffeomorphism, one of them zero on the edge; none if that is everywhere.
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>>;
     /// `g h`
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a>;
     /// `g⁻¹`
     fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g`, which roundoff has taken an ulp or two off the group, back on it.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
+    /// What vanishes on the group, to first order the way back to it; none where the type of what is stored has told already.
+    fn deviation<'a>(&self, _g: &Vector<'a>) -> Option<Vector<'a>> {
+        None
+    }
     /// `g τ(x)`, on the other side `τ(x) g`.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let increment = self.retract(retraction, x).hold();
@@ -118,11 +130,20 @@ pub trait Group: Sync {
     }
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
-    /// The linear spaces the group acts on.
+    /// The linear spaces the group acts on, by names of their own, beside its [algebra](Adjoint) and what is [dual](Dual) to them.
     fn representations(&self) -> &[&'static dyn Representation];
-    /// What elements do to vectors in a user's expressions, as those of the type they are stored as do.
-    fn actions(&self) -> &[&'static dyn Representation] {
-        self.representations()
+    /// What an element does to a vector in a user's expressions, as those of the type it is stored as do, if it acts on such vectors.
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        let mut spaces = self.representations().iter();
+        spaces.find(|space| space.coordinates().len() == v.len())?.act(g, v)
+    }
+    /// Its algebra as one of matrices, with the same axes.
+    fn basis(&self) -> Option<Basis> {
+        families::basis(self.name())
+    }
+    /// The same up to a few terms of series that are not finite sums, if it has such: close enough for Newton's matrix, and much shorter.
+    fn coarse(&self) -> Option<&'static dyn Group> {
+        None
     }
     /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
     fn unknown_scale(&self, _retraction: Retraction) -> i128 {
@@ -162,6 +183,8 @@ pub enum StorageType {
     Named(&'static str),
     /// A column of so many numbers.
     Vector(usize),
+    /// A square matrix of so many rows.
+    Matrix(usize),
 }
 
 impl std::fmt::Display for StorageType {
@@ -170,6 +193,8 @@ impl std::fmt::Display for StorageType {
             Self::Named(name) => f.write_str(name),
             Self::Vector(n @ 1..=6) => write!(f, "Vector{n}"),
             Self::Vector(n) => write!(f, "SVector<_, {n}>"),
+            Self::Matrix(n @ 1..=6) => write!(f, "Matrix{n}"),
+            Self::Matrix(n) => write!(f, "SMatrix<_, {n}, {n}>"),
         }
     }
 }
@@ -231,6 +256,11 @@ pub(crate) fn part_name(whole: &str, part: &str) -> String {
     let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
     let (factor, quantity) = whole.split_at(at);
     format!("{factor}{part}_{quantity}")
+}
+
+/// Whether these are one group: a name stands for one alone, but those of a user's own have none.
+pub(crate) fn is_same(one: &dyn Group, other: &dyn Group) -> bool {
+    one.name() == other.name() && (one.matrix_rows().is_none() || one.basis() == other.basis())
 }
 
 /// The groups a description may name.

@@ -24,6 +24,12 @@ impl Rigid {
         (Vector(rotation.to_vec()), Vector(translation.to_vec()))
     }
 
+    /// `R v`
+    fn turned<'a>(&self, rotation: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        // rotations act on the space that they translate in
+        self.0.group.act(rotation, v).unwrap_or_else(|| v.clone())
+    }
+
     pub(super) fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         let (space, x, y) = (self.0.spaces[0], self.split(x), self.split(y));
         let linear = &space.act_infinitesimally(&x.base, &y.spaces[0])
@@ -35,7 +41,7 @@ impl Rigid {
         let (space, x) = (self.0.spaces[0], self.split(x));
         let rotation = self.0.group.closed_form(f, &x.base);
         let Translation { body_part, rotated_part, .. } = space.translation(f, &x.base, &x.spaces[0]);
-        let translation = &body_part + &space.act(&rotation, &rotated_part);
+        let translation = &body_part + &self.turned(&rotation, &rotated_part);
         join(rotation, &translation)
     }
 
@@ -46,13 +52,13 @@ impl Rigid {
 
     pub(super) fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
         let ((r, p), (s, q)) = (self.parts(g), self.parts(h));
-        join(self.0.group.compose(&r, &s), &(&p + &self.0.spaces[0].act(&r, &q)))
+        join(self.0.group.compose(&r, &s), &(&p + &self.turned(&r, &q)))
     }
 
     pub(super) fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
         let (r, p) = self.parts(g);
         let inverse = self.0.group.inverse(&r);
-        let back = -&self.0.spaces[0].act(&inverse, &p);
+        let back = -&self.turned(&inverse, &p);
         join(inverse, &back)
     }
 
@@ -66,7 +72,7 @@ impl Rigid {
     pub(super) fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         let (r, p) = self.parts(g);
         let m = self.split(m);
-        let linear = self.0.spaces[0].act(&r, &m.spaces[0]);
+        let linear = self.turned(&r, &m.spaces[0]);
         let angular = self.0.group.to_space(&r, &m.base);
         let moment = self.0.momentum_map(0, &p, &linear);
         join(&angular + &moment, &linear)

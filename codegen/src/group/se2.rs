@@ -32,8 +32,8 @@ impl Group for SE2 {
         "pose"
     }
 
-    fn configuration_type(&self) -> &'static str {
-        "Isometry2"
+    fn configuration_type(&self) -> StorageType {
+        StorageType::Named("Isometry2")
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -87,14 +87,14 @@ impl Group for SE2 {
         rigid().d_right_dual(f, x, m)
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         match retraction {
             // dR exp is singular at a full turn
             Retraction::Exponential => {
                 let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
-                Some(edge - x.0[0] * x.0[0])
+                vec![edge - x.0[0] * x.0[0]]
             }
-            Retraction::Cayley | Retraction::SecondKind | Retraction::ReversedSecondKind => None,
+            Retraction::Cayley | Retraction::SecondKind | Retraction::ReversedSecondKind => Vec::new(),
         }
     }
 

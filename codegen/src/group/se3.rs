@@ -32,8 +32,8 @@ impl Group for SE3 {
         "pose"
     }
 
-    fn configuration_type(&self) -> &'static str {
-        "Isometry3"
+    fn configuration_type(&self) -> StorageType {
+        StorageType::Named("Isometry3")
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -91,7 +91,7 @@ impl Group for SE3 {
         rigid().d_right_dual(f, x, m)
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         SO3.domain(retraction, &rigid().split(x).base)
     }
 
@@ -165,7 +165,7 @@ impl Representation for Directions {
         Translation { is_tangent_group: false, ..Space.translation(f, &rigid().split(x).base, w) }
     }
 
-    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
         Space.act(&Vector(g.0[..4].to_vec()), v)
     }
 

@@ -15,12 +15,8 @@ use crate::expr::Vector;
 
 /// The axes in the order in which their one-parameter groups are multiplied, each with `exp(x_iE_i)`.
 fn factors<'a, G: Group + ?Sized>(group: &G, order: Order, x: &Vector<'a>) -> Vec<(usize, Vector<'a>)> {
-    let along = |(axis, component)| {
-        let mut part = x.map(|component| component.arena().zero());
-        part.0[axis] = component;
-        (axis, group.closed_form(MatrixFunction::Exponential, &part).hold())
-    };
-    let mut factors: Vec<_> = x.iter().enumerate().map(along).collect();
+    let factor = |axis| (axis, group.closed_form(MatrixFunction::Exponential, &along(x, axis)).hold());
+    let mut factors: Vec<_> = (0..x.len()).map(factor).collect();
     if order == Order::Descending {
         factors.reverse();
     }
@@ -78,6 +74,16 @@ pub(super) fn transport<'a>(
     x: &Vector<'a>,
     v: &Vector<'a>,
 ) -> Vector<'a> {
-    let factors = factors(group, order, x).into_iter().rev();
-    factors.fold(v.clone(), |v, (_, factor)| space.act(&factor, &v).hold())
+    let turned = |v: Vector<'a>, (axis, factor): (usize, Vector<'a>)| {
+        let by_series = || space.transport(MatrixFunction::Exponential, &along(x, axis), &v);
+        space.act(&factor, &v).unwrap_or_else(by_series).hold()
+    };
+    factors(group, order, x).into_iter().rev().fold(v.clone(), turned)
+}
+
+/// `x` along one axis alone.
+fn along<'a>(x: &Vector<'a>, axis: usize) -> Vector<'a> {
+    let mut part = x.map(|component| component.arena().zero());
+    part.0[axis] = x.0[axis];
+    part
 }

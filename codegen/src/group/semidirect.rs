@@ -57,6 +57,33 @@ impl<'a> SemidirectVector<'a> {
 }
 
 impl Semidirect {
+    /// Whether there are steps with a retraction, on the group and on the spaces.
+    pub fn has(&self, retraction: Retraction) -> bool {
+        self.group.has(retraction) && self.spaces.iter().all(|space| space.has(retraction))
+    }
+
+    /// Whether a retraction is summed as a series, term by term.
+    pub fn is_summed(&self, retraction: Retraction) -> bool {
+        self.group.is_summed(retraction) || self.spaces.iter().any(|space| space.is_summed(retraction))
+    }
+
+    /// Positive, all of them, where the retraction is a local diffeomorphism.
+    pub fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        let mut domain = self.group.domain(retraction, x);
+        domain.extend(self.spaces.iter().flat_map(|space| space.domain(retraction, x)));
+        domain
+    }
+
+    /// The same up to a few terms of series that are not finite sums, if there are such.
+    pub fn coarse(&self) -> Option<Self> {
+        let (group, spaces) = (self.group.coarse(), self.spaces.iter().map(|space| space.coarse()));
+        let spaces: Vec<_> = spaces.collect();
+        (group.is_some() || spaces.iter().any(Option::is_some)).then(|| Self {
+            group: group.unwrap_or(self.group),
+            spaces: self.spaces.iter().zip(spaces).map(|(space, coarse)| coarse.unwrap_or(*space)).collect(),
+        })
+    }
+
     /// `P(x)ᵀ a` for each space: the `V*` part of `(dR τ_(x,w))* (m, a)`, which depends on `x` and `a` alone.
     pub fn d_right_dual_spaces<'a>(
         &self,

@@ -38,8 +38,8 @@ impl Group for SO2 {
         "angle"
     }
 
-    fn configuration_type(&self) -> &'static str {
-        "UnitComplex"
+    fn configuration_type(&self) -> StorageType {
+        StorageType::Named("UnitComplex")
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -95,8 +95,8 @@ impl Group for SO2 {
         }
     }
 
-    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Option<Expr<'a>> {
-        None
+    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Vec<Expr<'a>> {
+        Vec::new()
     }
 
     /// The complex product.
@@ -123,7 +123,6 @@ impl Group for SO2 {
         &[&Plane(1)]
     }
 
-    /// Without vectors the momentum; with vectors their lengths and the angles between them.
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }
@@ -179,11 +178,12 @@ impl Representation for Plane {
         }
     }
 
-    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        complex(g.0[0], g.0[1], v)
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        Some(complex(g.0[0], g.0[1], v))
     }
 
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        self.act(&SO2.closed_form(f, &Vector(vec![x.0[0]])), v)
+        let g = SO2.closed_form(f, &Vector(vec![x.0[0]]));
+        complex(g.0[0], g.0[1], v)
     }
 }

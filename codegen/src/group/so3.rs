@@ -57,8 +57,8 @@ impl Group for SO3 {
         "attitude"
     }
 
-    fn configuration_type(&self) -> &'static str {
-        "UnitQuaternion"
+    fn configuration_type(&self) -> StorageType {
+        StorageType::Named("UnitQuaternion")
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -127,14 +127,14 @@ impl Group for SO3 {
         }
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         let edge = |part| x.0[0].arena().number(Number::FOUR_PI_SQUARED * Number::ratio(1, part));
         match retraction {
             // dR exp is singular where |x| = 2π
-            Retraction::Exponential => Some(edge(1) - x.squared_norm()),
-            Retraction::Cayley => None,
+            Retraction::Exponential => vec![edge(1) - x.squared_norm()],
+            Retraction::Cayley => Vec::new(),
             // turns about one axis after the other: where the second one is a quarter turn, the third axis lies along the first
-            Retraction::SecondKind | Retraction::ReversedSecondKind => Some(edge(16) - x.0[1] * x.0[1]),
+            Retraction::SecondKind | Retraction::ReversedSecondKind => vec![edge(16) - x.0[1] * x.0[1]],
         }
     }
 
@@ -179,14 +179,13 @@ impl Group for SO3 {
     }
 
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        Space.act(g, m)
+        turned(g, m)
     }
 
     fn representations(&self) -> &[&'static dyn Representation] {
         &[&Space]
     }
 
-    /// For `k` vectors: the `Γᵢ·Γⱼ`, and for one vector also `Π·Γ`; without vectors `|Π|²`.
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }
@@ -199,6 +198,13 @@ static COMPONENTS: &[Component] = &[
     Component { name: "j", called: false, of: |g| ComponentValue::Scalar(g.0[2]) },
     Component { name: "k", called: false, of: |g| ComponentValue::Scalar(g.0[3]) },
 ];
+
+/// `R v = v + 2w u × v + 2 u × (u × v)` for the quaternion `(w, u)`.
+fn turned<'a>(g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+    let (w, u) = (g.0[0], Vector(g.0[1..].to_vec()));
+    let twice = u.cross(v).scale(w.arena().number(2));
+    &(v + &twice.scale(w)) + &u.cross(&twice)
+}
 
 /// R³ with the rotations acting on it: `ρ_x v = x × v`.
 pub(super) struct Space;
@@ -224,11 +230,8 @@ impl Representation for Space {
         x.cross(v)
     }
 
-    /// `R v = v + 2w u × v + 2 u × (u × v)` for the quaternion `(w, u)`.
-    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let (w, u) = (g.0[0], Vector(g.0[1..].to_vec()));
-        let twice = u.cross(v).scale(w.arena().number(2));
-        &(v + &twice.scale(w)) + &u.cross(&twice)
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        Some(turned(g, v))
     }
 
     /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the tangent group

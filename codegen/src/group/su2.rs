@@ -35,7 +35,7 @@ impl Group for SU2 {
         "spin"
     }
 
-    fn configuration_type(&self) -> &'static str {
+    fn configuration_type(&self) -> StorageType {
         SO3.configuration_type()
     }
 
@@ -98,7 +98,7 @@ impl Group for SU2 {
         }
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Option<Expr<'a>> {
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         SO3.domain(retraction, x)
     }
 
@@ -123,9 +123,9 @@ impl Group for SU2 {
         &[]
     }
 
-    /// Those of the rotations that they cover.
-    fn actions(&self) -> &[&'static dyn Representation] {
-        SO3.representations()
+    /// As the rotations that they cover.
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        SO3.act(g, v)
     }
 
     fn components(&self) -> &'static [Component] {

@@ -99,7 +99,7 @@ fn correction<'a>(step: &Step<'a>, residual: &Vector<'a>) -> Vector<'a> {
     if unknown.is_empty() {
         return residual.clone();
     }
-    let jacobian = (&step.left - &step.right).jacobian(&unknown);
+    let jacobian = step.coarse_residual.jacobian(&unknown);
     let n = jacobian.columns;
     let named =
         |(k, entry): (usize, &Expr<'a>)| entry.hold().named(format!("jacobian_{}{}", k / n + 1, k % n + 1));

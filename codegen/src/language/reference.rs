@@ -44,11 +44,13 @@ fn groups() -> String {
 }
 
 /// Members of the families that have steps, one or more of each.
-const FAMILIES: [(&str, &str); 9] = [
+const FAMILIES: [(&str, &str); 11] = [
     ("SO(4)", "rotations of four dimensions"),
     ("SL(2)", "matrices of determinant 1"),
+    ("SL(3)", "the same, of three rows"),
     ("GL(2)", "matrices that have an inverse"),
     ("SP(4)", "symplectic matrices"),
+    ("SU(3)", "unitary matrices of determinant 1, a complex number as two rows and columns"),
     ("SE2(3)", "a rotation with two vectors that it turns: attitude, velocity and position"),
     ("SGal(3)", "Galilei's group: rotation, velocity, position and time"),
     ("SO21", "Lorentz's group of the plane"),
@@ -77,13 +79,22 @@ fn matrix_groups() -> String {
          group = matrices {{ h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }}\n\
          ```\n\n\
          Structure constants, both retractions with their derivatives, Casimirs and the projection onto the group are derived from it exactly. What \
-         is no basis of a Lie algebra is an error at its matrix. Matrices have up to 6 rows. Some have names:\n\n\
+         is no basis of a Lie algebra is an error at its matrix. There are up to 16 coordinates, and matrices of up to 12 rows. Some have names:\n\n\
          | group | what it is | matrices | coordinates | retractions |\n|---|---|---|---|---|\n{}\n\
+         Groups are made of others, of those with names too. Each part has a name, which the coordinates and the parts of the momentum begin with:\n\n\
+         | written | is |\n|---|---|\n\
+         | `product(vehicle: SE3, rotor: SO2)` | the direct product, one momentum for all; blocks of one matrix |\n\
+         | `semidirect(attitude: SO3, velocity: R3, position: R3)` | the group with vectors that it moves: `(g, v)(h, w) = (g h, v + g w)` |\n\
+         | `tangent(SO3)` | positions and velocities, `TG`: the matrices `[[X, Y], [0, X]]` |\n\
+         | `Areas!`, `groups::Areas!` | one that [`lie_group!`](crate::lie_group) defines |\n\n\
          * The field of the state is `element`, an `SMatrix`; a factor has the name that it is given. In expressions it is that matrix: \
          `element[(0, 1)]`, `element.transpose()`, `element * v`. The momentum is an `SVector` of coordinates with respect to the dual basis.\n\
          * The group acts on columns of as many numbers as the matrices have rows: `advected(v: R2)`.\n\
-         * The exponential is a finite sum where the matrices are annihilated by `λᵃ (λ² + z)^q`. Otherwise its series is summed within \
-         `|ad_x|² + |X|² ≤ 9/4`, for up to 6 coordinates. The Cayley map is there where it stays on the group.\n\n",
+         * Every group, of the catalogue too, acts on its algebra, `advected(a: adjoint)`, on the dual of that, `coadjoint`, and on the dual of \
+         each of its spaces, `dual(R2)`; on the first two with the exponential alone. A space of your own has a matrix for each coordinate: `advected(q: matrices {{ h: [2], e: [0], f: [0] }})`.\n\
+         * The exponential is a finite sum where the matrices, or those of each ideal, are annihilated by `λᵃ (λ² + z)^q`. Otherwise its series is \
+         summed within `|ad_x|² + |X|² ≤ 9/4`, for up to 10 coordinates; where there is another retraction that is done only if `retractions(…)` \
+         asks for it. The Cayley map is there where it stays on the group.\n\n",
         rows.concat(),
     )
 }

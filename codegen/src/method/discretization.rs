@@ -70,9 +70,9 @@ impl<'a> Discretization<'a> {
     }
 
     /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
-    fn domain(&self, path: &Path<'_, 'a>) -> Option<Expr<'a>> {
+    fn domain(&self, path: &Path<'_, 'a>) -> Vec<Expr<'a>> {
         let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        path.factor.algebra.group.domain(self.moving.behind, &path.y.scale(longer))
+        path.factor.algebra.domain(self.moving.behind, &path.y.scale(longer))
     }
 
     /// The step from what is left of its equations, the ways of all factors' configurations, and the state after it.
@@ -85,18 +85,20 @@ impl<'a> Discretization<'a> {
     ) -> Step<'a> {
         let increments: Vec<Vec<Increment<'a>>> =
             paths.iter().map(|path| self.increments(path, &found)).collect();
-        let domain = paths.iter().filter_map(|path| Some(self.domain(path)?.substitute(&found)));
+        let domain = paths.iter().flat_map(|path| self.domain(path));
         let join =
             |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
+        let (left, right) = (join(|equation| &equation.left), join(|equation| &equation.right));
         Step {
             h: self.step,
             given: [system.time_symbol(), system.control_symbols()].concat(),
-            domain: domain.collect(),
+            domain: domain.map(|margin| margin.substitute(&found)).collect(),
             unknown: join(|equation| &equation.unknown),
             blocks: equations.iter().flat_map(|equation| equation.blocks.clone()).collect(),
             start: join(|equation| &equation.start),
-            left: join(|equation| &equation.left),
-            right: join(|equation| &equation.right),
+            coarse_residual: &left - &right,
+            left,
+            right,
             next: system.join(next).substitute(&found),
             bounded: bounded(system, &increments),
             increments,

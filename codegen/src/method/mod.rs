@@ -28,6 +28,8 @@ pub struct Step<'a> {
     pub left: Vector<'a>,
     /// `right(x)`
     pub right: Vector<'a>,
+    /// `left(x) − right(x)` for Newton's matrix alone: up to a few terms of series that are not finite sums.
+    pub coarse_residual: Vector<'a>,
     /// Each positive while `x` is inside a retraction's domain.
     pub domain: Vec<Expr<'a>>,
     /// How the configuration of each factor is moved, one increment after the other.
@@ -63,10 +65,18 @@ impl Scheme {
 
     /// The step that it makes of a system.
     pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
-        match self.rule {
+        let step = |system: &System<'a>| match self.rule {
             Rule::Family(member) => family::step(arena, system, self.retraction, member),
             Rule::TangentLift(member) => tangent_lift::step(arena, system, self.retraction, member),
+        };
+        let mut whole = step(system);
+        if let Some(coarse) = system.coarse().map(|system| step(&system)) {
+            // of the same equations, with symbols of their own
+            let symbols = coarse.unknown.symbols().into_iter().chain(coarse.h.as_symbol());
+            let same: Vec<_> = symbols.zip(whole.unknown.iter().chain([whole.h])).collect();
+            whole.coarse_residual = coarse.coarse_residual.substitute(&same);
         }
+        whole
     }
 }
 

@@ -69,9 +69,9 @@ fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
 /// The parts of a factor's momentum.
 fn momenta<'a>(factor: &Factor<'a>) -> Vec<Block<'a>> {
     let (group, whole) = (factor.algebra.group, plain(&factor.momentum_name));
-    let names = match group.parts() {
-        [] => vec![whole],
-        parts => parts.iter().map(|part| part_name(&whole, part)).collect(),
+    let parts: Vec<(String, usize)> = match group.parts() {
+        [] => vec![(whole, group.dimension())],
+        parts => parts.iter().map(|part| part_name(&whole, part)).zip(group.blocks()).collect(),
     };
     let mut from = 0;
     let block = |(name, length): (String, usize)| {
@@ -83,7 +83,7 @@ fn momenta<'a>(factor: &Factor<'a>) -> Vec<Block<'a>> {
             value: Vector(factor.momentum.0[rows].to_vec()),
         }
     };
-    names.into_iter().zip(group.blocks()).map(block).collect()
+    parts.into_iter().map(block).collect()
 }
 
 /// A polynomial of the components of these blocks: an inner product of two of them, or its terms.

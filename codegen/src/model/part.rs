@@ -23,6 +23,7 @@ pub enum Role {
 }
 
 /// A part of the state, or a control: one field of a generated struct.
+#[derive(Clone)]
 pub struct Part<'a> {
     /// What it is to the system.
     pub role: Role,
@@ -51,13 +52,18 @@ pub enum StoredAs {
 
 impl From<StorageType> for StoredAs {
     fn from(storage: StorageType) -> Self {
-        const NAMES: [&str; 6] = ["Vector1", "Vector2", "Vector3", "Vector4", "Vector5", "Vector6"];
+        const VECTORS: [&str; 6] = ["Vector1", "Vector2", "Vector3", "Vector4", "Vector5", "Vector6"];
+        const MATRICES: [&str; 6] = ["Matrix1", "Matrix2", "Matrix3", "Matrix4", "Matrix5", "Matrix6"];
         match storage {
             StorageType::Named(name) => Self::Named(name),
             // nalgebra's own names end at 6
-            StorageType::Vector(n) => match NAMES.get(n.wrapping_sub(1)) {
+            StorageType::Vector(n) => match VECTORS.get(n.wrapping_sub(1)) {
                 Some(name) => Self::Named(name),
                 None => Self::Shape(Shape::Vector(n)),
+            },
+            StorageType::Matrix(n) => match MATRICES.get(n.wrapping_sub(1)) {
+                Some(name) => Self::Named(name),
+                None => Self::Shape(Shape::Matrix(n, n)),
             },
         }
     }
@@ -82,7 +88,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Configuration,
             name: self.name.clone(),
-            stored: StoredAs::Named(group.configuration_type()),
+            stored: group.configuration_type().into(),
             suffixes: owned(group.coordinates()),
             symbols: self.configuration.symbols(),
             value: self.configuration.clone(),

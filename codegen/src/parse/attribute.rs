@@ -4,8 +4,9 @@ use proc_macro2::{TokenStream, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::discouraged::Speculative;
 use syn::parse::{ParseStream, Parser};
-use syn::{Ident, LitInt, LitStr, Token, braced, bracketed, parenthesized, token};
+use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
 
+use super::group::{Group, Space, declared_name, group, space};
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
 use crate::derivatives::Derivatives;
@@ -93,6 +94,8 @@ pub struct Attribute {
     pub derivatives: Derivatives,
     /// `crate = …`
     pub krate: Option<syn::Path>,
+    /// What `lie_group!` says of groups that are named by their paths.
+    pub definitions: Vec<Definition>,
     /// The names of factors, advected parameters and controls whose declarations could not be read, with the keys where they are.
     pub unreadable: Vec<(Key, Ident)>,
     /// Whether there were problems.
@@ -101,24 +104,24 @@ pub struct Attribute {
     given: Vec<Key>,
 }
 
+/// A group that `lie_group!` defines.
+#[derive(Debug)]
+pub struct Definition {
+    /// As users of it write it.
+    pub path: String,
+    /// What it is called.
+    pub name: Ident,
+    /// What it is.
+    pub group: Group,
+}
+
 /// One factor of the configuration's group.
 #[derive(Debug)]
 pub struct Factor {
     /// What the user calls it; `None` for a group that is the whole.
     pub name: Option<Ident>,
-    /// Its group: a name, or `matrices` with a basis.
-    pub group: Ident,
-    /// The basis of a group of the user's own; empty for one with a name.
-    pub basis: Vec<BasisMatrix>,
-}
-
-/// `h: [1, 0; 0, -1]`
-#[derive(Debug)]
-pub struct BasisMatrix {
-    /// What the coordinate along it is called.
-    pub name: Ident,
-    /// Its entries, row by row.
-    pub rows: Vec<Vec<i64>>,
+    /// Its group.
+    pub group: Group,
 }
 
 /// One advected parameter.
@@ -129,7 +132,7 @@ pub struct Advected {
     /// The factor that acts on it, if the user names it: `gamma: attitude::R3`.
     pub factor: Option<Ident>,
     /// The space it lives in.
-    pub space: Ident,
+    pub space: Space,
 }
 
 /// One control.
@@ -199,11 +202,6 @@ impl Attribute {
     /// The retractions that are named.
     pub fn named_retractions(&self) -> &[Retraction] {
         &self.retractions
-    }
-
-    /// The retractions to generate steps with, where the group has them.
-    pub fn retractions(&self) -> &[Retraction] {
-        if self.retractions.is_empty() { &Retraction::DEFAULT } else { &self.retractions }
     }
 
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.
@@ -346,87 +344,29 @@ fn factors(
         let name = |factor: &Factor| factor.name.clone();
         return entries(input, (key, GROUP), diagnostics, unreadable, factor, name);
     }
-    let name: Option<Ident> =
+    let name: Option<FirstWord> =
         equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
-    let Some(name) = name else { return Ok(Vec::new()) };
-    Ok(vec![grouped(input, None, name)?])
+    let Some(FirstWord(name)) = name else { return Ok(Vec::new()) };
+    Ok(vec![Factor { name: None, group: group(input, name)? }])
 }
 
-/// A group, whose name has been read: `SO3`, `R(3)`, or `matrices { h: [1, 0; 0, -1], … }`.
-fn grouped(input: ParseStream<'_>, name: Option<Ident>, group: Ident) -> syn::Result<Factor> {
-    if group != "matrices" || !input.peek(token::Brace) {
-        return Ok(Factor { name, group: sized_name(input, group)?, basis: Vec::new() });
-    }
-    let content;
-    braced!(content in input);
-    let basis = content.parse_terminated(basis_matrix, Token![,])?.into_iter().collect();
-    Ok(Factor { name, group, basis })
-}
+/// What a group begins with; `crate`, `self` and `super` too, with which paths begin.
+struct FirstWord(Ident);
 
-/// `h: [1, 0; 0, -1]`
-fn basis_matrix(input: ParseStream<'_>) -> syn::Result<BasisMatrix> {
-    let name = declared_name(input, "h: [1, 0; 0, -1]", "a matrix of a basis", "its rows")?;
-    let content;
-    bracketed!(content in input);
-    let mut rows = vec![Vec::new()];
-    while !content.is_empty() {
-        let negative = content.parse::<Option<Token![-]>>()?.is_some();
-        let entry: LitInt = content.parse().map_err(|error| {
-            syn::Error::new(error.span(), "expected a whole number, as in `[1, 0; 0, -1]`")
-        })?;
-        let value = entry.base10_parse::<i32>()?;
-        if let Some(row) = rows.last_mut() {
-            row.push(i64::from(if negative { -value } else { value }));
-        }
-        if content.parse::<Option<Token![;]>>()?.is_some() {
-            rows.push(Vec::new());
-        } else if !content.is_empty() {
-            content.parse::<Token![,]>()?;
-        }
+impl syn::parse::Parse for FirstWord {
+    fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        let of_path = input.peek(Token![crate]) || input.peek(Token![self]) || input.peek(Token![super]);
+        if of_path { Ident::parse_any(input) } else { input.parse() }.map(Self)
     }
-    Ok(BasisMatrix { name, rows })
 }
 
 /// `attitude: SO3`
 fn factor(input: ParseStream<'_>) -> syn::Result<Factor> {
     let name = declared_name(input, "attitude: SO3", "a factor", "the group it moves on")?;
-    let group = input.parse::<Ident>().map_err(|error| {
+    let FirstWord(group) = input.parse().map_err(|error: syn::Error| {
         syn::Error::new(error.span(), "expected a group; a factor is written `attitude: SO3`")
     })?;
-    grouped(input, Some(name), group)
-}
-
-/// `R(3)` is another way to write `R3`.
-fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
-    if !input.peek(token::Paren) {
-        return Ok(name);
-    }
-    let content;
-    parenthesized!(content in input);
-    match content.parse::<LitInt>() {
-        // syn takes a sign for a part of the literal
-        Ok(size) if content.is_empty() && size.suffix().is_empty() && size.base10_parse::<u32>().is_ok() => {
-            Ok(Ident::new(&format!("{name}{}", size.base10_digits()), name.span()))
-        }
-        _ => Err(syn::Error::new_spanned(
-            &name,
-            format!("write the name of the group in one word, such as `{name}3`"),
-        )),
-    }
-}
-
-/// The name in front of a colon.
-fn declared_name(input: ParseStream<'_>, example: &str, what: &str, needs: &str) -> syn::Result<Ident> {
-    let explain = |error: syn::Error, expected: &str| {
-        syn::Error::new(error.span(), format!("expected {expected}; {what} is written `{example}`"))
-    };
-    let name: Ident = input.parse().map_err(|error| explain(error, "a name"))?;
-    if input.is_empty() || input.peek(Token![,]) {
-        let (_, ty) = example.split_once(": ").unwrap_or_default();
-        return Err(syn::Error::new_spanned(&name, format!("`{name}` needs {needs}; write `{name}: {ty}`")));
-    }
-    input.parse::<Token![:]>().map_err(|error| explain(error, "a colon"))?;
-    Ok(name)
+    Ok(Factor { name: Some(name), group: self::group(input, group)? })
 }
 
 /// `= expr` or `(attitude = expr, …)`
@@ -593,18 +533,22 @@ fn entries<T>(
 /// `gamma: R3` or `gamma: attitude::R3`
 fn advected(input: ParseStream<'_>) -> syn::Result<Advected> {
     let name = declared_name(input, "gamma: R3", "an advected parameter", "the space it lives in")?;
-    let space = |input: ParseStream<'_>| {
-        input.parse::<Ident>().map_err(|error| {
-            let message = "expected a space; an advected parameter is written `gamma: R3`";
-            syn::Error::new(error.span(), message)
-        })
+    let explain = |error: syn::Error| {
+        let message = "expected a space; an advected parameter is written `gamma: R3`";
+        syn::Error::new(error.span(), message)
     };
-    let first = space(input)?;
-    if input.peek(Token![::]) {
+    let is_of_factor = input.peek2(Token![::]);
+    let factor = match is_of_factor {
+        true => Some(input.parse::<Ident>().map_err(explain)?),
+        false => None,
+    };
+    if is_of_factor {
         input.parse::<Token![::]>()?;
-        return Ok(Advected { name, factor: Some(first), space: space(input)? });
     }
-    Ok(Advected { name, factor: None, space: first })
+    if !input.peek(Ident) {
+        return Err(explain(input.error("")));
+    }
+    Ok(Advected { name, factor, space: space(input)? })
 }
 
 /// `moment: R3`, `thrust: f64` or `moment: Vector3<f64>`

@@ -1,13 +1,17 @@
 //! From tokens to a description: what the user wrote, with spans, and nothing concluded from it.
 
 mod attribute;
+mod group;
 mod item;
 mod nesting;
 mod shape;
 
 pub use attribute::{
-    ADVECTED, Advected, Attribute, BasisMatrix, CONTROL, CRATE, Control, DERIVATIVES, FORCE, Factor, Force,
+    ADVECTED, Advected, Attribute, CONTROL, CRATE, Control, DERIVATIVES, Definition, FORCE, Factor, Force,
     GROUP, HAMILTONIAN, INVARIANCE, KEYS, Key, LAGRANGIAN, METHODS, POTENTIAL,
 };
+pub(crate) use group::group;
+pub use group::{BasisMatrix, Group, Space};
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};
+pub(crate) use nesting::excess as nested;
 pub use shape::{ScalarType, Shape, of_segment};

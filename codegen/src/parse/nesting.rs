@@ -8,7 +8,7 @@ use proc_macro2::{Spacing, Span, TokenStream, TokenTree};
 use crate::limits::{LINKS, NESTING, TOKEN_LENGTH, TOKENS};
 
 /// The first token that goes beyond a bound, with a message.
-pub(super) fn excess(tokens: &TokenStream) -> Option<(Span, String)> {
+pub(crate) fn excess(tokens: &TokenStream) -> Option<(Span, String)> {
     let mut open = vec![(tokens.clone().into_iter(), Level::default())];
     let mut count = 0;
     while let Some((tokens, level)) = open.last_mut() {

@@ -146,6 +146,8 @@ pub enum Role {
     Casimirs,
     /// Of a system: the momentum in space coordinates.
     SpatialMomentum,
+    /// Of a state: how far matrices are off their groups.
+    Deviation,
     /// Of a system: the pivots of the factorization `L D Lᵀ` of an inertia, by its place among them.
     Pivots(usize),
     /// Of a system: the state displaced by a tangent vector along the exponential map.

@@ -31,6 +31,7 @@ impl Role {
             Self::MomentumNewton => "momentum_newton",
             Self::Casimirs => "casimirs",
             Self::SpatialMomentum => "spatial_momentum",
+            Self::Deviation => "deviation",
             Self::Pivots(place) => return format!("pivots_{place}"),
             Self::ExponentialDisplacement => "exponential_displacement",
             Self::CayleyDisplacement => "cayley_displacement",

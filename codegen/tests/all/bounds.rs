@@ -134,6 +134,14 @@ fn messages_show_no_trees() {
     assert!(text.contains('…'));
 }
 
+/// Each statement nests and chains for itself, however many there are.
+#[test]
+fn statements_are_counted_one_by_one() {
+    let sum = vec!["w"; 60].join(" + ");
+    let block = format!("{{ let a = x; {} a * gamma.z }}", format!("let a = a * ({sum}); ").repeat(40));
+    assert!(code(&block).contains("impl"));
+}
+
 #[test]
 fn long_computations() {
     code(&block("let v = gamma;", "let v = v.cross(&chi).normalize();", 6, "v.dot(&chi)"));

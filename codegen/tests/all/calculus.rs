@@ -1,6 +1,8 @@
 //! Differentiation, evaluation and factorization against their definitions, in doubles.
 
-use coadjoint_codegen::expr::{Arena, Expr, Function, Matrix, Stage, Symbol, Value, Vector, gradient};
+use coadjoint_codegen::expr::{
+    Arena, Expr, Function, Matrix, Number, Stage, Symbol, Value, Vector, gradient,
+};
 
 const FUNCTIONS: [Function; 12] = [
     Function::Sqrt,
@@ -195,6 +197,9 @@ fn formulas_are_written_as_usual() {
         (x / 2, "1/2 x"),
         (x * y / 2 + x, "x + 1/2 x y"),
         (x.stumpff(2), "c2(x)"),
+        (arena.number(2).pow(x), "2^(x)"),
+        (arena.number(-2).pow(x), "(-2)^(x)"),
+        (arena.number(Number::ratio(1, 2)).pow(x), "(1/2)^(x)"),
     ] {
         assert_eq!(expr.to_string(), text);
     }

@@ -184,6 +184,21 @@ fn those_that_depend_on_others_are_left_out() {
     assert_eq!(missing, 0);
 }
 
+/// The point at which they are counted lies on no line, or `p₁ − 2 p₂ + p₃` would vanish at it: of `[x, y] = p₁ − 2 p₂ + p₃` three are kept.
+#[test]
+fn they_are_counted_at_a_point_like_any_other() {
+    let sum =
+        |sign: i64| [(2, 1), (3, -2), (4, 1)].map(|(k, c)| (k, Fraction::from_integer(sign * c))).to_vec();
+    let structure = Structure::new(5, |i, j| match (i, j) {
+        (0, 1) => sum(1),
+        (1, 0) => sum(-1),
+        _ => Vec::new(),
+    });
+    let Casimirs { found, missing } = casimirs(&structure, std::slice::from_ref(&(0..5)));
+    let linear = |k: usize| Polynomial::from([(vec![k], 1)]);
+    assert_eq!((found, missing), (vec![linear(4), linear(3), linear(2)], 0));
+}
+
 /// Some transcendental or rational ones are out of reach: of `[h, x] = x`, `[h, y] = α y` there is `y/x^α`.
 #[test]
 fn those_that_are_no_polynomials_are_missing() {

@@ -16,6 +16,8 @@ use coadjoint_codegen::parse::{Attribute, Item, Shape, without_helpers};
 use description::{Description, descriptions};
 use proc_macro2::TokenStream;
 
+use crate::common::Random;
+
 /// Pieces of input; those that matter to the language appear most.
 const PIECES: [&str; 118] = [
     "group",
@@ -138,27 +140,16 @@ const PIECES: [&str; 118] = [
     "'a",
 ];
 
-struct Random(u64);
-
 impl Random {
-    fn lt(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        ((self.0 >> 33) as usize) % bound
-    }
-
-    fn choose<'t>(&mut self, texts: &[&'t str]) -> &'t str {
-        texts[self.lt(texts.len())]
-    }
-
     /// Tokens without sense, with balanced brackets.
     fn soup(&mut self, length: usize) -> String {
         let mut text = String::new();
         let mut left = length;
         while left > 0 {
-            if self.lt(5) == 0 {
-                let inner = self.lt(left);
+            if self.below(5) == 0 {
+                let inner = self.below(left);
                 left -= inner;
-                let (open, close) = [("(", ")"), ("[", "]"), ("{", "}")][self.lt(3)];
+                let (open, close) = [("(", ")"), ("[", "]"), ("{", "}")][self.below(3)];
                 text += &format!("{open}{}{close} ", self.soup(inner));
             } else {
                 text += self.choose(&PIECES);
@@ -196,7 +187,7 @@ impl Random {
             return self.choose(&leaves).to_owned();
         }
         let e = |random: &mut Self| random.expression(depth - 1);
-        match self.lt(16) {
+        match self.below(16) {
             0..4 => {
                 format!("({} {} {})", e(self), self.choose(&["+", "-", "*", "/", "%", "<", "^"]), e(self))
             }
@@ -223,13 +214,13 @@ impl Random {
             }
             7 => format!("{}.{}", e(self), self.choose(&["x", "z", "w", "m12", "0", "1", "q"])),
             8 => format!("{}[{}]", e(self), e(self)),
-            9 if self.lt(2) == 0 => format!("{}.fixed_view::<2, 1>({}, {})", e(self), e(self), e(self)),
+            9 if self.below(2) == 0 => format!("{}.fixed_view::<2, 1>({}, {})", e(self), e(self), e(self)),
             9 => format!("{}[({}, {})]", e(self), e(self), e(self)),
             10 => format!("{{ let b = {}; {} }}", e(self), e(self)),
             11 => format!("{{ let (b, c) = {}.sin_cos(); {} }}", e(self), e(self)),
             12 => format!("Vector3::new({}, {}, {})", e(self), e(self), e(self)),
             13 => format!("vector![{}, {}]", e(self), e(self)),
-            14 if self.lt(2) == 0 => format!("(Point3::from({}) - Point3::origin())", e(self)),
+            14 if self.below(2) == 0 => format!("(Point3::from({}) - Point3::origin())", e(self)),
             14 => format!("matrix![{}, {}; {}, {}]", e(self), e(self), e(self), e(self)),
             _ => format!("f64::{}({})", self.choose(&["from", "sin", "powi", "abs"]), e(self)),
         }
@@ -275,7 +266,7 @@ fn parsed(text: &str) -> Option<TokenStream> {
 fn token_soup() {
     let mut random = Random(1);
     for _ in 0..5_000 {
-        let length = 1 + random.lt(30);
+        let length = 1 + random.below(30);
         let (attribute, item) = (random.soup(length), random.soup(length));
         if let (Some(attribute), Some(item)) = (parsed(&attribute), parsed(&item)) {
             read(attribute, item);
@@ -299,7 +290,7 @@ fn soup_with_a_key_in_front() {
             "methods",
         ]);
         let separator = random.choose(&["=", "", "=="]);
-        let length = 1 + random.lt(12);
+        let length = 1 + random.below(12);
         let attribute =
             format!("{key} {separator} {}, potential = {}", random.soup(length), random.soup(length));
         let item = format!("struct A {{ #[inertia] a: {}, b: {} }}", random.soup(3), random.soup(2));
@@ -314,7 +305,7 @@ fn random_expressions() {
     let mut random = Random(3);
     let (mut sound, mut tried) = (0, 0);
     for _ in 0..5_000 {
-        let depth = random.lt(5);
+        let depth = random.below(5);
         let text = random.expression(depth);
         let expr = syn::parse_str::<syn::Expr>(&text).unwrap_or_else(|error| panic!("{text}: {error}"));
         let (arena, mut scope, mut diagnostics) = (Arena::new(), Scope::new(), Diagnostics::new());

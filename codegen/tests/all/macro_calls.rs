@@ -2,16 +2,13 @@
 
 use coadjoint_codegen::program::{Program, Role};
 use coadjoint_codegen::{expand, lie_poisson_system, program};
-use proc_macro2::TokenStream;
+
+use crate::common::tokens;
 
 const TOP: &str = "group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi)";
 const ITEM: &str = "pub struct Top { #[inertia] inertia: Vector3<f64>, weight: f64, chi: Vector3<f64> }";
 const DRIVEN: &str = "group = SO3, control(torque: R3), force = torque";
 const BODY: &str = "struct Body { #[inertia] inertia: Vector3<f64> }";
-
-fn tokens(text: &str) -> TokenStream {
-    text.parse().expect("tokens")
-}
 
 fn derived(attribute: &str, item: &str) -> Program {
     program(tokens(attribute), tokens(item)).unwrap_or_else(|error| panic!("{attribute}: {error}"))

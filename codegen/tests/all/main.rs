@@ -3,8 +3,10 @@
 mod bounds;
 mod calculus;
 mod casimirs;
+mod common;
 mod description;
 mod fuzz;
+mod groups;
 mod linear;
 mod macro_calls;
 mod meaning;

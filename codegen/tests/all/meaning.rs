@@ -16,6 +16,8 @@ use nalgebra::{
 };
 use std::f64::consts::{PI, TAU};
 
+use crate::common::Random;
+
 /// What the expressions are about.
 struct Values {
     a: f64,
@@ -32,11 +34,8 @@ struct Values {
 
 /// Some values, all positive and below one, different for different seeds.
 fn values(seed: u64) -> Values {
-    let mut state = seed;
-    let mut next = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        0.1 + 0.8 * (state >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Random(seed);
+    let mut next = || 0.1 + 0.8 * random.unit();
     Values {
         a: next(),
         b: next(),
@@ -391,6 +390,18 @@ fn a_constant_is_one_parameter_however_often_it_is_named() {
         let Node::Symbol(symbol) = arena.node(constant.symbol.id()) else { panic!("a constant is a symbol") };
         assert_eq!(arena.symbol_info(symbol).stage, Stage::Parameters);
         assert!(matches!(constant.tokens, syn::Expr::Path(_)));
+    }
+}
+
+#[test]
+fn constants_are_told_by_their_letters() {
+    for (name, is_constant) in
+        [("G", true), ("EARTH_MASS", true), ("M_2", true), ("Gamma", false), ("gA", false), ("_G", false)]
+    {
+        let (arena, mut scope, mut diagnostics) = (Arena::new(), Scope::new(), Diagnostics::new());
+        let expr = syn::parse_str(name).unwrap();
+        let value = lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
+        assert_eq!((value.is_some(), diagnostics.is_empty()), (is_constant, is_constant), "{name}");
     }
 }
 

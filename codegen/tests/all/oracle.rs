@@ -1,9 +1,7 @@
 //! Programs in doubles against the expressions that they were made from: the fast form of what the tests of the workspace do with 77
 //! digits, for every function of every kind of system.
 
-use coadjoint_codegen::check;
 use coadjoint_codegen::derivatives::Derivatives;
-use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage, Symbol, Vector};
 use coadjoint_codegen::geometry;
 use coadjoint_codegen::group::Retraction;
@@ -11,10 +9,10 @@ use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Energy, Relation, System};
-use coadjoint_codegen::parse::{Attribute, Item};
 use coadjoint_codegen::program::{CallError, Given, Input, Module, Role};
 use coadjoint_codegen::scheme::Member;
-use proc_macro2::TokenStream;
+
+use crate::common::{system, tokens};
 
 /// One system for each way in which steps differ: what stands in the attribute, and the struct.
 const SYSTEMS: [(&str, &str); 13] = [
@@ -61,20 +59,6 @@ const SYSTEMS: [(&str, &str); 13] = [
         "struct A { mass: f64 }",
     ),
 ];
-
-fn tokens(text: &str) -> TokenStream {
-    text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
-}
-
-fn system<'a>(arena: &'a Arena, (attribute, item): (&str, &str)) -> System<'a> {
-    let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(tokens(attribute), &mut diagnostics);
-    let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
-    let description = check::resolve(&attribute, &item, &mut diagnostics);
-    let system = System::build(arena, &description, &mut diagnostics);
-    diagnostics.finish().unwrap_or_else(|error| panic!("{error}"));
-    system.expect("a system")
-}
 
 /// A value for every symbol: between one and two, different for each, so that no function is outside of its domain.
 fn value(arena: &Arena, symbol: Symbol) -> f64 {

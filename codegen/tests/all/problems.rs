@@ -5,6 +5,8 @@ use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower_scalar};
 use coadjoint_codegen::parse::Shape;
 
+use crate::common::{compare, told};
+
 /// The problems of a potential, each as the text it underlines and the message.
 fn problems(text: &str) -> Vec<(String, String)> {
     let expr = syn::parse_str::<syn::Expr>(text).unwrap_or_else(|error| panic!("{text}: {error}"));
@@ -28,19 +30,13 @@ fn problems(text: &str) -> Vec<(String, String)> {
     let value = lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
     let broken = !diagnostics.is_empty() || text.contains("broken");
     assert_eq!(value.is_none(), broken, "{text}");
-    let errors = diagnostics.finish().err().into_iter().flatten();
-    errors.map(|error| (error.span().source_text().unwrap_or_default(), error.to_string())).collect()
+    told(diagnostics)
 }
 
 /// Asserts the problems of an expression: what is underlined, and how the message begins.
 #[track_caller]
 fn complains(text: &str, expected: &[(&str, &str)]) {
-    let problems = problems(text);
-    assert_eq!(problems.len(), expected.len(), "{text}: {problems:#?}");
-    for ((place, message), (expected_place, beginning)) in problems.iter().zip(expected) {
-        assert_eq!(place, expected_place, "{text}: {message}");
-        assert!(message.starts_with(beginning), "{text}: {message}");
-    }
+    compare(text, &problems(text), expected);
 }
 
 #[test]

@@ -5,9 +5,10 @@ use coadjoint_codegen::expand;
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::program::{Role, Statement, Term};
 
+use crate::common::tokens;
+
 /// The steps of a description: what stands in the attribute, and the struct.
 fn steps(attribute: &str, item: &str) -> Vec<StepExpansion> {
-    let tokens = |text: &str| text.parse().expect("tokens");
     expand(tokens(attribute), tokens(item)).expect("a valid description").steps
 }
 
@@ -170,4 +171,24 @@ fn long_sums_are_cut_into_lines() {
         }
         syn::parse2::<syn::File>(step.tokens.clone()).expect("items");
     }
+}
+
+/// The body of four dimensions as the two rotations that make one of four dimensions: its inertia couples them.
+#[test]
+fn ideals_cost_what_the_groups_that_they_are_cost() {
+    let total = |group: &str, inertia: &str| {
+        let attribute = format!("{group}, retractions(Exponential)");
+        let item = format!("struct Body {{ #[inertia] j: {inertia} }}");
+        let module = &steps(&attribute, &item)[0].program.module;
+        // a step from the last one's increment: two evaluations, one correction, and the rest
+        [(Role::Begin, 1), (Role::Evaluate, 2), (Role::Correction, 1), (Role::Finish, 1)]
+            .map(|(role, count)| count * module.operations(role).total())
+            .iter()
+            .sum::<usize>()
+    };
+    let derived = total("group = SO(4)", "SVector<f64, 6>");
+    let as_two = total("group(a: SO3, b: SO3)", "SMatrix<f64, 6, 6>");
+    assert!(derived < 3 * as_two, "{derived} operations, and {as_two} as two rotations");
+    // what a series costs that is not cut into its ideals
+    assert!(derived < 1500, "{derived}");
 }

@@ -1,33 +1,17 @@
 //! What the steps of the family say of themselves beside their equations: where they are defined, what stays bounded, which rules are one
 //! map; and what documentation says of the motion.
 
-use coadjoint_codegen::check;
-use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::{Step, family};
 use coadjoint_codegen::model::{Slot, System};
-use coadjoint_codegen::parse::{Attribute, Item};
 use coadjoint_codegen::program::Role;
 use coadjoint_codegen::scheme::{Member, Rule, Scheme};
-use proc_macro2::TokenStream;
 use std::f64::consts::TAU;
 
-fn tokens(text: &str) -> TokenStream {
-    text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
-}
-
-fn system<'a>(arena: &'a Arena, attribute: &str, item: &str) -> System<'a> {
-    let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(tokens(attribute), &mut diagnostics);
-    let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
-    let description = check::resolve(&attribute, &item, &mut diagnostics);
-    let system = System::build(arena, &description, &mut diagnostics);
-    diagnostics.finish().expect("a sound description");
-    system.expect("a system")
-}
+use crate::common::{system, tokens};
 
 fn member(numerator: u32, denominator: u32) -> Member {
     Member::new(numerator, denominator).expect("between 0 and 1")
@@ -44,7 +28,7 @@ const TWO_BODIES: &str =
 #[test]
 fn the_longer_part_of_a_step_ends_at_a_full_turn() {
     let arena = Arena::new();
-    let system = system(&arena, "group(first: SO3, second: SO3)", TWO_BODIES);
+    let system = system(&arena, ("group(first: SO3, second: SO3)", TWO_BODIES));
     for (numerator, denominator, longer) in
         [(0, 1, 1.0), (1, 4, 0.75), (1, 2, 0.5), (2, 3, 2.0 / 3.0), (1, 1, 1.0)]
     {
@@ -105,7 +89,7 @@ fn rotations_by_the_unknown_are_bounded() {
         ("group(rotor: SO2, body: SO3)", one("f64"), vec![(first, 2), (second, 4)]),
     ] {
         let arena = Arena::new();
-        let system = system(&arena, attribute, &item);
+        let system = system(&arena, (attribute, &item));
         for (numerator, denominator) in [(0, 1), (1, 2), (1, 1)] {
             let step = step(&system, Retraction::Exponential, member(numerator, denominator));
             assert_eq!(bounded(&system, &step), rotations, "{attribute}, s = {numerator}/{denominator}");
@@ -117,7 +101,7 @@ fn rotations_by_the_unknown_are_bounded() {
 #[test]
 fn a_configuration_moves_at_once_where_the_intermediate_point_is_an_end() {
     let arena = Arena::new();
-    let system = system(&arena, "group(first: SO3, second: SO3)", TWO_BODIES);
+    let system = system(&arena, ("group(first: SO3, second: SO3)", TWO_BODIES));
     for retraction in Retraction::ALL {
         for (numerator, denominator, count) in [(0, 1, 1), (1, 3, 2), (1, 2, 2), (1, 1, 1)] {
             let step = step(&system, retraction, member(numerator, denominator));
@@ -142,7 +126,7 @@ fn the_last_member_is_the_first_where_nothing_depends_on_the_configuration() {
         ("group = SO3, advected(gamma: R3), potential = gamma.x * t", false),
     ] {
         let arena = Arena::new();
-        let system = system(&arena, attribute, body);
+        let system = system(&arena, (attribute, body));
         let midpoint = Rule::Family(Member::MIDPOINT);
         let original = |retraction, rule| {
             let original = Scheme { retraction, rule }.original(&system, Retraction::Exponential);
@@ -190,7 +174,7 @@ fn newtons_method_undoes_no_scale() {
         [("group = SO3", "struct Body { #[inertia] j: Vector3<f64> }"), (heavy_top, fields)]
     {
         let arena = Arena::new();
-        let system = system(&arena, attribute, item);
+        let system = system(&arena, (attribute, item));
         let step = step(&system, Retraction::Cayley, Member::SYMPLECTIC_EULER_A);
         let module = kernel::step(&arena, &step, Inputs::of(&system));
         let (evaluate, correction) = (module.operations(Role::Evaluate), module.operations(Role::Correction));
@@ -239,4 +223,17 @@ fn documentation_tells_the_sides_apart() {
             assert!(text.contains(line), "{side}: `{line}` in {text}");
         }
     }
+}
+
+/// What is carried along by any action is told apart from the vectors of the group's own space.
+#[test]
+fn documentation_tells_the_spaces_apart() {
+    let text = documentation(
+        "group = SE3, advected(gamma: R3, screw: adjoint), potential = m * gamma.dot(&gamma) + screw.dot(&screw)",
+        "struct Carrier { #[inertia] m: f64 }",
+    );
+    for line in ["screw ⋄ ∂V/∂screw", "screw' = ad*(velocity) screw", "gamma × ∂V/∂gamma"] {
+        assert!(text.contains(line), "`{line}` in {text}");
+    }
+    assert!(!text.contains("screw ×"), "{text}");
 }

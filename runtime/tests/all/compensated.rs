@@ -5,15 +5,7 @@
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Ensemble};
 
-/// The vertical is advected.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
-#[derive(Clone)]
-struct Top {
-    #[inertia]
-    inertia: Vector3<f64>,
-    weight: f64,
-    chi: Vector3<f64>,
-}
+use crate::systems::{Single, SingleState, Top, TopState};
 
 /// With an elementary function in its potential.
 #[lie_poisson_system(group = R1, potential = -weight * position.x.cos())]
@@ -22,14 +14,6 @@ struct Pendulum {
     #[inertia]
     inertia: f64,
     weight: f64,
-}
-
-/// In single precision.
-#[lie_poisson_system(group = SO3)]
-#[derive(Clone)]
-struct Single {
-    #[inertia]
-    inertia: Vector3<f32>,
 }
 
 /// The same in double precision.

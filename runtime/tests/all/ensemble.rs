@@ -8,22 +8,14 @@ use coadjoint::ensemble::{Distribution, EnsembleError, InitialStates, Instructio
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Ensemble, RightLift};
 
+use crate::systems::{Single, SingleState, Top, TopState};
+
 /// Nothing acts on it.
 #[lie_poisson_system(group = SO3)]
 #[derive(Clone)]
 struct Body {
     #[inertia]
     inertia: Vector3<f64>,
-}
-
-/// The vertical is advected.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi))]
-#[derive(Clone)]
-struct Top {
-    #[inertia]
-    inertia: Vector3<f64>,
-    weight: f64,
-    chi: Vector3<f64>,
 }
 
 /// A potential on the group, a force that depends on time, and a control.
@@ -48,14 +40,6 @@ struct Pendulum {
 struct Runaway {
     #[inertia]
     inertia: f64,
-}
-
-/// In single precision.
-#[lie_poisson_system(group = SO3)]
-#[derive(Clone)]
-struct Single {
-    #[inertia]
-    inertia: Vector3<f32>,
 }
 
 /// More than one block of any width, and the last one not full.

@@ -8,4 +8,5 @@ mod generic;
 mod generic_mechanics;
 mod map;
 mod second_kind;
+mod systems;
 mod together;

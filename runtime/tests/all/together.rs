@@ -8,15 +8,7 @@ use coadjoint::prelude::*;
 use coadjoint::system::Generated;
 use coadjoint::{Discretized, Ensemble, Record, Run, RunReport, StepReport, System};
 
-/// A rigid body that turns about a fixed point under gravity.
-#[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.dot(&chi), methods(Midpoint))]
-#[derive(Clone)]
-struct Top {
-    #[inertia]
-    inertia: Vector3<f64>,
-    weight: f64,
-    chi: Vector3<f64>,
-}
+use crate::systems::{Top, TopState};
 
 /// A particle that nothing holds: it is gone after some time.
 #[lie_poisson_system(group = R1, potential = -position.x.powi(4))]

@@ -10,8 +10,7 @@ pub mod steering;
 
 use coadjoint::prelude::*;
 use coadjoint::{ParameterError, StepError};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use coadjoint_app::random::Random;
 
 /// A spacecraft that thrusters turn.
 ///
@@ -60,19 +59,15 @@ impl From<Failure> for coadjoint_app::Error {
 }
 
 /// Noise that is the same for the same seed.
-struct Noise(ChaCha8Rng);
+struct Noise(Random);
 
 impl Noise {
     fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
+        Self(Random::new(seed, 0))
     }
 
-    /// Normally distributed, each component with this standard deviation: Box and Muller's.
+    /// Normally distributed, each component with this standard deviation.
     fn vector(&mut self, deviation: f64) -> Vector3<f64> {
-        // evenly distributed between 0 and 1, never 0
-        let mut even = || ((self.0.next_u64() >> 11) as f64 + 0.5) * 2_f64.powi(-53);
-        Vector3::from_fn(|_, _| {
-            deviation * (-2.0 * even().ln()).sqrt() * (std::f64::consts::TAU * even()).cos()
-        })
+        Vector3::from_fn(|_, _| deviation * self.0.normal())
     }
 }

@@ -3,13 +3,17 @@
 use coadjoint_app::simulation::{Method, Retraction};
 use coadjoint_systems::catalogue::CATALOGUE;
 
+use crate::is_asked_for;
+
 entries!(every_claim_holds);
 
 fn every_claim_holds(name: &str) {
     let entry = CATALOGUE.find(name).expect("it is there");
     let retractions = Retraction::of(entry);
     let (mut failures, mut reports, mut measured) = (String::new(), 0, 0);
-    for method in [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint] {
+    let methods = [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint];
+    let methods: Vec<Method> = methods.into_iter().filter(|method| is_asked_for(entry, *method)).collect();
+    for &method in &methods {
         for &retraction in &retractions {
             let what = format!("{name} {method} {}", retraction.name());
             match entry.certify(&entry.example.clone(), method, retraction) {
@@ -24,7 +28,7 @@ fn every_claim_holds(name: &str) {
     }
     assert!(failures.is_empty(), "{failures}");
     // of ten certificates or more
-    let all = 4 * retractions.len();
+    let all = methods.len() * retractions.len();
     assert!(reports == all && measured >= 10 * all, "{name}: {measured} certificates in {reports} reports");
 }
 

@@ -44,7 +44,9 @@ fn the_vector_field_is_the_motion_of_generated_steps(name: &str) {
     let setup = entry.example.clone();
     let system = entry.system(&setup.parameters);
     let law = entry.law(&setup);
-    let scheme = Scheme::composed::<SofroniouSpaletta10>(Scheme::Standard(Map::Exponential));
+    let is_exponential = Retraction::of(entry).contains(&Retraction::Exponential);
+    let map = if is_exponential { Map::Exponential } else { Map::Cayley };
+    let scheme = Scheme::composed::<SofroniouSpaletta10>(Scheme::Standard(map));
     let (states, _) = entry.states_in_motion(&setup).expect("solvable");
     let small = entry.step / 16.0;
     for state in states {

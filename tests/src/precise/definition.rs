@@ -1,13 +1,16 @@
 //! What a group *is*: matrices. Everything here is a definition — commutators, power series, differences — and knows no closed form,
 //! so that the generator's closed forms can be held against it.
 
-use coadjoint_codegen::group::{Group, MatrixGroup, Representation, Retraction, Semidirect, family};
+use std::sync::OnceLock;
+
+use coadjoint_codegen::group::Basis as LieBasis;
+use coadjoint_codegen::group::{Dual, Group, MatrixGroup, Representation, Retraction, Semidirect, family};
 
 use super::matrix::{Column, Matrix, jacobian};
 use super::real::Real;
 
 /// A group of the catalogue as matrices.
-pub trait Realization {
+pub trait Realization: Sync {
     /// The matrix of an element of the algebra.
     fn hat(&self, x: &Column) -> Matrix;
     /// The coordinates of a matrix of the algebra.
@@ -18,6 +21,37 @@ pub trait Realization {
     fn defect(&self, g: &Column) -> Column;
     /// The action `ρ_x` on a space of that name.
     fn representation(&self, name: &str, x: &Column) -> Matrix;
+    /// The action on a space of that name, or on the algebra, or on what is dual to one of them.
+    fn action(&self, name: &str, x: &Column) -> Matrix {
+        if name == "adjoint" {
+            let hat = self.hat(x);
+            let commutator = |y: &Column| &(&hat * &self.hat(y)) - &(&self.hat(y) * &hat);
+            return Matrix::of_linear(x.len(), |y| self.vee(&commutator(y)));
+        }
+        let of = match name {
+            "coadjoint" => Some("adjoint"),
+            _ => name.strip_prefix("dual(").and_then(|name| name.strip_suffix(')')),
+        };
+        match of {
+            Some(of) => self.action(of, x).transpose().scale(&Real::from(-1)),
+            None => self.representation(name, x),
+        }
+    }
+    /// What `f(x)` does to a space of that name: `f(ρ_x)`.
+    fn transport(&self, retraction: Retraction, name: &str, x: &Column) -> Matrix {
+        retract(retraction, x, |x| self.action(name, x))
+    }
+    /// `P(x)`: `φ₁(ρ_x)`, `(1 − ρ_x/2)⁻¹`, `τ(x)` or 1
+    fn translation(&self, retraction: Retraction, name: &str, x: &Column) -> Matrix {
+        let rho = self.action(name, x);
+        let one = Matrix::identity(rho.rows());
+        match retraction {
+            Retraction::Exponential => rho.phi1(),
+            Retraction::Cayley => (&one - &rho.scale(&Real::ratio(1, 2))).inverse(),
+            Retraction::SecondKind => self.transport(retraction, name, x),
+            Retraction::ReversedSecondKind => one,
+        }
+    }
 }
 
 /// The realization of a group of the catalogue. A group that comes to the catalogue comes here too.
@@ -29,10 +63,207 @@ pub fn realization(group: &dyn Group) -> &'static dyn Realization {
         "SE3" => &Motions { rotations: &Rotations, dimension: 3, angular: 3, stored: 4 },
         "SE2" => &Motions { rotations: &PlaneRotations, dimension: 2, angular: 1, stored: 2 },
         "R1" | "R2" | "R3" | "R4" | "R5" | "R6" => &Translations,
-        other => match family(other) {
-            Some(group) => Box::leak(Box::new(Basis(group))),
-            None => panic!("give {other} its definition by matrices"),
-        },
+        other => {
+            let composed = composed().iter().find(|(group, _)| group.name() == other);
+            match composed
+                .map(|(_, definition)| *definition)
+                .or_else(|| Some(Box::leak(Box::new(Basis(family(other)?)))))
+            {
+                Some(definition) => definition,
+                None => panic!("give {other} its definition by matrices"),
+            }
+        }
+    }
+}
+
+/// Terms of series that have no closed form: enough for 77 digits.
+pub const TERMS: usize = 140;
+
+/// Groups made of others, each with its definition by theirs.
+pub fn composed() -> &'static [(&'static MatrixGroup, &'static dyn Realization)] {
+    static GROUPS: OnceLock<Vec<(&'static MatrixGroup, &'static dyn Realization)>> = OnceLock::new();
+    GROUPS.get_or_init(|| {
+        let group = |name: &str| family(name).expect("there is one");
+        let basis = |name: &str| group(name).basis().expect("made of one");
+        let new = |name: &str, basis: &LieBasis, definition: Box<dyn Realization>| {
+            let group = MatrixGroup::with_terms(name, basis, TERMS).expect("a group");
+            (group, &*Box::leak(definition) as &dyn Realization)
+        };
+        let product = |names: [&str; 2]| {
+            let factors = names.map(|name| (name.to_lowercase(), basis(name)));
+            let parts = names.map(|name| Basis(group(name)));
+            new(
+                &format!("{} x {}", names[0], names[1]),
+                &LieBasis::product(&factors).expect("small enough"),
+                Box::new(Product(parts)),
+            )
+        };
+        let tangent = |name: &str| {
+            let doubled = basis(name).tangent().expect("small enough");
+            new(&format!("T {name}"), &doubled, Box::new(Tangent(Basis(group(name)))))
+        };
+        let plane = group("SL2").representations()[0];
+        let spaces = [("v".to_owned(), plane), ("w".to_owned(), Dual::of(plane))];
+        let planes = basis("SL2").semidirect("turn", &spaces).expect("exact");
+        vec![
+            product(["SO3", "SL2"]),
+            product(["SO4", "Heisenberg"]),
+            tangent("SO3"),
+            tangent("SE2"),
+            new("SL2 with planes", &planes, Box::new(Planes(Basis(group("SL2"))))),
+        ]
+    })
+}
+
+/// Of two groups, block by block.
+struct Product([Basis; 2]);
+
+impl Product {
+    fn split(&self, x: &Column) -> [Column; 2] {
+        let first = self.0[0].0.dimension();
+        [x.part(0, first), x.part(first, x.len() - first)]
+    }
+
+    fn blocks(&self, whole: &Matrix) -> [Matrix; 2] {
+        let n = self.0[0].0.size();
+        let block =
+            |from: usize, n: usize| Matrix::from_fn(n, n, |i, j| whole.at(from + i, from + j).clone());
+        [block(0, n), block(n, whole.rows() - n)]
+    }
+}
+
+impl Realization for Product {
+    fn hat(&self, x: &Column) -> Matrix {
+        let [x, y] = self.split(x);
+        beside(&self.0[0].hat(&x), &self.0[1].hat(&y))
+    }
+
+    fn vee(&self, matrix: &Matrix) -> Column {
+        let [x, y] = self.blocks(matrix);
+        Column::stack([&self.0[0].vee(&x), &self.0[1].vee(&y)])
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        let n = g.len().isqrt();
+        Matrix::from_fn(n, n, |i, j| g[i * n + j].clone())
+    }
+
+    fn defect(&self, g: &Column) -> Column {
+        let whole = self.matrix(g);
+        let [x, y] = self.blocks(&whole);
+        let apart = &whole - &beside(&x, &y);
+        let defects = [self.0[0].defect(&x.entries()), self.0[1].defect(&y.entries())];
+        Column::stack([&apart.entries(), &defects[0], &defects[1]])
+    }
+
+    /// The standard one.
+    fn representation(&self, _: &str, x: &Column) -> Matrix {
+        self.hat(x)
+    }
+}
+
+fn beside(first: &Matrix, second: &Matrix) -> Matrix {
+    let (m, n) = (first.rows(), second.rows());
+    Matrix::from_fn(m + n, m + n, |i, j| match (i < m, j < m) {
+        (true, true) => first.at(i, j).clone(),
+        (false, false) => second.at(i - m, j - m).clone(),
+        _ => Real::from(0),
+    })
+}
+
+/// `[[X, Y], [0, X]]`
+struct Tangent(Basis);
+
+impl Tangent {
+    /// The block in this row and column.
+    fn block(&self, whole: &Matrix, row: usize, column: usize) -> Matrix {
+        let n = self.0.0.size();
+        Matrix::from_fn(n, n, |i, j| whole.at(row * n + i, column * n + j).clone())
+    }
+}
+
+impl Realization for Tangent {
+    fn hat(&self, x: &Column) -> Matrix {
+        let d = self.0.0.dimension();
+        let (x, y) = (self.0.hat(&x.part(0, d)), self.0.hat(&x.part(d, d)));
+        let n = x.rows();
+        Matrix::from_fn(2 * n, 2 * n, |i, j| match (i / n, j / n) {
+            (0, 1) => y.at(i, j - n).clone(),
+            (1, 0) => Real::from(0),
+            _ => x.at(i % n, j % n).clone(),
+        })
+    }
+
+    fn vee(&self, matrix: &Matrix) -> Column {
+        Column::stack([&self.0.vee(&self.block(matrix, 0, 0)), &self.0.vee(&self.block(matrix, 0, 1))])
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        let n = g.len().isqrt();
+        Matrix::from_fn(n, n, |i, j| g[i * n + j].clone())
+    }
+
+    /// `[[g, g Y], [0, g]]` with a `Y` of the algebra.
+    fn defect(&self, g: &Column) -> Column {
+        let whole = self.matrix(g);
+        let block = |row, column| self.block(&whole, row, column);
+        let y = &block(0, 0).inverse() * &block(0, 1);
+        let outside = &y - &self.0.hat(&self.0.vee(&y));
+        let same = &block(0, 0) - &block(1, 1);
+        Column::stack([
+            &self.0.defect(&block(0, 0).entries()),
+            &same.entries(),
+            &block(1, 0).entries(),
+            &outside.entries(),
+        ])
+    }
+
+    /// The standard one.
+    fn representation(&self, _: &str, x: &Column) -> Matrix {
+        self.hat(x)
+    }
+}
+
+/// SL(2) with the plane and its dual: `diag([[X, v], [0, 0]], [[−Xᵀ, w], [0, 0]])`.
+struct Planes(Basis);
+
+impl Realization for Planes {
+    fn hat(&self, x: &Column) -> Matrix {
+        let turn = self.0.hat(&x.part(0, 3));
+        Matrix::from_fn(6, 6, |i, j| match (i, j) {
+            (0 | 1, 0 | 1) => turn.at(i, j).clone(),
+            (0 | 1, 2) => x[3 + i].clone(),
+            (3 | 4, 3 | 4) => -turn.at(j - 3, i - 3),
+            (3 | 4, 5) => x[2 + i].clone(),
+            _ => Real::from(0),
+        })
+    }
+
+    fn vee(&self, m: &Matrix) -> Column {
+        let turn = Matrix::from_fn(2, 2, |i, j| m.at(i, j).clone());
+        let rest = [(0, 2), (1, 2), (3, 5), (4, 5)].map(|(i, j)| m.at(i, j).clone());
+        Column::stack([&self.0.vee(&turn), &Column(rest.to_vec())])
+    }
+
+    fn matrix(&self, g: &Column) -> Matrix {
+        Matrix::from_fn(6, 6, |i, j| g[i * 6 + j].clone())
+    }
+
+    fn defect(&self, g: &Column) -> Column {
+        let whole = self.matrix(g);
+        let turn = Matrix::from_fn(2, 2, |i, j| whole.at(i, j).clone());
+        let dual = turn.inverse().transpose();
+        let differences = (0..36).map(|k| (k / 6, k % 6)).map(|(i, j)| match (i, j) {
+            (0 | 1, 0..=2) | (3 | 4, 5) => Real::from(0),
+            (3 | 4, 3 | 4) => whole.at(i, j) - dual.at(i - 3, j - 3),
+            _ => whole.at(i, j) - &Real::from(i64::from(i == j)),
+        });
+        Column::stack([&self.0.defect(&turn.entries()), &Column(differences.collect())])
+    }
+
+    /// The standard one.
+    fn representation(&self, _: &str, x: &Column) -> Matrix {
+        self.hat(x)
     }
 }
 
@@ -108,6 +339,7 @@ impl Realization for Basis {
             "SO21" => kept(&Matrix::from_fn(3, 3, |i, j| {
                 Real::from(i64::from(i == j) * (1 - 2 * i64::from(i == 2)))
             })),
+            "SE2" => Column::stack([&block(2), &below(2)]),
             "SE23" => Column::stack([&block(3), &below(3)]),
             "SGal3" => Column::stack([
                 &block(3),
@@ -396,7 +628,7 @@ impl<'s> SemidirectMatrices<'s> {
     pub fn hat(&self, xi: &Column) -> BlockDiagonal {
         let parts = self.split(xi);
         let space = |(space, w): (&&'static dyn Representation, &Column)| {
-            let rho = self.realization.representation(space.name(), &parts[0]);
+            let rho = self.realization.action(space.name(), &parts[0]);
             let n = w.len();
             Matrix::from_fn(n + 1, n + 1, |i, j| match (i < n, j < n) {
                 (true, true) => rho.at(i, j).clone(),

@@ -36,6 +36,63 @@ struct Vehicle {
     stiffness: f64,
 }
 
+lie_group! {
+    /// Maps of the plane that keep areas.
+    Areas = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }
+}
+
+/// Carries along what a group acts on: a column, a row, elements of the algebra and of its dual, and a quadratic form.
+#[lie_poisson_system(
+    group = Areas!,
+    advected(
+        v: R2,
+        w: dual(R2),
+        x: adjoint,
+        m: coadjoint,
+        q: matrices { h: [2, 0, 0; 0, 0, 0; 0, 0, -2], e: [0, 1, 0; 0, 0, 2; 0, 0, 0], f: [0, 0, 0; 2, 0, 0; 0, 1, 0] }
+    ),
+    potential = (v.x * w.y + x.x * m.y + x.dot(&q) + q.norm_squared() + m.norm_squared() + (v.x * v.y).cos()) / 8.0
+)]
+struct Carrier {
+    #[inertia]
+    inertia: Vector3<f64>,
+}
+
+/// A rigid motion that carries a screw and a wrench along.
+#[lie_poisson_system(
+    group = SE3,
+    advected(gamma: R3, screw: adjoint, wrench: coadjoint),
+    potential = (screw.norm_squared() + wrench.norm_squared() + gamma.z * wrench[4]) / 8.0
+)]
+struct Screw {
+    #[inertia]
+    inertia: Vector6<f64>,
+}
+
+fn carrier() -> (Carrier, CarrierState) {
+    let start = CarrierState {
+        element: Matrix2::identity(),
+        momentum: vector![0.05, 0.5, -0.4],
+        v: vector![0.3, 0.5],
+        w: vector![-0.2, 0.4],
+        x: vector![0.1, -0.3, 0.2],
+        m: vector![0.3, 0.1, -0.2],
+        q: vector![0.2, 0.1, 0.3],
+    };
+    (Carrier { inertia: vector![1.0, 2.0, 3.5] }, start)
+}
+
+fn screw() -> (Screw, ScrewState) {
+    let start = ScrewState {
+        pose: Isometry3::identity(),
+        momentum: Vector6::from([0.3, -0.2, 0.5, 0.1, 0.4, -0.3]),
+        gamma: vector![0.1, 0.2, 0.9],
+        screw: Vector6::from([0.2, 0.3, -0.1, 0.4, 0.1, 0.2]),
+        wrench: Vector6::from([-0.3, 0.1, 0.2, 0.1, -0.2, 0.3]),
+    };
+    (Screw { inertia: Vector6::from([1.0, 1.5, 2.0, 3.0, 3.2, 3.5]) }, start)
+}
+
 fn shear() -> (Shear, ShearState) {
     let start =
         ShearState { element: Matrix2::identity(), momentum: vector![0.3, 0.5, -0.4], v: vector![0.3, 0.5] };
@@ -70,6 +127,13 @@ fn certificates_hold() {
     holds::<Cayley, _>(body());
     holds::<Exponential, _>(vehicle());
     holds::<Cayley, _>(vehicle());
+}
+
+/// On every space that a group acts on.
+#[test]
+fn certificates_hold_for_all_spaces() {
+    holds::<Exponential, _>(carrier());
+    holds::<Exponential, _>(screw());
 }
 
 /// The state after some time, by RK4 in the stored numbers with the generated vector field, in small steps.
@@ -115,6 +179,8 @@ fn order_six_is_that_of_an_independent_integration() {
     agrees::<Exponential, _>(shear());
     agrees::<Cayley, _>(body());
     agrees::<Cayley, _>(vehicle());
+    agrees::<Exponential, _>(carrier());
+    agrees::<Exponential, _>(screw());
 }
 
 #[test]
@@ -132,4 +198,26 @@ fn casimirs_and_the_group_are_kept_over_long_runs() {
     }
     let off = (state.element * state.element.transpose() - SMatrix::<f64, 4, 4>::identity()).norm();
     assert!(off < 1e-14, "{off}");
+}
+
+/// A state that is not on the group is refused, and left as it is.
+#[test]
+fn matrices_off_their_groups_are_told() {
+    fn refused<S>((system, start): (S, S::State), off: impl Fn(&mut S::State))
+    where
+        S: Discretized<Exponential> + System<Scalar = f64>,
+    {
+        assert!(start.deviation() < 1e-15);
+        let mut state = start;
+        off(&mut state);
+        assert!(state.deviation() > 0.01, "{}", state.deviation());
+        let before = state.clone();
+        let error = system.stepper::<Exponential>(0.1).expect("valid").step(&mut state).expect_err("off");
+        assert!(matches!(error, StepError::NotOnGroup { .. }), "{error}");
+        assert_eq!(state, before);
+    }
+    // of determinant 1, and with the columns and the last row of a motion
+    refused(shear(), |state| state.element[(0, 0)] = 1.1);
+    refused(vehicle(), |state| state.element[(0, 1)] = 0.1);
+    refused(vehicle(), |state| state.element[(4, 4)] = 1.1);
 }

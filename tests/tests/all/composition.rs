@@ -40,7 +40,7 @@ where
     state.to_components().iter().zip(&end).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// The least-squares slope of `log error` over `−log steps`, for at least three numbers of steps whose errors are well above
+/// The order of a scheme, for at least three numbers of steps whose errors are well above
 /// roundoff.
 fn order<M>(steps: &[u32]) -> f64
 where
@@ -52,12 +52,10 @@ where
         .map(|&n| {
             let error = error::<M>(n);
             assert!(error > 3e-14, "{n} steps leave only roundoff: {error:e}");
-            (-f64::from(n).ln(), error.ln())
+            (1.0 / f64::from(n), error)
         })
         .collect();
-    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
-    mean(&|p| (p.0 - x) * (p.1 - y)) / mean(&|p| (p.0 - x).powi(2))
+    coadjoint_tests::measure::order(&points)
 }
 
 /// Bounds on measured orders: what the first terms of the error leave at these steps, measured, and some room.

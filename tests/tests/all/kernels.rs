@@ -119,12 +119,13 @@ impl RandomStep {
         let (right, next) = rest.split_at(self.unknowns);
         let domain = self.domain.build(&[early.clone(), state.clone(), unknown.clone()].concat());
         // a plain linear part makes most Jacobians regular
-        let left = left.iter().zip(&unknown).map(|(&left, &x)| left + x * 4).collect();
+        let left: Vec<_> = left.iter().zip(&unknown).map(|(&left, &x)| left + x * 4).collect();
         let step = Step {
             h,
             unknown: Vector(unknown),
             blocks: vec![self.unknowns],
             start: Vector(start),
+            coarse_residual: &Vector(left.clone()) - &Vector(right.to_vec()),
             left: Vector(left),
             right: Vector(right.to_vec()),
             given: Vector(state[STATE - 1..].to_vec()).symbols(),

@@ -9,6 +9,7 @@ mod composition;
 mod derivatives;
 mod errors;
 mod expressions;
+mod families;
 mod generic;
 mod groups;
 // as reachable as the root: some lints that users deny ask for that

@@ -26,7 +26,7 @@ struct NotWhole {
     inertia: f64,
 }
 
-#[lie_poisson_system(group = SU(3))]
+#[lie_poisson_system(group = SL(4))]
 struct TooLarge {
     #[inertia]
     inertia: f64,

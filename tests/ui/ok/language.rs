@@ -1,6 +1,8 @@
 //! Potentials of all kinds, as one naturally writes them, without a warning.
 
 #![deny(warnings)]
+// of our own lints; users have none of them
+#![allow(missing_docs, unreachable_pub)]
 
 use std::f64::consts;
 
@@ -89,12 +91,7 @@ fn main() {
         frame: Matrix3::identity(),
     };
     let (gamma, delta) = (Vector3::z(), Vector3::x());
-    let state = TopState {
-        attitude: UnitQuaternion::identity(),
-        momentum: Vector3::zeros(),
-        gamma,
-        delta,
-    };
+    let state = TopState { attitude: UnitQuaternion::identity(), momentum: Vector3::zeros(), gamma, delta };
     // at rest, the energy is the potential: as derived, and as rustc compiled it
     let difference = top.energy(&state) - top.potential(&state);
     assert!(difference.abs() < 1e-14, "{difference}");
@@ -127,6 +124,9 @@ fn main() {
     let difference = hull.energy(&state) - hull.hamiltonian(&state);
     assert!(difference.abs() < 1e-14, "{difference}");
     let (moment, push) = hull.force(&state);
-    assert!((push + vector![0.1, 0.125, 0.15]).norm() < 1e-15 && moment.z == -0.5 * 0.3 / 4.0, "{moment} {push}");
+    assert!(
+        (push + vector![0.1, 0.125, 0.15]).norm() < 1e-15 && moment.z == -0.5 * 0.3 / 4.0,
+        "{moment} {push}"
+    );
     assert_eq!(hull.length, 3.0);
 }

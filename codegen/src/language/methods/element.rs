@@ -4,6 +4,7 @@ use super::super::value::{Element, Value};
 use super::{Call, Method};
 use crate::diagnostics::list;
 use crate::expr::Vector;
+use crate::group::is_same;
 
 const fn method(
     name: &'static str,
@@ -86,9 +87,7 @@ impl<'a> Element<'a> {
 
     /// The vector as the group acts on it, if it acts on such vectors.
     fn turned(&self, vector: &Vector<'a>) -> Option<Vector<'a>> {
-        let mut spaces = self.group.actions().iter();
-        let space = spaces.find(|space| space.coordinates().len() == vector.len())?;
-        Some(space.act(&self.coordinates, vector))
+        self.group.act(&self.coordinates, vector)
     }
 
     /// The translation, of a rigid motion.
@@ -115,7 +114,7 @@ impl<'a> Element<'a> {
         match right {
             Value::Vector(vector) if !self.moves_points() => self.turned(vector).map(Value::Vector),
             Value::Point(point) => self.moved(point).map(Value::Point),
-            Value::Element(other) if other.group.name() == self.group.name() => {
+            Value::Element(other) if is_same(other.group, self.group) => {
                 let coordinates = self.group.compose(&self.coordinates, &other.coordinates);
                 Some(Self { group: self.group, coordinates }.into_value())
             }

@@ -183,20 +183,7 @@ fn determinant<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
         let message = format!("determinants are supported up to {DETERMINANT} rows");
         return call.fail(call.method, message);
     }
-    Some(Value::Scalar(expand(&matrix, 0, &(0..matrix.columns).collect::<Vec<_>>())))
-}
-
-/// The determinant of the rows from `row` on and of the columns listed, expanded along the first of these rows.
-fn expand<'a>(matrix: &Matrix<'a>, row: usize, columns: &[usize]) -> Expr<'a> {
-    let arena = matrix.entries[0].arena();
-    if columns.is_empty() {
-        return arena.one();
-    }
-    columns.iter().enumerate().fold(arena.zero(), |sum, (k, &column)| {
-        let rest: Vec<usize> = columns.iter().copied().filter(|&other| other != column).collect();
-        let minor = matrix.at(row, column) * expand(matrix, row + 1, &rest);
-        if k % 2 == 0 { sum + minor } else { sum - minor }
-    })
+    Some(Value::Scalar(matrix.determinant()))
 }
 
 /// The inverse by cofactors, as nalgebra computes it: the adjugate over the determinant. Where the determinant is zero, the entries are not
@@ -219,10 +206,8 @@ fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
 /// The determinant of what is left of a matrix without a row and a column, with the sign that belongs to their place. Smaller minors that
 /// several cofactors have in common are one expression.
 fn cofactor<'a>(matrix: &Matrix<'a>, row: usize, column: usize) -> Expr<'a> {
-    let n = matrix.rows;
-    let kept = |without: usize| (0..n).filter(move |&k| k != without);
-    let entries = kept(row).flat_map(|i| kept(column).map(move |j| matrix.at(i, j))).collect();
-    let minor = expand(&Matrix::new(n - 1, n - 1, entries), 0, &(0..n - 1).collect::<Vec<_>>());
+    let kept = |without: usize| (0..matrix.rows).filter(|&k| k != without).collect::<Vec<_>>();
+    let minor = matrix.minor(&kept(row), &kept(column));
     if (row + column).is_multiple_of(2) { minor } else { -minor }
 }
 

@@ -41,8 +41,9 @@ pub(crate) use invariant_errors::{ErrorSeries, InvariantErrors};
 
 use caption::Caption;
 use coadjoint_app::Error;
-use coadjoint_app::output::{make_directory, write_text};
-use coadjoint_app::plot::Figure;
+use coadjoint_app::output::{Claim, Guard};
+use coadjoint_app::plot::{Figure, Kind};
+use coadjoint_app::provenance::{Origin, embed};
 use coadjoint_app::suggest::did_you_mean;
 
 /// One figure.
@@ -145,25 +146,63 @@ pub(crate) fn chosen(names: &[String]) -> Result<Vec<&'static Drawing>, Error> {
     Ok(DRAWINGS.iter().filter(|drawing| is_all || names.iter().any(|name| name == drawing.name)).collect())
 }
 
+/// What comes of a figure.
+#[derive(Debug)]
+pub(crate) struct Drawn {
+    /// Its files.
+    pub(crate) written: Vec<PathBuf>,
+    /// Its paragraphs.
+    pub(crate) caption: Vec<String>,
+}
+
 impl Drawing {
-    /// Makes the runs, and writes `figure-<name>.png`, `.svg`, `.csv` with its data and `.txt` with its caption; the answer is their paths and the
-    /// caption.
+    /// Looks at the places of its files before it is drawn: none takes the place of what is not the same figure, unless asked.
+    ///
+    /// # Errors
+    /// If one would, or cannot be written.
+    pub(crate) fn guard(&self, directory: &Path, force: bool) -> Result<Guard, Error> {
+        let guard = Guard::new(Origin::of_command(&format!("figures {}", self.name)), force);
+        let extensions = Kind::ALL.iter().map(|kind| kind.extension()).chain(["csv", "txt"]);
+        let claim =
+            |extension| Claim { what: "a figure", path: self.path(directory, extension), written: true };
+        guard.check_all(&extensions.map(claim).collect::<Vec<_>>())?;
+        Ok(guard)
+    }
+
+    /// Makes the runs, and writes `figure-<name>.png`, `.svg`, `.csv` with its data and `.txt` with its caption.
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
-    pub(crate) fn write(&self, directory: &Path) -> Result<(Vec<PathBuf>, Caption), Error> {
-        make_directory(directory)?;
+    pub(crate) fn write(&self, directory: &Path, guard: &Guard) -> Result<Drawn, Error> {
         let figure = (self.draw)()?;
         let data = Data::of(&figure);
-        let caption = (self.caption)(&data);
-        let mut written = figure.write(&directory.join(format!("figure-{}", self.name)))?;
-        let text: String = caption.iter().map(|paragraph| format!("{paragraph}\n")).collect();
-        for (extension, text) in [("csv", data.csv()), ("txt", format!("{}\n\n{text}", figure.title))] {
-            let path = directory.join(format!("figure-{}.{extension}", self.name));
-            write_text(&path, &text)?;
+        let caption: Vec<String> = (self.caption)(&data).iter().map(ToString::to_string).collect();
+        let mut contents = Vec::new();
+        for kind in Kind::ALL {
+            contents.push((kind.extension(), figure.picture(*kind)));
+        }
+        contents.push(("csv", data.csv().into_bytes()));
+        contents.push(("txt", format!("{}\n\n{}\n", figure.title, caption.join("\n")).into_bytes()));
+        let mut written = Vec::new();
+        for (extension, content) in contents {
+            let path = self.path(directory, extension);
+            guard.write(&path, &embed(extension, content, guard.origin()))?;
             written.push(path);
         }
-        Ok((written, caption))
+        Ok(Drawn { written, caption })
+    }
+
+    /// The caption of the figure that is in a directory; none if there is no figure with a picture.
+    pub(crate) fn caption_in(&self, directory: &Path) -> Option<Vec<String>> {
+        let text = std::fs::read_to_string(self.path(directory, "txt")).ok()?;
+        let lines = text.lines().skip_while(|line| line.starts_with('#'));
+        // its title, and an empty line
+        let caption = lines.skip(2).map(str::to_owned).collect();
+        self.path(directory, Kind::Svg.extension()).is_file().then_some(caption)
+    }
+
+    fn path(&self, directory: &Path, extension: &str) -> PathBuf {
+        directory.join(format!("figure-{}.{extension}", self.name))
     }
 }
 

@@ -18,6 +18,9 @@ pub(crate) struct Arguments {
     /// Print one JSON object in place of the table, or write it to a file
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     pub(crate) json: Option<PathBuf>,
+    /// Replace the file, if it is there
+    #[arg(long)]
+    pub(crate) force: bool,
     /// Show no progress
     #[arg(short, long)]
     pub(crate) quiet: bool,
@@ -28,7 +31,7 @@ pub(crate) fn bench(_: Catalogue, arguments: &Arguments, console: &mut dyn Write
     return timing::bench(arguments, console);
     #[cfg(not(feature = "bench"))]
     {
-        let Arguments { filter: _, json: _, quiet: _ } = arguments;
+        let Arguments { filter: _, json: _, force: _, quiet: _ } = arguments;
         let _ = console;
         Err(Error::Input(
             "this program was built without its benchmarks: `cargo run --profile bench --features bench -- bench` builds and runs them"

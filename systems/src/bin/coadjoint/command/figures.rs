@@ -5,10 +5,11 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use coadjoint_app::output::write_text;
+use coadjoint_app::output::{Claim, Guard};
+use coadjoint_app::provenance::{Origin, embed};
 use coadjoint_app::{Catalogue, Error};
 
-use crate::figures::{Drawing, chosen};
+use crate::figures::{DRAWINGS, Drawing, chosen};
 
 /// Which figures to draw.
 #[derive(Debug, Args)]
@@ -18,28 +19,39 @@ pub(crate) struct Arguments {
     /// The directory to write to
     #[arg(long, value_name = "DIR", default_value = "out/figures")]
     pub(crate) out: PathBuf,
+    /// Replace files that are there, whatever they are
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
-/// Draws figures, each with its data and its caption, and a page with all of them.
+/// Draws figures, each with its data and its caption, and a page with all that are in the directory.
 pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
-    let drawings = chosen(&arguments.figures)?;
-    let mut drawn = Vec::new();
-    for drawing in drawings {
+    let Arguments { figures, out, force } = arguments;
+    if out.as_os_str() == "-" {
+        return Err(Error::Input("figures are many files: give `--out` a directory".to_owned()));
+    }
+    let drawings = chosen(figures)?;
+    let page = out.join("index.html");
+    let page_guard = Guard::new(Origin::of_command("figures"), *force);
+    page_guard.check_all(&[Claim { what: "the page", path: page.clone(), written: true }])?;
+    // all places are looked at before the first figure takes its time
+    let guarded = |drawing: &'static Drawing| Ok((drawing, drawing.guard(out, *force)?));
+    let drawings = drawings.into_iter().map(guarded).collect::<Result<Vec<_>, Error>>()?;
+    for (drawing, guard) in drawings {
         writeln!(console, "{:8} {}", drawing.name, drawing.about)?;
         console.flush()?;
-        let (written, caption) = drawing.write(&arguments.out)?;
-        let caption: Vec<String> = caption.iter().map(ToString::to_string).collect();
-        for paragraph in &caption {
+        let drawn = drawing.write(out, &guard)?;
+        for paragraph in &drawn.caption {
             writeln!(console, "         {paragraph}")?;
         }
-        for path in written {
+        for path in drawn.written {
             writeln!(console, "         wrote {}", path.display())?;
         }
-        drawn.push((drawing, caption));
     }
-    let page = arguments.out.join("index.html");
-    write_text(&page, &index(&drawn))?;
-    writeln!(console, "wrote {}, a page with all of them", page.display())?;
+    let there = DRAWINGS.iter().filter_map(|drawing| Some((drawing, drawing.caption_in(out)?)));
+    let content = index(&there.collect::<Vec<_>>()).into_bytes();
+    page_guard.write(&page, &embed("html", content, page_guard.origin()))?;
+    writeln!(console, "wrote {}, a page with all that are there", page.display())?;
     Ok(())
 }
 

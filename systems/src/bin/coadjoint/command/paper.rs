@@ -10,7 +10,7 @@ use coadjoint_app::session::{Plan, Session};
 use coadjoint_app::simulation::{Job, Method, Order, Retraction};
 use coadjoint_app::{Catalogue, Error};
 
-use crate::figures::chosen;
+use crate::figures::{Drawing, chosen};
 
 /// Where to write it.
 #[derive(Debug, Args)]
@@ -18,6 +18,9 @@ pub(crate) struct Arguments {
     /// The directory to write to
     #[arg(long, value_name = "DIR", default_value = "out")]
     pub(crate) out: PathBuf,
+    /// Replace files that are there, whatever they are
+    #[arg(long)]
+    pub(crate) force: bool,
 }
 
 const SYSTEM: &str = "heavy_top";
@@ -35,6 +38,11 @@ pub(crate) fn paper(
     let entry = catalogue.system(SYSTEM)?;
     let setup = entry.example.clone();
     let out = &arguments.out;
+    if out.as_os_str() == "-" {
+        return Err(Error::Input("these are many files: give `--out` a directory".to_owned()));
+    }
+    let guarded = |drawing: &'static Drawing| Ok((drawing, drawing.guard(out, arguments.force)?));
+    let figure = chosen(&[FIGURE.to_owned()])?.into_iter().map(guarded).collect::<Result<Vec<_>, Error>>()?;
     writeln!(
         console,
         "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
@@ -59,7 +67,7 @@ pub(crate) fn paper(
             html: None,
             out: out.clone(),
             pause: 10.0,
-            force: false,
+            force: arguments.force,
             inputs: Vec::new(),
         };
         let done = Session::begin(catalogue, plan, None)?.run()?;
@@ -77,10 +85,10 @@ pub(crate) fn paper(
         });
     }
     write!(console, "\n{}\n", Table::new(entry, summaries))?;
-    for drawing in chosen(&[FIGURE.to_owned()])? {
-        let (paths, caption) = drawing.write(out)?;
-        written.extend(paths);
-        for paragraph in caption {
+    for (drawing, guard) in figure {
+        let drawn = drawing.write(out, &guard)?;
+        written.extend(drawn.written);
+        for paragraph in drawn.caption {
             writeln!(console, "{paragraph}")?;
         }
     }

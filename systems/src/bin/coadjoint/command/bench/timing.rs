@@ -4,19 +4,19 @@ use std::io::Write;
 use std::time::Instant;
 
 use coadjoint_app::Error;
-use coadjoint_app::output::write_text;
+use coadjoint_app::output::{Claim, Guard};
 use coadjoint_app::progress::Progress;
+use coadjoint_app::provenance::Origin;
 use coadjoint_systems::cases::{self, BASELINE, Case};
 use serde::Serialize;
+use serde_json::json;
 
 /// Rounds of measurement; the cases alternate.
 const ROUNDS: usize = 40;
 
 /// The results.
-#[derive(Serialize)]
 struct Results {
     processor: String,
-    version: &'static str,
     /// The best time of each case.
     cases: Vec<Timed>,
 }
@@ -32,6 +32,8 @@ struct Timed {
 
 /// Times the standard cases in turns, so that a slow machine slows all of them alike.
 pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Result<(), Error> {
+    let origin = origin(arguments);
+    let guard = guard(arguments, &origin)?;
     let mut cases = cases::all().map_err(|error| Error::other(error.to_string()))?;
     keep(&mut cases, arguments.filter.as_deref().unwrap_or(""))?;
     let mut best = vec![f64::INFINITY; cases.len()];
@@ -62,19 +64,46 @@ pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Re
         ns_per_step,
         ratio: baseline(case.problem).map(|other| ns_per_step / other),
     });
-    let results =
-        Results { processor: processor(), version: env!("CARGO_PKG_VERSION"), cases: timed.collect() };
-    let object = || serde_json::to_string_pretty(&results).map_err(Error::other);
-    match &arguments.json {
-        Some(path) if path.as_os_str() == "-" => writeln!(console, "{}", object()?)?,
-        Some(path) => {
+    let results = Results { processor: processor(), cases: timed.collect() };
+    match (&arguments.json, guard) {
+        (Some(path), _) if path.as_os_str() == "-" => write!(console, "{}", object(&results, &origin)?)?,
+        (Some(path), Some(guard)) => {
             print(&results, console)?;
-            write_text(path, &(object()? + "\n"))?;
+            guard.write(path, object(&results, &origin)?.as_bytes())?;
             writeln!(console, "wrote {}", path.display())?;
         }
-        None => print(&results, console)?,
+        _ => print(&results, console)?,
     }
     Ok(())
+}
+
+/// What makes the file.
+fn origin(arguments: &super::Arguments) -> Origin {
+    let filter = arguments.filter.as_ref().map_or(String::new(), |filter| format!(" --filter {filter}"));
+    Origin::of_command(&format!("bench{filter}"))
+}
+
+/// Guards the file, if there is to be one: times are other ones each time.
+fn guard(arguments: &super::Arguments, origin: &Origin) -> Result<Option<Guard>, Error> {
+    let Some(path) = &arguments.json else { return Ok(None) };
+    let guard = Guard::new(origin.clone(), arguments.force).unrepeatable();
+    guard.check_all(&[Claim { what: "the times", path: path.clone(), written: true }])?;
+    Ok(Some(guard))
+}
+
+/// The results as one object, which begins with what made it.
+fn object(results: &Results, origin: &Origin) -> Result<String, Error> {
+    let mut text = String::from("{\n");
+    for (name, value) in origin.fields() {
+        text += &format!("  {}: {value},\n", json!(name));
+    }
+    let cases = serde_json::to_string_pretty(&results.cases).map_err(Error::other)?;
+    text += &format!(
+        "  \"processor\": {},\n  \"cases\": {}\n}}\n",
+        json!(results.processor),
+        cases.replace('\n', "\n  ")
+    );
+    Ok(text)
 }
 
 /// Keeps the cases that a text names, in small letters or capitals, and what they are compared with.

@@ -1,5 +1,8 @@
 //! The stepper: a method with its step, for people to call.
 
+mod stepping;
+mod trajectory;
+
 use core::fmt;
 use core::marker::PhantomData;
 
@@ -13,6 +16,8 @@ use crate::run::{RunError, RunReport};
 use crate::scalar::{Batch, Real, Scalar, Work};
 use crate::snapshot::{self, visit_flag};
 use crate::system::{Control, Discretized, MethodOf, State, System};
+pub use stepping::Stepping;
+pub use trajectory::Trajectory;
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -448,182 +453,6 @@ impl<S: Differentiable, M, D: MethodOf<S> + Linearizable<S>> Stepper<S, M, D> {
 #[inline(always)]
 pub(crate) fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
     a.iter().zip(b).fold(true, |same, (a, b)| same & a.is_same(*b))
-}
-
-/// What takes steps: a [`Stepper`] of whatever scheme.
-///
-/// As `dyn Stepping<System = S>` it is one whose scheme is chosen while the program runs:
-///
-/// ```
-/// use coadjoint::prelude::*;
-/// use coadjoint::{Run, System};
-/// use coadjoint::stepper::Stepping;
-///
-/// #[lie_poisson_system(group = SO3)]
-/// struct Body {
-///     #[inertia]
-///     inertia: Vector3<f64>,
-/// }
-///
-/// fn stepper(body: &Body, scheme: &str) -> Result<Box<dyn Stepping<System = Body>>, ParameterError> {
-///     Ok(match scheme {
-///         "cayley" => Box::new(body.stepper::<Cayley>(0.1)?),
-///         _ => Box::new(body.stepper::<Exponential>(0.1)?),
-///     })
-/// }
-///
-/// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
-/// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
-/// let report = Run::new(stepper(&body, "cayley")?.as_mut(), &mut state).steps(10)?;
-/// assert_eq!(report.steps, 10);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-pub trait Stepping {
-    /// The system that it takes steps of.
-    type System: System;
-
-    /// [`Stepper::system`]
-    fn system(&self) -> &Self::System;
-    /// [`Stepper::time`], in f64 whatever the scalar.
-    fn now(&self) -> f64;
-    /// [`Stepper::set_time`], in f64 whatever the scalar.
-    fn start_at(&mut self, time: f64);
-    /// [`Stepper::steps_taken`]
-    fn steps_taken(&self) -> u64;
-    /// [`Stepper::step_size`]
-    fn step_size(&self) -> f64;
-    /// [`Stepper::set_step_size`]
-    ///
-    /// # Errors
-    /// As there.
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
-    /// [`Stepper::snapshot`]
-    #[cfg(feature = "std")]
-    fn snapshot(&self) -> std::vec::Vec<f64>;
-    /// [`Stepper::restore`]
-    ///
-    /// # Errors
-    /// As there.
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
-    /// [`Stepper::step_with`]
-    ///
-    /// # Errors
-    /// As there.
-    fn step_with(
-        &mut self,
-        state: &mut <Self::System as System>::State,
-        control: &<Self::System as System>::Control,
-    ) -> Result<StepReport, StepError>;
-    /// [`Stepper::steps_with`]
-    ///
-    /// # Errors
-    /// As there.
-    fn steps_with(
-        &mut self,
-        state: &mut <Self::System as System>::State,
-        control: &<Self::System as System>::Control,
-        count: u64,
-    ) -> Result<RunReport, RunError>;
-}
-
-impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
-    type System = S;
-
-    #[inline]
-    fn system(&self) -> &S {
-        &self.system
-    }
-
-    #[inline]
-    fn now(&self) -> f64 {
-        self.clock().after(0)
-    }
-
-    #[inline]
-    fn start_at(&mut self, time: f64) {
-        (self.start, self.taken, self.before) = (time, 0, 0);
-        self.forget_at_no_time();
-    }
-
-    #[inline]
-    fn steps_taken(&self) -> u64 {
-        Stepper::steps_taken(self)
-    }
-
-    #[inline]
-    fn step_size(&self) -> f64 {
-        self.step.to_f64()
-    }
-
-    #[inline]
-    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
-        Stepper::set_step_size(self, S::Scalar::of(step))
-    }
-
-    #[cfg(feature = "std")]
-    #[inline]
-    fn snapshot(&self) -> std::vec::Vec<f64> {
-        Stepper::snapshot(self)
-    }
-
-    #[inline]
-    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        Stepper::restore(self, memory)
-    }
-
-    #[inline]
-    fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
-        self.step_apart(state, control)
-    }
-
-    #[inline]
-    fn steps_with(
-        &mut self,
-        state: &mut S::State,
-        control: &S::Control,
-        count: u64,
-    ) -> Result<RunReport, RunError> {
-        Stepper::steps_with(self, state, control, count)
-    }
-}
-
-/// The motion from a state on: [`Stepper::trajectory`].
-pub struct Trajectory<'a, T: Stepping> {
-    stepper: &'a mut T,
-    state: <T::System as System>::State,
-    begun: bool,
-    ended: bool,
-}
-
-impl<T: Stepping> Iterator for Trajectory<'_, T> {
-    /// A time, and the state then.
-    type Item = Result<(f64, <T::System as System>::State), StepError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.ended {
-            return None;
-        }
-        if self.begun
-            && let Err(error) = self.stepper.step_with(&mut self.state, &Default::default())
-        {
-            self.ended = true;
-            return Some(Err(error));
-        }
-        self.begun = true;
-        Some(Ok((self.stepper.now(), self.state.clone())))
-    }
-}
-
-impl<T: Stepping> fmt::Debug for Trajectory<'_, T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { stepper, state, ended, .. } = self;
-        let mut debug = f.debug_struct("Trajectory");
-        debug
-            .field("time", &stepper.now())
-            .field("state", state)
-            .field("ended", ended)
-            .finish_non_exhaustive()
-    }
 }
 
 /// A step leads somewhere.

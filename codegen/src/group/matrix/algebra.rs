@@ -1,0 +1,207 @@
+//! Lie algebras of matrices: which sets of matrices are the basis of one, and the coordinates of its elements.
+
+use crate::expr::{Arena, Expr, Matrix, Number, Vector};
+use crate::group::Structure;
+use crate::group::exact::{Exact, Fraction};
+
+/// Why matrices are no basis of a group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BasisError {
+    /// This matrix is a combination of those before it.
+    Dependent(usize),
+    /// The commutator of these two is not a combination of the basis.
+    NotClosed(usize, usize),
+    /// The matrices are not square, not all of one size, or there is none.
+    Shape,
+    /// There are too many matrices, they are too large, or exact numbers grow too large on the way.
+    TooLarge,
+}
+
+/// Linearly independent matrices `E₁ … E_d`, closed under the commutator.
+#[derive(Clone, Debug)]
+pub(super) struct Algebra {
+    /// `E₁ … E_d`
+    pub(super) basis: Vec<Exact>,
+    pub(super) structure: Structure,
+    readout: Readout,
+}
+
+/// Where coordinates are read off the entries of a matrix of the algebra.
+#[derive(Clone, Debug)]
+struct Readout {
+    /// As many entries as there are coordinates, that tell all of them.
+    entries: Vec<usize>,
+    /// The coordinates from those.
+    inverse: Exact,
+}
+
+impl Algebra {
+    pub(super) fn new(basis: Vec<Exact>) -> Result<Self, BasisError> {
+        let readout = Readout::of(&basis)?;
+        if !readout.inverse.is_known() {
+            return Err(BasisError::TooLarge);
+        }
+        let structure = structure(&basis, &readout)?;
+        Ok(Self { basis, structure, readout })
+    }
+
+    pub(super) fn dimension(&self) -> usize {
+        self.basis.len()
+    }
+
+    /// Rows and columns of the matrices.
+    pub(super) fn size(&self) -> usize {
+        self.basis[0].rows
+    }
+
+    /// The matrices of `ad_{E_1}, …`
+    pub(super) fn adjoint(&self) -> Vec<Exact> {
+        let d = self.dimension();
+        let of = |i: usize| {
+            let mut matrix = Exact::zero(d, d);
+            for j in 0..d {
+                for (k, c) in self.structure.bracket(i, j) {
+                    matrix.entries[k * d + j] = Fraction::new((*c.numer()).into(), (*c.denom()).into());
+                }
+            }
+            matrix
+        };
+        (0..d).map(of).collect()
+    }
+
+    /// Whether the Cayley map stays on the group: `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
+    pub(super) fn has_cayley(&self) -> bool {
+        let (d, e) = (self.dimension(), &self.basis);
+        let products: Vec<Exact> = (0..d * d).map(|ij| e[ij / d].times(&e[ij % d])).collect();
+        let is_inside = |i: usize, j: usize, k: usize| {
+            let (first, second) = (products[i * d + j].times(&e[k]), products[k * d + j].times(&e[i]));
+            matches!(self.readout.coordinates(e, &first.plus(&second, Fraction::one())), Ok(Some(_)))
+        };
+        (0..d).all(|i| (i..d).all(|k| (0..d).all(|j| is_inside(i, j, k))))
+    }
+
+    /// `X = Σ xᵢ Eᵢ`
+    pub(super) fn hat<'a>(&self, x: &Vector<'a>) -> Matrix<'a> {
+        combination(&self.basis, x)
+    }
+
+    /// `[x, y]`
+    pub(super) fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        let mut bracket = vec![x.0[0].arena().zero(); x.len()];
+        for (i, x) in x.iter().enumerate() {
+            for (j, y) in y.iter().enumerate() {
+                for (k, c) in self.structure.bracket(i, j) {
+                    let c = Number::ratio((*c.numer()).into(), (*c.denom()).into());
+                    bracket[*k] = bracket[*k] + (x * y).scale(c);
+                }
+            }
+        }
+        Vector(bracket)
+    }
+
+    /// `m · coordinates(A E_j B)` for each `j`: the pairings of `Aᵀ W Bᵀ` with the basis.
+    pub(super) fn pulled_back<'a>(&self, a: &Matrix<'a>, m: &Vector<'a>, b: &Matrix<'a>) -> Vector<'a> {
+        let matrix = a.transpose().times_matrix(&self.covector(m)).times_matrix(&b.transpose());
+        let entries = Vector(matrix.entries);
+        Vector(self.basis.iter().map(|e| weighted(&e.entries, &entries)).collect())
+    }
+
+    /// The matrix `W` with `⟨W, Z⟩ = m · z` for all matrices `Z` of the algebra, of coordinates `z`.
+    fn covector<'a>(&self, m: &Vector<'a>) -> Matrix<'a> {
+        let (n, arena) = (self.size(), m.0[0].arena());
+        let mut entries = vec![arena.zero(); n * n];
+        for (column, &entry) in self.readout.entries.iter().enumerate() {
+            entries[entry] = weighted(&self.readout.inverse.column(column), m);
+        }
+        Matrix::new(n, n, entries)
+    }
+}
+
+/// The structure constants.
+fn structure(basis: &[Exact], readout: &Readout) -> Result<Structure, BasisError> {
+    let d = basis.len();
+    let mut constants = Vec::with_capacity(d * d);
+    for (i, first) in basis.iter().enumerate() {
+        for (j, second) in basis.iter().enumerate() {
+            let bracket = first.commutator(second);
+            let coordinates = readout.coordinates(basis, &bracket)?.ok_or(BasisError::NotClosed(i, j))?;
+            let mut row = Vec::new();
+            for (k, c) in coordinates.into_iter().enumerate().filter(|(_, c)| !c.is_zero()) {
+                let part = |part: i128| i64::try_from(part).map_err(|_| BasisError::TooLarge);
+                let (numerator, denominator) = c.parts().ok_or(BasisError::TooLarge)?;
+                row.push((k, num_rational::Ratio::new(part(numerator)?, part(denominator)?)));
+            }
+            constants.push(row);
+        }
+    }
+    Ok(Structure::new(d, |i, j| constants[i * d + j].clone()))
+}
+
+impl Readout {
+    fn of(basis: &[Exact]) -> Result<Self, BasisError> {
+        let d = basis.len();
+        let rows = Exact::from_fn(d, basis[0].entries.len(), |i, k| basis[i].entries[k]);
+        let mut columns = rows.transpose();
+        let independent = columns.reduce();
+        if !columns.is_known() {
+            return Err(BasisError::TooLarge);
+        }
+        if let Some(i) = (0..d).find(|i| !independent.contains(i)) {
+            return Err(BasisError::Dependent(i));
+        }
+        let entries = rows.independent_columns();
+        let square = Exact::from_fn(d, d, |k, i| basis[i].entries[entries[k]]);
+        let inverse = square.inverse().ok_or(BasisError::Dependent(0))?;
+        Ok(Self { entries, inverse })
+    }
+
+    /// The coordinates of a matrix; none if it is not in the algebra, and an error if that cannot be told.
+    fn coordinates(&self, basis: &[Exact], matrix: &Exact) -> Result<Option<Vec<Fraction>>, BasisError> {
+        let d = basis.len();
+        let coordinate =
+            |i: usize| (0..d).map(|k| self.inverse.at(i, k) * matrix.entries[self.entries[k]]).sum();
+        let coordinates: Vec<Fraction> = (0..d).map(coordinate).collect();
+        let difference =
+            basis.iter().zip(&coordinates).fold(matrix.clone(), |rest, (e, c)| rest.plus(e, -*c));
+        if !difference.is_known() {
+            return Err(BasisError::TooLarge);
+        }
+        Ok(difference.is_zero().then_some(coordinates))
+    }
+}
+
+/// `Σ xᵢ Aᵢ`
+pub(super) fn combination<'a>(matrices: &[Exact], x: &Vector<'a>) -> Matrix<'a> {
+    let (rows, columns) = (matrices[0].rows, matrices[0].columns);
+    let entry = |k: usize| {
+        let coefficients: Vec<Fraction> = matrices.iter().map(|matrix| matrix.entries[k]).collect();
+        weighted(&coefficients, x)
+    };
+    Matrix::new(rows, columns, (0..rows * columns).map(entry).collect())
+}
+
+/// `A x`
+pub(super) fn image<'a>(matrix: &Exact, x: &Vector<'a>) -> Vector<'a> {
+    Vector((0..matrix.rows).map(|i| weighted(matrix.row(i), x)).collect())
+}
+
+/// `Σ cᵢ xᵢ`
+fn weighted<'a>(coefficients: &[Fraction], x: &Vector<'a>) -> Expr<'a> {
+    let terms = coefficients.iter().zip(x.iter()).filter(|(c, _)| !c.is_zero());
+    terms.fold(x.0[0].arena().zero(), |sum, (c, x)| sum + x.scale(number(*c)))
+}
+
+pub(super) fn symbolic<'a>(arena: &'a Arena, matrix: &Exact) -> Matrix<'a> {
+    Matrix::new(
+        matrix.rows,
+        matrix.columns,
+        matrix.entries.iter().map(|&e| arena.number(number(e))).collect(),
+    )
+}
+
+pub(super) fn number(fraction: Fraction) -> Number {
+    // a group is made of known numbers alone
+    let (numerator, denominator) = fraction.parts().unwrap_or((0, 1));
+    Number::ratio(numerator, denominator)
+}

@@ -1,0 +1,171 @@
+//! Ideals: `g = g₁ ⊕ … ⊕ g_k` with `[g_i, g_j] = 0`, where the exponential and its logarithmic derivative are those of the parts.
+//!
+//! The elements of `g_i` and `g_j` commute, so that `exp x = exp x₁ ⋯ exp x_k`, and `dR exp_x = φ₁(ad_x)` acts on each ideal by itself. SO(4) has no
+//! polynomial of the kind that [`LinearMatrix`] knows, but its two ideals have, each that of SO(3).
+//!
+//! A linear map that commutes with all `ad_x`, an element of the centroid, has ideals as its generalized eigenspaces.
+
+use super::algebra::{Algebra, image};
+use super::powers::LinearMatrix;
+use crate::expr::Vector;
+use crate::group::exact::{Exact, Fraction};
+
+/// An ideal with coordinates of its own.
+#[derive(Clone, Debug)]
+pub(super) struct Ideal {
+    /// The coordinates of an element's part in it.
+    coordinates: Exact,
+    /// The coordinates in the whole of its basis, as columns.
+    vectors: Exact,
+    /// `ad_x`, of its elements on itself.
+    adjoint: LinearMatrix,
+    /// `X`
+    matrix: LinearMatrix,
+}
+
+impl Ideal {
+    /// Those of an algebra: itself where power series are finite sums, or where there are no others.
+    pub(super) fn all(algebra: &Algebra, terms: usize) -> Vec<Self> {
+        let whole = Exact::identity(algebra.dimension());
+        let adjoint = algebra.adjoint();
+        let new = |vectors: Exact, coordinates: Exact| {
+            let on_itself = |matrix: &Exact| coordinates.times(matrix).times(&vectors);
+            let along = |matrices: &[Exact]| -> Vec<Exact> {
+                (0..vectors.columns).map(|j| combined(matrices, &vectors.column(j))).collect()
+            };
+            let adjoint = along(&adjoint).iter().map(on_itself).collect();
+            let matrix = LinearMatrix::new(along(&algebra.basis), terms);
+            Self { adjoint: LinearMatrix::new(adjoint, terms), matrix, coordinates, vectors }
+        };
+        let itself = new(whole.clone(), whole.clone());
+        let parts = if itself.is_closed() { Vec::new() } else { split(&adjoint) };
+        let all: Vec<Vec<Fraction>> = parts.concat();
+        let Some(inverse) = Exact::from_columns(&all).inverse().filter(|_| parts.len() > 1) else {
+            return vec![itself];
+        };
+        let mut from = 0;
+        let ideals = parts.iter().map(|part| {
+            let rows = from..from + part.len();
+            from = rows.end;
+            let coordinates =
+                Exact::from_fn(part.len(), inverse.columns, |i, j| inverse.at(rows.start + i, j));
+            new(Exact::from_columns(part), coordinates)
+        });
+        ideals.collect()
+    }
+
+    /// With so many terms of series that are not finite sums.
+    pub(super) fn with_terms(&self, terms: usize) -> Self {
+        let (adjoint, matrix) = (self.adjoint.with_terms(terms), self.matrix.with_terms(terms));
+        Self { adjoint, matrix, ..self.clone() }
+    }
+
+    /// Whether the exponential and its logarithmic derivative are finite sums.
+    pub(super) fn is_closed(&self) -> bool {
+        self.adjoint.is_closed() && self.matrix.is_closed()
+    }
+
+    pub(super) fn is_known(&self) -> bool {
+        self.coordinates.is_known() && self.adjoint.is_known() && self.matrix.is_known()
+    }
+
+    /// `exp(X) v`, of the part of `x` in it.
+    pub(super) fn exponential<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.matrix.series(&self.part(x), 0, v)
+    }
+
+    /// What `φ₁(ad_x)* m` has from it.
+    pub(super) fn d_right_dual<'a>(&self, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        let m = image(&self.vectors.transpose(), m);
+        image(&self.coordinates.transpose(), &self.adjoint.transposed_series(&self.part(x), 1, &m))
+    }
+
+    /// What `φ₁(ad_x) y` has from it.
+    pub(super) fn d_right<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        image(&self.vectors, &self.adjoint.series(&self.part(x), 1, &self.part(y)))
+    }
+
+    /// Its part of `x`, in its own coordinates.
+    pub(super) fn part<'a>(&self, x: &Vector<'a>) -> Vector<'a> {
+        image(&self.coordinates, x)
+    }
+
+    /// `ad_x` on itself.
+    pub(super) fn adjoint(&self) -> &LinearMatrix {
+        &self.adjoint
+    }
+
+    /// `X`
+    pub(super) fn matrix(&self) -> &LinearMatrix {
+        &self.matrix
+    }
+}
+
+/// `Σ xᵢ Aᵢ`
+fn combined(matrices: &[Exact], x: &[Fraction]) -> Exact {
+    let zero = Exact::zero(matrices[0].rows, matrices[0].columns);
+    matrices.iter().zip(x).filter(|(_, x)| !x.is_zero()).fold(zero, |sum, (matrix, x)| sum.plus(matrix, *x))
+}
+
+/// Bases of ideals that make up the algebra with these `ad`, as small as eigenvalues in fractions tell them.
+fn split(adjoint: &[Exact]) -> Vec<Vec<Vec<Fraction>>> {
+    let d = adjoint.len();
+    let whole = || (0..d).map(|i| Exact::identity(d).column(i)).collect();
+    for map in centroid(adjoint) {
+        let spaces = eigenspaces(&map);
+        let all: Vec<Vec<Fraction>> = spaces.concat();
+        let Some(inverse) = Exact::from_columns(&all).inverse().filter(|_| spaces.len() > 1) else {
+            continue;
+        };
+        let mut from = 0;
+        let mut ideals = Vec::new();
+        for space in spaces {
+            let vectors = Exact::from_columns(&space);
+            let coordinates = Exact::from_fn(space.len(), d, |i, j| inverse.at(from + i, j));
+            from += space.len();
+            let of = |vector: &Vec<Fraction>| coordinates.times(&combined(adjoint, vector)).times(&vectors);
+            let own: Vec<Exact> = space.iter().map(of).collect();
+            let in_the_whole = |part: Vec<Fraction>| vectors.times(&Exact::from_columns(&[part])).entries;
+            ideals.extend(split(&own).into_iter().map(|ideal| ideal.into_iter().map(in_the_whole).collect()));
+        }
+        return ideals;
+    }
+    vec![whole()]
+}
+
+/// A basis of the maps `φ` with `φ ad_x = ad_x φ`.
+fn centroid(adjoint: &[Exact]) -> Vec<Exact> {
+    let d = adjoint.len();
+    let unit = |k: usize| Exact::from_fn(d, d, |i, j| Fraction::from(i128::from(i * d + j == k)));
+    let all = (0..d * d).map(unit).collect();
+    // of the maps that commute with those before, what commutes with this one too
+    adjoint.iter().fold(all, |maps: Vec<Exact>, ad| {
+        let columns: Vec<_> = maps.iter().map(|map| map.commutator(ad).entries).collect();
+        let kernel = Exact::from_columns(&columns).kernel();
+        kernel.iter().map(|coefficients| combined(&maps, coefficients)).collect()
+    })
+}
+
+/// Bases of the generalized eigenspaces of the eigenvalues that are small whole numbers or their quotients.
+fn eigenspaces(map: &Exact) -> Vec<Vec<Vec<Fraction>>> {
+    const LARGEST: i128 = 4;
+    let d = map.rows;
+    let fractions =
+        (1..=LARGEST).flat_map(|q| (-LARGEST * q..=LARGEST * q).map(move |p| Fraction::new(p, q)));
+    let mut values: Vec<Fraction> = Vec::new();
+    for value in fractions {
+        if !values.contains(&value) {
+            values.push(value);
+        }
+    }
+    let spaces = values.into_iter().map(|value| {
+        let shifted = map.plus(&Exact::identity(d), -value);
+        let mut power = shifted.clone();
+        if power.kernel().is_empty() {
+            return Vec::new();
+        }
+        (1..d).for_each(|_| power = power.times(&shifted));
+        power.kernel()
+    });
+    spaces.filter(|space| !space.is_empty()).collect()
+}

@@ -1,0 +1,392 @@
+//! Groups of matrices, from a basis of their algebra alone.
+//!
+//! With linearly independent matrices `E₁ … E_d` of exact numbers, closed under the commutator, everything that a step needs follows:
+//!
+//! * [`Algebra`]: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra, `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
+//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`Hull`], not from storage.
+//! * `exp x` and `dR exp_x = φ₁(ad_x)`, [ideal](Ideal) by ideal, where `X` and `ad_x` are annihilated by a polynomial `λᵃ (λ² + z)^q` with `z` quadratic
+//!   in `x`: then their power series are finite sums with Stumpff functions of `z`. Otherwise the series are summed up to the rounding of a double
+//!   within [a ball](RADIUS) about zero.
+//! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
+//!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
+//! * Most groups keep a [form](Form), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
+//!   away.
+
+mod algebra;
+mod basis;
+mod constraints;
+mod ideals;
+mod powers;
+mod spaces;
+
+pub use algebra::BasisError;
+pub use basis::{Basis, NamedMatrix};
+pub(super) use powers::TERMS;
+pub use spaces::{Linear, LinearError};
+
+use std::sync::OnceLock;
+
+use super::calculus::transposed;
+use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, Side, StorageType};
+use crate::expr::{Expr, Matrix, Number, Vector};
+use algebra::{Algebra, symbolic};
+use constraints::{Form, Hull};
+use ideals::Ideal;
+use powers::FEW_TERMS;
+
+/// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
+const RADIUS: (i128, i128) = (3, 2);
+/// The largest dimension of an algebra: what is found of it takes seconds then, and its steps are thousands of operations.
+pub(super) const LARGEST_BASIS: usize = 16;
+/// The most rows of a matrix.
+const LARGEST_MATRIX: usize = 12;
+/// The largest dimension of an algebra whose series are summed.
+const LARGEST_SUMMED: usize = 10;
+
+/// A group of matrices.
+#[derive(Clone)]
+pub struct MatrixGroup {
+    name: &'static str,
+    coordinates: &'static [&'static str],
+    axes: &'static [&'static str],
+    blocks: Vec<usize>,
+    parts: &'static [&'static str],
+    algebra: Algebra,
+    ideals: Vec<Ideal>,
+    hull: Hull,
+    form: Option<Form>,
+    /// Whether all elements have determinant 1, and no form says so.
+    is_special: bool,
+    has_cayley: bool,
+    /// Set when it is [leaked](Self::leaked).
+    standard: OnceLock<[&'static dyn Representation; 1]>,
+    /// The same with fewer terms of series.
+    coarse: Option<&'static MatrixGroup>,
+}
+
+impl std::fmt::Debug for MatrixGroup {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MatrixGroup").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+impl MatrixGroup {
+    /// The largest dimension.
+    pub const LARGEST: usize = LARGEST_BASIS;
+
+    /// The group of a basis.
+    ///
+    /// # Errors
+    /// If the matrices are dependent or not closed under the commutator, or if there are too many.
+    pub fn new(name: &str, basis: &Basis) -> Result<&'static Self, BasisError> {
+        Self::with_terms(name, basis, TERMS)
+    }
+
+    /// The same with so many terms of series that have no closed form: for numbers of more digits than a double's.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_terms(name: &str, basis: &Basis, terms: usize) -> Result<&'static Self, BasisError> {
+        let size = basis.size();
+        basis::bounded(basis.dimension(), size)?;
+        let algebra = Algebra::new(basis.matrices.clone())?;
+        let (hull, form) = (Hull::of(&algebra.basis), Form::of(&algebra.basis));
+        let ideals = Ideal::all(&algebra, terms);
+        let is_known =
+            hull.is_known() && form.as_ref().is_none_or(Form::is_known) && ideals.iter().all(Ideal::is_known);
+        if !is_known {
+            return Err(BasisError::TooLarge);
+        }
+        let is_traceless = algebra.basis.iter().all(|matrix| matrix.trace().is_zero());
+        let group = Self {
+            // names live as long as the groups that they are of, which is as long as the process
+            name: name.to_owned().leak(),
+            coordinates: leaked((0..size * size).map(|k| entry_name(k / size, k % size))),
+            axes: leaked(basis.axes.iter().cloned()),
+            blocks: basis.blocks.clone(),
+            parts: leaked(basis.parts.iter().cloned()),
+            is_special: form.is_none() && is_traceless && hull.rows.len() == size * size,
+            has_cayley: algebra.has_cayley(),
+            algebra,
+            ideals,
+            hull,
+            form,
+            standard: OnceLock::new(),
+            coarse: None,
+        };
+        let coarse = (!group.is_closed()).then(|| {
+            let ideals = group.ideals.iter().map(|ideal| ideal.with_terms(FEW_TERMS)).collect();
+            Self { ideals, ..group.clone() }.leaked(FEW_TERMS)
+        });
+        Ok(Self { coarse, ..group }.leaked(terms))
+    }
+
+    /// For as long as the process lives, with the space that it acts on.
+    fn leaked(self, terms: usize) -> &'static Self {
+        let standard = Linear::standard(&self.algebra, terms);
+        let group: &'static Self = Box::leak(Box::new(self));
+        // it is new: nothing has been set
+        let _ = group.standard.set([standard]);
+        group
+    }
+
+    /// Rows and columns of the matrices.
+    pub fn size(&self) -> usize {
+        self.algebra.size()
+    }
+
+    /// The entry of a basis matrix, as a fraction.
+    pub fn basis_entry(&self, axis: usize, row: usize, column: usize) -> (i128, i128) {
+        let entry = self.algebra.basis[axis].at(row, column);
+        entry.parts().unwrap_or((0, 1))
+    }
+
+    /// Whether the exponential and its logarithmic derivative are finite sums.
+    fn is_closed(&self) -> bool {
+        self.ideals.iter().all(Ideal::is_closed)
+    }
+
+    /// `1 ∓ X/2` and its like.
+    fn one_plus<'a>(&self, x: &Vector<'a>, factor: Number) -> Matrix<'a> {
+        let one = Matrix::identity(x.0[0].arena(), self.size());
+        one.zip(&self.algebra.hat(x), |one, x| one + x.scale(factor))
+    }
+
+    /// `(1 − X/2)⁻¹`
+    fn resolvent<'a>(&self, x: &Vector<'a>) -> Matrix<'a> {
+        self.one_plus(x, Number::ratio(-1, 2)).inverse().map(Expr::hold)
+    }
+
+    /// `(1 + X/2)⁻¹`, from `(1 − X/2)⁻¹` by the form where there is one: `X J = −J Xᵀ`.
+    fn other_resolvent<'a>(&self, x: &Vector<'a>, resolvent: &Matrix<'a>) -> Matrix<'a> {
+        match &self.form {
+            Some(form) if form.is_regular => {
+                let arena = x.0[0].arena();
+                let (j, inverse) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
+                j.times_matrix(&resolvent.transpose()).times_matrix(&inverse)
+            }
+            _ => self.one_plus(x, Number::ratio(1, 2)).inverse().map(Expr::hold),
+        }
+    }
+
+    /// The entries of `f(x)`.
+    fn function<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Matrix<'a> {
+        let one = Matrix::identity(x.0[0].arena(), self.size());
+        match f {
+            MatrixFunction::Exponential => {
+                let column = |j: usize| {
+                    self.ideals.iter().fold(one.column(j), |column, ideal| ideal.exponential(x, &column))
+                };
+                Matrix::from_columns(&(0..self.size()).map(column).collect::<Vec<_>>())
+            }
+            MatrixFunction::Cayley => self.resolvent(x).zip(&one, |inverse, one| inverse.scale(2) - one),
+        }
+    }
+}
+
+/// `11`, `12`, …: row and column, from 1 on.
+fn entry_name(row: usize, column: usize) -> String {
+    format!("{}{}", row + 1, column + 1)
+}
+
+/// Names live as long as the groups that they are of, which is as long as the process.
+fn leaked(names: impl Iterator<Item = String>) -> &'static [&'static str] {
+    let names: Vec<&'static str> = names.map(|name| &*name.leak()).collect();
+    names.leak()
+}
+
+impl Group for MatrixGroup {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn conventions(&self) -> &'static str {
+        "element: matrix from body to space coordinates; momentum and velocity: coordinates with respect to the basis"
+    }
+
+    fn configuration_name(&self) -> &'static str {
+        "element"
+    }
+
+    fn configuration_type(&self) -> StorageType {
+        StorageType::Matrix(self.size())
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        self.coordinates
+    }
+
+    fn momentum_type(&self) -> StorageType {
+        StorageType::Vector(self.dimension())
+    }
+
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, momentum, velocity, advected } = names;
+        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
+        terms.extend(advected.iter().map(|a| format!("{a} ⋄ ∂V/∂{a}")));
+        Equations {
+            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
+            momentum: terms,
+            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
+        }
+    }
+
+    fn dimension(&self) -> usize {
+        self.algebra.dimension()
+    }
+
+    fn blocks(&self) -> Vec<usize> {
+        self.blocks.clone()
+    }
+
+    fn parts(&self) -> &'static [&'static str] {
+        self.parts
+    }
+
+    fn axes(&self) -> &'static [&'static str] {
+        self.axes
+    }
+
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        self.algebra.bracket(x, y)
+    }
+
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a> {
+        Vector(self.function(f, x).entries)
+    }
+
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match f {
+            MatrixFunction::Exponential => {
+                let parts = self.ideals.iter().map(|ideal| ideal.d_right_dual(x, m));
+                parts.reduce(|sum, part| &sum + &part).unwrap_or_else(|| m.clone())
+            }
+            MatrixFunction::Cayley => {
+                let resolvent = self.resolvent(x);
+                self.algebra.pulled_back(&resolvent, m, &self.other_resolvent(x, &resolvent))
+            }
+        }
+    }
+
+    fn closed_d_right<'a>(&self, f: MatrixFunction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        match f {
+            MatrixFunction::Exponential => {
+                let parts = self.ideals.iter().map(|ideal| ideal.d_right(x, y));
+                parts.reduce(|sum, part| &sum + &part).unwrap_or_else(|| y.clone())
+            }
+            MatrixFunction::Cayley => transposed(y, y.len(), |m| self.closed_d_right_dual(f, x, m)),
+        }
+    }
+
+    fn has(&self, retraction: Retraction) -> bool {
+        match retraction {
+            Retraction::Exponential => self.is_closed() || self.dimension() <= LARGEST_SUMMED,
+            Retraction::Cayley => self.has_cayley,
+            // where it is singular is not known
+            Retraction::SecondKind | Retraction::ReversedSecondKind => false,
+        }
+    }
+
+    fn is_summed(&self, retraction: Retraction) -> bool {
+        retraction == Retraction::Exponential && !self.is_closed()
+    }
+
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        let arena = x.0[0].arena();
+        match retraction {
+            Retraction::Exponential => {
+                let edge = |ideal: &Ideal| {
+                    let (x, adjoint, matrix) = (ideal.part(x), ideal.adjoint(), ideal.matrix());
+                    if !ideal.is_closed() {
+                        let size = adjoint.squared_norm(&x) + matrix.squared_norm(&x);
+                        return Some(arena.number(Number::ratio(RADIUS.0, RADIUS.1).powi(2)) - size);
+                    }
+                    // dR exp is singular where ad_x has the eigenvalue 2πi
+                    Some(arena.number(Number::FOUR_PI_SQUARED) - adjoint.argument(&x)?)
+                };
+                self.ideals.iter().filter_map(edge).collect()
+            }
+            // the eigenvalue 2 of X is that of no element that is skew with respect to a definite form, or nilpotent
+            Retraction::Cayley => {
+                let is_elliptic = self.ideals.iter().all(|ideal| ideal.matrix().is_elliptic());
+                let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
+                let edge = || self.one_plus(x, Number::ratio(-1, 2)).determinant();
+                if is_elliptic || is_definite { Vec::new() } else { vec![edge()] }
+            }
+            Retraction::SecondKind | Retraction::ReversedSecondKind => Vec::new(),
+        }
+    }
+
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {
+        let product = Vector(self.hull.matrix(g).times_matrix(&self.hull.matrix(h)).entries);
+        Vector(self.hull.matrix(&product).entries)
+    }
+
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        let (arena, g) = (g.0[0].arena(), self.hull.matrix(g));
+        let inverse = match &self.form {
+            Some(form) if form.is_regular => {
+                let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
+                j.times_matrix(&g.transpose()).times_matrix(&back)
+            }
+            _ => g.inverse(),
+        };
+        Vector(self.hull.matrix(&Vector(inverse.entries)).entries)
+    }
+
+    /// One Newton step of `g J gᵀ = J` on what `J` acts on, or of `det g = 1`.
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
+        let (arena, matrix) = (g.0[0].arena(), self.hull.matrix(g));
+        if self.is_special {
+            let correction = (matrix.determinant() - 1).scale(Number::ratio(-1, self.size() as i128));
+            return g + &g.scale(correction);
+        }
+        let Some(form) = &self.form else { return Vector(matrix.entries) };
+        let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
+        let defect = matrix.times_matrix(&j).times_matrix(&matrix.transpose()).zip(&j, |a, b| a - b);
+        let acted_on = matrix.times_matrix(&j).times_matrix(&back);
+        let correction = defect.times_matrix(&back).times_matrix(&acted_on);
+        let next = matrix.zip(&correction, |g, correction| g - correction / 2);
+        Vector(self.hull.matrix(&Vector(next.entries)).entries)
+    }
+
+    fn deviation<'a>(&self, g: &Vector<'a>) -> Option<Vector<'a>> {
+        let deviation = &self.normalize(g) - g;
+        let parts: Vec<Expr<'a>> = deviation.iter().filter(|part| !part.is_zero()).collect();
+        (!parts.is_empty()).then_some(Vector(parts))
+    }
+
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        let back = self.hull.matrix(&self.inverse(g));
+        self.algebra.pulled_back(&back, m, &self.hull.matrix(g))
+    }
+
+    /// The standard one.
+    fn representations(&self) -> &[&'static dyn Representation] {
+        self.standard.get().map_or(&[], |standard| standard)
+    }
+
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        (v.len() == self.size()).then(|| self.hull.matrix(g).times(v))
+    }
+
+    fn basis(&self) -> Option<Basis> {
+        let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
+        let (axes, parts) = (owned(self.axes), owned(self.parts));
+        Some(Basis { axes, matrices: self.algebra.basis.clone(), blocks: self.blocks.clone(), parts })
+    }
+
+    fn coarse(&self) -> Option<&'static dyn Group> {
+        self.coarse.map(|group| group as &dyn Group)
+    }
+
+    fn matrix_rows(&self) -> Option<usize> {
+        Some(self.size())
+    }
+
+    /// `1 + D`, to first order.
+    fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+        let increment = Vector(self.one_plus(delta, Number::ONE).entries);
+        side.compose(self, g, &increment)
+    }
+}

@@ -1,0 +1,234 @@
+//! Power series of a matrix that is linear in `x`.
+
+use super::algebra::{combination, number};
+use crate::expr::{Expr, Matrix, Number, Vector};
+use crate::group::exact::{Exact, Fraction};
+
+/// So many powers of a matrix of Frobenius norm 3/2, over their factorials, leave out less than half an ulp of a double's sum.
+pub(in crate::group) const TERMS: usize = 20;
+/// So many are enough for Newton's matrix: what they leave out is less than a part in a thousand at the edge, and 1e-9 for a tenth of a turn.
+pub(super) const FEW_TERMS: usize = 6;
+/// The highest power of `λ² + z` in a polynomial that is looked for.
+const MULTIPLICITY: usize = 4;
+
+/// `A(x) = Σ xᵢ Aᵢ`, and how its power series are summed.
+#[derive(Clone, Debug)]
+pub(super) struct LinearMatrix {
+    matrices: Vec<Exact>,
+    powers: Powers,
+}
+
+/// How power series are summed.
+#[derive(Clone, Debug)]
+enum Powers {
+    /// As finite sums.
+    Closed(Annihilator),
+    /// So many terms of them.
+    Series(usize),
+}
+
+impl LinearMatrix {
+    pub(super) fn new(matrices: Vec<Exact>, terms: usize) -> Self {
+        let powers = Annihilator::of(&matrices).map_or(Powers::Series(terms), Powers::Closed);
+        Self { matrices, powers }
+    }
+
+    /// The same with so many terms where it is not closed.
+    pub(super) fn with_terms(&self, terms: usize) -> Self {
+        let powers = match &self.powers {
+            Powers::Closed(annihilator) => Powers::Closed(annihilator.clone()),
+            Powers::Series(_) => Powers::Series(terms),
+        };
+        Self { matrices: self.matrices.clone(), powers }
+    }
+
+    /// Whether its power series are finite sums.
+    pub(super) fn is_closed(&self) -> bool {
+        matches!(self.powers, Powers::Closed(_))
+    }
+
+    /// `A(x)`
+    pub(super) fn at<'a>(&self, x: &Vector<'a>) -> Matrix<'a> {
+        combination(&self.matrices, x)
+    }
+
+    /// `Σ_k Aᵏ v / (k + shift)!`
+    pub(super) fn series<'a>(&self, x: &Vector<'a>, shift: u32, v: &Vector<'a>) -> Vector<'a> {
+        let matrix = self.at(x);
+        self.powers.series(x, shift, v, &|v| matrix.times(v))
+    }
+
+    /// `Σ_k (Aᵀ)ᵏ m / (k + shift)!`
+    pub(super) fn transposed_series<'a>(&self, x: &Vector<'a>, shift: u32, m: &Vector<'a>) -> Vector<'a> {
+        let matrix = self.at(x).transpose();
+        self.powers.series(x, shift, m, &|m| matrix.times(m))
+    }
+
+    /// `z`, where it has the eigenvalues `±√−z`, if others than zero.
+    pub(super) fn argument<'a>(&self, x: &Vector<'a>) -> Option<Expr<'a>> {
+        match &self.powers {
+            Powers::Closed(annihilator) => annihilator.argument(x),
+            Powers::Series(_) => None,
+        }
+    }
+
+    /// Whether it never has a real eigenvalue but zero.
+    pub(super) fn is_elliptic(&self) -> bool {
+        matches!(&self.powers, Powers::Closed(annihilator) if annihilator.is_elliptic())
+    }
+
+    /// `|A(x)|²`, in Frobenius' norm.
+    pub(super) fn squared_norm<'a>(&self, x: &Vector<'a>) -> Expr<'a> {
+        quadratic(&self.frobenius(), x)
+    }
+
+    /// `tr AᵢᵀA_j`
+    fn frobenius(&self) -> Exact {
+        let d = self.matrices.len();
+        Exact::from_fn(d, d, |i, j| self.matrices[i].transpose().times(&self.matrices[j]).trace())
+    }
+
+    /// Whether no number has grown too large.
+    pub(super) fn is_known(&self) -> bool {
+        let quadratic = match &self.powers {
+            Powers::Closed(Annihilator { quadratic: Some(quadratic), .. }) => quadratic.is_known(),
+            _ => true,
+        };
+        quadratic && self.frobenius().is_known()
+    }
+}
+
+/// A polynomial `λᵃ (λ² + z)^q`, or `λᵃ` where there is no `z`, that annihilates a matrix linear in `x`; `z` is quadratic in `x`.
+#[derive(Clone, Debug)]
+struct Annihilator {
+    /// `a`
+    power: usize,
+    /// `q`
+    multiplicity: usize,
+    /// `z = Σ z_ij xᵢ x_j`
+    quadratic: Option<Exact>,
+}
+
+impl Annihilator {
+    /// Of `Σ xᵢ Eᵢ`; none if there is none of this kind. With `m` eigenvalues `±√−z`, `tr X² = −m z`.
+    fn of(matrices: &[Exact]) -> Option<Self> {
+        /// Points at which a polynomial that is not zero is not zero either: as good as any.
+        const POINTS: [[i128; 5]; 2] = [[3, -7, 11, 2, -5], [-1, 4, 9, -13, 6]];
+        let n = matrices[0].rows;
+        let at = |point: &[i128; 5]| {
+            matrices.iter().enumerate().fold(Exact::zero(n, n), |sum, (i, e)| {
+                sum.plus(e, Fraction::from(point[i % 5] + 17 * (i / 5) as i128))
+            })
+        };
+        // what annihilates a vector like any other annihilates all of them
+        let vector =
+            Exact::from_fn(n, 1, |i, _| Fraction::from([2, -3, 5, 7, -11][i % 5] + 13 * (i / 5) as i128));
+        let points = POINTS.map(|point| at(&point));
+        let powers = points.each_ref().map(|x| {
+            let mut powers = vec![vector.clone()];
+            (0..n).for_each(|k| powers.push(x.times(&powers[k])));
+            powers
+        });
+        if let Some(power) = (1..=n).find(|&a| powers.iter().all(|powers| powers[a].is_zero())) {
+            return Some(Self { power, multiplicity: 0, quadratic: None });
+        }
+        let is_annihilated = |&(a, m, q): &(usize, usize, usize)| {
+            points.iter().zip(&powers).all(|(x, powers)| {
+                let z = -x.times(x).trace() / Fraction::from(m as i128);
+                let factor = |v: &Exact| x.times(&x.times(v)).plus(v, z);
+                (0..q).fold(powers[a].clone(), |v, _| factor(&v)).is_zero()
+            })
+        };
+        let kinds = (1..=MULTIPLICITY).flat_map(|q| (0..n).map(move |a| (q, a)));
+        let mut kinds = kinds.flat_map(|(q, a)| (1..=n).map(move |m| (a, m, q)));
+        let (power, m, multiplicity) = kinds.find(is_annihilated)?;
+        let d = matrices.len();
+        let quadratic =
+            Exact::from_fn(d, d, |i, j| -matrices[i].times(&matrices[j]).trace() / Fraction::from(m as i128));
+        Some(Self { power, multiplicity, quadratic: Some(quadratic) })
+    }
+
+    /// `z`, if there is one.
+    fn argument<'a>(&self, x: &Vector<'a>) -> Option<Expr<'a>> {
+        Some(quadratic(self.quadratic.as_ref()?, x))
+    }
+
+    /// `Σ_k Aᵏ v / (k + shift)!` for a linear map `A` that it annihilates.
+    fn sum<'a>(
+        &self,
+        x: &Vector<'a>,
+        shift: u32,
+        v: &Vector<'a>,
+        map: &dyn Fn(&Vector<'a>) -> Vector<'a>,
+    ) -> Vector<'a> {
+        let mut power = v.clone();
+        let mut sum = Vector::zeros(x.0[0].arena(), v.len());
+        for k in 0..self.power {
+            sum = &sum + &power.map(|entry| entry.scale(reciprocal_factorial(k as u32 + shift)));
+            power = map(&power);
+        }
+        let Some(z) = self.argument(x) else { return sum };
+        // A^{k+2j} = Aᵏ (N − z)ʲ with N = A² + z, of which the q-th power is zero on Aᵏ: Taylor's series of the Stumpff function
+        for k in [self.power as u32 + shift, self.power as u32 + shift + 1] {
+            let next = map(&power);
+            let mut term = power;
+            for i in 0..self.multiplicity {
+                if i > 0 {
+                    term = &map(&map(&term)) + &term.scale(z);
+                }
+                sum = &sum + &term.scale(taylor(z, k, i));
+            }
+            power = next;
+        }
+        sum
+    }
+
+    /// Whether `z` is never negative.
+    fn is_elliptic(&self) -> bool {
+        self.quadratic.as_ref().is_none_or(Exact::is_positive_semidefinite)
+    }
+}
+
+impl Powers {
+    /// `Σ_k Aᵏ v / (k + shift)!`
+    fn series<'a>(
+        &self,
+        x: &Vector<'a>,
+        shift: u32,
+        v: &Vector<'a>,
+        map: &dyn Fn(&Vector<'a>) -> Vector<'a>,
+    ) -> Vector<'a> {
+        match self {
+            Self::Closed(annihilator) => annihilator.sum(x, shift, v, map),
+            // v + A/(s+1) (v + A/(s+2) (v + …)), over s!
+            Self::Series(terms) => {
+                let sum = (1..=*terms as u32).rev().fold(v.clone(), |sum, k| {
+                    let next = map(&sum).map(|entry| entry.scale(Number::ratio(1, i128::from(k + shift))));
+                    (v + &next).hold()
+                });
+                sum.map(|entry| entry.scale(reciprocal_factorial(shift)))
+            }
+        }
+    }
+}
+
+/// `(−1)ⁱ c_k⁽ⁱ⁾(z) / i!`, by `2 c_k′ = k c_{k+2} − c_{k+1}`.
+fn taylor(z: Expr<'_>, k: u32, i: usize) -> Expr<'_> {
+    if i == 0 {
+        return z.stumpff(k);
+    }
+    let (first, second) = (taylor(z, k + 1, i - 1), taylor(z, k + 2, i - 1));
+    (first - second.scale(i64::from(k))).scale(Number::ratio(1, 2 * i as i128))
+}
+
+/// `1/k!`
+fn reciprocal_factorial(k: u32) -> Number {
+    Number::ratio(1, (1..=i128::from(k)).product())
+}
+
+/// `Σ q_ij xᵢ x_j`
+fn quadratic<'a>(form: &Exact, x: &Vector<'a>) -> Expr<'a> {
+    let terms = (0..x.len()).flat_map(|i| (0..x.len()).map(move |j| (i, j)));
+    let terms = terms.map(|(i, j)| (x.0[i] * x.0[j]).scale(number(form.at(i, j))));
+    terms.fold(x.0[0].arena().zero(), |sum, term| sum + term)
+}

@@ -1,0 +1,179 @@
+//! Spaces of columns on which matrices act: the standard one of a group of matrices, and those that are given by matrices.
+
+use super::algebra::Algebra;
+use super::basis::bounded;
+use super::constraints::Form;
+use super::powers::{FEW_TERMS, LinearMatrix, TERMS};
+use super::{Basis, RADIUS, leaked};
+use crate::expr::{Expr, Matrix, Number, Vector};
+use crate::group::exact::{Exact, Fraction};
+use crate::group::{MatrixFunction, Representation, Retraction, StorageType, Translation};
+
+/// Why matrices are no representation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum LinearError {
+    /// Those of these two axes do not commute as the axes do.
+    NoRepresentation(usize, usize),
+    /// There are too many, or exact numbers grow too large on the way.
+    TooLarge,
+}
+
+/// Columns with `ρ_x v = (Σ xᵢ ρᵢ) v`, for matrices `ρᵢ` that belong to the axes of the algebra.
+///
+/// A retraction acts on them as the same function of `ρ_x`: `ρ(exp x) = exp ρ_x` always, `ρ(cay x) = cay ρ_x` where Cayley's map stays on the group of
+/// the matrices `diag(Eᵢ, ρᵢ)`.
+#[derive(Clone, Debug)]
+pub struct Linear {
+    name: &'static str,
+    coordinates: &'static [&'static str],
+    matrices: Vec<Exact>,
+    rho: LinearMatrix,
+    has_cayley: bool,
+    /// Whether Cayley's map is regular everywhere.
+    is_regular: bool,
+    /// How many terms of series that are not finite sums.
+    terms: usize,
+    coarse: Option<&'static Linear>,
+}
+
+impl Linear {
+    /// Columns of as many numbers as the matrices of an algebra have rows.
+    pub(super) fn standard(algebra: &Algebra, terms: usize) -> &'static Self {
+        let name = format!("R{}", algebra.size()).leak();
+        Self::new(name, algebra.basis.clone(), algebra.has_cayley(), terms)
+    }
+
+    /// Columns on which the algebra of a basis acts by these matrices.
+    ///
+    /// # Errors
+    /// If they are no representation, or if numbers grow too large.
+    pub fn given(basis: &Basis, rho: &Basis) -> Result<&'static Self, LinearError> {
+        if bounded(basis.dimension(), rho.size()).is_err() {
+            return Err(LinearError::TooLarge);
+        }
+        let algebra = Algebra::new(basis.matrices.clone()).map_err(|_| LinearError::TooLarge)?;
+        let matrices = &rho.matrices;
+        for i in 0..matrices.len() {
+            for j in 0..i {
+                let constants = algebra.structure.bracket(j, i).iter();
+                let bracket = constants.fold(Exact::zero(rho.size(), rho.size()), |sum, (k, c)| {
+                    sum.plus(&matrices[*k], Fraction::new((*c.numer()).into(), (*c.denom()).into()))
+                });
+                if matrices[j].commutator(&matrices[i]) != bracket {
+                    return Err(LinearError::NoRepresentation(j, i));
+                }
+            }
+        }
+        // the graph of the representation
+        let both = basis.matrices.iter().zip(matrices).map(|(e, rho)| e.beside(rho)).collect();
+        let has_cayley = Algebra::new(both).is_ok_and(|graph| graph.has_cayley());
+        let space = Self::new("matrices", matrices.clone(), has_cayley, TERMS);
+        if space.rho.is_known() { Ok(space) } else { Err(LinearError::TooLarge) }
+    }
+
+    fn new(name: &'static str, matrices: Vec<Exact>, has_cayley: bool, terms: usize) -> &'static Self {
+        let n = matrices[0].rows;
+        let coordinates: &'static [&'static str] =
+            if n <= 4 { &["x", "y", "z", "w"][..n] } else { leaked((1..=n).map(|i| i.to_string())) };
+        let rho = LinearMatrix::new(matrices.clone(), terms);
+        // the eigenvalue 2 is that of no matrix that is skew with respect to a definite form, or nilpotent
+        let is_regular = rho.is_elliptic() || Form::of(&matrices).is_some_and(|form| form.is_definite);
+        let space = Self { name, coordinates, matrices, rho, has_cayley, is_regular, terms, coarse: None };
+        // names and spaces live as long as the process
+        let coarse = (!space.rho.is_closed() && terms > FEW_TERMS).then(|| {
+            let rho = space.rho.with_terms(FEW_TERMS);
+            &*Box::leak(Box::new(Self { rho, ..space.clone() }))
+        });
+        Box::leak(Box::new(Self { coarse, ..space }))
+    }
+
+    /// `1 − ρ_x/2`
+    fn one_minus_half<'a>(&self, x: &Vector<'a>) -> Matrix<'a> {
+        let one = Matrix::identity(x.0[0].arena(), self.coordinates.len());
+        one.zip(&self.rho.at(x), |one, rho| one - rho.scale(Number::ratio(1, 2)))
+    }
+}
+
+impl Representation for Linear {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn storage(&self) -> StorageType {
+        StorageType::Vector(self.coordinates.len())
+    }
+
+    fn coordinates(&self) -> &'static [&'static str] {
+        self.coordinates
+    }
+
+    fn algebra_dimension(&self) -> usize {
+        self.matrices.len()
+    }
+
+    fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        self.rho.at(x).times(v)
+    }
+
+    /// `φ₁(ρ_x) w`; for the Cayley map half the way before the rest, half of it after.
+    fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
+        match f {
+            MatrixFunction::Exponential => Translation {
+                body_part: self.rho.series(x, 1, w),
+                rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
+                is_tangent_group: false,
+            },
+            MatrixFunction::Cayley => {
+                let half = w.map(|component| component / 2);
+                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
+            }
+        }
+    }
+
+    /// `exp(ρ_x) v`, or `2 (1 − ρ_x/2)⁻¹ v − v`
+    fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        match f {
+            MatrixFunction::Exponential => self.rho.series(x, 0, v),
+            MatrixFunction::Cayley => {
+                let solved = self.one_minus_half(x).solve(v);
+                &solved.map(|component| component.scale(2)) - v
+            }
+        }
+    }
+
+    fn has(&self, retraction: Retraction) -> bool {
+        retraction != Retraction::Cayley || self.has_cayley
+    }
+
+    fn is_summed(&self, retraction: Retraction) -> bool {
+        retraction == Retraction::Exponential && !self.rho.is_closed()
+    }
+
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        match retraction {
+            Retraction::Exponential if !self.rho.is_closed() => {
+                let edge = Number::ratio(RADIUS.0, RADIUS.1).powi(2);
+                vec![x.0[0].arena().number(edge) - self.rho.squared_norm(x)]
+            }
+            Retraction::Cayley if !self.is_regular => vec![self.one_minus_half(x).determinant()],
+            _ => Vec::new(),
+        }
+    }
+
+    fn dual(&self) -> Option<&'static dyn Representation> {
+        let negative = |matrix: &Exact| {
+            Exact::zero(matrix.rows, matrix.rows).plus(&matrix.transpose(), -Fraction::one())
+        };
+        let matrices = self.matrices.iter().map(negative).collect();
+        let name = match self.name.strip_prefix("dual(").and_then(|name| name.strip_suffix(')')) {
+            Some(name) => name,
+            None => format!("dual({})", self.name).leak(),
+        };
+        Some(Self::new(name, matrices, self.has_cayley, self.terms))
+    }
+
+    fn coarse(&self) -> Option<&'static dyn Representation> {
+        self.coarse.map(|space| space as &dyn Representation)
+    }
+}

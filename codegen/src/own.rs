@@ -1,0 +1,159 @@
+//! Groups of a user's own, beside the systems on them: `lie_group! { pub Shears = matrices { … } }`, and `group = Shears!`.
+//!
+//! An attribute sees its own tokens alone. So `lie_group!` makes a macro of the group's name, which knows the definition, and a system on such a
+//! group is handed to that macro, which hands it back with the definition beside it:
+//!
+//! ```text
+//! #[lie_poisson_system(group = Shears!)] struct …
+//!     → Shears! { (callback) ("Shears") {} {attribute} {item} }
+//!     → callback! { { "Shears" => Shears = matrices { … }; } {attribute} {item} }
+//! ```
+
+use proc_macro2::{Group as Tokens, Ident, Literal, TokenStream};
+use quote::{ToTokens, format_ident, quote};
+use syn::parse::{ParseStream, Parser};
+use syn::{LitStr, Token, Visibility};
+
+use crate::check::groups;
+use crate::diagnostics::Diagnostics;
+use crate::limits;
+use crate::parse::{Attribute, Definition, Group, group, nested};
+
+/// `pub Shears = matrices { … }`, with documentation.
+struct Declaration {
+    attributes: Vec<syn::Attribute>,
+    visibility: Visibility,
+    name: Ident,
+    group: Group,
+    tokens: TokenStream,
+}
+
+/// The whole of `lie_group!`: a macro for each group, which hands its definition to systems.
+pub fn lie_group(input: TokenStream) -> TokenStream {
+    let mut diagnostics = Diagnostics::new();
+    if let Some((span, message)) = nested(&input) {
+        diagnostics.push_at(span, message);
+        return diagnostics.into_tokens();
+    }
+    let declarations = match declarations.parse2(input) {
+        Ok(declarations) => declarations,
+        Err(error) => return error.into_compile_error(),
+    };
+    if let Some(declaration) = declarations.get(limits::GROUPS) {
+        let message = format!("define {} groups at a time at most", limits::GROUPS);
+        return syn::Error::new_spanned(&declaration.name, message).into_compile_error();
+    }
+    for declaration in &declarations {
+        // what is made of other groups of one's own is looked at where they are known
+        if declaration.group.own().is_empty() {
+            let _ = groups::group(&declaration.group, &[], &[], &mut diagnostics);
+        }
+    }
+    let macros = declarations.iter().map(Declaration::macro_rules);
+    let messages = diagnostics.into_tokens();
+    quote! { #(#macros)* #messages }
+}
+
+fn declarations(input: ParseStream<'_>) -> syn::Result<Vec<Declaration>> {
+    let mut all = Vec::new();
+    while !input.is_empty() {
+        let (attributes, visibility) = (input.call(syn::Attribute::parse_outer)?, input.parse()?);
+        let example = "write `lie_group! { pub Shears = matrices { x: [0, 1; 0, 0] } }`";
+        let name: Ident = input
+            .parse()
+            .map_err(|error| syn::Error::new(error.span(), format!("expected a name; {example}")))?;
+        input
+            .parse::<Token![=]>()
+            .map_err(|error| syn::Error::new(error.span(), format!("expected `=`; {example}")))?;
+        let (tokens, group) = definition(input)?;
+        all.push(Declaration { attributes, visibility, name, group, tokens });
+        if !input.is_empty() {
+            input
+                .parse::<Token![;]>()
+                .map_err(|error| syn::Error::new(error.span(), "expected `;` between groups"))?;
+        }
+    }
+    Ok(all)
+}
+
+/// A group with its tokens.
+fn definition(input: ParseStream<'_>) -> syn::Result<(TokenStream, Group)> {
+    let ahead = input.fork();
+    let first = syn::ext::IdentExt::parse_any(input)?;
+    let group = group(input, first)?;
+    let mut tokens = TokenStream::new();
+    while ahead.cursor() != input.cursor() {
+        ahead.parse::<proc_macro2::TokenTree>()?.to_tokens(&mut tokens);
+    }
+    Ok((tokens, group))
+}
+
+impl Declaration {
+    fn macro_rules(&self) -> TokenStream {
+        let Self { attributes, visibility, name, tokens, .. } = self;
+        // macros of other crates are found at the root alone: it has a name of its own there
+        let hidden = format_ident!("__group_{}", name);
+        let exported = matches!(visibility, Visibility::Public(_)).then(|| quote! { #[macro_export] });
+        quote! {
+            #exported
+            #[doc(hidden)]
+            macro_rules! #hidden {
+                (($($callback:tt)*) $path:literal { $($known:tt)* } $attribute:tt $item:tt) => {
+                    $($callback)*! { { $($known)* $path => #name = #tokens; } $attribute $item }
+                };
+            }
+            #(#attributes)*
+            #[allow(unused_imports)]
+            #visibility use #hidden as #name;
+        }
+    }
+}
+
+/// Asks for the first definition that a system needs and that is not known; nothing if none is missing.
+pub(crate) fn ask(
+    attribute: &Attribute,
+    known: &TokenStream,
+    attribute_tokens: &TokenStream,
+    item: &TokenStream,
+) -> Option<TokenStream> {
+    let own = attribute.factors.iter().flat_map(|factor| factor.group.own());
+    let inner = attribute.definitions.iter().flat_map(|definition| definition.group.own());
+    let is_missing = |path: &&syn::Path| {
+        let text = path.to_token_stream().to_string();
+        attribute.definitions.iter().all(|definition| definition.path != text)
+    };
+    let path = own.chain(inner).find(is_missing)?;
+    let text = Literal::string(&path.to_token_stream().to_string());
+    let krate = attribute.krate.as_ref().map_or_else(|| quote! { ::coadjoint }, ToTokens::to_token_stream);
+    Some(quote! {
+        #path! { (#krate::__private::lie_poisson_system_with) #text { #known } { #attribute_tokens } { #item } }
+    })
+}
+
+/// The whole of what a group's macro hands back: definitions, the attribute's tokens, and the item.
+pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
+    let read = |input: ParseStream<'_>| -> syn::Result<(TokenStream, TokenStream, TokenStream)> {
+        let part = || input.parse::<Tokens>().map(|group| group.stream());
+        Ok((part()?, part()?, part()?))
+    };
+    let definitions = |input: ParseStream<'_>| -> syn::Result<Vec<Definition>> {
+        let mut all = Vec::new();
+        while !input.is_empty() {
+            let path: LitStr = input.parse()?;
+            input.parse::<Token![=>]>()?;
+            let name = input.parse()?;
+            input.parse::<Token![=]>()?;
+            let (_, group) = definition(input)?;
+            input.parse::<Token![;]>()?;
+            all.push(Definition { path: path.value(), name, group });
+        }
+        Ok(all)
+    };
+    match read
+        .parse2(input)
+        .and_then(|(known, attribute, item)| Ok((definitions.parse2(known.clone())?, known, attribute, item)))
+    {
+        Ok((definitions, known, attribute, item)) => crate::described(attribute, item, definitions, &known),
+        Err(error) => error.into_compile_error(),
+    }
+}

@@ -1,0 +1,123 @@
+//! The attribute as it is read.
+
+use coadjoint_codegen::parse::{ADVECTED, GROUP, POTENTIAL};
+use quote::quote;
+
+use super::{advected, attribute};
+
+#[test]
+fn a_whole_attribute() {
+    let attribute = attribute(
+        "group = SO3, advected(gamma: R3, delta: R3,), potential = weight * gamma.dot(&chi) + f(1, 2), \
+         crate = my::coadjoint,",
+        &[],
+    );
+    let [factor] = &attribute.factors[..] else { panic!("one group") };
+    assert!(factor.name.is_none() && factor.group.keyword() == "SO3");
+    assert_eq!(advected(&attribute), ["gamma: R3", "delta: R3"]);
+    let potential = attribute.potential.as_ref().expect("a potential");
+    assert_eq!(quote!(#potential).to_string(), quote!(weight * gamma.dot(&chi) + f(1, 2)).to_string());
+    let path = attribute.krate.as_ref().expect("a path");
+    assert_eq!(quote!(#path).to_string(), "my :: coadjoint");
+    assert!(attribute.has(GROUP) && attribute.has(POTENTIAL));
+}
+
+#[test]
+fn nothing_is_an_attribute_too() {
+    let attribute = attribute("", &[]);
+    assert!(attribute.factors.is_empty() && attribute.potential.is_none() && !attribute.has(GROUP));
+    assert!(attribute.advected.is_empty());
+}
+
+#[test]
+fn keys() {
+    let read =
+        attribute("grup = SO3, potential = a", &[("grup", "there is no key `grup`; did you mean `group`?")]);
+    assert!(read.potential.is_some());
+    attribute(
+        "colour = red",
+        &[(
+            "colour",
+            "there is no key `colour`; known: `group`, `advected`, `potential`, `hamiltonian`, `lagrangian`, `control`, `force`, `invariance`, `methods`, `retractions`, `derivatives` and `crate`",
+        )],
+    );
+    attribute("group = SO3, group = SO2", &[("group", "`group` is given twice; keep one of them")]);
+    attribute("3, group = SO3", &[("3", "expected a key, such as `group = SO3`")]);
+    attribute(", group = SO3", &[(",", "expected a key, such as `group = SO3`")]);
+}
+
+#[test]
+fn values() {
+    let read = attribute(
+        "group = , potential = , advected",
+        &[
+            ("=", "`group` has no value; write `group = SO3`"),
+            ("=", "`potential` has no value; write `potential = "),
+            ("advected", "expected parentheses; write `advected(gamma: R3)`"),
+        ],
+    );
+    assert!(read.has(GROUP) && read.has(ADVECTED));
+    attribute("group(SO3)", &[("SO3", "`SO3` needs the group it moves on; write `SO3: SO3`")]);
+    attribute("group = 3, potential = 1.0", &[("3", "expected identifier; write `group = SO3`")]);
+    attribute("advected = gamma", &[("=", "expected parentheses; write")]);
+    attribute("advected[gamma: R3]", &[("[", "expected parentheses; write")]);
+    attribute("advected()", &[("advected", "`advected` names nothing; write")]);
+    attribute("potential == a", &[("=", "expected `=`; write")]);
+    attribute(
+        "crate = \"my::path\"",
+        &[("\"my::path\"", "write the path without quotes: `crate = my::path`")],
+    );
+    attribute("crate = ", &[("=", "`crate` has no value; write `crate = path::to::coadjoint`")]);
+    attribute("crate: a", &[(":", "expected `=`; write `crate = path::to::coadjoint`")]);
+    let read = attribute("group = SO(3)", &[]);
+    assert_eq!(*read.factors[0].group.keyword(), "SO3");
+    attribute("group = SO(n)", &[("SO", "write the name of the group in one word, such as `SO3`")]);
+    attribute(
+        "crate = a::<b>",
+        &[("<", "expected path segment after `::`; write `crate = path::to::coadjoint`")],
+    );
+}
+
+#[test]
+fn commas() {
+    let read = attribute(
+        "group = SO3 advected(gamma: R3 delta: R3) potential = a",
+        &[
+            ("advected", "expected a comma before this"),
+            ("delta", "expected a comma before this"),
+            ("potential", "expected a comma before this"),
+        ],
+    );
+    assert_eq!(advected(&read), ["gamma: R3", "delta: R3"]);
+    assert!(!read.factors.is_empty() && read.potential.is_some());
+    let read = attribute(
+        "group = SO3 SO2, potential = a b c, advected(gamma: R3)",
+        &[("SO2", "expected a comma before this"), ("b", "expected a comma before this")],
+    );
+    assert_eq!(read.advected.len(), 1);
+}
+
+#[test]
+fn advected_parameters() {
+    let read = attribute(
+        "advected(gamma: R3, gamma: R3, delta, : R3, eta: 3, zeta: R3), group = SO3",
+        &[
+            ("gamma", "`gamma` is named twice in `advected`"),
+            ("delta", "`delta` needs the space it lives in; write `delta: R3`"),
+            (":", "expected a name; an advected parameter is written `gamma: R3`"),
+            ("3", "expected a space; an advected parameter is written `gamma: R3`"),
+        ],
+    );
+    assert_eq!(advected(&read), ["gamma: R3", "zeta: R3"]);
+    assert!(!read.factors.is_empty());
+}
+
+#[test]
+fn problems_inside_an_expression_end_with_it() {
+    let read = attribute("potential = a.dot(1 2) + , group = SO3", &[("2", "expected `,`")]);
+    assert!(!read.factors.is_empty() && read.potential.is_none() && read.has(POTENTIAL));
+    attribute(
+        "potential = (a + ) * 2.0, grup = SO3",
+        &[(")", "unexpected end of input, expected an expression"), ("grup", "there is no key `grup`")],
+    );
+}

@@ -1,0 +1,148 @@
+//! Groups: several factors, bases and families.
+
+use super::{attribute, breaks};
+
+#[test]
+fn bases_of_groups() {
+    let body = "struct Body { #[inertia] j: f64 }";
+    for sound in [
+        "group = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }, advected(v: R2), potential = v.x",
+        "group(a: SL(2), b: matrices { x: [0, 1; -1, 0] }), potential = a[(0, 0)] + b.trace()",
+        "group = SE2(3)",
+        "group = SP(4)",
+        "group = SU(3)",
+        "group = product(turn: SO3, shear: SL(2)), advected(v: R5)",
+        "group = semidirect(turn: SO3, velocity: R3, position: R3)",
+        "group = semidirect(turn: SL(2), v: R2, w: dual(R2)), advected(m: coadjoint)",
+        "group = tangent(product(a: SE(2), b: R(2),)), advected(m: adjoint)",
+        "group = SL(2), advected(q: matrices { h1: [2, 0, 0; 0, 0, 0; 0, 0, -2], e12: [0, 1, 0; 0, 0, 2; 0, 0, 0], e21: [0, 0, 0; 2, 0, 0; 0, 1, 0] })",
+    ] {
+        breaks(sound, body, &[]);
+    }
+    breaks(
+        "group = matrices { a: [1, 0; 0, 1], b: [0, 1; 0, 0], c: [2, 1; 0, 2] }",
+        body,
+        &[("c", "`c` is a combination of the matrices before it")],
+    );
+    breaks(
+        "group = matrices { a: [0, 1, 0; 0, 0, 0; 0, 0, 0], b: [0, 0, 0; 0, 0, 1; 0, 0, 0] }",
+        body,
+        &[("a", "the commutator [a, b] = a b − b a is no combination of the basis")],
+    );
+    breaks(
+        "group = matrices { a: [0, 1; 0, 0], b: [1, 0] }",
+        body,
+        &[("b", "the matrices of a basis are square and of one size, 2 × 2 here; `b` is 1 × 2")],
+    );
+    breaks("group = SL(4)", body, &[("SL", "there are no steps on SL4: its Cayley map leaves the group")]);
+    breaks(
+        "group = SL(2), retractions(SecondKind)",
+        body,
+        &[("SL", "there are no steps on SL2 with `SecondKind`")],
+    );
+    breaks(
+        "group = SL(2), advected(v: R3)",
+        body,
+        &[("R3", "`SL2` does not act on a space `R3`; known: `R2`")],
+    );
+    // neither large numbers nor many of them are more than an error
+    breaks("group = SL(6)", body, &[("SL", "there is no group `SL6`")]);
+    let dense = (0..6_i64).map(|i| {
+        let row = |r: i64| {
+            (0..6_i64)
+                .map(|c| {
+                    ((i + 2) * (r + 3).pow(2) * (c + 5).pow(3) * 7_919 % 2_000_003 * 1_009 + c * 31 + i)
+                        .to_string()
+                })
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        format!("a{i}: [{}]", (0..6).map(row).collect::<Vec<_>>().join("; "))
+    });
+    let dense = format!("group = matrices {{ {} }}", dense.collect::<Vec<_>>().join(", "));
+    breaks(
+        &dense,
+        body,
+        &[("matrices", "a basis has up to 16 matrices of 1 to 12 rows, of small whole numbers")],
+    );
+    breaks("group = SO(40)", body, &[("SO", "there is no group `SO40`")]);
+}
+
+/// What is asked for is never made before it is known to be small.
+#[test]
+fn groups_of_absurd_sizes() {
+    let body = "struct Body { #[inertia] j: f64 }";
+    for family in ["SO", "SE", "SE2", "SGal", "GL", "SL", "SP", "SU"] {
+        for n in ["0", "7", "100000", "4294967295"] {
+            let message = format!("there is no group `{family}{n}`");
+            breaks(&format!("group = {family}({n})"), body, &[(family, &message)]);
+        }
+        let name = format!("{family}18446744073709551615");
+        breaks(&format!("group = {name}"), body, &[(&name, &format!("there is no group `{name}`"))]);
+    }
+    for (name, size) in [("Aff", 2), ("Heisenberg", 3), ("SO21", 1)] {
+        let message = format!("there is no group `{name}{size}`");
+        breaks(&format!("group = {name}({size})"), body, &[(name, &message)]);
+    }
+    for name in ["SO", "GL", "Aff"] {
+        breaks(&format!("group = {name}"), body, &[(name, &format!("there is no group `{name}`"))]);
+    }
+    let row = (0..70).map(|k| (k % 7).to_string()).collect::<Vec<_>>().join(", ");
+    let large = format!("group = matrices {{ a: [{}] }}", vec![row; 70].join("; "));
+    breaks(&large, body, &[("matrices", "a basis has up to 16 matrices of 1 to 12 rows")]);
+    // and neither are groups made of many
+    let many = |of: &str| (0..300).map(|i| format!("part{i}: {of}")).collect::<Vec<_>>().join(", ");
+    let too_large = "this group is too large: a basis has up to 16 matrices";
+    breaks(&format!("group = product({})", many("SU(3)")), body, &[("product", too_large)]);
+    breaks(&format!("group = semidirect(a: SO3, {})", many("R3")), body, &[("semidirect", too_large)]);
+    breaks("group = tangent(tangent(SE3))", body, &[("tangent", too_large)]);
+    let bound = "a system may have dimension 64 at most";
+    breaks(&format!("group({})", many("SU(3)")), body, &[("part8", bound)]);
+    let row = vec!["0"; 13].join(", ");
+    let matrix = vec![row; 13].join("; ");
+    let wide = format!("group = Aff(1), advected(q: matrices {{ scale: [{matrix}], shift: [{matrix}] }})");
+    breaks(&wide, body, &[("matrices", "a basis has up to 16 matrices of 1 to 12 rows")]);
+}
+
+#[test]
+fn factors() {
+    let pair = "struct Pair { #[inertia(first)] j: Vector3<f64>, #[inertia(second)] m: f64 }";
+    breaks("group(first: SO3, second: R3)", pair, &[]);
+    breaks("group(first: SO3, second: R(3))", pair, &[]);
+    breaks("group(first: SO3, second: R3)", "struct Pair { #[inertia] j: SMatrix<f64, 6, 6> }", &[]);
+    breaks(
+        "group(first: SO3, second: R3)",
+        "struct Pair { #[inertia(first)] j: f64, #[inertia(frist)] k: f64 }",
+        &[
+            ("frist", "there is no factor `frist` of the group; did you mean `first`?"),
+            ("Pair", "`second` has no inertia; mark one field with `#[inertia(second)]`"),
+        ],
+    );
+    breaks(
+        "group(first: SO3, second: R3)",
+        "struct Pair { #[inertia] j: f64, #[inertia(second)] k: f64 }",
+        &[("inertia", "`second` has several inertias, `j` and `k`")],
+    );
+    breaks(
+        "group(first: SO3, second: R3)",
+        "struct Pair { #[inertia] j: Vector3<f64> }",
+        &[("Vector3<f64>", "`SO3` and `R3` together have dimension 6, so its inertia is a vector of 6")],
+    );
+    breaks(
+        "group(first: SO3, second: SO3), advected(gamma: R3)",
+        pair,
+        &[("R3", "which factor acts on `gamma`, first or second? Write `gamma: first::R3`")],
+    );
+    breaks("group(first: SO3, second: SO3), advected(gamma: second::R3)", pair, &[]);
+    breaks(
+        "group(first: SO3, second: SO3), advected(gamma: third::R3)",
+        pair,
+        &[("third", "there is no factor `third`")],
+    );
+    breaks(
+        "group(first: SO3, second: R3), advected(first: R3)",
+        pair,
+        &[("first", "`first` is also a factor of the group")],
+    );
+    attribute("group(a: SO3, a: R3)", &[("a", "`a` is named twice in `group`")]);
+}

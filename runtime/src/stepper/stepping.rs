@@ -1,0 +1,144 @@
+//! What takes steps, whatever the scheme.
+
+use super::{StepReport, Stepper};
+use crate::error::{ParameterError, StepError};
+use crate::run::{RunError, RunReport};
+use crate::scalar::{Real, Scalar};
+use crate::system::{MethodOf, System};
+
+/// What takes steps: a [`Stepper`] of whatever scheme.
+///
+/// As `dyn Stepping<System = S>` it is one whose scheme is chosen while the program runs:
+///
+/// ```
+/// use coadjoint::prelude::*;
+/// use coadjoint::{Run, System};
+/// use coadjoint::stepper::Stepping;
+///
+/// #[lie_poisson_system(group = SO3)]
+/// struct Body {
+///     #[inertia]
+///     inertia: Vector3<f64>,
+/// }
+///
+/// fn stepper(body: &Body, scheme: &str) -> Result<Box<dyn Stepping<System = Body>>, ParameterError> {
+///     Ok(match scheme {
+///         "cayley" => Box::new(body.stepper::<Cayley>(0.1)?),
+///         _ => Box::new(body.stepper::<Exponential>(0.1)?),
+///     })
+/// }
+///
+/// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
+/// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![0.4, -0.8, 1.5] };
+/// let report = Run::new(stepper(&body, "cayley")?.as_mut(), &mut state).steps(10)?;
+/// assert_eq!(report.steps, 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Stepping {
+    /// The system that it takes steps of.
+    type System: System;
+
+    /// [`Stepper::system`]
+    fn system(&self) -> &Self::System;
+    /// [`Stepper::time`], in f64 whatever the scalar.
+    fn now(&self) -> f64;
+    /// [`Stepper::set_time`], in f64 whatever the scalar.
+    fn start_at(&mut self, time: f64);
+    /// [`Stepper::steps_taken`]
+    fn steps_taken(&self) -> u64;
+    /// [`Stepper::step_size`]
+    fn step_size(&self) -> f64;
+    /// [`Stepper::set_step_size`]
+    ///
+    /// # Errors
+    /// As there.
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError>;
+    /// [`Stepper::snapshot`]
+    #[cfg(feature = "std")]
+    fn snapshot(&self) -> std::vec::Vec<f64>;
+    /// [`Stepper::restore`]
+    ///
+    /// # Errors
+    /// As there.
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError>;
+    /// [`Stepper::step_with`]
+    ///
+    /// # Errors
+    /// As there.
+    fn step_with(
+        &mut self,
+        state: &mut <Self::System as System>::State,
+        control: &<Self::System as System>::Control,
+    ) -> Result<StepReport, StepError>;
+    /// [`Stepper::steps_with`]
+    ///
+    /// # Errors
+    /// As there.
+    fn steps_with(
+        &mut self,
+        state: &mut <Self::System as System>::State,
+        control: &<Self::System as System>::Control,
+        count: u64,
+    ) -> Result<RunReport, RunError>;
+}
+
+impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
+    type System = S;
+
+    #[inline]
+    fn system(&self) -> &S {
+        &self.system
+    }
+
+    #[inline]
+    fn now(&self) -> f64 {
+        self.clock().after(0)
+    }
+
+    #[inline]
+    fn start_at(&mut self, time: f64) {
+        (self.start, self.taken, self.before) = (time, 0, 0);
+        self.forget_at_no_time();
+    }
+
+    #[inline]
+    fn steps_taken(&self) -> u64 {
+        Stepper::steps_taken(self)
+    }
+
+    #[inline]
+    fn step_size(&self) -> f64 {
+        self.step.to_f64()
+    }
+
+    #[inline]
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        Stepper::set_step_size(self, S::Scalar::of(step))
+    }
+
+    #[cfg(feature = "std")]
+    #[inline]
+    fn snapshot(&self) -> std::vec::Vec<f64> {
+        Stepper::snapshot(self)
+    }
+
+    #[inline]
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        Stepper::restore(self, memory)
+    }
+
+    #[inline]
+    fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
+        self.step_apart(state, control)
+    }
+
+    #[inline]
+    fn steps_with(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        count: u64,
+    ) -> Result<RunReport, RunError> {
+        Stepper::steps_with(self, state, control, count)
+    }
+}

@@ -1,0 +1,153 @@
+//! Parameters, states, controls, steps and durations of one's own.
+
+use std::fs;
+
+use serde_json::Value;
+
+use super::{Scratch, table};
+
+/// Controls are held in place of what the system's own law chooses, and recorded.
+#[test]
+fn controls_are_set_by_name_and_component() {
+    let scratch = Scratch::new("controls");
+    let json = |name: &str| -> Value { serde_json::from_str(&scratch.read(name)).expect("JSON") };
+    // from where nothing turns
+    let run = ["run", "quadrotor", "--duration", "1", "--every", "100", "--format", "json"];
+    let run = [&run[..], &["--set", "attitude_momentum=0,0,0"]].concat();
+    scratch.prints(&[&run[..], &["--set", "thrust=0", "--set", "moment_z=0.25"]].concat());
+    let free = json("out/quadrotor-exponential.json");
+    assert_eq!(free["controls"], serde_json::json!({ "moment": [null, null, 0.25], "thrust": 0.0 }));
+    let last = free["rows"][1].as_array().expect("two rows");
+    let number = |column: &str| {
+        let columns = free["columns"].as_array().expect("a list");
+        let index = columns.iter().position(|name| name == column).expect(column);
+        last[index].as_f64().expect("a number")
+    };
+    assert!((number("position_z") - (1.0 - 9.81 / 2.0)).abs() < 1e-12);
+    assert!((number("attitude_momentum_z") - 0.25).abs() < 1e-13);
+
+    // described by a file, the same
+    fs::write(
+        scratch.0.join("fall.toml"),
+        "system = \"quadrotor\"\n[state]\nattitude_momentum = [0, 0, 0]\n[controls]\nthrust = 0\nmoment = [0, 0, 0.25]",
+    )
+    .expect("writable");
+    scratch.prints(&[
+        "run",
+        "--config",
+        "fall.toml",
+        "--duration",
+        "1",
+        "--every",
+        "100",
+        "--format",
+        "json",
+    ]);
+    let described = json("out/quadrotor-exponential.json");
+    assert_eq!(described["controls"], serde_json::json!({ "moment": [0.0, 0.0, 0.25], "thrust": 0.0 }));
+    assert_eq!(described["rows"], free["rows"]);
+
+    // its own law, of which nothing is said
+    scratch.prints(&run);
+    let hover = json("out/quadrotor-exponential.json");
+    assert!(hover.get("controls").is_none() && hover["rows"] != free["rows"]);
+
+    let spread = scratch.prints(&[
+        "ensemble",
+        "quadrotor",
+        "--members",
+        "8",
+        "--duration",
+        "1",
+        "--set",
+        "thrust=0",
+        "--spread",
+        "attitude_momentum=0.001",
+        "--quantity",
+        "position_z",
+    ]);
+    assert!(spread.contains("8 members"), "{spread}");
+    let csv = scratch.read("out/quadrotor-ensemble.csv");
+    let last = table(&csv).1.pop().expect("rows");
+    assert!(last.iter().any(|number| (number - (1.0 - 9.81 / 2.0)).abs() < 1e-9), "{last:?}");
+}
+
+#[test]
+fn parameters_and_state_are_set_by_name_and_component() {
+    let scratch = Scratch::new("set");
+    let printed = scratch.prints(&[
+        "run",
+        "free-rigid-body",
+        "--duration",
+        "0.01",
+        "--set",
+        "inertia=2,3,4",
+        "--set",
+        "momentum=0.5,-1,2",
+        "--set",
+        "momentum_y=7",
+        "--set",
+        "attitude=2,0,0,0",
+    ]);
+    assert!(printed.contains("note: `attitude` had length 2 and was normalised"), "{printed}");
+    let csv = scratch.read("out/free_rigid_body-exponential.csv");
+    let (_, rows) = table(&csv);
+    let energy = 0.5 * (0.25 / 2.0 + 49.0 / 3.0 + 4.0 / 4.0);
+    assert_eq!(rows[0][..8], [0.0, 1.0, 0.0, 0.0, 0.0, 0.5, 7.0, 2.0]);
+    assert!((rows[0][8] - energy).abs() < 1e-14);
+}
+
+#[test]
+fn an_impossible_body_is_noted_but_run() {
+    let scratch = Scratch::new("note");
+    let flat = scratch.prints(&["run", "free_rigid_body", "--duration", "0.1", "--set", "inertia=1,1,3"]);
+    assert!(flat.contains("note: no body of mass has principal moments of inertia 1, 1, 3"), "{flat}");
+    let plain = scratch.prints(&["run", "free_rigid_body", "--duration", "0.1"]);
+    assert!(!plain.contains("note"), "{plain}");
+}
+
+#[test]
+fn a_negative_step_goes_back() {
+    let scratch = Scratch::new("back");
+    scratch.prints(&["run", "heavy_top", "--duration", "1", "--step", "-0.01", "--every", "100"]);
+    let csv = scratch.read("out/heavy_top-exponential.csv");
+    assert_eq!(table(&csv).1.iter().map(|row| row[0]).collect::<Vec<_>>(), [0.0, -1.0]);
+}
+
+#[test]
+fn a_duration_that_is_no_whole_number_of_steps_is_noted() {
+    let printed = Scratch::new("fraction").prints(&["run", "heavy_top", "--duration", "1.004"]);
+    assert!(printed.contains("note: 1.004 s are not a whole number of steps of 0.01 s"), "{printed}");
+}
+
+#[test]
+fn a_run_is_described_by_a_file() {
+    let scratch = Scratch::new("config");
+    let printed = scratch.prints(&["init", "heavy_top"]);
+    assert!(printed.contains("coadjoint run --config heavy_top.toml"), "{printed}");
+    let described = scratch.read("heavy_top.toml");
+    assert!(described.contains("# Principal moments of inertia"), "{described}");
+
+    // as it is, the file says what is usual
+    let short = ["--duration", "0.5"];
+    scratch.prints(&[&["run", "heavy_top", "--out", "usual"][..], &short].concat());
+    scratch.prints(&[&["run", "--config", "heavy_top.toml", "--out", "described"][..], &short].concat());
+    let file = "heavy_top-exponential.csv";
+    assert_eq!(scratch.read(&format!("usual/{file}")), scratch.read(&format!("described/{file}")));
+
+    // what it says counts, and what is given beside it counts more
+    let changed = described
+        .replace("retraction = \"exponential\"", "retraction = \"cayley\"")
+        .replace("weight = 1.0", "weight = 2.5")
+        .replace("duration = 60.0", "duration = 0.3")
+        .replace("every = 1", "every = 10")
+        .replace("format = \"csv\"", "format = \"json\"");
+    fs::write(scratch.0.join("heavy_top.toml"), changed).expect("writable");
+    scratch.prints(&["run", "--config", "heavy_top.toml", "--set", "chi=0,0.5,1", "--every", "15"]);
+    let json: Value = serde_json::from_str(&scratch.read("out/heavy_top-cayley.json")).expect("JSON");
+    assert_eq!(json["parameters"]["weight"], 2.5);
+    assert_eq!(json["parameters"]["chi"], serde_json::json!([0.0, 0.5, 1.0]));
+    assert_eq!(json["rows"].as_array().map(Vec::len), Some(3));
+    scratch.prints(&["init", "heavy_top", "--force"]);
+    assert_eq!(scratch.read("heavy_top.toml"), described);
+}
