@@ -49,8 +49,13 @@ impl Example for HeavyTopOnSE3 {
         "the heavy top on SE(3), with the auxiliary x of the paper's (6.15) to (6.18)";
     const STEP: f64 = 0.01;
     const DURATION: f64 = 60.0;
-    const UNITS: &'static [(&'static str, &'static str)] =
-        &[("inertia", "kg m²"), ("weight", "N"), ("chi", "m"), ("momentum_angular", "kg m²/s")];
+    const UNITS: &'static [(&'static str, &'static str)] = &[
+        ("inertia", "kg m²"),
+        ("weight", "N"),
+        ("chi", "m"),
+        ("momentum_angular", "kg m²/s"),
+        ("pose_p", "N m s"),
+    ];
 
     /// The top of the paper's figure 6.2.
     fn example() -> (Self, HeavyTopOnSE3State) {
