@@ -257,8 +257,10 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
             }
         }
         let mut from = kernel.start(state, step);
+        if self.predictor.count() == 0 {
+            return newton::solve(kernel, state, step, &from, !none);
+        }
         let is_near = change::<T, _>(K::BLOCKS, prediction, &from).le(T::of(1.0));
-        let is_near = is_near & T::Mask::splat(self.predictor.count() > 0);
         let Some(Open { point, unknown, open, convergence }) = left else {
             // from the prediction, unless that is far off
             from = select(is_near, prediction, &from);

@@ -90,7 +90,14 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// Forgets all solutions.
     pub(crate) fn forget(&mut self) {
+        // of one solution nothing is learned: states that are new at every step need not have it undone
+        if self.count > 1 {
+            self.unlearn();
+        }
         self.count = 0;
+    }
+
+    fn unlearn(&mut self) {
         self.weights = terms(&numbers(&THROUGH_ALL[0]));
         self.set_near(T::Mask::splat(false));
         self.errors = [T::of(0.0); FITS];
@@ -232,6 +239,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.set_near(T::of(0.0).lt(is_near));
         visit(&mut self.errors);
         self.solutions.iter_mut().for_each(|solution| visit(solution.components.as_mut()));
+        if self.count <= 1 {
+            self.unlearn();
+        }
     }
 }
 
