@@ -11,8 +11,14 @@ use crate::parse::{Attribute, Item};
 /// Reports that a system has too many parameters. `None` if so.
 pub(crate) fn sizes(description: &Description<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
     let before = diagnostics.len();
-    let fields = description.parameters.iter().map(|field| (&field.name, field.shape.size()));
-    let controls = description.controls.iter().map(|control| (&control.name, control.shape.size()));
+    let fields = description
+        .parameters
+        .iter()
+        .map(|field| (&field.name, field.shape.size() * field.length.unwrap_or(1)));
+    let controls = description
+        .controls
+        .iter()
+        .map(|control| (&control.name, control.shape.size() * control.length.unwrap_or(1)));
     if let Some(name) = beyond(COMPONENTS, fields.chain(controls)) {
         let message = format!("fields and controls may have {COMPONENTS} numbers together at most");
         diagnostics.push(name, message);

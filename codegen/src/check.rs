@@ -1,7 +1,12 @@
 //! From what the user wrote to what it means: names are looked up once, here, and every rule that a description breaks is reported.
 
+mod advected;
 pub(crate) mod groups;
+mod inertia;
 mod rules;
+mod subject;
+
+use std::ops::Range;
 
 use proc_macro2::Ident;
 use quote::format_ident;
@@ -9,6 +14,7 @@ use syn::ext::IdentExt;
 
 use crate::diagnostics::Diagnostics;
 use crate::group::{Group, Representation, Side};
+use crate::identifiers::Name;
 use crate::parse::{self, Attribute, Field, Item};
 
 /// A description, resolved: parts refer to each other by index.
@@ -43,12 +49,12 @@ pub struct Description<'d> {
     sound: bool,
 }
 
-/// A factor of the configuration's group.
+/// A factor of the configuration's group; each element of an array is one.
 pub struct Factor {
     /// What the configuration is called.
-    pub name: Ident,
+    pub name: Name,
     /// What the momentum is called: `momentum` where there is only one group, `attitude_momentum` for a factor `attitude`.
-    pub momentum_name: Ident,
+    pub momentum_name: Name,
     /// The group.
     pub group: &'static dyn Group,
 }
@@ -56,7 +62,9 @@ pub struct Factor {
 /// An advected parameter.
 pub struct Advected<'d> {
     /// Its name.
-    pub name: &'d Ident,
+    pub name: Name,
+    /// As it is declared.
+    pub written: &'d parse::Advected,
     /// The factor that acts on it.
     pub factor: usize,
     /// The space it lives in.
@@ -67,6 +75,8 @@ pub struct Advected<'d> {
 pub struct Inertia {
     /// The field.
     pub field: usize,
+    /// What it is called: the field, or an element of it.
+    pub name: Name,
     /// How it is given.
     pub shape: InertiaShape,
     /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
@@ -87,10 +97,29 @@ pub enum InertiaShape {
 
 /// A force.
 pub struct Force<'d> {
-    /// The factor it acts on; `None` if there is no such factor.
-    pub factor: Option<usize>,
+    /// What it acts on; `None` if there is no such factor.
+    pub factors: Option<Factors>,
     /// What it is.
     pub value: &'d syn::Expr,
+}
+
+/// A factor, or all of an array.
+#[derive(Clone, Debug)]
+pub enum Factors {
+    /// One factor.
+    One(usize),
+    /// An array of them.
+    All(Range<usize>),
+}
+
+impl Factors {
+    /// Which they are.
+    pub fn indices(&self) -> Range<usize> {
+        match self {
+            Self::One(factor) => *factor..factor + 1,
+            Self::All(factors) => factors.clone(),
+        }
+    }
 }
 
 impl Description<'_> {
@@ -107,12 +136,12 @@ pub fn resolve<'d>(
     diagnostics: &mut Diagnostics,
 ) -> Description<'d> {
     let before = diagnostics.len();
-    let subject = rules::Subject::new(attribute, item, diagnostics);
+    let subject = subject::Subject::new(attribute, item, diagnostics);
     subject.check_energy(diagnostics);
     let inertias = subject.inertias(diagnostics);
     let advected = subject.advected(diagnostics);
     subject.check_retractions(&advected, diagnostics);
-    subject.check_names(diagnostics);
+    subject.check_names(&advected, diagnostics);
     let forces = subject.forces(diagnostics);
     subject.check_scalars(diagnostics);
     let unknown = subject.unknown_names(&advected);

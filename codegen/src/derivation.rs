@@ -8,9 +8,9 @@ use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
 use crate::method::linearization::Linearization;
 use crate::model::Role as QuantityRole;
-use crate::model::{InertiaField, InertiaShape, Parameter, Part, Relation, StoredAs, System};
+use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, StoredAs, System};
 use crate::program::{
-    Documentation, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
+    Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
 };
 use crate::scheme::Scheme;
 
@@ -28,7 +28,8 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {
 fn interface(system: &System<'_>) -> Interface {
     let part = |part: &Part<'_>| Quantity {
         role: part.role,
-        name: plain(&part.name),
+        name: part.name.plain(),
+        element: element(&part.name),
         components: part.suffixes.clone(),
         stored: part.stored,
         perturbation: match part.role {
@@ -42,14 +43,15 @@ fn interface(system: &System<'_>) -> Interface {
     };
     let field = |field: &Parameter| Quantity {
         role: QuantityRole::Parameter,
-        name: plain(&field.name),
+        name: field.name.plain(),
+        element: element(&field.name),
         components: field.suffixes(),
         stored: StoredAs::Shape(field.shape),
         perturbation: field.symbols.len(),
         doc: field.doc.clone(),
     };
     let inertia = |inertia: &InertiaField<'_>| Inertia {
-        name: plain(&inertia.name),
+        name: inertia.name.plain(),
         is_matrix: inertia.shape == InertiaShape::Matrix,
         rows: inertia.matrix.rows,
     };
@@ -71,6 +73,12 @@ fn interface(system: &System<'_>) -> Interface {
             conventions: conventions(system),
         },
     }
+}
+
+/// Where a quantity stands in an array, if it does.
+fn element(name: &Name) -> Option<Element> {
+    let Place { index, length } = name.place?;
+    Some(Element { array: plain(&name.ident), index, length })
 }
 
 /// In which coordinates the equations of motion are.

@@ -4,7 +4,6 @@ use quote::ToTokens;
 
 use crate::expr::{Formulas, gradient};
 use crate::group::{EquationNames, Representation, Side};
-use crate::identifiers::{plain, velocity_name};
 use crate::limits::FORMULAS;
 use crate::model::{Energy, Factor, InertiaField, System};
 
@@ -29,7 +28,7 @@ fn energy(system: &System<'_>) -> &'static str {
 
 /// The velocities by the momenta, or Legendre's transform: the momenta by the velocities, and the energy.
 fn velocities(system: &System<'_>) -> Vec<String> {
-    let names = |factor: &Factor<'_>| (velocity_name(&factor.momentum_name), plain(&factor.momentum_name));
+    let names = |factor: &Factor<'_>| (factor.velocity_name(), factor.momentum_name.plain());
     match &system.energy {
         Energy::Hamiltonian(_) => {
             let by_momentum = |(velocity, momentum)| format!("{velocity} = ∂h/∂{momentum}");
@@ -58,9 +57,9 @@ fn by_inertia(system: &System<'_>, field: &InertiaField<'_>, block: &[usize]) ->
         let names: Vec<String> = block.iter().map(|&factor| name(&system.factors[factor])).collect();
         if names.len() == 1 { names.concat() } else { format!("({})", names.join(", ")) }
     };
-    let velocity = together(&|factor| velocity_name(&factor.momentum_name));
-    let momentum = together(&|factor| plain(&factor.momentum_name));
-    format!("{velocity} = {}⁻¹ {momentum}", plain(&field.name))
+    let velocity = together(&|factor| factor.velocity_name());
+    let momentum = together(&|factor| factor.momentum_name.plain());
+    format!("{velocity} = {}⁻¹ {momentum}", field.name.plain())
 }
 
 /// How configuration, momentum and advected parameters of a factor change.
@@ -69,11 +68,12 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
     let group = factor.algebra.group;
     let is_own =
         |space: &dyn Representation| group.representations().iter().any(|own| own.name() == space.name());
-    let spaces = factor.advected.iter().map(|advected| advected.name.as_str()).zip(&factor.algebra.spaces);
+    let names: Vec<String> = factor.advected.iter().map(|advected| advected.name.plain()).collect();
+    let spaces = names.iter().map(String::as_str).zip(&factor.algebra.spaces);
     let (own_spaces, others): (Vec<_>, Vec<_>) = spaces.partition(|(_, space)| is_own(**space));
     let advected: Vec<&str> = own_spaces.iter().map(|(advected, _)| *advected).collect();
-    let (name, momentum) = (plain(&factor.name), plain(&factor.momentum_name));
-    let velocity = velocity_name(&factor.momentum_name);
+    let (name, momentum) = (factor.name.plain(), factor.momentum_name.plain());
+    let velocity = factor.velocity_name();
     let mut equations = group.equations(&EquationNames {
         configuration: &name,
         momentum: &momentum,

@@ -5,7 +5,6 @@
 
 use crate::expr::{Arena, Stage, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side, trivialized_gradient};
-use crate::identifiers::plain;
 use crate::model::{Factor, FactorPart, Slot, System};
 
 /// Symbols for a tangent vector: `by_attitude_x`, …
@@ -21,15 +20,15 @@ fn components(system: &System<'_>) -> Vec<(String, &'static str)> {
         let (name, axes) = match slot {
             Slot::Configuration(factor) => {
                 let factor = &system.factors[factor];
-                (plain(&factor.name), factor.algebra.group.axes())
+                (factor.name.plain(), factor.algebra.group.axes())
             }
             Slot::Momentum(factor) => {
                 let factor = &system.factors[factor];
-                (plain(&factor.momentum_name), factor.algebra.group.axes())
+                (factor.momentum_name.plain(), factor.algebra.group.axes())
             }
             Slot::Advected { factor, place } => {
                 let factor = &system.factors[factor];
-                (factor.advected[place].name.clone(), factor.algebra.spaces[place].coordinates())
+                (factor.advected[place].name.plain(), factor.algebra.spaces[place].coordinates())
             }
         };
         axes.iter().map(move |&axis| (name.clone(), axis))

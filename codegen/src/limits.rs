@@ -37,6 +37,9 @@ pub(crate) const EXPONENT: u32 = 1024;
 /// The largest matrix whose determinant is written out: it has `n!` terms.
 pub(crate) const DETERMINANT: usize = 4;
 
+/// How many integers a range may go through. Each is a copy of what is said of it.
+pub(crate) const RANGE: i64 = 256;
+
 /// How many operands the sums and products may have that are made while expressions are read. A derivation makes ten to a hundred times
 /// as many of them.
 pub(crate) const READING: usize = 200_000;

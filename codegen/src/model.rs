@@ -10,18 +10,17 @@ pub(crate) use build::{NamedPart, parts};
 
 use std::cell::OnceCell;
 
-pub use crate::check::InertiaShape;
+pub use crate::check::{Factors, InertiaShape};
+pub use crate::identifiers::{Name, Place};
 pub use crate::language::ForceForm;
 pub use casimirs::Casimirs;
 pub use layout::{FactorPart, Slot};
 pub use legendre::Relation;
 pub use part::{Part, Role, StoredAs};
 
-use proc_macro2::Ident;
-
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
 use crate::group::{Semidirect, SemidirectVector, Side, trivialized_gradient};
-use crate::identifiers::plain;
+use crate::identifiers::velocity_name;
 use crate::language::Constant;
 use crate::parse::Shape;
 
@@ -32,7 +31,7 @@ use crate::parse::Shape;
 pub struct System<'a> {
     /// The factors of the configuration's group, each with its momentum and the advected parameters that it acts on.
     pub factors: Vec<Factor<'a>>,
-    /// The struct's fields.
+    /// The struct's fields, each element of an array by itself.
     pub parameters: Vec<Parameter>,
     /// Constants of the user's own code that expressions name; parameters too, after the fields.
     pub constants: Vec<Constant<'a>>,
@@ -60,9 +59,9 @@ pub struct System<'a> {
 #[derive(Clone)]
 pub struct Factor<'a> {
     /// What the configuration is called.
-    pub name: Ident,
+    pub name: Name,
     /// What the momentum is called.
-    pub momentum_name: Ident,
+    pub momentum_name: Name,
     /// The group and the spaces of the advected parameters.
     pub algebra: Semidirect,
     /// The configuration's stored coordinates.
@@ -80,6 +79,11 @@ pub struct Factor<'a> {
 }
 
 impl<'a> Factor<'a> {
+    /// What the velocity is called in one word.
+    pub fn velocity_name(&self) -> String {
+        self.momentum_name.with(&velocity_name(&self.momentum_name.ident))
+    }
+
     /// The advected parameters' components.
     pub fn advected_values(&self) -> Vec<Vector<'a>> {
         self.advected.iter().map(|advected| advected.value.clone()).collect()
@@ -94,10 +98,8 @@ impl<'a> Factor<'a> {
 /// An advected parameter.
 #[derive(Clone)]
 pub struct Advected<'a> {
-    /// Its name at the user's tokens.
-    pub ident: Ident,
     /// Its name.
-    pub name: String,
+    pub name: Name,
     /// Its components.
     pub value: Vector<'a>,
 }
@@ -143,19 +145,19 @@ pub struct Source {
 /// A force as the user wrote it.
 #[derive(Clone)]
 pub struct ForceSource {
-    /// The factor it acts on.
-    pub factor: usize,
+    /// What it acts on.
+    pub factors: Factors,
     /// The expression.
     pub value: syn::Expr,
     /// How it is written; `None` if it has no meaning, which was reported.
     pub form: Option<ForceForm>,
 }
 
-/// A field of the struct.
+/// A field of the struct, or an element of one that is an array.
 #[derive(Clone)]
 pub struct Parameter {
     /// Its name.
-    pub name: Ident,
+    pub name: Name,
     /// What it is stored as.
     pub shape: Shape,
     /// The first line of its documentation.
@@ -173,11 +175,11 @@ impl Parameter {
     }
 }
 
-/// A field marked `#[inertia]`.
+/// A field marked `#[inertia]`, or an element of one.
 #[derive(Clone)]
 pub struct InertiaField<'a> {
     /// Its name.
-    pub name: Ident,
+    pub name: Name,
     /// How it is given.
     pub shape: InertiaShape,
     /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
@@ -304,7 +306,7 @@ impl<'a> System<'a> {
 }
 
 /// What the names of components add to that of their whole.
-fn suffixes(whole: &Ident, components: &[String]) -> Vec<String> {
-    let prefix = format!("{}_", plain(whole));
+fn suffixes(whole: &Name, components: &[String]) -> Vec<String> {
+    let prefix = format!("{}_", whole.plain());
     components.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()
 }

@@ -8,13 +8,13 @@ use proc_macro::TokenStream;
 /// | key | meaning |
 /// |---|---|
 /// | `group = SO3` | where the configuration lives: `R1` … `R6`, `SO2`, `SO3`, `SE2`, `SE3`, `SU2`, families such as `SL(2)` and `SE2(3)`, `product(…)`, `semidirect(…)` and `tangent(…)` of them, `matrices { … }` with a basis of your own, or a group that `lie_group!` defines |
-/// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own |
+/// | `group(attitude: SO3, position: R3)` | several factors, each with a configuration and a momentum of its own; equal ones as an array, `group(spins: [SO3; 4])` |
 /// | `advected(gamma: R3)` | vectors that are fixed in space, in body coordinates; or `adjoint`, `coadjoint`, `dual(R3)`, `matrices { … }` |
 /// | `potential = weight * gamma.z` | the potential energy; the kinetic energy is that of the field marked `#[inertia]` |
 /// | `hamiltonian = …` | any smooth energy, of the momentum too, in place of inertia and potential |
 /// | `lagrangian = …` | any smooth Lagrangian of configuration and velocity, in place of inertia and potential; nothing is inverted by hand |
 /// | `control(moment: R3, thrust: f64)` | inputs you pass to each step; constant during it |
-/// | `force = moment`, `force(attitude = moment)` | forces and torques; of rigid motions also a pair, `(moment, push)` |
+/// | `force = moment`, `force(attitude = moment)` | forces and torques; of rigid motions also a pair, `(moment, push)`; on one of an array, `force(spins[0] = moment)`, or on all |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
 /// | `methods(Midpoint, Family(1, 4), TangentLift, TangentLift(1, 4))` | schemes to generate beside the standard ones |
 /// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two |
@@ -22,7 +22,8 @@ use proc_macro::TokenStream;
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
 ///
 /// `#[inertia]` on a field, or `#[inertia(attitude)]` for some of the factors: a number, principal moments, or a symmetric positive definite
-/// matrix. One field for several factors is their joint inertia, or that of each if it is only as long as one and all move on the same group.
+/// matrix. One field for several factors is their joint inertia, or that of each if it is only as long as one and all move on the same group; an
+/// array has one for each.
 /// Beside `hamiltonian` or `lagrangian` it is a parameter that is checked to be positive definite.
 ///
 /// Expressions are ordinary Rust in the fields, the configuration (`attitude`, `position`, `angle`, `pose`, `spin`, or the names of factors), the

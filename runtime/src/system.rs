@@ -25,7 +25,7 @@ use crate::stepper::Stepper;
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// The field's name.
+    /// The field's name; of an element of an array with its number, `spins_0`.
     pub name: &'static str,
     /// What it is to the system.
     pub role: Role,
@@ -53,14 +53,15 @@ pub enum Role {
 
 /// The state of a [`System`]: configuration, momentum, advected parameters.
 ///
-/// A plain struct of nalgebra types; this trait also shows it as a flat array, in the order of its fields.
+/// A plain struct of nalgebra types, and arrays of them; this trait also shows it as a flat array, in the order of its fields. Of an array of factors each
+/// configuration is followed by its momentum.
 /// Rotations are stored as `w, x, y, z` in space and `re, im` in the plane, isometries as their rotation, then their translation.
 pub trait State: Clone + PartialEq + fmt::Debug {
     /// `f64` or `f32`.
     type Scalar: Real;
     /// The flat array.
     type Components: Components<Self::Scalar>;
-    /// The fields, in order.
+    /// The fields in order, each element of an array by itself.
     const QUANTITIES: &'static [Quantity];
     /// The state as a flat array.
     fn to_components(&self) -> Self::Components;
@@ -79,7 +80,7 @@ pub trait Control: Clone + PartialEq + fmt::Debug + Default {
     type Scalar: Real;
     /// The flat array.
     type Components: Components<Self::Scalar>;
-    /// The fields, in order.
+    /// The fields in order, each element of an array by itself.
     const QUANTITIES: &'static [Quantity];
     /// The controls as a flat array.
     fn to_components(&self) -> Self::Components;
@@ -159,7 +160,7 @@ pub trait System: Sized {
 
     /// The struct's name.
     const NAME: &'static str;
-    /// The parameters, in the order of the struct's fields.
+    /// The parameters, in the order of the struct's fields, each element of an array by itself.
     const PARAMETERS: &'static [Quantity];
     /// The names of the Casimirs: functions of the state that every Hamiltonian with this bracket keeps.
     const CASIMIRS: &'static [&'static str];

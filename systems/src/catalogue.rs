@@ -62,6 +62,7 @@ catalogue! {
     four_dimensional_body: crate::four_dimensional_body::FourDimensionalBody,
     affine_body: crate::affine_body::AffineBody,
     navigation: crate::navigation::Navigation,
+    three_level_atom: crate::three_level_atom::ThreeLevelAtom,
 }
 
 /// All systems.

@@ -39,6 +39,7 @@ pub mod rigid_body_in_space;
 pub mod satellite_with_wheels;
 pub mod spherical_pendulum;
 pub mod spin_chain;
+pub mod three_level_atom;
 pub mod two_bodies;
 
 #[cfg(feature = "program")]

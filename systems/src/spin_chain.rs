@@ -16,13 +16,11 @@ use serde::{Deserialize, Serialize};
 /// Invariants: the energy `H`, the Casimirs `|Sᵢ|²`, and the total spin along the field. Where all spins are nearly along it, what they deviate by is a sum
 /// of [four waves](Self::wave).
 #[lie_poisson_system(
-    group(first: SO3, second: SO3, third: SO3, fourth: SO3),
+    group(spins: [SO3; 4]),
     invariance = right,
     hamiltonian = {
-        let neighbours = first_momentum.dot(&second_momentum)
-            + second_momentum.dot(&third_momentum)
-            + third_momentum.dot(&fourth_momentum);
-        let total = first_momentum + second_momentum + third_momentum + fourth_momentum;
+        let neighbours = spins_momentum.windows(2).map(|pair| pair[0].dot(&pair[1])).sum::<f64>();
+        let total = spins_momentum.iter().sum::<Vector3<f64>>();
         -exchange * neighbours - field.dot(&total)
     },
     retractions(Cayley),
@@ -37,23 +35,8 @@ pub struct SpinChain {
 
 impl SpinChain {
     /// The chain with these spins.
-    pub fn with_spins([first, second, third, fourth]: [Vector3<f64>; 4]) -> SpinChainState {
-        let unturned = UnitQuaternion::identity();
-        SpinChainState {
-            first: unturned,
-            first_momentum: first,
-            second: unturned,
-            second_momentum: second,
-            third: unturned,
-            third_momentum: third,
-            fourth: unturned,
-            fourth_momentum: fourth,
-        }
-    }
-
-    /// The spins.
-    pub fn spins(state: &SpinChainState) -> [Vector3<f64>; 4] {
-        [state.first_momentum, state.second_momentum, state.third_momentum, state.fourth_momentum]
+    pub fn with_spins(spins: [Vector3<f64>; 4]) -> SpinChainState {
+        SpinChainState { spins: [UnitQuaternion::identity(); 4], spins_momentum: spins }
     }
 
     /// The wave of a number from 0 to 3 in spins of length 1: the angular frequency `|b| + 2J (1 − cos ¼kπ)`, rad/s, and how far each spin leans.
@@ -81,11 +64,12 @@ impl Example for SpinChain {
     fn scene(&self, _: Scene) -> Scene {
         const BETWEEN: f64 = 0.5;
         let mut scene = Scene::default();
-        let places = [("second", 0.0), ("first", -BETWEEN), ("third", BETWEEN), ("fourth", 2.0 * BETWEEN)];
-        for (k, (name, place)) in places.into_iter().enumerate() {
-            let spin =
-                Arrow::quantity(&format!("{name}_momentum")).named(&format!("{name} spin")).symbol("S");
-            scene = scene.body(Body::fixed(name)).arrow(spin.on(k, Vector3::zeros()));
+        let places =
+            [(1, "second", 0.0), (0, "first", -BETWEEN), (2, "third", BETWEEN), (3, "fourth", 2.0 * BETWEEN)];
+        for (k, (spin, name, place)) in places.into_iter().enumerate() {
+            let arrow = Arrow::quantity(&format!("spins_momentum_{spin}"));
+            let arrow = arrow.named(&format!("{name} spin")).symbol("S");
+            scene = scene.body(Body::fixed(name)).arrow(arrow.on(k, Vector3::zeros()));
             if k > 0 {
                 scene = scene.hang(k, 0, vector![place, 0.0, 0.0]);
             }

@@ -66,7 +66,9 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     for (name, unit) in conserved {
         // what has many terms is shorter in symbols
         let name = if name.chars().count() > 40 { symbols(name) } else { name.to_owned() };
-        writeln!(words, "  {}", with_unit(&name, unit))?;
+        for (i, line) in wrapped(&with_unit(&name, unit), 76).iter().enumerate() {
+            writeln!(words, "{}{line}", if i == 0 { "  " } else { "    " })?;
+        }
     }
     writeln!(words, "\nretractions  {}", retractions(entry).join(", "))?;
     let methods = methods(entry).join(", ");

@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Span};
 use quote::ToTokens;
 
-use super::rules::nothing_acts;
+use super::advected::nothing_acts;
 use crate::diagnostics::{Diagnostics, suggestion};
 use crate::group::{
     self, Adjoint, Basis, BasisError, Dual, Group, Linear, LinearError, MatrixGroup, NamedMatrix,

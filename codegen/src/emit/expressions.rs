@@ -9,7 +9,9 @@ use super::code::size;
 use super::state::part_type;
 use super::{Names, docs};
 use crate::identifiers::{plain, velocity_name};
-use crate::model::{Factor, ForceForm, NamedPart, Source, StoredAs, System, parts};
+use crate::model::{
+    Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Source, StoredAs, System, parts,
+};
 use crate::parse::Shape;
 
 /// `impl HeavyTop { pub fn potential(&self, state: &HeavyTopState) -> f64 { … } }`
@@ -33,37 +35,36 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
         &sources.lagrangian,
         true,
     );
-    for force in &system.sources.forces {
-        let factor = &system.factors[force.factor];
-        let (name, doc) = match system.factors.len() {
-            1 => ("force".to_owned(), "The body force on the momentum, as described.".to_owned()),
-            _ => {
-                let factor = plain(&factor.name);
-                (
-                    format!("force_{factor}"),
-                    format!("The body force on the momentum of `{factor}`, as described."),
-                )
-            }
-        };
-        methods.push(method(
-            system,
-            names,
-            Method {
-                doc: &doc,
-                name: &name,
-                value: &force.value,
-                result: force_type(factor, force.form, names),
-                has_meaning: force.form.is_some(),
-                has_velocity: true,
-                has_controls: true,
-            },
-        ));
-    }
+    methods.extend(system.sources.forces.iter().map(|force| force_method(system, names, force)));
     if methods.is_empty() {
         return quote! {};
     }
     let name = &names.system;
     quote! { impl #name { #(#methods)* } }
+}
+
+/// The force on a factor, or those on an array of them.
+fn force_method(system: &System<'_>, names: &Names, force: &ForceSource) -> TokenStream {
+    let factor = &system.factors[force.factors.indices().start];
+    let one = force_type(factor, force.form, names);
+    let (name, doc, result) = match &force.factors {
+        Factors::One(_) if system.factors.len() == 1 => {
+            ("force".to_owned(), "The body force on the momentum, as described.".to_owned(), one)
+        }
+        Factors::One(_) => {
+            let doc = format!("The body force on the momentum of `{}`, as described.", factor.name.written());
+            (format!("force_{}", factor.name.plain()), doc, one)
+        }
+        Factors::All(all) => {
+            let (whole, length) = (plain(&factor.name.ident), size(all.len()));
+            let doc = format!("The body forces on the momenta of `{whole}`, as described.");
+            (format!("force_{whole}"), doc, quote! { [#one; #length] })
+        }
+    };
+    let (has_velocity, has_controls) = (true, true);
+    let (value, has_meaning) = (&force.value, force.form.is_some());
+    let force = Method { doc: &doc, name: &name, value, result, has_meaning, has_velocity, has_controls };
+    method(system, names, force)
 }
 
 /// The type of a force as it is written.
@@ -109,9 +110,9 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
     let doc = docs::line(doc);
 
     let state_parts = system.parts();
-    let state_parts = state_parts.iter().map(|part| &part.name);
-    let fields = system.parameters.iter().map(|field| &field.name);
-    let controls: Vec<&Ident> = system.controls.iter().map(|part| &part.name).collect();
+    let state_parts = wholes(state_parts.iter().map(|part| &part.name));
+    let fields = wholes(system.parameters.iter().map(|field| &field.name));
+    let controls = wholes(system.controls.iter().map(|part| &part.name));
     let controlled = has_controls && !controls.is_empty();
     let control_argument = controlled.then(|| quote! { #control: &#control_type, });
     let control_values = controlled.then(|| quote! { let #control_type { #(#controls,)* } = *#control; });
@@ -144,6 +145,17 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
     }
 }
 
+/// The names of fields, of an array once.
+fn wholes<'n>(names: impl Iterator<Item = &'n Name>) -> Vec<&'n Ident> {
+    names.filter(|name| name.is_first()).map(|name| &name.ident).collect()
+}
+
+/// The factors that have names of their own, and those of each array together.
+fn declared<'s, 'a>(system: &'s System<'a>) -> impl Iterator<Item = Range<usize>> + use<'s, 'a> {
+    let first = system.factors.iter().enumerate().filter(|(_, factor)| factor.name.is_first());
+    first.map(|(start, factor)| start..start + factor.name.place.map_or(1, |place| place.length))
+}
+
 /// Variables for the velocities, and for their parts, that an expression names.
 fn velocities(
     system: &System<'_>,
@@ -158,52 +170,75 @@ fn velocities(
         quote! { 0.0 }
     };
     let all = quote! { #private::System::velocity_at(self, #state, #time) };
-    let (mut variables, mut row) = (TokenStream::new(), 0);
-    for factor in &system.factors {
-        let name = velocity_name(&factor.momentum_name);
-        for NamedPart { velocity, rows, .. } in parts(factor.algebra.group, &factor.momentum_name) {
-            variables.extend(binding(&velocity, &all, row + rows.start..row + rows.end, expression));
+    let mut variables = TokenStream::new();
+    for factors in declared(system) {
+        let first = &system.factors[factors.start];
+        let momentum = &first.momentum_name.ident;
+        let whole = |rows: Range<usize>, is_number: bool| {
+            let of = |factor| {
+                let start = system.momentum_range(factor).start;
+                rows_of(&all, start + rows.start..start + rows.end, is_number)
+            };
+            gathered(first, factors.clone().map(of).collect())
+        };
+        for NamedPart { velocity, rows, .. } in parts(first.algebra.group, momentum) {
+            let is_number = rows.len() == 1;
+            variables.extend(binding(&velocity, expression, || whole(rows, is_number)));
         }
-        let rows = row..row + factor.momentum.len();
-        row = rows.end;
-        if mentions(expression.to_token_stream(), &name) {
-            variables.extend(rows_of(&name, &all, rows));
-        }
+        let rows = 0..first.momentum.len();
+        variables.extend(binding(&velocity_name(momentum), expression, || whole(rows, false)));
     }
     variables
 }
 
 /// Variables for the parts of momenta that an expression names.
 fn momentum_parts(system: &System<'_>, expression: &syn::Expr) -> TokenStream {
-    let of = |factor: &Factor<'_>| {
-        let name = &factor.momentum_name;
-        let whole = quote! { #name };
-        let parts = parts(factor.algebra.group, name).into_iter();
-        parts.filter_map(move |part| binding(&part.momentum, &whole, part.rows, expression))
+    let of = |factors: Range<usize>| {
+        let first = &system.factors[factors.start];
+        let momentum = &first.momentum_name.ident;
+        let part = |NamedPart { momentum: name, rows, .. }| {
+            let of = |factor: usize| {
+                let whole = match system.factors[factor].name.place {
+                    None => quote! { #momentum },
+                    Some(place) => {
+                        let index = size(place.index);
+                        quote! { #momentum[#index] }
+                    }
+                };
+                rows_of(&whole, rows.clone(), rows.len() == 1)
+            };
+            binding(&name, expression, || gathered(first, factors.clone().map(of).collect()))
+        };
+        parts(first.algebra.group, momentum).into_iter().filter_map(part).collect::<TokenStream>()
     };
-    system.factors.iter().flat_map(of).collect()
+    declared(system).map(of).collect()
 }
 
-/// `let angular_momentum = …;` where the name is used: some rows of a vector, or its one component.
-fn binding(
-    name: &str,
-    whole: &TokenStream,
-    rows: Range<usize>,
-    expression: &syn::Expr,
-) -> Option<TokenStream> {
+/// What there is of one factor, or an array of what there is of each.
+fn gathered(first: &Factor<'_>, values: Vec<TokenStream>) -> TokenStream {
+    match first.name.place {
+        None => values.into_iter().collect(),
+        Some(_) => quote! { [#(#values),*] },
+    }
+}
+
+/// `let angular_momentum = …;` where the name is used.
+fn binding(name: &str, expression: &syn::Expr, value: impl FnOnce() -> TokenStream) -> Option<TokenStream> {
     if !mentions(expression.to_token_stream(), name) {
         return None;
     }
-    if rows.len() > 1 {
-        return Some(rows_of(name, whole, rows));
-    }
-    let (name, row) = (format_ident!("{name}"), size(rows.start));
-    Some(quote! { let #name = #whole[#row]; })
+    let (name, value) = (format_ident!("{name}"), value());
+    Some(quote! { let #name = #value; })
 }
 
-fn rows_of(name: &str, whole: &TokenStream, rows: Range<usize>) -> TokenStream {
-    let (name, first, count) = (format_ident!("{name}"), size(rows.start), size(rows.len()));
-    quote! { let #name = #whole.fixed_rows::<#count>(#first).into_owned(); }
+/// Some rows of a vector, or the one number that they are.
+fn rows_of(whole: &TokenStream, rows: Range<usize>, is_number: bool) -> TokenStream {
+    let (first, count) = (size(rows.start), size(rows.len()));
+    if is_number {
+        quote! { #whole[#first] }
+    } else {
+        quote! { #whole.fixed_rows::<#count>(#first).into_owned() }
+    }
 }
 
 /// Whether a name occurs.

@@ -73,17 +73,49 @@ impl Names {
         }
     }
 
-    /// What the user calls a parameter, a part of the state or a control.
+    /// What the user calls a parameter, a part of the state or a control; of an element of an array the array.
     fn of(&self, quantity: &Quantity) -> Ident {
-        let known = self.identifiers.get(&quantity.name).cloned();
-        known.unwrap_or_else(|| format_ident!("{}", quantity.name))
+        let known = self.identifiers.get(quantity.field()).cloned();
+        known.unwrap_or_else(|| format_ident!("{}", quantity.field()))
+    }
+
+    /// Where it stands in its struct: `attitude`, `spins[0]`.
+    fn place(&self, quantity: &Quantity) -> TokenStream {
+        let field = self.of(quantity);
+        match &quantity.element {
+            None => quote! { #field },
+            Some(element) => {
+                let index = code::size(element.index);
+                quote! { #field[#index] }
+            }
+        }
+    }
+}
+
+/// The fields of a struct of quantities: each with the one that it is, or with the elements of the array that it is.
+fn fields(quantities: &[Quantity]) -> Vec<Vec<&Quantity>> {
+    let mut fields: Vec<Vec<&Quantity>> = Vec::new();
+    for quantity in quantities {
+        match fields.iter_mut().find(|field| field[0].field() == quantity.field()) {
+            Some(field) => field.push(quantity),
+            None => fields.push(vec![quantity]),
+        }
+    }
+    fields
+}
+
+/// Several values in the place of a field: an array, or the one that there is.
+fn whole(field: &[&Quantity], values: &[TokenStream]) -> TokenStream {
+    match (&field[0].element, values) {
+        (None, [value]) => value.clone(),
+        _ => quote! { [#(#values),*] },
     }
 }
 
 fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
-    let parameters = source.parameters.iter().map(|field| field.name.clone());
-    let parts = source.parts().into_iter().map(|part| part.name);
-    let controls = source.controls.iter().map(|part| part.name.clone());
+    let parameters = source.parameters.iter().map(|field| field.name.ident.clone());
+    let parts = source.parts().into_iter().map(|part| part.name.ident);
+    let controls = source.controls.iter().map(|part| part.name.ident.clone());
     parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident)).collect()
 }
 

@@ -1,11 +1,13 @@
 //! The structs of state and controls.
 
+use std::collections::BTreeMap;
+
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::size;
-use super::{Names, docs, function, quantity};
+use super::{Names, docs, fields, function, quantity, whole};
 use crate::model::{Role as QuantityRole, StoredAs};
 use crate::parse::Shape;
 use crate::program::{Program, Quantity, Role};
@@ -26,8 +28,8 @@ pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
     lines.extend(interface.documentation.conventions.iter().cloned());
     let configurations = interface.state.iter().filter(|part| part.role == QuantityRole::Configuration);
     let deviations = configurations.map(|part| {
-        let (name, size) = (names.of(part), size(part.components.len()));
-        quote! { __Stored::<_, #size>::deviation(&self.#name, 0.0) }
+        let (place, size) = (names.place(part), size(part.components.len()));
+        quote! { __Stored::<_, #size>::deviation(&self.#place, 0.0) }
     });
     let of_matrices = program.function(Role::Deviation).map(|_| {
         let function = function(program, private, Role::Deviation, "off");
@@ -85,8 +87,8 @@ fn record(
     names: &Names,
 ) -> TokenStream {
     let Names { private, visibility, scalar, .. } = names;
-    let fields = parts.iter().map(|part| {
-        let (name, ty, doc) = (names.of(part), part_type(part.stored, names), docs::line(&part.doc));
+    let fields = fields(parts).into_iter().map(|field| {
+        let (name, ty, doc) = (names.of(field[0]), field_type(&field, names), docs::line(&field[0].doc));
         quote! { #doc pub #name: #ty }
     });
     let doc = docs::lines(doc);
@@ -136,8 +138,8 @@ fn record(
 /// function of the description alone.
 fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream {
     let Names { coadjoint, private, .. } = names;
-    let fields = parts.iter().map(|part| {
-        let (name, ty) = (names.of(part), part_type(part.stored, names));
+    let fields = fields(parts).into_iter().map(|field| {
+        let (name, ty) = (names.of(field[0]), field_type(&field, names));
         quote! { #name: #ty }
     });
     // serde's derive macros want paths as strings
@@ -148,6 +150,18 @@ fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream
             #name,
             #[serde(crate = #serde, remote = #remote, rename = #named)]
             struct { #(#fields),* }
+        }
+    }
+}
+
+/// The Rust type of a field.
+fn field_type(field: &[&Quantity], names: &Names) -> TokenStream {
+    let ty = part_type(field[0].stored, names);
+    match field[0].element {
+        None => ty,
+        Some(_) => {
+            let length = size(field.len());
+            quote! { [#ty; #length] }
         }
     }
 }
@@ -174,11 +188,11 @@ pub(super) fn part_type(stored: StoredAs, names: &Names) -> TokenStream {
 
 /// How fields become one flat array and back.
 pub(super) struct Conversion {
-    /// `let [gamma_0, …] = Stored::to_array(&self.gamma);` for each field
+    /// `let [gamma_0, …] = Stored::to_array(&self.gamma);` for each quantity
     pub take: Vec<TokenStream>,
     /// The flat array's elements.
     pub elements: Vec<Ident>,
-    /// `gamma: Stored::from_array([gamma_0, …])` for each field
+    /// `gamma: Stored::from_array([gamma_0, …])` for each field; of an array in brackets, for each element
     pub give: Vec<TokenStream>,
 }
 
@@ -186,16 +200,23 @@ pub(super) struct Conversion {
 pub(super) fn arrays(quantities: &[Quantity], names: &Names) -> Conversion {
     let mut conversion = Conversion { take: Vec::new(), elements: Vec::new(), give: Vec::new() };
     let mut count = 0..;
+    let mut values = BTreeMap::new();
     for quantity in quantities {
-        let name = names.of(quantity);
+        let place = names.place(quantity);
         let elements: Vec<Ident> = count
             .by_ref()
             .take(quantity.components.len())
             .map(|n| Ident::new(&format!("x{n}"), proc_macro2::Span::mixed_site()))
             .collect();
-        conversion.take.push(quote! { let [#(#elements),*] = __Stored::to_array(&self.#name); });
-        conversion.give.push(quote! { #name: __Stored::from_array([#(#elements),*]) });
+        conversion.take.push(quote! { let [#(#elements),*] = __Stored::to_array(&self.#place); });
+        values.insert(&quantity.name, quote! { __Stored::from_array([#(#elements),*]) });
         conversion.elements.extend(elements);
+    }
+    for field in fields(quantities) {
+        let given: Vec<TokenStream> =
+            field.iter().filter_map(|quantity| values.remove(&quantity.name)).collect();
+        let (name, value) = (names.of(field[0]), whole(&field, &given));
+        conversion.give.push(quote! { #name: #value });
     }
     conversion
 }

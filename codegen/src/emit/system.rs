@@ -114,18 +114,19 @@ fn parameters(interface: &Interface, names: &Names) -> TokenStream {
 fn validate(interface: &Interface, names: &Names) -> TokenStream {
     let private = &names.private;
     let finite = interface.parameters.iter().map(|field| {
-        let (ident, text, size) = (names.of(field), &field.name, size(field.components.len()));
-        quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#ident))?; }
+        let (place, text, size) = (names.place(field), &field.name, size(field.components.len()));
+        quote! { #private::require_finite(#text, &__Stored::<_, #size>::to_array(&self.#place))?; }
     });
     let definite = interface.inertias.iter().enumerate().map(|(place, inertia)| {
         let text = &inertia.name;
-        let name = names.identifiers.get(text);
+        let field = interface.parameters.iter().find(|field| field.name == *text);
+        let stored = field.map(|field| names.place(field));
         let rows = size(inertia.rows);
         let symmetric = inertia.is_matrix.then(|| {
             quote! {
                 #private::require_symmetric(
                     #text,
-                    &__Stored::<_, { #rows * #rows }>::to_array(&self.#name),
+                    &__Stored::<_, { #rows * #rows }>::to_array(&self.#stored),
                     #rows,
                 )?;
             }

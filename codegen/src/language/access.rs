@@ -61,11 +61,24 @@ impl<'a> Lowering<'a, '_> {
         let base = self.lower(&index.expr);
         let place = self.lower(&index.index);
         let (base, place) = (base?, place?);
+        let within = |i: i64, bound: usize| usize::try_from(i).ok().filter(|&i| i < bound);
+        if let Value::Array(values) = &base {
+            return match place {
+                Value::Integer(k) => match within(k, values.len()) {
+                    Some(k) => Some(values[k].clone()),
+                    None => {
+                        let (n, last) = (values.len(), values.len().saturating_sub(1));
+                        let message = format!("this index is out of range: an array of {n} has 0 to {last}");
+                        self.fail(&index.index, message)
+                    }
+                },
+                _ => self.fail(&index.index, "the index of an array is an integer that is known now"),
+            };
+        }
         let Some(matrix) = base.as_matrix() else {
             return self.fail(index, format!("{} cannot be indexed", base.describe()));
         };
         let (rows, columns) = (matrix.rows, matrix.columns);
-        let within = |i: i64, bound: usize| usize::try_from(i).ok().filter(|&i| i < bound);
         match place {
             // nalgebra counts the entries of a matrix by columns
             Value::Integer(k) => match within(k, rows * columns) {

@@ -79,13 +79,16 @@ impl<'a> Lowering<'a, '_> {
         self.bind(&local.pat, value);
     }
 
-    fn bind(&mut self, pattern: &Pat, value: Option<Value<'a>>) {
+    /// Gives names to a value, or to its parts.
+    pub(super) fn bind(&mut self, pattern: &Pat, value: Option<Value<'a>>) {
         match pattern {
             Pat::Ident(name) if name.subpat.is_none() => {
                 self.locals.push((name.ident.unraw().to_string(), value))
             }
             Pat::Type(typed) => self.bind(&typed.pat, value),
             Pat::Paren(inner) => self.bind(&inner.pat, value),
+            // values and references to them are the same to mathematics
+            Pat::Reference(inner) => self.bind(&inner.pat, value),
             Pat::Wild(_) => {}
             Pat::Tuple(tuple) => {
                 let values = match value {

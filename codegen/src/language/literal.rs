@@ -43,19 +43,33 @@ impl<'a> Lowering<'a, '_> {
         }
     }
 
-    /// `integer as f64`
+    /// `integer as f64`, `integer as i32`
     pub(super) fn cast(&mut self, cast: &ExprCast) -> Option<Value<'a>> {
         let value = self.lower(&cast.expr)?;
         match (value, float_type(&cast.ty)) {
             (Value::Integer(integer), Some(_)) => {
                 Some(Value::Scalar(self.arena.number(Number::from(integer))))
             }
+            (Value::Integer(integer), None) if holds(&cast.ty, integer) => Some(Value::Integer(integer)),
             (_, Some(_)) => {
                 // a cast between f32 and f64 rounds, which has no symbolic meaning
                 self.fail(cast.as_token, "only integers can be cast; this needs no cast")
             }
-            (_, None) => self.fail(&cast.ty, "only casts to `f64` and `f32` are supported"),
+            (_, None) => self.fail(
+                &cast.ty,
+                "only casts to `f64` and `f32` are supported, and of integers to `i32` and `usize`",
+            ),
         }
+    }
+}
+
+/// Whether a type of integers holds this one.
+fn holds(ty: &Type, integer: i64) -> bool {
+    let Type::Path(path) = ty else { return false };
+    match path.path.get_ident().map(ToString::to_string).as_deref() {
+        Some("i32") => i32::try_from(integer).is_ok(),
+        Some("usize") => integer >= 0,
+        _ => false,
     }
 }
 

@@ -19,13 +19,15 @@ pub(super) struct Lowering<'a, 's> {
     scope: &'s mut Scope<'a>,
     /// The variables of the blocks around, innermost last; `None` for one whose value was in error.
     pub(super) locals: Vec<(String, Option<Value<'a>>)>,
+    /// How many closures this is in, each of which is lowered for every element of something.
+    pub(super) iterations: usize,
     /// Whether it was said that there is too much to compute.
     exhausted: bool,
 }
 
 impl<'a, 's> Lowering<'a, 's> {
     pub(super) fn new(scope: &'s mut Scope<'a>, arena: &'a Arena, diagnostics: &'s mut Diagnostics) -> Self {
-        Self { arena, diagnostics, scope, locals: Vec::new(), exhausted: false }
+        Self { arena, diagnostics, scope, locals: Vec::new(), iterations: 0, exhausted: false }
     }
 
     /// The value of an expression. `None` if there is a problem in it, which was reported.
@@ -40,7 +42,7 @@ impl<'a, 's> Lowering<'a, 's> {
     /// The value unless it is beyond reason.
     pub(super) fn checked(&mut self, value: Value<'a>, tokens: impl ToTokens) -> Option<Value<'a>> {
         let scalars = value.scalars();
-        self.arena.charge(scalars.len());
+        self.arena.charge(value.size());
         if self.arena.work() > limits::READING {
             if self.exhausted {
                 return None;
@@ -90,6 +92,9 @@ impl<'a, 's> Lowering<'a, 's> {
             Expr::Macro(call) => self.macro_call(&call.mac),
             Expr::Block(block) => self.block_expression(block),
             Expr::Tuple(tuple) => self.all(&tuple.elems).map(Value::Tuple),
+            Expr::Range(range) => self.range(range),
+            Expr::Array(array) if array.elems.is_empty() => self.fail(array, "this array is empty"),
+            Expr::Array(array) => self.all(&array.elems).map(Value::Array),
             _ => self.other(expr),
         }
     }
@@ -141,12 +146,11 @@ impl<'a, 's> Lowering<'a, 's> {
             Expr::ForLoop(looped) => self.unsupported(looped.for_token, "a loop"),
             Expr::While(looped) => self.unsupported(looped.while_token, "a loop"),
             Expr::Loop(looped) => self.unsupported(looped.loop_token, "a loop"),
-            Expr::Closure(_) => self.unsupported(expr, "a closure"),
-            Expr::Array(_) | Expr::Repeat(_) => {
-                self.fail(expr, "arrays are not supported; write `vector![…]` or `matrix![…]`")
+            Expr::Closure(_) => {
+                self.fail(expr, "a closure is not supported here; it is an argument of `map`, `map(|x| …)`")
             }
+            Expr::Repeat(_) => self.fail(expr, "write out the elements, as in `[a, b]`, or `vector![…]`"),
             Expr::Struct(_) => self.unsupported(expr, "a struct"),
-            Expr::Range(_) => self.unsupported(expr, "a range"),
             Expr::Try(propagated) => self.unsupported(propagated.question_token, "`?`"),
             Expr::Return(returned) => {
                 self.fail(returned.return_token, "leave out `return`: the last expression is the value")

@@ -15,6 +15,7 @@ mod operators;
 mod reference;
 mod sanity;
 mod scope;
+mod sequence;
 mod value;
 
 pub use reference::reference;
@@ -79,7 +80,50 @@ pub fn lower_force<'a>(
     diagnostics: &mut Diagnostics,
 ) -> Option<(Vector<'a>, ForceForm)> {
     let value = lower(expr, scope, arena, diagnostics)?;
-    let (components, form) = match &value {
+    let force = force(&value, group, arena);
+    // on what is not known an array may act too
+    let is_open = group.is_none() && matches!(value, Value::Array(_));
+    if force.is_none() && !is_open {
+        let (expected, found) = (expected_force(group), value.describe());
+        diagnostics.push(result(expr), format!("this force must be {expected}, but this is {found}"));
+    }
+    force
+}
+
+/// The symbolic meaning of the forces on an array of so many factors with this group, and how each is written.
+pub fn lower_forces<'a>(
+    expr: &syn::Expr,
+    (group, length): (&dyn Group, usize),
+    scope: &mut Scope<'a>,
+    arena: &'a Arena,
+    diagnostics: &mut Diagnostics,
+) -> Option<(Vec<Vector<'a>>, ForceForm)> {
+    let value = lower(expr, scope, arena, diagnostics)?;
+    let forces = match &value {
+        Value::Array(values) if values.len() == length => {
+            values.iter().map(|value| force(value, Some(group), arena)).collect::<Option<Vec<_>>>()
+        }
+        _ => None,
+    };
+    let form = forces.as_ref().and_then(|forces| Some(forces.first()?.1));
+    let Some((forces, form)) = forces.zip(form) else {
+        let (expected, found) = (expected_force(Some(group)), value.describe());
+        let message = format!(
+            "these forces must be an array of {length}, one for each factor, each {expected}, but this is {found}"
+        );
+        diagnostics.push(result(expr), message);
+        return None;
+    };
+    Some((forces.into_iter().map(|(force, _)| force).collect(), form))
+}
+
+/// A value as a force on a factor with this group, if it can be one.
+fn force<'a>(
+    value: &Value<'a>,
+    group: Option<&dyn Group>,
+    arena: &'a Arena,
+) -> Option<(Vector<'a>, ForceForm)> {
+    let (components, form) = match value {
         Value::Vector(vector) => (Some(vector.0.clone()), ForceForm::Vector),
         Value::Tuple(values) => {
             let parts = group.and_then(|group| parts(values, group, arena));
@@ -89,17 +133,17 @@ pub fn lower_force<'a>(
     };
     let fits =
         components.filter(|components| group.is_none_or(|group| components.len() == group.dimension()));
-    if fits.is_none() {
-        let expected = match group.map(|group| (group.dimension(), group.parts())) {
-            Some((1, _)) => "a scalar or a vector of 1".to_owned(),
-            Some((n, [])) => format!("a vector of {n}"),
-            Some((n, parts)) => format!("a vector of {n}, or its parts `({})`", parts.join(", ")),
-            None => "a vector".to_owned(),
-        };
-        let found = value.describe();
-        diagnostics.push(result(expr), format!("this force must be {expected}, but this is {found}"));
-    }
     fits.map(|components| (Vector(components), form))
+}
+
+/// What a force on a factor with this group can be.
+fn expected_force(group: Option<&dyn Group>) -> String {
+    match group.map(|group| (group.dimension(), group.parts())) {
+        Some((1, _)) => "a scalar or a vector of 1".to_owned(),
+        Some((n, [])) => format!("a vector of {n}"),
+        Some((n, parts)) => format!("a vector of {n}, or its parts `({})`", parts.join(", ")),
+        None => "a vector".to_owned(),
+    }
 }
 
 /// The components of a force written as its parts, if these fit.

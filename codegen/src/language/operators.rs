@@ -1,7 +1,7 @@
 //! `+ - * /` and the sign, typed as Rust and nalgebra type them.
 
 use quote::ToTokens;
-use syn::{BinOp, Expr, ExprBinary};
+use syn::{BinOp, Expr, ExprBinary, Ident};
 
 use super::lowering::Lowering;
 use super::value::Value;
@@ -61,7 +61,12 @@ impl<'a> Lowering<'a, '_> {
         for link in chain.into_iter().rev() {
             let right = self.lower(&link.right);
             let Some(operation) = Operation::of(&link.op) else {
-                value = self.no_arithmetic(&link.op);
+                value = match (&link.op, &value, &right) {
+                    (BinOp::Rem(sign), Some(Value::Integer(left)), Some(Value::Integer(right))) => {
+                        self.remainder(*left, *right, sign)
+                    }
+                    _ => self.no_arithmetic(&link.op),
+                };
                 continue;
             };
             value = match (value, right) {
@@ -89,12 +94,17 @@ impl<'a> Lowering<'a, '_> {
         }
     }
 
+    /// A sum; the method is what asks for it.
+    pub(super) fn added(&mut self, left: Value<'a>, right: Value<'a>, method: &Ident) -> Option<Value<'a>> {
+        self.operate(Operation::Add, left, right, method)
+    }
+
     fn operate(
         &mut self,
         operation: Operation,
         left: Value<'a>,
         right: Value<'a>,
-        operator: &BinOp,
+        operator: &dyn ToTokens,
     ) -> Option<Value<'a>> {
         if let (Value::Integer(left), Value::Integer(right)) = (&left, &right) {
             return self.integers(operation, *left, *right, operator);
@@ -132,7 +142,7 @@ impl<'a> Lowering<'a, '_> {
         operation: Operation,
         left: i64,
         right: i64,
-        operator: &BinOp,
+        operator: &dyn ToTokens,
     ) -> Option<Value<'a>> {
         let result = match operation {
             Operation::Add => left.checked_add(right),
@@ -151,7 +161,20 @@ impl<'a> Lowering<'a, '_> {
         }
     }
 
-    fn not_zero(&mut self, operation: Operation, divisor: Symbolic<'a>, operator: &BinOp) -> Option<()> {
+    /// Of integers, as places in a ring of elements are told: `(i + 1) % 4`.
+    fn remainder(&mut self, left: i64, right: i64, sign: impl ToTokens) -> Option<Value<'a>> {
+        match left.checked_rem(right) {
+            Some(remainder) => Some(Value::Integer(remainder)),
+            None => self.fail(sign, "this divides by zero"),
+        }
+    }
+
+    fn not_zero(
+        &mut self,
+        operation: Operation,
+        divisor: Symbolic<'a>,
+        operator: &dyn ToTokens,
+    ) -> Option<()> {
         if operation == Operation::Divide && divisor.is_zero() {
             return self.fail(operator, "this divides by zero");
         }
@@ -181,9 +204,7 @@ impl<'a> Lowering<'a, '_> {
             Value::Scalar(scalar) => Some(Value::Scalar(-scalar)),
             Value::Vector(vector) => Some(Value::Vector(-&vector)),
             Value::Matrix(matrix) => Some(Value::Matrix(matrix.map(|entry| -entry))),
-            Value::Tuple(_) | Value::Element(_) | Value::Point(_) | Value::Optional(_) => {
-                self.fail(sign, format!("{} has no negative", value.describe()))
-            }
+            value => self.fail(sign, format!("{} has no negative", value.describe())),
         }
     }
 }

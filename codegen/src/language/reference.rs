@@ -2,13 +2,15 @@
 
 use super::construct::{CONSTRUCTORS, POINTS};
 use super::methods::{self, NOT_SMOOTH};
+use super::sequence::{ARRAY_METHODS, ITERATOR_METHODS};
 use crate::group::{Group, Retraction, catalogue, family, part_name};
+use crate::limits::RANGE;
 use crate::parse::KEYS;
 
 /// What can be written in a description, in Markdown: keys, groups with the order of what they store, and all that has a meaning in an
 /// expression.
 pub fn reference() -> String {
-    let sections = [keys(), groups(), matrix_groups(), expressions(), methods(), types()];
+    let sections = [keys(), groups(), matrix_groups(), arrays(), expressions(), methods(), types()];
     let page = sections.concat();
     // one line end at the end
     format!("{}\n", page.trim_end())
@@ -99,6 +101,34 @@ fn matrix_groups() -> String {
     )
 }
 
+/// Arrays, and what is said of each element.
+fn arrays() -> String {
+    format!(
+        "# Arrays\n\n\
+         Equal factors may be an array, `group(spins: [SO3; 4])`, of up to 32. It is a row of factors with one name: the state has the fields `spins` and \
+         `spins_momentum`, which are arrays.\n\n\
+         | of an array | written |\n|---|---|\n\
+         | one factor, after its declaration | `force(spins[0] = …)`, `#[inertia(spins[0])]`, `advected(gamma: spins[0]::R3)` |\n\
+         | all of them | `force(spins = …)` with an array, `#[inertia(spins)]`, `advected(gammas: spins::R3)` for an array with one each |\n\
+         | fields and controls | `lengths: [f64; 4]`, `control(torques: [R3; 4])` |\n\
+         | inertias | `#[inertia] inertia: [Vector3<f64>; 4]`, or one `Vector3<f64>` for all |\n\
+         | in expressions | `spins_momentum[0]`, `spins_velocity[1]`, `[a, b]` |\n\
+         | in flat arrays, in tables, on the command line | `spins_0`, `spins_momentum_0`, `spins_1`, …: each factor with its momentum |\n\n\
+         What is said of all elements is lowered for each:\n\n\
+         ```text\n\
+         (0..3).map(|i| spins_momentum[i].dot(&spins_momentum[i + 1])).sum::<f64>()\n\
+         spins_momentum.iter().zip(&lengths).map(|(spin, length)| length * spin.x).sum::<f64>()\n\
+         ```\n\n\
+         * Methods of arrays: {}.\n\
+         * Methods of iterators, and of ranges such as `0..3`: {}.\n\
+         * Indices are integers that are known when the description is read: `i`, `i + 1`, `(i + 1) % 4`.\n\
+         * A range goes through {RANGE} integers at most.\n\
+         * A sum of nothing is an error. Within another iteration it is zero, of the type that it names.\n\n",
+        codes(ARRAY_METHODS),
+        codes(ITERATOR_METHODS),
+    )
+}
+
 /// A line for each text, with the groups that it is true of.
 fn merged(text: impl Fn(&dyn Group) -> Option<String>) -> String {
     let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
@@ -162,7 +192,7 @@ fn expressions() -> String {
         "# Expressions\n\n\
          * Names: fields, factors, momenta, velocities (in forces), advected parameters, controls (in forces), the time `t`, and constants of \
          your own, `GRAVITY` or `std::f64::consts::PI`.\n\
-         * `+ - * /`, signs, parentheses, references, blocks with `let`, `integer as f64`, `f64::from(integer)`.\n\
+         * `+ - * /`, signs, parentheses, references, blocks with `let`, `integer as f64`, `f64::from(integer)`; of integers `%` and `as i32` too.\n\
          * Components: `v.x`, `v[0]`, `m.m12`, `m[(0, 1)]`; a matrix is indexed by rows and columns, with one index by columns.\n\
          * `g * v` and `g * h` for an element `g` of a group; of rigid motions `g * p` for a point `p`, while a vector is turned by \
          `transform_vector`.\n\
@@ -174,7 +204,7 @@ fn expressions() -> String {
          says.\n\
          * `angle()` of `SO2` is above −π and at most π: an energy of it jumps at half a turn, unless its derivative is the same on both \
          sides.\n\
-         * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders too.\n\n",
+         * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders of numbers too.\n\n",
         codes(CONSTRUCTORS),
         codes(POINTS),
         codes(NOT_SMOOTH),
@@ -199,6 +229,7 @@ fn types() -> String {
      * Of a field: `f64` or `f32`, one of them for all; `Vector1` to `Vector6`, `RowVector1` to `RowVector6`, `Matrix1` to `Matrix6`, \
      `Matrix2x3` and so on, `SVector<f64, N>`, `SMatrix<f64, R, C>` with up to 32 rows and columns.\n\
      * Of a control: the same, or `R1` to `R6` for a vector.\n\
+     * Of either: an array of up to 32 of these, `[f64; 3]`.\n\
      * Of an advected parameter: a space that a factor acts on, `gamma: R3`, or `gamma: attitude::R3` where several do.\n"
         .to_owned()
 }

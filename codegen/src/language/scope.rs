@@ -41,6 +41,14 @@ impl<'a> Scope<'a> {
         self.names.push((name.into(), Some(value)));
     }
 
+    /// Adds an element to the array of a name; the first one adds the name.
+    pub fn define_element(&mut self, name: &str, value: Value<'a>) {
+        match self.names.iter_mut().rev().find(|(known, _)| known == name) {
+            Some((_, Some(Value::Array(values)))) => values.push(value),
+            _ => self.define(name, Value::Array(vec![value])),
+        }
+    }
+
     /// Adds a name whose value is not known because of an error that was reported.
     pub fn define_unknown(&mut self, name: impl Into<String>) {
         self.names.push((name.into(), None));

@@ -19,6 +19,10 @@ pub enum Value<'a> {
     Matrix(Matrix<'a>),
     /// Several values, as `sin_cos` returns them.
     Tuple(Vec<Value<'a>>),
+    /// Several values of one type, by numbers.
+    Array(Vec<Value<'a>>),
+    /// Values that come one after the other.
+    Iterator(Vec<Value<'a>>),
     /// A configuration.
     Element(Element<'a>),
     /// A point of space: a place, where a vector is a direction and a length.
@@ -121,7 +125,8 @@ impl<'a> Value<'a> {
             Self::Integer(_) | Self::Scalar(_) => Some(Shape::Scalar),
             Self::Vector(vector) => Some(Shape::Vector(vector.len())),
             Self::Matrix(matrix) => Some(Shape::Matrix(matrix.rows, matrix.columns)),
-            Self::Tuple(_) | Self::Element(_) | Self::Point(_) | Self::Optional(_) => None,
+            Self::Tuple(_) | Self::Array(_) | Self::Iterator(_) => None,
+            Self::Element(_) | Self::Point(_) | Self::Optional(_) => None,
         }
     }
 
@@ -130,10 +135,25 @@ impl<'a> Value<'a> {
         match self {
             Self::Integer(_) => "an integer".to_owned(),
             Self::Tuple(values) => format!("a tuple of {}", values.len()),
+            Self::Array(values) if values.iter().all(|value| value.shape() == Some(Shape::Scalar)) => {
+                format!("an array of {} (a vector is written `vector![…]`)", values.len())
+            }
+            Self::Array(values) => format!("an array of {}", values.len()),
+            Self::Iterator(_) => "an iterator".to_owned(),
             Self::Element(element) => format!("an element of {}", element.group.name()),
             Self::Point(point) => format!("a point in {} dimensions", point.len()),
             Self::Optional(value) => format!("an option of {} (take it with `.unwrap()`)", value.describe()),
             _ => self.shape().map(Shape::describe).unwrap_or_default(),
+        }
+    }
+
+    /// How much there is of it: its scalars, and one for all that has none.
+    pub(super) fn size(&self) -> usize {
+        match self {
+            Self::Tuple(values) | Self::Array(values) | Self::Iterator(values) => {
+                values.iter().map(Self::size).sum::<usize>() + 1
+            }
+            _ => self.scalars().len().max(1),
         }
     }
 
@@ -144,7 +164,9 @@ impl<'a> Value<'a> {
             Self::Scalar(scalar) => vec![*scalar],
             Self::Vector(vector) => vector.0.clone(),
             Self::Matrix(matrix) => matrix.entries.clone(),
-            Self::Tuple(values) => values.iter().flat_map(Self::scalars).collect(),
+            Self::Tuple(values) | Self::Array(values) | Self::Iterator(values) => {
+                values.iter().flat_map(Self::scalars).collect()
+            }
             Self::Element(element) => element.coordinates.0.clone(),
             Self::Point(point) => point.0.clone(),
             Self::Optional(value) => value.scalars(),

@@ -21,7 +21,6 @@ use super::{Increment, Step};
 use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::{Side, carried_back, d_left, stored_perturbation, to_body};
-use crate::identifiers::plain;
 use crate::model::{FactorPart, Slot, System};
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
@@ -96,7 +95,7 @@ fn state_perturbations<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> 
         Slot::Configuration(factor) => {
             let factor = &system.factors[factor];
             let axes = factor.algebra.group.axes().iter();
-            let names = axes.map(|axis| format!("{}_{axis}", plain(&factor.name)));
+            let names = axes.map(|axis| format!("{}_{axis}", factor.name.plain()));
             names.map(|name| perturbation(arena, &name)).collect()
         }
         Slot::Momentum(_) | Slot::Advected { .. } => perturbations(arena, &slot.of(&state).symbols()).0,

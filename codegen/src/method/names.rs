@@ -1,7 +1,6 @@
 //! What the values of a step are called in generated code.
 
 use crate::expr::{Arena, Expr, Stage, Vector};
-use crate::identifiers::plain;
 use crate::model::{Factor, System};
 
 /// The names of the values that belong to one factor. Each function gives its argument a name and returns it.
@@ -17,7 +16,7 @@ impl<'s, 'a> ValueNames<'s, 'a> {
     pub(super) fn new(system: &System<'a>, factor: &'s Factor<'a>, unknown_scale: i128) -> Self {
         let prefix = match system.factors.len() {
             1 => String::new(),
-            _ => format!("{}_", plain(&factor.name)),
+            _ => format!("{}_", factor.name.plain()),
         };
         Self { factor, prefix, unknown_scale }
     }
@@ -74,14 +73,14 @@ impl<'s, 'a> ValueNames<'s, 'a> {
 
     /// What becomes of the configuration.
     pub(super) fn configuration(&self, what: &str, value: &Vector<'a>) -> Vector<'a> {
-        value.named(&format!("{}_{what}", plain(&self.factor.name)), self.factor.algebra.group.coordinates())
+        value.named(&format!("{}_{what}", self.factor.name.plain()), self.factor.algebra.group.coordinates())
     }
 
     /// What becomes of the advected parameters, or belongs to them.
     pub(super) fn advected(&self, what: &str, values: &[Vector<'a>]) {
         let parameters = self.factor.advected.iter().zip(&self.factor.algebra.spaces);
         for ((advected, space), value) in parameters.zip(values) {
-            value.named(&format!("{}_{what}", advected.name), space.coordinates());
+            value.named(&format!("{}_{what}", advected.name.plain()), space.coordinates());
         }
     }
 }

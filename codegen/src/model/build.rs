@@ -3,19 +3,17 @@
 use std::cell::OnceCell;
 use std::ops::Range;
 
-use proc_macro2::Ident;
-
 use super::{
-    Advected, Energy, Factor, ForceSource, InertiaField, InertiaShape, Parameter, Part, Role, Source,
+    Advected, Energy, Factor, ForceSource, InertiaField, InertiaShape, Name, Parameter, Part, Role, Source,
     Sources, StoredAs, System, suffixes,
 };
-use crate::check::{self, Description};
+use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::{Group, Semidirect, part_name};
 use crate::identifiers::{plain, velocity_name};
-use crate::language::{Scope, Value, lower_force, lower_scalar};
-use crate::parse::Control;
+use crate::language::{Scope, Value, lower_force, lower_forces, lower_scalar};
+use crate::parse::{Control, Shape};
 
 impl<'a> System<'a> {
     /// The system that a description describes; problems in its expressions are reported, and what they concern is left out. `None` if the
@@ -39,7 +37,7 @@ impl<'a> System<'a> {
         let controls = description
             .controls
             .iter()
-            .map(|declared| control(arena, declared, &mut scope, &mut forbidden))
+            .flat_map(|declared| control(arena, declared, &mut scope, &mut forbidden))
             .collect();
         let time = arena.symbol("t", Stage::Step);
         scope.define("t", Value::Scalar(time));
@@ -47,7 +45,7 @@ impl<'a> System<'a> {
         let mut sources = Sources::default();
         let energies = energies(arena, description, &forbidden, &mut sources, &mut scope, diagnostics);
         forces(arena, description, &mut factors, &mut sources, &mut scope, diagnostics);
-        let inertias = inertias(description, &factors, &values);
+        let inertias = inertias(description, &factors, (&parameters, &values));
         let energy = match (description.hamiltonian, description.lagrangian) {
             (Some(_), _) => Energy::Hamiltonian(energies.hamiltonian),
             (None, Some(_)) => Energy::Lagrangian(energies.lagrangian),
@@ -83,15 +81,40 @@ fn parameters<'a>(
     description: &Description<'_>,
     scope: &mut Scope<'a>,
 ) -> (Vec<Parameter>, Vec<Value<'a>>) {
-    let fields = description.parameters.iter().map(|field| {
-        let value = Value::symbols(arena, &plain(&field.name), field.shape, Stage::Parameters);
-        let symbols: Vec<Symbol> = value.scalars().iter().filter_map(|scalar| scalar.as_symbol()).collect();
-        let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
-        scope.define(plain(&field.name), value.clone());
-        let (name, doc) = (field.name.clone(), field.doc.clone());
-        (Parameter { name, shape: field.shape, doc, symbols, names }, value)
+    let fields = description.parameters.iter().flat_map(|field| {
+        let elements = Name::all(&field.name, field.length).into_iter();
+        elements.map(move |name| (name, field.shape, &field.doc))
+    });
+    let fields = fields.map(|(name, shape, doc)| {
+        let Named { value, symbols, names } = named(arena, &name, shape, Stage::Parameters);
+        define(scope, &name, &plain(&name.ident), value.clone());
+        (Parameter { name, shape, doc: doc.clone(), symbols, names }, value)
     });
     fields.unzip()
+}
+
+/// What has symbols of its own.
+struct Named<'a> {
+    value: Value<'a>,
+    symbols: Vec<Symbol>,
+    /// The symbols' names.
+    names: Vec<String>,
+}
+
+/// A value of new symbols.
+fn named<'a>(arena: &'a Arena, name: &Name, shape: Shape, stage: Stage) -> Named<'a> {
+    let value = Value::symbols(arena, &name.plain(), shape, stage);
+    let symbols: Vec<Symbol> = value.scalars().iter().filter_map(|scalar| scalar.as_symbol()).collect();
+    let names = symbols.iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
+    Named { value, symbols, names }
+}
+
+/// Defines what has this name, or an element of what has it. Elements come one after the other.
+fn define<'a>(scope: &mut Scope<'a>, name: &Name, whole: &str, value: Value<'a>) {
+    match name.place {
+        None => scope.define(whole, value),
+        Some(_) => scope.define_element(whole, value),
+    }
 }
 
 /// The names that not every expression may use.
@@ -148,24 +171,26 @@ fn factor<'a>(
     forbidden: &mut Forbidden,
 ) -> Factor<'a> {
     let check::Factor { name, momentum_name, group } = declared;
-    let symbols = |name: &str, suffixes: &[&str]| {
+    let symbols = |whole: &str, suffixes: &[&str]| {
+        let name = name.with(whole);
         let symbol = |suffix: &&str| arena.symbol(format!("{name}_{suffix}"), Stage::Step);
         Vector(suffixes.iter().map(symbol).collect())
     };
-    let configuration = symbols(&plain(name), group.coordinates());
-    scope.define(plain(name), Value::element(*group, configuration.clone()));
-    let (momentum_text, velocity_text) = (plain(momentum_name), velocity_name(momentum_name));
+    let whole = plain(&name.ident);
+    let configuration = symbols(&whole, group.coordinates());
+    define(scope, name, &whole, Value::element(*group, configuration.clone()));
+    let (momentum_text, velocity_text) = (plain(&momentum_name.ident), velocity_name(&momentum_name.ident));
     let momentum = symbols(&momentum_text, group.axes());
     let velocity = symbols(&velocity_text, group.axes());
-    for part in parts(*group, momentum_name) {
+    for part in parts(*group, &momentum_name.ident) {
         let value = |whole: &Vector<'a>| Value::of_part(&whole.0[part.rows.clone()]);
-        scope.define(&part.momentum, value(&momentum));
-        scope.define(&part.velocity, value(&velocity));
+        define(scope, name, &part.momentum, value(&momentum));
+        define(scope, name, &part.velocity, value(&velocity));
         forbidden.velocities.push((part.velocity, part.momentum.clone()));
         forbidden.momenta.push(part.momentum);
     }
-    scope.define(&momentum_text, Value::Vector(momentum.clone()));
-    scope.define(&velocity_text, Value::Vector(velocity.clone()));
+    define(scope, name, &momentum_text, Value::Vector(momentum.clone()));
+    define(scope, name, &velocity_text, Value::Vector(velocity.clone()));
     forbidden.velocities.push((velocity_text, momentum_text.clone()));
     forbidden.momenta.push(momentum_text);
     Factor {
@@ -191,8 +216,8 @@ pub(crate) struct NamedPart {
     pub(crate) rows: Range<usize>,
 }
 
-/// The named parts of a momentum of this name.
-pub(crate) fn parts(group: &dyn Group, momentum: &Ident) -> Vec<NamedPart> {
+/// The named parts of a momentum of this name, or of an array of them.
+pub(crate) fn parts(group: &dyn Group, momentum: &proc_macro2::Ident) -> Vec<NamedPart> {
     let (blocks, mut start) = (group.blocks(), 0);
     let parts = group.parts().iter().zip(blocks).map(|(part, length)| {
         let rows = start..start + length;
@@ -211,39 +236,42 @@ fn advected<'a>(
     scope: &mut Scope<'a>,
 ) -> Vec<(usize, usize)> {
     let places = description.advected.iter().map(|declared| {
-        let name = plain(declared.name);
+        let name = declared.name.plain();
         let symbol = |suffix: &&str| arena.symbol(format!("{name}_{suffix}"), Stage::Step);
         let value = Vector(declared.space.coordinates().iter().map(symbol).collect());
-        scope.define(&name, Value::Vector(value.clone()));
+        define(scope, &declared.name, &plain(&declared.name.ident), Value::Vector(value.clone()));
         let factor = &mut factors[declared.factor];
         factor.algebra.spaces.push(declared.space);
-        factor.advected.push(Advected { ident: declared.name.clone(), name, value });
+        factor.advected.push(Advected { name: declared.name.clone(), value });
         (declared.factor, factor.advected.len() - 1)
     });
     places.collect()
 }
 
+/// A control, or each of an array.
 fn control<'a>(
     arena: &'a Arena,
     control: &Control,
     scope: &mut Scope<'a>,
     forbidden: &mut Forbidden,
-) -> Part<'a> {
-    let value = Value::symbols(arena, &plain(&control.name), control.shape, Stage::Step);
-    let scalars = Vector(value.scalars());
-    let components: Vec<String> =
-        scalars.symbols().iter().map(|&symbol| arena.symbol_info(symbol).name).collect();
-    forbidden.controls.push(plain(&control.name));
-    scope.define(plain(&control.name), value);
-    Part {
-        role: Role::Control,
-        name: control.name.clone(),
-        stored: StoredAs::Shape(control.shape),
-        suffixes: suffixes(&control.name, &components),
-        symbols: scalars.symbols(),
-        value: scalars,
-        doc: format!("Control `{}`, held constant over a step.", plain(&control.name)),
-    }
+) -> Vec<Part<'a>> {
+    let whole = plain(&control.name);
+    let elements = Name::all(&control.name, control.length).into_iter().map(|name| {
+        let Named { value, symbols, names } = named(arena, &name, control.shape, Stage::Step);
+        define(scope, &name, &whole, value.clone());
+        Part {
+            role: Role::Control,
+            stored: StoredAs::Shape(control.shape),
+            suffixes: suffixes(&name, &names),
+            symbols,
+            value: Vector(value.scalars()),
+            doc: format!("Control `{whole}`, held constant over a step."),
+            name,
+        }
+    });
+    let parts = elements.collect();
+    forbidden.controls.push(whole);
+    parts
 }
 
 /// What the user's energies mean; zero for one that is not there or has no meaning.
@@ -293,14 +321,25 @@ fn forces<'a>(
     diagnostics: &mut Diagnostics,
 ) {
     for force in &description.forces {
-        let group = force.factor.map(|factor| factors[factor].algebra.group);
-        let value = lower_force(force.value, group, scope, arena, diagnostics);
-        let Some(factor) = force.factor else { continue };
-        let (value, form) = value.unzip();
-        sources.forces.push(ForceSource { factor, value: force.value.clone(), form });
-        // of a force in error, whatever it is
-        factors[factor].force =
-            Some(value.unwrap_or_else(|| Vector::zeros(arena, factors[factor].momentum.len())));
+        let group = |factor: usize| factors[factor].algebra.group;
+        let (values, form) = match &force.factors {
+            Some(Factors::All(all)) => {
+                lower_forces(force.value, (group(all.start), all.len()), scope, arena, diagnostics).unzip()
+            }
+            one => {
+                let group = one.as_ref().map(|one| group(one.indices().start));
+                let value = lower_force(force.value, group, scope, arena, diagnostics);
+                value.map(|(value, form)| (vec![value], form)).unzip()
+            }
+        };
+        let Some(acted) = &force.factors else { continue };
+        sources.forces.push(ForceSource { factors: acted.clone(), value: force.value.clone(), form });
+        let mut values = values.unwrap_or_default().into_iter();
+        for factor in &mut factors[acted.indices()] {
+            // of a force in error, whatever it is
+            let value = values.next();
+            factor.force = Some(value.unwrap_or_else(|| Vector::zeros(arena, factor.momentum.len())));
+        }
     }
 }
 
@@ -308,17 +347,18 @@ fn forces<'a>(
 fn inertias<'a>(
     description: &Description<'_>,
     factors: &[Factor<'a>],
-    values: &[Value<'a>],
+    (parameters, values): (&[Parameter], &[Value<'a>]),
 ) -> Vec<InertiaField<'a>> {
-    let fields = description.inertias.iter().map(|inertia| {
+    let fields = description.inertias.iter().filter_map(|inertia| {
+        let place = parameters.iter().position(|parameter| parameter.name == inertia.name)?;
         let block = inertia.blocks.first();
         let of_block = |block: &Vec<usize>| block.iter().map(|&factor| factors[factor].momentum.len()).sum();
-        InertiaField {
-            name: description.parameters[inertia.field].name.clone(),
+        Some(InertiaField {
+            name: inertia.name.clone(),
             shape: inertia.shape,
             blocks: inertia.blocks.clone(),
-            matrix: inertia_matrix(inertia.shape, &values[inertia.field], block.map_or(1, of_block)),
-        }
+            matrix: inertia_matrix(inertia.shape, &values[place], block.map_or(1, of_block)),
+        })
     });
     fields.collect()
 }

@@ -47,7 +47,7 @@ fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
     let momenta = blocks.len();
     let spaces = factor.advected.iter().zip(&factor.algebra.spaces);
     blocks.extend(spaces.map(|(advected, space)| Block {
-        name: advected.name.clone(),
+        name: advected.name.plain(),
         axes: space.coordinates().to_vec(),
         value: advected.value.clone(),
     }));
@@ -68,10 +68,14 @@ fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
 
 /// The parts of a factor's momentum.
 fn momenta<'a>(factor: &Factor<'a>) -> Vec<Block<'a>> {
-    let (group, whole) = (factor.algebra.group, plain(&factor.momentum_name));
+    let (group, name) = (factor.algebra.group, &factor.momentum_name);
+    let whole = plain(&name.ident);
     let parts: Vec<(String, usize)> = match group.parts() {
-        [] => vec![(whole, group.dimension())],
-        parts => parts.iter().map(|part| part_name(&whole, part)).zip(group.blocks()).collect(),
+        [] => vec![(name.plain(), group.dimension())],
+        parts => {
+            let names = parts.iter().map(|part| name.with(&part_name(&whole, part)));
+            names.zip(group.blocks()).collect()
+        }
     };
     let mut from = 0;
     let block = |(name, length): (String, usize)| {

@@ -1,8 +1,6 @@
 //! The parts of the state, and the controls, as fields of generated structs.
 
-use proc_macro2::Ident;
-
-use super::{Factor, Slot, System};
+use super::{Factor, Name, Slot, System};
 use crate::expr::{Symbol, Vector};
 use crate::group::{Side, StorageType};
 use crate::parse::Shape;
@@ -22,13 +20,13 @@ pub enum Role {
     Control,
 }
 
-/// A part of the state, or a control: one field of a generated struct.
+/// A part of the state, or a control: one field of a generated struct, or an element of one.
 #[derive(Clone)]
 pub struct Part<'a> {
     /// What it is to the system.
     pub role: Role,
     /// Its name.
-    pub name: Ident,
+    pub name: Name,
     /// What it is stored as.
     pub stored: StoredAs,
     /// What the components' names add to its own.
@@ -121,12 +119,12 @@ impl<'a> Factor<'a> {
         };
         Part {
             role: Role::Advected,
-            name: advected.ident.clone(),
+            name: advected.name.clone(),
             stored: space.storage().into(),
             suffixes: owned(space.coordinates()),
             symbols: advected.value.symbols(),
             value: advected.value.clone(),
-            doc: format!("Advected parameter `{}`, {seen}.", advected.name),
+            doc: format!("Advected parameter `{}`, {seen}.", advected.name.ident),
         }
     }
 }

@@ -1,11 +1,15 @@
 //! The arguments of `#[lie_poisson_system(…)]`.
 
+use std::fmt::Display;
+
 use proc_macro2::{TokenStream, TokenTree};
+use quote::ToTokens;
 use syn::ext::IdentExt;
 use syn::parse::discouraged::Speculative;
 use syn::parse::{ParseStream, Parser};
-use syn::{Ident, LitInt, LitStr, Token, parenthesized, token};
+use syn::{Ident, LitInt, LitStr, Token, bracketed, parenthesized, token};
 
+use super::factor::FactorName;
 use super::group::{Group, Space, declared_name, group, space};
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
@@ -122,6 +126,8 @@ pub struct Factor {
     pub name: Option<Ident>,
     /// Its group.
     pub group: Group,
+    /// How many there are of it, where it is an array.
+    pub length: Option<usize>,
 }
 
 /// One advected parameter.
@@ -130,7 +136,7 @@ pub struct Advected {
     /// What the user calls it.
     pub name: Ident,
     /// The factor that acts on it, if the user names it: `gamma: attitude::R3`.
-    pub factor: Option<Ident>,
+    pub factor: Option<FactorName>,
     /// The space it lives in.
     pub space: Space,
 }
@@ -142,6 +148,8 @@ pub struct Control {
     pub name: Ident,
     /// Whether it is a scalar, a vector or a matrix.
     pub shape: Shape,
+    /// How many there are of it, where it is an array.
+    pub length: Option<usize>,
     /// Its type, where that says what numbers it is made of.
     pub scalar: Option<(ScalarType, syn::Type)>,
 }
@@ -150,7 +158,7 @@ pub struct Control {
 #[derive(Debug)]
 pub struct Force {
     /// The factor; `None` for a group that is the whole.
-    pub factor: Option<Ident>,
+    pub factor: Option<FactorName>,
     /// What it is.
     pub value: syn::Expr,
 }
@@ -344,10 +352,14 @@ fn factors(
         let name = |factor: &Factor| factor.name.clone();
         return entries(input, (key, GROUP), diagnostics, unreadable, factor, name);
     }
+    if input.peek(Token![=]) && input.peek2(token::Bracket) {
+        let message = "an array of factors has a name; write `group(spins: [SO3; 4])`";
+        return Err(syn::Error::new_spanned(key, message));
+    }
     let name: Option<FirstWord> =
         equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
     let Some(FirstWord(name)) = name else { return Ok(Vec::new()) };
-    Ok(vec![Factor { name: None, group: group(input, name)? }])
+    Ok(vec![Factor { name: None, group: group(input, name)?, length: None }])
 }
 
 /// What a group begins with; `crate`, `self` and `super` too, with which paths begin.
@@ -360,13 +372,30 @@ impl syn::parse::Parse for FirstWord {
     }
 }
 
-/// `attitude: SO3`
+/// `attitude: SO3` or `spins: [SO3; 4]`
 fn factor(input: ParseStream<'_>) -> syn::Result<Factor> {
     let name = declared_name(input, "attitude: SO3", "a factor", "the group it moves on")?;
-    let FirstWord(group) = input.parse().map_err(|error: syn::Error| {
-        syn::Error::new(error.span(), "expected a group; a factor is written `attitude: SO3`")
+    if !input.peek(token::Bracket) {
+        return Ok(Factor { name: Some(name), group: factor_group(input, "attitude: SO3")?, length: None });
+    }
+    let content;
+    bracketed!(content in input);
+    let group = factor_group(&content, "spins: [SO3; 4]")?;
+    let (span, written) = (content.span(), "an array of factors is written `spins: [SO3; 4]`");
+    content.parse::<Token![;]>().map_err(|_| syn::Error::new(span, format!("expected `;`: {written}")))?;
+    let length = shape::array_length(&content.parse()?)?;
+    if !content.is_empty() {
+        return Err(content.error(written));
+    }
+    Ok(Factor { name: Some(name), group, length: Some(length) })
+}
+
+/// The group of a factor.
+fn factor_group(input: ParseStream<'_>, example: &str) -> syn::Result<Group> {
+    let FirstWord(word) = input.parse().map_err(|error: syn::Error| {
+        syn::Error::new(error.span(), format!("expected a group; a factor is written `{example}`"))
     })?;
-    Ok(Factor { name: Some(name), group: self::group(input, group)? })
+    group(input, word)
 }
 
 /// `= expr` or `(attitude = expr, …)`
@@ -379,13 +408,16 @@ fn forces(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) ->
     Ok(value.map(|value| Force { factor: None, value }).into_iter().collect())
 }
 
-/// `attitude = expr`
+/// `attitude = expr` or `spins[0] = expr`
 fn force(input: ParseStream<'_>) -> syn::Result<Force> {
     let explain = |error: syn::Error| {
         let message = "expected the name of a factor and `=`; write `force(attitude = moment)`";
         syn::Error::new(error.span(), message)
     };
-    let factor: Ident = input.parse().map_err(explain)?;
+    if !input.peek(Ident) {
+        return Err(explain(input.error("")));
+    }
+    let factor: FactorName = input.parse()?;
     input.parse::<Token![=]>().map_err(explain)?;
     Ok(Force { factor: Some(factor), value: input.parse()? })
 }
@@ -403,7 +435,7 @@ fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
 
 /// `(Midpoint, SymplecticEulerB, Family(1, 4))`
 fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Rule>> {
-    let named = entries(input, (key, METHODS), diagnostics, &mut Vec::new(), method, |_| None)?;
+    let named = entries(input, (key, METHODS), diagnostics, &mut Vec::new(), method, |_| None::<Ident>)?;
     let mut members = Vec::new();
     for member in named {
         if !members.contains(&member) {
@@ -495,13 +527,13 @@ fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
 }
 
 /// Entries between parentheses, of which no two have the same name; the names of those that cannot be read are added to `unreadable`.
-fn entries<T>(
+fn entries<T, N: PartialEq + ToTokens + Display>(
     input: ParseStream<'_>,
     (key, known): (&Ident, Key),
     diagnostics: &mut Diagnostics,
     unreadable: &mut Vec<(Key, Ident)>,
     parse: fn(ParseStream<'_>) -> syn::Result<T>,
-    name: impl Fn(&T) -> Option<Ident>,
+    name: impl Fn(&T) -> Option<N>,
 ) -> syn::Result<Vec<T>> {
     if !input.peek(token::Paren) {
         let missing = input.is_empty() || input.peek(Token![,]);
@@ -530,18 +562,18 @@ fn entries<T>(
     Ok(list)
 }
 
-/// `gamma: R3` or `gamma: attitude::R3`
+/// `gamma: R3`, `gamma: attitude::R3` or `gamma: spins[0]::R3`
 fn advected(input: ParseStream<'_>) -> syn::Result<Advected> {
     let name = declared_name(input, "gamma: R3", "an advected parameter", "the space it lives in")?;
     let explain = |error: syn::Error| {
         let message = "expected a space; an advected parameter is written `gamma: R3`";
         syn::Error::new(error.span(), message)
     };
-    let is_of_factor = input.peek2(Token![::]);
-    let factor = match is_of_factor {
-        true => Some(input.parse::<Ident>().map_err(explain)?),
-        false => None,
-    };
+    if !input.peek(Ident) {
+        return Err(explain(input.error("")));
+    }
+    let is_of_factor = input.peek2(Token![::]) || input.peek2(token::Bracket);
+    let factor = is_of_factor.then(|| input.parse::<FactorName>()).transpose()?;
     if is_of_factor {
         input.parse::<Token![::]>()?;
     }
@@ -551,22 +583,24 @@ fn advected(input: ParseStream<'_>) -> syn::Result<Advected> {
     Ok(Advected { name, factor, space: space(input)? })
 }
 
-/// `moment: R3`, `thrust: f64` or `moment: Vector3<f64>`
+/// `moment: R3`, `thrust: f64`, `moment: Vector3<f64>` or `torques: [f64; 3]`
 fn control(input: ParseStream<'_>) -> syn::Result<Control> {
     let name = declared_name(input, "thrust: f64", "a control", "a type")?;
     let ty: syn::Type = input.parse()?;
-    if let syn::Type::Path(path) = &ty
+    let (element, length) = shape::element(&ty)?;
+    if let syn::Type::Path(path) = element
         && let Some(ident) = path.path.get_ident()
         && let Some(n) = ident.to_string().strip_prefix('R').and_then(|n| n.parse::<usize>().ok())
         && (1..=6).contains(&n)
     {
-        return Ok(Control { name, shape: Shape::Vector(n), scalar: None });
+        return Ok(Control { name, shape: Shape::Vector(n), length, scalar: None });
     }
-    match shape::of_type(&ty) {
-        Some((shape, scalar)) => Ok(Control { name, shape, scalar: Some((scalar, ty)) }),
+    match shape::of_type(element) {
+        Some((shape, scalar)) => Ok(Control { name, shape, length, scalar: Some((scalar, element.clone())) }),
         None => {
             let message = format!(
-                "`{name}` cannot be of this type; a control is a number, `f64`, or a vector, `R1` to `R6`"
+                "`{name}` cannot be of this type; a control is a number, `f64`, a vector, `R1` to `R6`, or an array of \
+                 these, such as `[f64; 3]`"
             );
             Err(syn::Error::new_spanned(ty, message))
         }

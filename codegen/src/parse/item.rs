@@ -4,6 +4,7 @@ use proc_macro2::{Span, TokenStream};
 use syn::punctuated::Punctuated;
 use syn::{Fields, Ident, ItemStruct, Meta, Token, Type, Visibility};
 
+use super::factor::FactorName;
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
 use crate::diagnostics::Diagnostics;
@@ -39,6 +40,8 @@ pub struct Field {
     pub name: Ident,
     /// Whether it is a scalar, a vector or a matrix.
     pub shape: Shape,
+    /// How many there are of it, where it is an array.
+    pub length: Option<usize>,
     /// Of what numbers.
     pub scalar: ScalarType,
     /// Whether, and how, it is marked `#[inertia]`.
@@ -57,7 +60,7 @@ pub struct Inertia {
     /// Where it is.
     pub span: Span,
     /// The factors it names; none stands for all.
-    pub factors: Vec<Ident>,
+    pub factors: Vec<FactorName>,
 }
 
 /// A field of a type that no description can hold.
@@ -94,15 +97,20 @@ impl Item {
         for field in named {
             let inertia = take_inertia(field, diagnostics);
             let Some(name) = field.ident.clone() else { continue };
-            match shape::of_type(&field.ty) {
-                Some((shape, scalar)) => {
+            let element = shape::element(&field.ty).and_then(|(element, length)| {
+                let known = shape::of_type(element).map(|(shape, scalar)| (shape, length, scalar));
+                let message = || format!("`{name}` cannot be of this type; {SUPPORTED}");
+                known.ok_or_else(|| syn::Error::new_spanned(&field.ty, message()))
+            });
+            match element {
+                Ok((shape, length, scalar)) => {
                     let doc =
                         docs(&field.attrs).into_iter().find(|line| !line.is_empty()).unwrap_or_default();
                     let (ty, lints) = (field.ty.clone(), lints(&field.attrs));
-                    fields.push(Field { name, shape, scalar, inertia, doc, ty, lints });
+                    fields.push(Field { name, shape, length, scalar, inertia, doc, ty, lints });
                 }
-                None => {
-                    diagnostics.push(&field.ty, format!("`{name}` cannot be of this type; {SUPPORTED}"));
+                Err(error) => {
+                    diagnostics.absorb(error);
                     unreadable.push(Unreadable { name, inertia });
                 }
             }
@@ -131,7 +139,7 @@ impl Item {
 
 /// What a field may be.
 const SUPPORTED: &str = "a parameter is `f64`, `f32`, or a vector or matrix of them: `Vector1<f64>` to `Vector6<f64>`, \
-                         `SVector<f64, N>`, `Matrix1<f64>` to `Matrix6<f64>` or `SMatrix<f64, R, C>`";
+                         `SVector<f64, N>`, `Matrix1<f64>` to `Matrix6<f64>` or `SMatrix<f64, R, C>`; or an array of these, such as `[f64; 3]`";
 
 /// The struct without our helper attributes, for emission where no [`Item`] could be made of it, so that a mistake brings
 /// no complaints about unknown attributes with it. `None` if it is no struct.
@@ -205,7 +213,7 @@ fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option
     let factors = match &mark.meta {
         Meta::Path(_) => Vec::new(),
         Meta::List(list) => {
-            let names = Punctuated::<Ident, Token![,]>::parse_terminated;
+            let names = Punctuated::<FactorName, Token![,]>::parse_terminated;
             match list.parse_args_with(names) {
                 Ok(names) if !names.is_empty() => names.into_iter().collect(),
                 _ => {

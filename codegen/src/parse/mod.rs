@@ -1,6 +1,7 @@
 //! From tokens to a description: what the user wrote, with spans, and nothing concluded from it.
 
 mod attribute;
+mod factor;
 mod group;
 mod item;
 mod nesting;
@@ -10,6 +11,7 @@ pub use attribute::{
     ADVECTED, Advected, Attribute, CONTROL, CRATE, Control, DERIVATIVES, Definition, FORCE, Factor, Force,
     GROUP, HAMILTONIAN, INVARIANCE, KEYS, Key, LAGRANGIAN, METHODS, POTENTIAL,
 };
+pub use factor::{FactorName, Index};
 pub(crate) use group::group;
 pub use group::{BasisMatrix, Group, Space};
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};

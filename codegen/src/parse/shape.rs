@@ -94,6 +94,31 @@ pub(super) fn of_type(ty: &Type) -> Option<(Shape, ScalarType)> {
     of_segment(path.segments.last()?)
 }
 
+/// What an array is made of, and how long it is; the type itself if it is none.
+pub(super) fn element(ty: &Type) -> syn::Result<(&Type, Option<usize>)> {
+    match ty {
+        Type::Array(array) => Ok((&array.elem, Some(array_length(&array.len)?))),
+        Type::Paren(inner) => element(&inner.elem),
+        Type::Group(inner) => element(&inner.elem),
+        _ => Ok((ty, None)),
+    }
+}
+
+/// The length of an array. What arrays of the standard library are, such as their own default, they are up to this one.
+pub(super) fn array_length(length: &Expr) -> syn::Result<usize> {
+    let known = match length {
+        Expr::Lit(literal) => match &literal.lit {
+            Lit::Int(literal) => literal.base10_parse::<usize>().ok(),
+            _ => None,
+        },
+        _ => None,
+    };
+    known.filter(|length| (1..=LARGEST).contains(length)).ok_or_else(|| {
+        let message = format!("the length of an array is a number from 1 to {LARGEST}");
+        syn::Error::new_spanned(length, message)
+    })
+}
+
 /// The shape and scalar type that a path's segment names, as `Vector3<f64>` or `SVector::<f64, 4>` do.
 pub fn of_segment(segment: &PathSegment) -> Option<(Shape, ScalarType)> {
     let name = segment.ident.to_string();

@@ -36,8 +36,10 @@ pub struct Interface {
 pub struct Quantity {
     /// What it is to the system.
     pub role: Role,
-    /// What the user calls it.
+    /// What it is called.
     pub name: String,
+    /// Where it stands in an array, if it does.
+    pub element: Option<Element>,
     /// What the components' names add to its own.
     pub components: Vec<String>,
     /// What it is stored as.
@@ -46,6 +48,17 @@ pub struct Quantity {
     pub perturbation: usize,
     /// The first line of its documentation.
     pub doc: String,
+}
+
+/// A place in an array of the user's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Element {
+    /// What the user calls the array.
+    pub array: String,
+    /// The index.
+    pub index: usize,
+    /// How long the array is.
+    pub length: usize,
 }
 
 /// A parameter that is an inertia, and has to be positive definite.
@@ -68,6 +81,13 @@ pub struct Documentation {
     pub equations: Vec<String>,
     /// The conventions of each group.
     pub conventions: Vec<String>,
+}
+
+impl Quantity {
+    /// The field that it stands in: its own, or that of its array.
+    pub fn field(&self) -> &str {
+        self.element.as_ref().map_or(&self.name, |element| &element.array)
+    }
 }
 
 impl Interface {

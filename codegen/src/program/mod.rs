@@ -8,7 +8,7 @@ mod interpreter;
 mod operations;
 mod text;
 
-pub use interface::{Documentation, Inertia, Interface, Quantity};
+pub use interface::{Documentation, Element, Inertia, Interface, Quantity};
 pub use interpreter::{CallError, Given, Returned};
 pub use operations::Operations;
 

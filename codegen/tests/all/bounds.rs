@@ -85,6 +85,22 @@ fn documentation_names_what_occurs_again() {
     documentation_grows_linearly(|times| block("let a = gamma.x;", "let a = a.sin() * a.cos();", times, "a"));
 }
 
+/// Arrays of arrays of arrays, and copies of copies, are an error before they take time or the stack.
+#[test]
+fn arrays_within_arrays_have_a_bound() {
+    for (again, times) in [
+        ("let x = [x];", 900),
+        ("let x = (x,);", 900),
+        ("let x = [x, x];", 900),
+        ("let x = [x].map(|x| [x, x]);", 300),
+    ] {
+        let (_, message) = problem(&block("let x = gamma;", again, times, "w"));
+        assert!(message.starts_with("up to here, expressions make sums and products"), "{again}: {message}");
+    }
+    let pairs = "(0..64).map(|i| (0..i).map(|j| gamma.x * i as f64 + j as f64).sum::<f64>()).sum::<f64>()";
+    assert!(!code(pairs).is_empty());
+}
+
 #[test]
 fn documentation_reads_like_formulas() {
     let lines = documentation(&code("w * (gamma.x * gamma.y + gamma.z * x * y).sin()"));

@@ -1,5 +1,6 @@
 //! Reading the attribute and the struct, and the rules between them.
 
+mod arrays;
 mod attributes;
 mod energies;
 mod groups;

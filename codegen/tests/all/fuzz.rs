@@ -19,7 +19,7 @@ use proc_macro2::TokenStream;
 use crate::common::Random;
 
 /// Pieces of input; those that matter to the language appear most.
-const PIECES: [&str; 118] = [
+const PIECES: [&str; 128] = [
     "group",
     "hamiltonian",
     "control",
@@ -96,6 +96,16 @@ const PIECES: [&str; 118] = [
     "mut",
     "ref",
     "_",
+    "spins: [SO3; 2]",
+    "spins[0]",
+    "spins_momentum",
+    "[f64; 3]",
+    "[R3; 2]",
+    "map(|i|",
+    ".iter()",
+    ".sum::<f64>()",
+    "windows(2)",
+    "(0..2)",
     "=",
     "=",
     "=",
@@ -178,6 +188,11 @@ impl Random {
             "-1",
             "nothing",
             "broken",
+            "spins",
+            "spins[1]",
+            "spins.iter()",
+            "(0..2)",
+            "i",
             "Vector3::x()",
             "Matrix3::identity()",
             "i64::MAX",
@@ -187,7 +202,7 @@ impl Random {
             return self.choose(&leaves).to_owned();
         }
         let e = |random: &mut Self| random.expression(depth - 1);
-        match self.below(16) {
+        match self.below(19) {
             0..4 => {
                 format!("({} {} {})", e(self), self.choose(&["+", "-", "*", "/", "%", "<", "^"]), e(self))
             }
@@ -220,6 +235,22 @@ impl Random {
             11 => format!("{{ let (b, c) = {}.sin_cos(); {} }}", e(self), e(self)),
             12 => format!("Vector3::new({}, {}, {})", e(self), e(self), e(self)),
             13 => format!("vector![{}, {}]", e(self), e(self)),
+            15 => format!("{}.map(|{}| {})", e(self), self.choose(&["i", "a", "(a, i)", "_"]), e(self)),
+            16 => {
+                let method = [
+                    "sum::<f64>()",
+                    "sum::<Vector3<f64>>()",
+                    "iter()",
+                    "windows(2)",
+                    "enumerate()",
+                    "rev()",
+                    "len()",
+                ];
+                format!("{}.{}", e(self), self.choose(&method))
+            }
+            17 => format!("{}.{}({})", e(self), self.choose(&["zip", "skip", "take", "windows"]), e(self)),
+            18 if self.below(2) == 0 => format!("({}..{})", e(self), e(self)),
+            18 => format!("[{}, {}]", e(self), e(self)),
             14 if self.below(2) == 0 => format!("(Point3::from({}) - Point3::origin())", e(self)),
             14 => format!("matrix![{}, {}; {}, {}]", e(self), e(self), e(self), e(self)),
             _ => format!("f64::{}({})", self.choose(&["from", "sin", "powi", "abs"]), e(self)),
@@ -254,6 +285,12 @@ fn define<'a>(scope: &mut Scope<'a>, arena: &'a Arena) {
     ];
     for (name, shape) in shapes {
         scope.define(name, Value::symbols(arena, name, shape, Stage::Step));
+    }
+    for k in 0..3 {
+        scope.define_element(
+            "spins",
+            Value::symbols(arena, &format!("spins_{k}"), Shape::Vector(3), Stage::Step),
+        );
     }
     scope.define_unknown("broken");
 }

@@ -30,6 +30,8 @@ struct Values {
     n: Matrix3<f64>,
     k: Matrix4<f64>,
     r: Matrix2x3<f64>,
+    s: [Vector3<f64>; 4],
+    l: [f64; 3],
 }
 
 /// Some values, all positive and below one, different for different seeds.
@@ -47,6 +49,8 @@ fn values(seed: u64) -> Values {
         n: Matrix3::from_fn(|_, _| next()),
         k: Matrix4::from_fn(|_, _| next()),
         r: Matrix2x3::from_fn(|_, _| next()),
+        s: std::array::from_fn(|_| Vector3::from_fn(|_, _| next())),
+        l: std::array::from_fn(|_| next()),
     }
 }
 
@@ -64,6 +68,18 @@ impl Flat for f64 {
 impl<const R: usize, const C: usize> Flat for SMatrix<f64, R, C> {
     fn flat(&self) -> Vec<f64> {
         self.transpose().iter().copied().collect()
+    }
+}
+
+impl<A: Flat, const N: usize> Flat for [A; N] {
+    fn flat(&self) -> Vec<f64> {
+        self.iter().flat_map(Flat::flat).collect()
+    }
+}
+
+impl Flat for usize {
+    fn flat(&self) -> Vec<f64> {
+        vec![*self as f64]
     }
 }
 
@@ -91,11 +107,20 @@ fn symbolic(text: &str, values: &Values) -> Vec<f64> {
         ("k", Shape::Matrix(4, 4), values.k.flat()),
         ("r", Shape::Matrix(2, 3), values.r.flat()),
     ];
-    for (name, shape, numbers) in inputs {
+    let mut symbols = |name: &str, shape, numbers: Vec<f64>| {
         let value = Value::symbols(&arena, name, shape, Stage::Parameters);
         let names = value.scalars().into_iter().map(|symbol| symbol.to_string());
         known.extend(names.zip(numbers));
-        scope.define(name, value);
+        value
+    };
+    for (name, shape, numbers) in inputs {
+        scope.define(name, symbols(name, shape, numbers));
+    }
+    for (k, vector) in values.s.iter().enumerate() {
+        scope.define_element("s", symbols(&format!("s_{k}"), Shape::Vector(3), vector.flat()));
+    }
+    for (k, number) in values.l.iter().enumerate() {
+        scope.define_element("l", symbols(&format!("l_{k}"), Shape::Scalar, number.flat()));
     }
     let expr = syn::parse_str(text).expect("rustc took it");
     let mut diagnostics = Diagnostics::new();
@@ -361,6 +386,66 @@ fn blocks() {
         agrees!(all; let c = { a * b }; let d = { let a = 3.0; a * c }; d + a);
         agrees!(all; let u = vector![a, b]; vector![u.y, u.x]);
     });
+}
+
+#[test]
+fn arrays() {
+    for_values!(all, { a, v, s, l }, {
+        agrees!(all; s);
+        agrees!(all; s[0] + s[3]);
+        agrees!(all; s[1 + 1].dot(&s[2 * 2 - 1]) * l[2]);
+        agrees!(all; s[0].x + s[1][2]);
+        agrees!(all; l.len() as f64 * a);
+        agrees!(all; s.len());
+        agrees!(all; s.map(|s| s.dot(&v)));
+        agrees!(all; l.map(|l| l * v)[1]);
+        agrees!(all; [a, 2.0 * a, l[0]][1]);
+        agrees!(all; [s[0], v]);
+        agrees!(all; let t = [v, s[1]]; t[0].cross(&t[1]));
+        agrees!(all; s.clone()[2]);
+        agrees!(all; s[(1 + 3) % 4].x + s[7 % 4].y);
+    });
+}
+
+#[test]
+fn iterators() {
+    for_values!(all, { a, v, m, s, l }, {
+        agrees!(all; (0..3).map(|i| s[i].dot(&s[i + 1])).sum::<f64>());
+        agrees!(all; (0..=3).map(|i| s[i].dot(&s[(i + 1) % 4])).sum::<f64>() * a);
+        agrees!(all; let total: f64 = (1..s.len()).map(|i| s[i - 1].x * s[i].y).sum(); total + a);
+        agrees!(all; s.iter().sum::<Vector3<f64>>());
+        agrees!(all; s.iter().map(|s| s.norm_squared()).sum::<f64>());
+        agrees!(all; s.iter().map(|&s| m * s).sum::<Vector3<f64>>());
+        agrees!(all; s.into_iter().map(|s: Vector3<f64>| s * 2.0).sum::<Vector3<f64>>());
+        agrees!(all; s.iter().map(|s| s * v.transpose()).sum::<Matrix3<f64>>());
+        agrees!(all; s.windows(2).map(|pair| pair[0].dot(&pair[1])).sum::<f64>());
+        agrees!(all; s.windows(3).map(|three| three[0].cross(&three[1]).dot(&three[2])).sum::<f64>());
+        agrees!(all; l.iter().zip(s.iter()).map(|(l, s)| *l * s.x).sum::<f64>());
+        agrees!(all; l.iter().zip(&s).map(|(l, s)| *l * s.x).sum::<f64>());
+        agrees!(all; l.iter().zip(s).map(|(l, s)| *l * s.x).sum::<f64>());
+        agrees!(all; l.iter().zip(1..4).map(|(l, i)| l.powi(i)).sum::<f64>());
+        agrees!(all; l.iter().enumerate().map(|(i, l)| *l * (i as f64 + 0.5)).sum::<f64>());
+        agrees!(all; l.iter().enumerate().map(|(i, l)| l.powi(i as i32 - 1)).sum::<f64>());
+        agrees!(all; l.iter().rev().zip(&l).map(|(x, y)| x * y * y).sum::<f64>());
+        agrees!(all; s.iter().skip(1).zip(&s).map(|(x, y)| x.dot(y)).sum::<f64>());
+        agrees!(all; s.iter().take(2).map(|s| s.z).sum::<f64>());
+        agrees!(all; l.iter().sum::<f64>() + l.iter().copied().sum::<f64>() + l.iter().cloned().sum::<f64>());
+        agrees!(all; (0..3).map(|i| (0..i).map(|j| l[i] * l[j]).sum::<f64>() + a).sum::<f64>());
+        agrees!(all; (0..4).map(|i| (0..i).map(|j| s[i] - s[j]).sum::<Vector3<f64>>()).sum::<Vector3<f64>>());
+        agrees!(all; (0..2).map(|i| (0..i).map(|j| s[j] * v.transpose()).sum::<nalgebra::Matrix3<f64>>()).sum::<Matrix3<f64>>());
+        agrees!(all; (0..3).map(|i| { let b = l[i] * a; b * b + b }).sum::<f64>());
+        agrees!(all; (0..4).len() as f64 + (1..=4).rev().map(|i| i as f64).sum::<f64>());
+        agrees!(all; (0..2).map(|_| a).sum::<f64>());
+        agrees!(all; (1..=3).sum::<usize>());
+        agrees!(all; let i = 2; (0..i).map(|i| l[i]).sum::<f64>() + l[i]);
+    });
+}
+
+/// What is computed of each element is the sum of all, however many there are.
+#[test]
+fn long_ranges_are_unrolled() {
+    let found = symbolic("(0..256).map(|i| a * i as f64).sum::<f64>()", &values(1));
+    assert!((found[0] / values(1).a - 255.0 * 128.0).abs() < 1e-9);
 }
 
 #[test]

@@ -25,6 +25,11 @@ fn problems(text: &str) -> Vec<(String, String)> {
     for (name, shape) in shapes {
         scope.define(name, Value::symbols(&arena, name, shape, Stage::Step));
     }
+    for (name, shape) in [("spins", Shape::Vector(3)), ("lengths", Shape::Scalar)] {
+        for k in 0..3 {
+            scope.define_element(name, Value::symbols(&arena, &format!("{name}_{k}"), shape, Stage::Step));
+        }
+    }
     scope.define_unknown("broken");
     let mut diagnostics = Diagnostics::new();
     let value = lower_scalar("the potential", &expr, &mut scope, &arena, &mut diagnostics);
@@ -46,7 +51,8 @@ fn names() {
         "zeta",
         &[(
             "zeta",
-            "there is no `zeta` here; known: `weight`, `a`, `chi`, `gamma`, `p`, `m`, `r`, `big` and `broken`",
+            "there is no `zeta` here; known: `weight`, `a`, `chi`, `gamma`, `p`, `m`, `r`, `big`, `spins`, `lengths` and \
+             `broken`",
         )],
     );
     complains(
@@ -321,7 +327,7 @@ fn constructs() {
     complains("match a { _ => a }", &[("match", "a choice by `match` is not smooth")]);
     complains("for x in y { }", &[("for", "a loop is not supported here")]);
     complains("|x| x", &[("|x| x", "a closure is not supported here")]);
-    complains("[a, a][0]", &[("[a, a]", "arrays are not supported; write `vector![…]`")]);
+    complains("[a; 2][0]", &[("[a; 2]", "write out the elements, as in `[a, b]`, or `vector![…]`")]);
     complains("a?", &[("?", "`?` is not supported here")]);
     complains("return a", &[("return", "leave out `return`")]);
     complains("a = 2.0", &[("=", "assignments are not supported")]);
@@ -351,6 +357,146 @@ fn blocks() {
     );
     complains("{ println!(); a }", &[("println!();", "this has no value; leave it out")]);
     complains("'a: { a }", &[("'a:", "a label is not supported here")]);
+}
+
+#[test]
+fn arrays() {
+    complains("spins[3].x", &[("3", "this index is out of range: an array of 3 has 0 to 2")]);
+    complains("lengths[1 - 2]", &[("1 - 2", "this index is out of range: an array of 3")]);
+    complains("spins[a].x", &[("a", "the index of an array is an integer that is known now")]);
+    complains("spins[1.0].x", &[("1.0", "the index of an array is an integer that is known now")]);
+    complains("spins[0..2].x", &[("0..2", "the index of an array is an integer that is known now")]);
+    complains("spins[(0, 1)]", &[("(0, 1)", "the index of an array is an integer that is known now")]);
+    complains("spins.x", &[("x", "an array of 3 has no components")]);
+    complains("spins.0.x", &[("0", "an array of 3 has no fields")]);
+    complains("spins + spins", &[("+", "an array of 3 cannot be added to an array of 3")]);
+    complains("-lengths", &[("-", "an array of 3 (a vector is written `vector![…]`) has no negative")]);
+    complains(
+        "chi.dot(&lengths)",
+        &[(
+            "&lengths",
+            "`dot` takes a vector of 3 here, as its receiver is, but this is an array of 3 (a vector is written `vector![…]`)",
+        )],
+    );
+    complains("lengths", &[("lengths", "the potential must be a scalar, but this is an array of 3")]);
+    complains("[][0]", &[("[]", "this array is empty")]);
+    complains(
+        "spins.sum::<f64>()",
+        &[("sum", "an array of 3 has no method `sum`; write `.iter().sum::<f64>()`")],
+    );
+    complains("spins.norm()", &[("norm", "an array of 3 has no method `norm` here; known: `len`, `iter`")]);
+    complains(
+        "lengths.maps(|x| x)[0]",
+        &[("maps", "an array of 3 (a vector is written `vector![…]`) has no method")],
+    );
+    complains("lengths.windows()", &[("windows", "write `windows(n)`")]);
+    complains("lengths.windows(0).map(|x| x[0]).sum::<f64>()", &[("0", "a window has one element or more")]);
+    complains("lengths.iter::<f64>()", &[("::<f64>", "leave out the types")]);
+}
+
+#[test]
+fn iterators() {
+    let empty = "there is nothing to sum: this has no elements";
+    for nothing in [
+        "(0..0).map(|i| lengths[i])",
+        "(2..1).map(|_| a)",
+        "lengths.windows(4).map(|x| x[0])",
+        "lengths.iter().skip(3)",
+    ] {
+        complains(&format!("{nothing}.sum::<f64>()"), &[("sum", empty)]);
+    }
+    complains("(0..4).map(|i| lengths[i]).sum::<f64>()", &[("i", "this index is out of range")]);
+    complains("(0..3).map(|i| lengths[i - 1]).sum::<f64>()", &[("i - 1", "this index is out of range")]);
+    complains("(0..257).map(|_| a).sum::<f64>()", &[("0..257", "a range has 256 integers at most here")]);
+    for absurd in
+        ["0..9223372036854775807", "-9223372036854775807..=9223372036854775807", "0..=9223372036854775807"]
+    {
+        complains(
+            &format!("({absurd}).map(|_| a).sum::<f64>()"),
+            &[(absurd, "a range has 256 integers at most here")],
+        );
+    }
+    complains("(0..).map(|i| lengths[i]).sum::<f64>()", &[("0..", "a range needs both its ends here")]);
+    complains(
+        "(0.0..a).map(|x| x).sum::<f64>()",
+        &[("0.0..a", "the ends of a range are integers that are known now")],
+    );
+}
+
+#[test]
+fn closures() {
+    complains("lengths.iter().map(f64::sin).sum::<f64>()", &[("f64::sin", "`map` takes a closure here")]);
+    complains(
+        "lengths.iter().map(|x, y| x).sum::<f64>()",
+        &[("|x, y| x", "this closure takes one argument")],
+    );
+    complains("lengths.iter().map(|| a).sum::<f64>()", &[("|| a", "this closure takes one argument")]);
+    complains(
+        "lengths.iter().map(|(x, y)| x).sum::<f64>()",
+        &[("(x, y)", "a scalar cannot be taken apart like this")],
+    );
+    complains(
+        "lengths.iter().map(|Some(x)| a).sum::<f64>()",
+        &[("Some(x)", "a pattern is a name, or names in parentheses")],
+    );
+    // once, not for each element
+    complains(
+        "lengths.iter().map(|x| x * nothing).sum::<f64>()",
+        &[("nothing", "there is no `nothing` here")],
+    );
+    complains("(0..3).map(|i| chi * spins[i]).sum::<f64>()", &[("*", "a vector of 3 cannot be multiplied")]);
+    complains("lengths.iter().map(|x| x.abs()).sum::<f64>()", &[("abs", "`abs` is not smooth")]);
+    complains("lengths.iter().map(|x| broken * x).sum::<f64>()", &[]);
+    complains("broken.iter().map(|x| x).sum::<f64>()", &[]);
+    complains("lengths.iter().map(|x| x).sum::<f64>() + x", &[("x", "there is no `x` here")]);
+    complains(
+        "lengths.iter().norm()",
+        &[("norm", "an iterator has no method `norm` here; known: `map`, `sum`")],
+    );
+    complains("lengths.iter().zip()", &[("zip", "write `zip(other)`")]);
+    complains(
+        "lengths.iter().zip(a).map(|(x, y)| x * y).sum::<f64>()",
+        &[("a", "`zip` takes an iterator or an array, but this is a scalar")],
+    );
+    complains("lengths.iter().skip(a).sum::<f64>()", &[("a", "this is a number of elements")]);
+    complains("lengths.iter().skip(-1).sum::<f64>()", &[("-1", "this is a number of elements")]);
+    complains("lengths.iter().max()", &[("max", "an iterator has no method `max` here")]);
+    complains(
+        "lengths.iter().enumerate().sum::<f64>()",
+        &[("sum", "a tuple of 2 cannot be added to another")],
+    );
+    complains("lengths.iter() + a", &[("+", "a scalar cannot be added to an iterator")]);
+    complains(
+        "lengths.iter()",
+        &[("lengths.iter()", "the potential must be a scalar, but this is an iterator")],
+    );
+    complains("[chi, p].iter().sum::<f64>()", &[("sum", "a vector of 2 cannot be added to a vector of 3")]);
+    complains("chi.map(|x| x).x", &[("map", "a vector of 3 has no method `map` here that takes a closure")]);
+    complains(
+        "{ let f = |x| x; a }",
+        &[("|x| x", "a closure is not supported here; it is an argument of `map`")],
+    );
+    complains("7 % 0 * a", &[("%", "this divides by zero")]);
+    complains("(0 - 1) as usize as f64", &[("usize", "only casts to `f64` and `f32` are supported")]);
+}
+
+/// What is said again and again within what is said again and again is an error before it takes time.
+#[test]
+fn nested_iterations_have_a_bound() {
+    // of numbers, and of integers alone
+    for inner in ["a", "1"] {
+        let again = |text: String| format!("(0..256).map(|_| {text}).sum::<f64>()");
+        let text = (0..8).fold(inner.to_owned(), |text, _| again(text));
+        let found = problems(&text);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].1.starts_with("up to here, expressions make sums and products"), "{found:?}");
+    }
+    // copies of copies
+    let copies = "let x = [x, x, x, x];".repeat(16);
+    let found = problems(&format!("{{ let x = a; {copies} a }}"));
+    assert!(found[0].1.starts_with("up to here"), "{found:?}");
+    let windows = "let x = x.windows(3).map(|x| x).zip(&spins).map(|x| [x, x]).len();";
+    assert!(problems(&format!("{{ let x = spins; {windows} a }}")).is_empty());
 }
 
 #[test]

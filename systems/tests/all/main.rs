@@ -33,6 +33,7 @@ macro_rules! entries {
             four_dimensional_body
             affine_body
             navigation
+            three_level_atom
         }
     };
     ($check:ident: $($name:ident)*) => {
@@ -66,3 +67,4 @@ mod conservation;
 mod groups;
 mod physics;
 mod textbooks;
+mod three_levels;

@@ -442,7 +442,7 @@ fn a_slew_ends_where_it_should_and_takes_no_momentum() {
 fn a_chain_of_spins_moves_as_landau_and_lifshitz_say() {
     let (chain, start) = SpinChain::example();
     let read = |_: &SpinChain, state: &SpinChainState| {
-        numbers(SpinChain::spins(state).iter().map(|spin| spin.as_slice()))
+        numbers(state.spins_momentum.iter().map(|spin| spin.as_slice()))
     };
     let rate = |x: &Numbers| {
         let spin = |k: usize| Vector3::from_column_slice(&x.as_slice()[3 * k..3 * k + 3]);
@@ -464,12 +464,12 @@ fn a_chain_of_spins_keeps_their_lengths_and_their_sum_along_the_field() {
     let states = motion::<_, Cayley>(&chain, &start, 0.05, 100_000);
     let casimirs = |state: &SpinChainState| chain.casimirs(state);
     assert!(drift(&states, casimirs) < 1e-12, "{}", drift(&states, casimirs));
-    let along = |state: &SpinChainState| [SpinChain::spins(state).iter().sum::<Vector3<f64>>().z];
+    let along = |state: &SpinChainState| [state.spins_momentum.iter().sum::<Vector3<f64>>().z];
     assert!(drift(&states, along) < 1e-12, "{}", drift(&states, along));
     let energy = |state: &SpinChainState| [chain.energy(state)];
     assert!(drift(&states, energy) < 1e-2 * chain.energy(&start).abs(), "{}", drift(&states, energy));
     // what the first leaned by arrives at the last
-    assert!(states.iter().any(|state| state.fourth_momentum.z < 0.2));
+    assert!(states.iter().any(|state| state.spins_momentum[3].z < 0.2));
 }
 
 #[test]
@@ -482,7 +482,7 @@ fn small_deviations_of_spins_are_waves() {
             leans.map(|lean| vector![lean * phase.cos(), -lean * phase.sin(), 0.0] * size + Vector3::z())
         };
         let end = after::<_, Order6<Cayley>>(&chain, &SpinChain::with_spins(at(0.0)), 2.0 / frequency, 400);
-        for (spin, expected) in SpinChain::spins(&end).into_iter().zip(at(2.0)) {
+        for (spin, expected) in end.spins_momentum.into_iter().zip(at(2.0)) {
             assert!((spin - expected).norm() < 1e-6 * size, "{k}: {spin} {expected}");
         }
     }

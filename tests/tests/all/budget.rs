@@ -34,7 +34,7 @@ fn descriptions() -> Vec<(TokenStream, TokenStream)> {
     let sources =
         files.filter(|path| path.is_file()).map(|path| std::fs::read_to_string(path).expect("text"));
     let descriptions: Vec<_> = sources.filter_map(|source| description(&source)).collect();
-    assert_eq!(descriptions.len(), 25);
+    assert_eq!(descriptions.len(), 26);
     descriptions
 }
 
@@ -47,9 +47,9 @@ fn the_catalogue_keeps_to_its_budget() {
         emitted += tokens(expansion.into_tokens());
     }
     println!("{kernels} kernels, {emitted} tokens");
-    // counted: 118 and 710,344
-    assert!(kernels <= 118, "{kernels} kernels");
-    assert!(emitted <= 715_000, "{emitted} tokens");
+    // counted: 120 and 763,788
+    assert!(kernels <= 120, "{kernels} kernels");
+    assert!(emitted <= 768_000, "{emitted} tokens");
 }
 
 /// What nobody asked for is not there.

@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use coadjoint_codegen::expr::{Arena, Number, Stage, Vector, gradient};
 use coadjoint_codegen::group::casimirs::{Casimirs, Polynomial, casimirs};
 use coadjoint_codegen::group::{
-    Adjoint, Dual, Group, MatrixFunction, Representation, Retraction, Semidirect, SemidirectVector, Side,
-    Structure, Translation, catalogue, family, family_with_terms,
+    Adjoint, Basis as LieBasis, Dual, Group, MatrixFunction, MatrixGroup, Representation, Retraction,
+    Semidirect, SemidirectVector, Side, Structure, Translation, catalogue, family, family_with_terms,
 };
 use coadjoint_tests::precise::definition::{
     Realization, SemidirectMatrices, TERMS, composed, realization, retract,
@@ -429,42 +429,88 @@ fn momentum_in_space_is_the_coadjoint_action_of_the_inverse() {
     });
 }
 
-#[test]
-fn closed_forms_are_those_that_follow_from_the_basis() {
-    for name in ["SO3", "SE2", "SE3"] {
-        let (closed, derived) = (
-            *catalogue().iter().find(|group| group.name() == name).expect("in the catalogue"),
-            family(name).expect("a family"),
-        );
-        let (arena, n) = (Arena::new(), closed.dimension());
-        assert_eq!(derived.dimension(), n);
-        let mut residuals = Residuals::new();
-        let random = &mut Random::new(31);
-        let [x, y] = std::array::from_fn(|_| Column::random(n, random));
-        let bracket =
-            |group: &dyn Group| Formula::new(&arena, [n, n], |[x, y]| group.bracket(&x, &y)).at([&x, &y]);
-        residuals.agree("[x, y]", &bracket(closed), &bracket(derived), EXACT);
-        for retraction in [Retraction::Exponential, Retraction::Cayley] {
-            let dual = |group: &dyn Group| {
-                Formula::new(&arena, [n, n], |[x, m]| group.d_right_dual(retraction, &x, &m)).at([&x, &y])
-            };
-            residuals.agree("(dR τ_x)* m", &dual(closed), &dual(derived), EXACT);
-            let element =
-                |group: &dyn Group| Formula::new(&arena, [n], |[x]| group.retract(retraction, &x)).at([&x]);
-            // the matrix of the one is what is stored of the other
-            let matrix = realization(closed).matrix(&element(closed));
-            residuals.agree("τ(x)", &matrix.entries(), &element(derived), EXACT);
-        }
+/// A closed form of the catalogue beside what follows from a basis whose axes are those of the catalogue over `stretch`: what has the
+/// coordinates `x` there has `stretch x` here, and a momentum `m` is `m / stretch`.
+fn agrees(
+    (closed, derived): (&'static dyn Group, &'static MatrixGroup),
+    stretch: &Real,
+    matrix: impl Fn(&Column) -> Matrix,
+) {
+    let (arena, n) = (Arena::new(), closed.dimension());
+    assert_eq!(derived.dimension(), n);
+    let (mut residuals, random) = (Residuals::new(), &mut Random::new(31));
+    let [x, y] = std::array::from_fn(|_| Column::random(n, random));
+    let of_algebra = |x: &Column| x.scale(stretch);
+    let of_dual = |m: &Column| m.scale(&(&Real::from(1) / stretch));
+    let bracket = |group: &dyn Group, x: &Column, y: &Column| {
+        Formula::new(&arena, [n, n], |[x, y]| group.bracket(&x, &y)).at([x, y])
+    };
+    let expected = of_algebra(&bracket(closed, &x, &y));
+    residuals.agree("[x, y]", &expected, &bracket(derived, &of_algebra(&x), &of_algebra(&y)), EXACT);
+    for retraction in [Retraction::Exponential, Retraction::Cayley] {
+        assert!(derived.has(retraction), "{}", closed.name());
+        let dual = |group: &dyn Group, x: &Column, m: &Column| {
+            Formula::new(&arena, [n, n], |[x, m]| group.d_right_dual(retraction, &x, &m)).at([x, m])
+        };
+        let expected = of_dual(&dual(closed, &x, &y));
+        residuals.agree("(dR τ_x)* m", &expected, &dual(derived, &of_algebra(&x), &of_dual(&y)), EXACT);
+        let element = |group: &dyn Group, x: &Column| {
+            Formula::new(&arena, [n], |[x]| group.retract(retraction, &x)).at([x])
+        };
+        // the matrix of the one is what is stored of the other
+        let expected = matrix(&element(closed, &x)).entries();
+        residuals.agree("τ(x)", &expected, &element(derived, &of_algebra(&x)), EXACT);
     }
 }
 
-/// Checks every space of every group.
+fn of_catalogue(name: &str) -> &'static dyn Group {
+    *catalogue().iter().find(|group| group.name() == name).expect("in the catalogue")
+}
+
+#[test]
+fn closed_forms_are_those_that_follow_from_the_basis() {
+    for name in ["SO2", "SO3", "SE2", "SE3", "R1", "R2", "R3", "R4", "R5", "R6"] {
+        let (closed, derived) = (of_catalogue(name), family(name).expect("a family"));
+        agrees((closed, derived), &Real::from(1), |g| realization(closed).matrix(g));
+    }
+}
+
+/// SU(2) by quaternions that multiply from the left, of which its algebra has the halves `i/2`, `j/2`, `k/2`, and by matrices of two complex
+/// rows, of which it has `−iσ/2`.
+#[test]
+fn spins_are_those_that_follow_from_their_bases() {
+    let spins = of_catalogue("SU2");
+    let quaternions = [
+        ("x", [0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0]),
+        ("y", [0, 0, -1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, -1, 0, 0]),
+        ("z", [0, 0, 0, -1, 0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0]),
+    ];
+    let quaternions = quaternions.map(|(name, rows)| (name.to_owned(), rows.to_vec()));
+    let basis = LieBasis::new(4, &quaternions).expect("a basis");
+    let derived = MatrixGroup::new("quaternions", &basis).expect("a group");
+    agrees((spins, derived), &Real::ratio(1, 2), |q| realization(spins).matrix(q));
+
+    // the family's axes are iσ
+    let derived = family("SU2").expect("a family");
+    agrees((spins, derived), &Real::ratio(-1, 2), |q| {
+        let [w, x, y, z] = std::array::from_fn(|i| q[i].clone());
+        // w − i(x σ₁ + y σ₂ + z σ₃), with a + ib as [[a, −b], [b, a]]
+        Matrix::from_rows([
+            [w.clone(), z.clone(), -&y, x.clone()],
+            [-&z, w.clone(), -&x, -&y],
+            [y.clone(), x.clone(), w.clone(), -&z],
+            [-&x, y, z, w],
+        ])
+    });
+}
+
 /// Those of its own, its algebra, and what is dual to these.
 fn spaces(group: &'static dyn Group) -> Vec<&'static dyn Representation> {
     let own = group.representations().iter().copied().chain([Adjoint::of(group)]);
     own.flat_map(|space| [space, Dual::of(space)]).collect()
 }
 
+/// Checks every space of every group.
 fn for_each_space(check: impl Fn(&Subject<'_>, &'static dyn Representation, &mut Residuals)) {
     for_each_group(|subject, residuals| {
         for space in spaces(subject.group) {

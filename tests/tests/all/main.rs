@@ -3,6 +3,7 @@
 // `hygiene` writes `::renamed`, and such a path begins with what the root of the crate names
 extern crate coadjoint as renamed;
 
+mod arrays;
 mod bases;
 mod budget;
 mod composition;

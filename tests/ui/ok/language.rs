@@ -34,6 +34,26 @@ pub struct Top {
     pub frame: Matrix3<f64>,
 }
 
+#[lie_poisson_system(
+    group(magnets: [SO2; 2], frame: R2),
+    advected(marks: magnets::R2),
+    control(motors: [f64; 2]),
+    potential = {
+        let pairs = (0..1).map(|i| (magnets[i].angle() - magnets[i + 1].angle()).cos()).sum::<f64>();
+        let ends: Vector2<f64> = marks.iter().zip(&lengths).map(|(mark, length)| mark * *length).sum();
+        pairs + ends.dot(&frame)
+    },
+    force(magnets[0] = motors[0], magnets[1] = motors[1] - lengths[0] * magnets_velocity[1].x),
+    retractions(Cayley),
+)]
+pub struct Magnets {
+    #[inertia(magnets)]
+    pub inertia: [f64; 2],
+    #[inertia(frame)]
+    pub mass: f64,
+    pub lengths: [f64; 2],
+}
+
 #[lie_poisson_system(group = SO3)]
 struct FreeBody {
     #[inertia]

@@ -50,7 +50,17 @@ impl<'a> Lowering<'a, '_> {
         if let Some(Value::Optional(value)) = receiver {
             return self.unwrapped(call, *value);
         }
-        let arguments = self.all(&call.args);
+        if let Some(Value::Array(_) | Value::Iterator(_)) = receiver {
+            return self.sequence_method(call, &receiver?);
+        }
+        // a closure has a meaning for each element of something alone
+        let is_closure = |argument: &&Expr| matches!(argument, Expr::Closure(_));
+        let arguments = self.all(call.args.iter().filter(|argument| !is_closure(argument)));
+        if call.args.iter().any(|argument| is_closure(&argument)) {
+            let what = receiver?.describe();
+            let message = format!("{what} has no method `{}` here that takes a closure", call.method);
+            return self.fail(&call.method, message);
+        }
         if let Some(turbofish) = &call.turbofish {
             return self.block_of_matrix(&call.method, turbofish, &receiver?, &arguments?);
         }
@@ -87,7 +97,7 @@ impl<'a> Lowering<'a, '_> {
                 }
                 element::METHODS
             }
-            Value::Tuple(_) | Value::Point(_) | Value::Optional(_) => {
+            _ => {
                 return self.fail(method, format!("{} has no methods", receiver.describe()));
             }
         };
