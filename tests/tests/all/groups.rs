@@ -108,6 +108,7 @@ impl<'a> Subject<'a> {
             of_size(Real::ten_to(-30)),
             of_size(Real::ten_to(-3)),
             of_size(Real::from(1)),
+            of_size(Real::from(1)),
             // elements grow exponentially where the group is not compact
             of_size(Real::from(if self.is_compact() { 3 } else { 1 })),
         ]
@@ -299,7 +300,7 @@ fn the_bracket_is_the_commutator() {
         let bracket = Formula::new(subject.arena, [n, n], |[x, y]| subject.group.bracket(&x, &y));
         let of = |x: &Column, y: &Column| bracket.at([x, y]);
         let random = &mut Random::new(23);
-        for _ in 0..2 {
+        for _ in 0..5 {
             let [x, y, z] = std::array::from_fn(|_| Column::random(n, random));
             let hat = |x: &Column| subject.definition.hat(x);
             let commutator = &(&hat(&x) * &hat(&y)) - &(&hat(&y) * &hat(&x));
@@ -528,7 +529,7 @@ fn spaces_are_representations() {
         let bracket = Formula::new(subject.arena, [n, n], |[x, y]| subject.group.bracket(&x, &y));
         let rho = |x: &Column| Matrix::of_linear(v, |u| act.at([x, u]));
         let random = &mut Random::new(26);
-        for _ in 0..2 {
+        for _ in 0..5 {
             let [x, y] = std::array::from_fn(|_| Column::random(n, random));
             let defined = subject.definition.action(space.name(), &x);
             residuals.agree("ρ_x is its definition", &rho(&x).entries(), &defined.entries(), EXACT);

@@ -11,9 +11,9 @@ use coadjoint::{Control, Discretized, Family, RightLift, State, System};
 use coadjoint_tests::dual::AnyStep;
 use coadjoint_tests::random::Random;
 
-/// The largest difference after these steps, of values of the size of 1.
+/// The largest difference after ten steps, of values of the size of 1.
 const AGREE: f64 = 1e-13;
-const STEPS: u32 = 3;
+const STEPS: u32 = 10;
 const STEP: f64 = 0.1;
 
 /// A configuration as a matrix, and its momentum.
@@ -62,7 +62,7 @@ where
     }
 }
 
-/// A few steps of the scheme `M`, each with a control of its own, beside those of the generic stepper.
+/// Ten steps of the scheme `M`, each with a control of its own, beside those of the generic stepper.
 fn follow<S, M, G, R, H, const N: usize, const D: usize>(
     of: (&S, S::State),
     controls: &[S::Control],
