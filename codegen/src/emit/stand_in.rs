@@ -2,6 +2,7 @@
 
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
+use syn::ext::IdentExt;
 use syn::parse_quote;
 
 use crate::diagnostics::Diagnostics;
@@ -20,16 +21,16 @@ pub(crate) fn stand_in(item: TokenStream, attribute: &Attribute, diagnostics: Di
     };
     let first = errors.remove(0);
     let (name, visibility) = (item.ident.clone(), item.vis.clone());
-    let hidden = format_ident!("__{name}");
+    let hidden = format_ident!("__{}", name.unraw());
     item.ident = hidden.clone();
     // a constant, which need not be used
     item.generics.params.push(parse_quote! { const ERROR: ::core::primitive::usize });
-    let mut others: Vec<Ident> = vec![format_ident!("{name}State")];
+    let mut others: Vec<Ident> = vec![format_ident!("{}State", name.unraw())];
     if attribute.has(CONTROL) {
-        others.push(format_ident!("{name}Control"));
+        others.push(format_ident!("{}Control", name.unraw()));
     }
     if attribute.has(DERIVATIVES) {
-        others.push(format_ident!("{name}Indices"));
+        others.push(format_ident!("{}Indices", name.unraw()));
     }
     quote! {
         #item
