@@ -270,6 +270,14 @@ impl Catalogue {
             Error::Input(format!("there is no system `{name}`{hint} (`list` shows all)"))
         })
     }
+
+    /// One of the systems with these parameters, its type erased: its steps are compiled with the catalogue, and not again for the caller.
+    ///
+    /// # Errors
+    /// If it is not among them.
+    pub fn erased<S: System<Scalar = f64>>(self, system: &S) -> Result<Box<dyn erased::System>, Error> {
+        Ok(self.system(S::NAME)?.system(system.to_parameters().as_ref()))
+    }
 }
 
 #[cfg(test)]

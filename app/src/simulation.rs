@@ -11,17 +11,17 @@ use std::time::Instant;
 
 pub(crate) use classical::tangent_places;
 use coadjoint::__private::Map;
+use coadjoint::RunReport;
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 pub use coadjoint::erased::Sample;
 use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
 use coadjoint::prelude::*;
-use coadjoint::{RunError, RunReport};
+
 pub use error::SimulationError;
 pub use method::{Classical, Method};
 use serde::{Deserialize, Serialize};
 
 use crate::entry::{ControlLaw, Entry};
-use crate::example::Example;
 
 /// The map from the Lie algebra to the group that a step is built on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
@@ -203,32 +203,6 @@ pub fn classical_stepper(
 ) -> Result<erased::Stepper<'_>, ParameterError> {
     let method = classical::method(method, system.with_parameters(&[]), step);
     erased::Stepper::with_method(system, method, step)
-}
-
-/// Takes so many steps of a system with its own control law from the time 0, and shows the initial state and the state after each step, with its
-/// index and time.
-///
-/// # Errors
-/// If parameters or step are not valid, or a step cannot be taken.
-pub fn each_step<S: Example>(
-    system: &S,
-    start: &S::State,
-    (method, retraction, order): (Method, Retraction, Order),
-    (step, steps): (f64, u64),
-    mut observe: impl FnMut(u64, f64, &S::State),
-) -> Result<(), SimulationError> {
-    let mut stepper = erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?;
-    let mut components = start.to_components();
-    for index in 0..=steps {
-        let (state, time) = (S::State::from_components(&components), stepper.time());
-        observe(index, time, &state);
-        if index < steps {
-            let control = system.control(&state, time).to_components();
-            let step = |cause| RunError::new(index + 1, time, RunReport::default(), cause);
-            stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
-        }
-    }
-    Ok(())
 }
 
 impl Entry {

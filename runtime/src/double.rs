@@ -10,7 +10,7 @@ use crate::stumpff;
 
 /// `high + low`, where `low` is at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Double<T> {
+pub struct Double<T> {
     high: T,
     low: T,
 }
@@ -60,6 +60,19 @@ impl<T: Batch> Double<T> {
         Self { high, low: (((a * b - high) + a * d) + c * b) + c * d }
     }
 
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        let (high, low) = (Self::sum(self.high, other.high), Self::sum(self.low, other.low));
+        let sum = Self::ordered_sum(high.high, high.low + low.high);
+        Self::ordered_sum(sum.high, sum.low + low.low)
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        let Self { high, low } = Self::product(self.high, other.high);
+        Self::ordered_sum(high, low + (self.high * other.low + self.low * other.high))
+    }
+
     /// A number as the sum of two with half as many digits, so that their products are exact.
     #[inline(always)]
     fn halves(x: T) -> [T; 2] {
@@ -72,9 +85,9 @@ impl<T: Batch> Double<T> {
 
 /// Operations, each in a function of its own: in line they would make a step so long that it takes minutes to compile.
 macro_rules! operations {
-    ($($(#[$doc:meta])* $name:ident($a:ident, $b:ident) -> $value:expr;)*) => {
+    ($($(#[$doc:meta])* $name:ident($($x:ident),*) -> $value:expr;)*) => {
         $($(#[$doc])*
-        struct $name<T>(Double<T>, Double<T>);
+        struct $name<T>($(operations!(@number $x T)),*);
 
         impl<T: Batch> Work for $name<T> {
             type Home = ();
@@ -82,22 +95,33 @@ macro_rules! operations {
 
             #[inline(always)]
             fn done(self) -> Double<T> {
-                let Self($a, $b) = self;
+                let Self($($x),*) = self;
                 $value
+            }
+        }
+
+        impl<T: Batch> $name<T> {
+            #[inline(always)]
+            fn of($($x: Double<T>),*) -> Double<T> {
+                if const { T::LANES > 1 } { T::dispatch(Self($($x),*)) } else { Self::of_one($($x),*) }
+            }
+
+            /// Of one number: its arguments are in registers, where a work is in memory.
+            #[inline(never)]
+            fn of_one($($x: Double<T>),*) -> Double<T> {
+                Self($($x),*).done()
             }
         })*
     };
+    (@number $x:ident $t:ident) => { Double<$t> };
 }
 operations! {
-    Sum(a, b) -> {
-        let (high, low) = (Double::sum(a.high, b.high), Double::sum(a.low, b.low));
-        let sum = Double::ordered_sum(high.high, high.low + low.high);
-        Double::ordered_sum(sum.high, sum.low + low.low)
-    };
-    Product(a, b) -> {
-        let Double { high, low } = Double::product(a.high, b.high);
-        Double::ordered_sum(high, low + (a.high * b.low + a.low * b.high))
-    };
+    Sum(a, b) -> a.plus(b);
+    Product(a, b) -> a.times(b);
+    /// `a b + c`.
+    MulAdd(a, b, c) -> c.plus(a.times(b));
+    /// `−a b + c`.
+    NegMulAdd(a, b, c) -> c.plus(-a.times(b));
     /// By long division: three digits.
     Quotient(a, b) -> {
         let first = a.high / b.high;
@@ -112,7 +136,7 @@ impl<T: Batch> Add for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        T::dispatch(Sum(self, other))
+        Sum::of(self, other)
     }
 }
 
@@ -120,7 +144,7 @@ impl<T: Batch> Sub for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        T::dispatch(Sum(self, -other))
+        Sum::of(self, -other)
     }
 }
 
@@ -128,7 +152,7 @@ impl<T: Batch> Mul for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        T::dispatch(Product(self, other))
+        Product::of(self, other)
     }
 }
 
@@ -136,7 +160,7 @@ impl<T: Batch> Div for Double<T> {
     type Output = Self;
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        T::dispatch(Quotient(self, other))
+        Quotient::of(self, other)
     }
 }
 
@@ -164,6 +188,14 @@ impl<T: Batch> Scalar for Double<T> {
         // in single precision there is something left
         let high = T::of(value);
         Self { high, low: T::of(value - high.lane(0).to_f64()) }
+    }
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        MulAdd::of(self, a, b)
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: Self, b: Self) -> Self {
+        NegMulAdd::of(self, a, b)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
@@ -254,7 +286,7 @@ impl<T: Batch> Batch for Double<T> {
     /// The sum and the product have all digits that there are.
     #[inline(always)]
     fn fma(self, a: Self, b: Self) -> Self {
-        b + self * a
+        self.mul_add(a, b)
     }
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {

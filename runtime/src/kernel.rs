@@ -6,7 +6,7 @@
 //!
 //! A step that is explicit has nothing to solve for: its unknown is `[T; 0]`.
 
-use crate::scalar::Scalar;
+use crate::scalar::{Batch, Scalar, Work};
 
 /// A flat array of scalars. Sealed: code that is not checked relies on its being one.
 pub trait Components<T>:
@@ -123,5 +123,98 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     #[inline(always)]
     fn is_bounded(_component: usize) -> bool {
         false
+    }
+}
+
+/// A step's equation at one state, to be solved for its unknown.
+pub(crate) trait Equation<U> {
+    /// What the correction needs of an evaluation.
+    type Iterate;
+    /// See [`Kernel::evaluate`].
+    fn evaluate(&self, unknown: &U) -> Evaluation<U, Self::Iterate>;
+    /// See [`Kernel::correction`].
+    fn correction(&self, unknown: &U, evaluation: &Evaluation<U, Self::Iterate>) -> U;
+}
+
+/// A kernel at a state.
+pub(crate) struct AtState<'a, T: Scalar, K: Kernel<T>> {
+    pub(crate) kernel: &'a K,
+    pub(crate) state: &'a K::State,
+    pub(crate) step: &'a K::Step,
+}
+
+impl<T: Scalar, K: Kernel<T>> Equation<K::Unknown> for AtState<'_, T, K> {
+    type Iterate = K::Iterate;
+
+    #[inline(always)]
+    fn evaluate(&self, unknown: &K::Unknown) -> Evaluation<K::Unknown, K::Iterate> {
+        self.kernel.evaluate(self.state, self.step, unknown)
+    }
+
+    #[inline(always)]
+    fn correction(
+        &self,
+        unknown: &K::Unknown,
+        evaluation: &Evaluation<K::Unknown, K::Iterate>,
+    ) -> K::Unknown {
+        self.kernel.correction(self.state, self.step, unknown, evaluation)
+    }
+}
+
+/// An equation and its Newton correction, through a table: for code that is compiled once for all kernels.
+pub(crate) trait Corrected<U> {
+    /// The equation at a value of the unknown, and the Newton correction there as what is needed again: for the residual there, or for the one
+    /// that is given.
+    ///
+    /// `extern "C"`, for such a function does not unwind: steps are without panics, which a call through a table would hide.
+    extern "C" fn corrected(&self, unknown: &U, residual: Option<&U>) -> Evaluation<U, U>;
+}
+
+impl<T: Batch, K: Kernel<T>> Corrected<K::Unknown> for AtState<'_, T, K> {
+    // called from here alone
+    #[allow(improper_ctypes_definitions)]
+    extern "C" fn corrected(
+        &self,
+        unknown: &K::Unknown,
+        residual: Option<&K::Unknown>,
+    ) -> Evaluation<K::Unknown, K::Unknown> {
+        T::dispatch(Correct { equation: self, unknown, residual })
+    }
+}
+
+/// [`Corrected::corrected`], compiled beside its kernel.
+struct Correct<'a, T: Batch, K: Kernel<T>> {
+    equation: &'a AtState<'a, T, K>,
+    unknown: &'a K::Unknown,
+    residual: Option<&'a K::Unknown>,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Correct<'_, T, K> {
+    type Home = K;
+    type Result = Evaluation<K::Unknown, K::Unknown>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let Self { equation, unknown, residual } = self;
+        let mut evaluation = equation.evaluate(unknown);
+        if let Some(residual) = residual {
+            evaluation.residual = *residual;
+        }
+        let iterate = equation.correction(unknown, &evaluation);
+        Evaluation { residual: evaluation.residual, right: evaluation.right, iterate }
+    }
+}
+
+impl<U: Copy> Equation<U> for &dyn Corrected<U> {
+    type Iterate = U;
+
+    #[inline(always)]
+    fn evaluate(&self, unknown: &U) -> Evaluation<U, U> {
+        self.corrected(unknown, None)
+    }
+
+    #[inline(always)]
+    fn correction(&self, _: &U, evaluation: &Evaluation<U, U>) -> U {
+        evaluation.iterate
     }
 }

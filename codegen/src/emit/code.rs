@@ -141,7 +141,7 @@ pub(super) fn record(module: &Module, kind: RecordKind, constants: Option<&Ident
     };
     quote! {
         #doc
-        #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
+        #[derive(::core::clone::Clone, ::core::marker::Copy)]
         pub struct #name<T> #fields
     }
 }

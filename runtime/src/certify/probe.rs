@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::frame::{larger, slope};
 use crate::double::Double;
-use crate::erased::{At, Equation, equation};
+use crate::erased::{At, Equation, converged, equation};
 use crate::system::Generated;
 
 /// A state that a step's kernels are shown.
@@ -79,7 +79,7 @@ impl<'a> Probe<'a> {
                 }
             }
             Sought::End(rest, kernels) => {
-                *rest = rest.take().and_then(|rest| equation.converged(&rest)).map(|[state, rest]| {
+                *rest = rest.take().and_then(|rest| converged(equation, &rest)).map(|[state, rest]| {
                     self.state = state;
                     rest
                 });
@@ -103,7 +103,10 @@ fn compare(equation: &dyn Equation) -> Option<f64> {
     for (i, (x, scale)) in unknown.iter_mut().zip(&scales).enumerate() {
         *x += 0.1 * scale * (1.0 + i as f64).sin();
     }
-    let residual = |unknown: &[f64]| DVector::from(equation.residual(unknown));
+    let residual = |unknown: &[f64]| {
+        let [residual, _] = equation.correction(unknown, None);
+        DVector::from_vec(residual)
+    };
     let columns: Vec<_> = scales
         .iter()
         .enumerate()
@@ -116,7 +119,7 @@ fn compare(equation: &dyn Equation) -> Option<f64> {
             }) * *scale
         })
         .collect();
-    let correction = equation.correction(&unknown);
+    let [_, correction] = equation.correction(&unknown, None);
     let correction = correction.iter().zip(&scales).map(|(correction, scale)| correction / scale);
     let correction = DVector::from_iterator(scales.len(), correction);
     let difference = match DMatrix::from_columns(&columns).lu().solve(&residual(&unknown)) {

@@ -30,6 +30,7 @@
 
 mod composition;
 mod ensemble;
+mod equation;
 mod field;
 mod method;
 mod scheme;
@@ -40,14 +41,17 @@ pub use crate::geometry::Map;
 pub use crate::scheme::Rule;
 pub use ensemble::{Ensemble, MemberLaw};
 #[doc(hidden)]
+pub use equation::Equation;
+#[doc(hidden)]
 pub use field::by_hand;
 #[doc(hidden)]
-pub use method::{Equation, Flat, Method};
+pub use method::{Flat, Method};
 pub use scheme::{Composed, NotGenerated, Scheme};
 pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run};
 #[doc(hidden)]
 pub use system::At;
 pub use system::{Description, System};
 
-pub(crate) use method::{equation, of_only_lane};
+pub(crate) use equation::{converged, equation};
+pub(crate) use method::of_only_lane;
 pub(crate) use system::{Geometry, check_length, length};

@@ -4,7 +4,8 @@ use core::marker::PhantomData;
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::method::{Equation, Flat, Method, array, equation};
+use super::equation::{Equation, equation};
+use super::method::{Flat, Method, array};
 use super::scheme::Scheme;
 use crate::double::Double;
 use crate::ensemble::Instructions;

@@ -47,8 +47,8 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
 ) -> Iterated<T, K::Unknown, K::Iterate> {
     let prediction = &solver.prediction;
     let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
-    let [unit, least, small, near, sharp, noise] =
-        [1.0, ROUNDOFF[0], LAST_CHANGE[0], NEAR, SHARP, NOISE].map(|x| T::of(x * T::EPSILON));
+    let (unit, least, small) = (units::<T>(1.0), units::<T>(ROUNDOFF[0]), units::<T>(LAST_CHANGE[0]));
+    let (near, sharp, noise) = (units::<T>(NEAR), units::<T>(SHARP), units::<T>(NOISE));
     let mut last = change::<T, _>(K::BLOCKS, prediction, first);
     let tried = solver.tries();
     let mut convergence = Convergence { tried, off: last, ..Convergence::of_one(nothing) };
@@ -97,4 +97,10 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
     }
     convergence.rate = T::select(seen, to / from, nothing);
     Iterated::Open(Open { point, unknown, open, convergence })
+}
+
+/// So many units of epsilon.
+#[inline(always)]
+fn units<T: Batch>(x: f64) -> T {
+    T::of(x * T::EPSILON)
 }

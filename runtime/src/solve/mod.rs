@@ -6,6 +6,7 @@
 //! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not there are a few more
 //! ([`fixed_point`]), if that promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
 
+mod damped;
 mod fixed_point;
 mod newton;
 pub(crate) mod one_step;
@@ -273,6 +274,16 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let solution = newton::solve(kernel, state, step, &from, open);
         let convergence = convergence.then(&solution.convergence, !open);
         Solution { unknown: select(open, &solution.unknown, &unknown), convergence, ..solution }
+    }
+
+    /// The solution of a step's equation from nothing that is remembered. None if it is not found.
+    pub(crate) fn cold<K: Kernel<T, Unknown = U>>(kernel: &K, state: &K::State, step: &K::Step) -> Option<U> {
+        let start = kernel.start(state, step);
+        if const { Self::IS_IDLE } {
+            return Some(start);
+        }
+        let solution = newton::solve(kernel, state, step, &start, T::Mask::splat(true));
+        (!solution.unsolved.any()).then_some(solution.unknown)
     }
 
     /// Whether the rate of contraction is to be measured, by one more iteration.

@@ -25,6 +25,7 @@ mod caption;
 #[cfg(test)]
 mod claims;
 mod data;
+mod each_step;
 mod invariant_errors;
 pub(crate) mod kepler;
 mod methods;

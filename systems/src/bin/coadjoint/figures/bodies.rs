@@ -4,13 +4,14 @@ use coadjoint::prelude::*;
 use nalgebra::Vector6;
 
 use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verdict};
+use super::each_step::each_step;
 use super::invariant_errors::{BINS, panel};
 use super::methods::{CAYLEY, EXPONENTIAL, RK4, RKMK4};
 use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
 use coadjoint_app::Example;
 use coadjoint_app::plot::{Figure, Key};
-use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
+use coadjoint_app::simulation::{Method, Order, Retraction};
 use coadjoint_systems::classical::{
     AttitudeState, Integrator, OnSo3, Rk4Quaternion, Rkmk4, bodies, integrate,
 };

@@ -4,10 +4,11 @@ use coadjoint::prelude::*;
 
 use super::bodies::STEP;
 use super::caption::{Caption, Paragraph, given, measured, paragraph};
+use super::each_step::each_step;
 use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
 use coadjoint_app::plot::{Axis, Color, Envelope, Figure, Key, Panel, Series, Style};
-use coadjoint_app::simulation::{Method, Order, Retraction, each_step};
+use coadjoint_app::simulation::{Method, Order, Retraction};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorState};
 
 /// Both retractions, each with the paper's step and with the one that its text recommends: `𝓘 = diag(1, 10, 100)`, `Π₀ = (1, 1, 1)`, `R₀ = 1`,
@@ -160,7 +161,7 @@ fn each_of(
 ) -> Result<(), Error> {
     let quadrotor = Quadrotor { inertia: vector![1.0, 10.0, 100.0], mass: 1.0, gravity: 9.81 };
     // its own control law is that of hover
-    Ok(each_step(&quadrotor, &start(), scheme, (STEP, steps), observe)?)
+    each_step(&quadrotor, &start(), scheme, (STEP, steps), observe)
 }
 
 fn start() -> QuadrotorState {

@@ -1,13 +1,14 @@
 //! Large steps for long times: the errors of each method, up to the step at which it fails.
 
 use super::caption::{Caption, Paragraph, Piece, given, paragraph, verdict, with_places};
+use super::each_step::each_step;
 use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, RK4, RKMK4, marked};
 use super::work::{body, invariants, top};
 use super::{Curve, Data};
 use coadjoint_app::Error;
 use coadjoint_app::conservation::DriftStats;
 use coadjoint_app::plot::{Axis, Figure, Key, Panel};
-use coadjoint_app::simulation::{self, Order, Retraction, each_step};
+use coadjoint_app::simulation::{self, Order, Retraction};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
 
 /// How long the motion is followed, s: some six hundred of the top's swings.

@@ -8,10 +8,12 @@ use nalgebra::Vector6;
 
 use super::Data;
 use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verdict};
+use super::each_step::each_step;
 use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, ORDER_6, ORDER_8, ORDER_10, RK4, RKMK4, marked};
 use coadjoint_app::Error;
 use coadjoint_app::plot::{Axis, Figure, Key, Panel};
-use coadjoint_app::simulation::{self, Order, Retraction, each_step};
+use coadjoint_app::simulation::{self, Order, Retraction};
+use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies, integrate};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
 
@@ -131,13 +133,15 @@ impl Work {
         let best = (Retraction::Exponential, Order::Ten);
         let end = integrate_to_end(&top, start, best, sampling.reference, &mut |_| {})?;
         let exact = coordinates(&end.attitude, &end.y);
-        let top = &top;
+        // with steps that are compiled with the catalogue
+        let erased = CATALOGUE.erased(&top)?;
+        let (top, erased) = (&top, &*erased);
         let ours = OURS.into_iter().map(|(name, retraction, order)| Candidate {
             name,
             integrate: Box::new(move |n, observe| {
                 integrate_to_end(top, start, (retraction, order), n, observe).ok()
             }),
-            run: Box::new(move |step, n| run(top, start, (retraction, order), (step, n))),
+            run: Box::new(move |step, n| run(erased, start, (retraction, order), (step, n))),
         });
         let classical: [Candidate<'_>; 2] = [
             Candidate {
@@ -311,7 +315,7 @@ fn integrate_to_end(
 
 /// As users take steps that nobody has to observe: a batch with one call.
 fn run(
-    top: &HeavyTop,
+    top: &dyn erased::System,
     start: HeavyTopState,
     (retraction, order): (Retraction, Order),
     (step, batch): (f64, u64),
