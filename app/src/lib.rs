@@ -55,6 +55,8 @@ pub use {
 };
 
 #[cfg(feature = "program")]
+mod casimir;
+#[cfg(feature = "program")]
 mod checkpoint;
 #[cfg(feature = "program")]
 mod cli;

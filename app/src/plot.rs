@@ -101,6 +101,16 @@ pub enum Style {
 }
 
 impl Style {
+    /// The same with a dashed line, if it has one.
+    #[must_use]
+    pub fn dashed(self) -> Self {
+        match self {
+            Style::Line => Style::Dashed,
+            Style::Marked(mark) => Style::DashedMarked(mark),
+            other => other,
+        }
+    }
+
     /// Whether its line is dashed, if it has one.
     fn line(self) -> Option<bool> {
         match self {

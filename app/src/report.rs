@@ -5,10 +5,10 @@ use std::fmt;
 use coadjoint::RunReport;
 use serde_json::{Value, json};
 
+use crate::casimir;
 use crate::conservation::{ConservationReport, DriftStats};
 use crate::entry::Entry;
 use crate::provenance::Provenance;
-use crate::run_plot::symbols;
 use crate::simulation::{Job, Method, Setup};
 
 /// A table with a column for each run.
@@ -43,7 +43,7 @@ impl RunSummary {
         } else {
             "energy: not conserved by this system".to_owned()
         });
-        for ((name, unit), stats) in entry.casimirs().zip(&self.conservation.casimirs) {
+        for ((name, unit), stats) in casimir::names(entry).zip(&self.conservation.casimirs) {
             lines.push(format!("{name}: {}", describe(stats, self.conservation.steps, unit)));
         }
         lines
@@ -116,7 +116,7 @@ impl<'a> Table<'a> {
             }),
             row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
             row(&of("energy at the start"), &|run| {
-                format!("{:.4}", Figures(run.conservation.energy.initial))
+                format!("{:.4}", Figures(run.conservation.energy.initial + 0.0))
             }),
             row(
                 &if self.entry.description.autonomous {
@@ -128,9 +128,7 @@ impl<'a> Table<'a> {
                 &|run| magnitude(run.conservation.energy.error),
             ),
         ];
-        for (i, (name, unit)) in self.entry.casimirs().enumerate() {
-            // what has many terms is shorter in symbols
-            let name = if name.chars().count() > 40 { symbols(name) } else { name.to_owned() };
+        for (i, (name, unit)) in casimir::names(self.entry).enumerate() {
             let name = with_unit(&format!("drift of {name}"), unit);
             rows.push(row(&name, &|run| {
                 magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
@@ -276,6 +274,13 @@ pub(crate) fn short(value: f64) -> String {
     format!("{:.5}", Figures(value))
 }
 
+/// All digits, `0.01` and `2e-9`: by the power of ten where that is shorter by far.
+pub(crate) fn exact(value: f64) -> String {
+    // adding zero leaves no −0
+    let (plain, power) = ((value + 0.0).to_string(), format!("{value:e}"));
+    if power.len() + 3 < plain.len() { power } else { plain }
+}
+
 /// Two digits say how large an error is.
 pub(crate) fn magnitude(value: f64) -> String {
     if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
@@ -292,6 +297,11 @@ mod tests {
         assert_eq!(grouped(180_000), "180 000");
         assert_eq!(grouped(1_234_567), "1 234 567");
         assert_eq!(magnitude(0.0), "0");
+        for (number, text) in
+            [(0.01, "0.01"), (2e-9, "2e-9"), (-0.0, "0"), (1e6, "1e6"), (12_345.5, "12345.5"), (3e9, "3e9")]
+        {
+            assert_eq!(exact(number), text);
+        }
         assert_eq!(magnitude(1.26e-14), "1.3e-14");
         for (number, text) in [
             (0.0, "0"),

@@ -6,6 +6,7 @@ use std::ops::Range;
 use coadjoint::system::Quantity;
 use serde::{Deserialize, Serialize};
 
+use crate::casimir;
 use crate::entry::{Entry, component_name};
 use crate::plot::{Axis, Color, Envelope, Figure, Key, Panel, Series};
 use crate::report::with_unit;
@@ -98,7 +99,11 @@ impl Part {
         let mut panels: Vec<(&str, Vec<Series>)> = Vec::new();
         for (k, (name, curve)) in self.names().iter().zip(curves).enumerate() {
             let (unit, scale) = self.unit(entry, name, curve);
-            let series = curve.series(&name.replace('_', " "), Color::component(k), scale);
+            let mut series = curve.series(&name.replace('_', " "), Color::component(k), scale);
+            if k >= Color::COMPONENTS {
+                // its colour is taken
+                series.iter_mut().for_each(|series| series.style = series.style.dashed());
+            }
             match panels.iter_mut().find(|(known, _)| *known == unit) {
                 Some((_, panel)) => panel.extend(series),
                 None => panels.push((unit, series)),
@@ -110,7 +115,7 @@ impl Part {
             let names: Vec<&str> =
                 series.iter().map(|series| series.label.as_str()).filter(|label| !label.is_empty()).collect();
             let label = match names[..] {
-                [name] if count > 1 => with_unit(name, unit),
+                [name] if count > 1 => with_unit(&format!("{}: {name}", self.label()), unit),
                 _ => with_unit(&self.label(), unit),
             };
             Panel::new(Axis::linear(TIME), Axis::linear(label), series)
@@ -221,45 +226,12 @@ impl RunPlot {
         } else {
             add(Axis::linear(with_unit("energy", energy)), self.energy.series("", Color::X, 1.0));
         }
-        for ((name, unit), envelope) in entry.casimirs().zip(&self.casimirs) {
-            let label = with_unit(&format!("{} error", symbols(name)), unit);
+        for ((name, unit), envelope) in casimir::symbols_of(entry).zip(&self.casimirs) {
+            let label = with_unit(&format!("{name} error"), unit);
             add(Axis::logarithmic(label), vec![Series::line("", Color::X, envelope.upper())]);
         }
         Figure::over_time(title, TIME, self.span, Key::Each, panels)
     }
-}
-
-/// Casimirs in the letters of the literature, which are also shorter.
-pub(crate) fn symbols(name: &str) -> String {
-    let name = name
-        .replace("angular_momentum", "Π")
-        .replace("linear_momentum", "P")
-        .replace("attitude_momentum", "Π")
-        .replace("rotor_momentum", "ℓ")
-        .replace("momentum", "Π")
-        .replace("gamma", "Γ")
-        .replace("field", "B")
-        .replace("impulse", "P");
-    subscripts(&name).unwrap_or(name)
-}
-
-/// `Π₁₂` for `Π.r12`, where all components have one letter.
-fn subscripts(name: &str) -> Option<String> {
-    let mut parts = name.split('.');
-    let mut written = parts.next()?.to_owned();
-    let mut known = None;
-    for part in parts {
-        let letters = part.find(|letter: char| !letter.is_ascii_alphabetic())?;
-        let (stem, rest) = part.split_at(letters);
-        let end = rest.find(|letter: char| !letter.is_ascii_digit()).unwrap_or(rest.len());
-        if end == 0 || *known.get_or_insert(stem) != stem {
-            return None;
-        }
-        let subscript = |digit: char| char::from_u32('₀' as u32 + digit.to_digit(10)?);
-        written.extend(rest[..end].chars().filter_map(subscript));
-        written += &rest[end..];
-    }
-    Some(written)
 }
 
 #[cfg(test)]
@@ -276,14 +248,6 @@ mod tests {
     fn roll_pitch_and_yaw_are_those_of_the_rotation() {
         let [roll, pitch, yaw] = angles(&UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1));
         assert!((roll - 0.3).abs() < 1e-14 && (pitch + 0.7).abs() < 1e-14 && (yaw - 1.1).abs() < 1e-14);
-    }
-
-    #[test]
-    fn components_are_subscripts_where_they_have_one_letter() {
-        assert_eq!(symbols("momentum.r12 momentum.r34 − momentum.r13²"), "Π₁₂ Π₃₄ − Π₁₃²");
-        assert_eq!(symbols("momentum.h1² + momentum.e12"), "Π.h1² + Π.e12");
-        assert_eq!(symbols("momentum·gamma"), "Π·Γ");
-        assert_eq!(symbols("momentum.x momentum.y"), "Π.x Π.y");
     }
 
     #[test]

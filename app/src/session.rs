@@ -19,6 +19,7 @@ use crate::output::{Format, Guard, TrajectoryWriter};
 use crate::page::HtmlPlayer;
 use crate::progress::Progress;
 use crate::provenance::{self, Provenance};
+use crate::report::exact;
 use crate::run_plot::RunPlot;
 use crate::simulation::{Checkpoint, Job, Method, Order, Sample, Setup, SimulationError};
 
@@ -349,7 +350,7 @@ pub fn title(entry: &Entry, job: &Job) -> String {
     if job.order != Order::Two {
         parts.push(format!("order {}", job.order.number()));
     }
-    parts.push(format!("h = {} s", job.step));
+    parts.push(format!("h = {} s", exact(job.step)));
     parts.join(", ")
 }
 

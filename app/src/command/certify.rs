@@ -7,10 +7,10 @@ use coadjoint::certify::Report;
 use coadjoint::system::Quantity;
 use serde_json::json;
 
+use crate::casimir::symbols;
 use crate::console::Telling;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
-use crate::run_plot::symbols;
 use crate::setting::laid_out;
 use crate::simulation::{Method, Order, Retraction, scheme};
 

@@ -6,12 +6,12 @@ use clap::Args;
 use coadjoint::system::Quantity;
 use serde_json::{Value, json};
 
+use crate::casimir;
 use crate::cli::program;
 use crate::console::Telling;
 use crate::entry::{Catalogue, Entry};
 use crate::error::Error;
-use crate::report::{with_unit, wrapped};
-use crate::run_plot::symbols;
+use crate::report::{exact, with_unit, wrapped};
 use crate::setting::laid_out;
 use crate::simulation::{Method, Retraction};
 
@@ -59,13 +59,11 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
         writeln!(words, "  held over each step, chosen by the system's own law, or by `--set`")?;
     }
     writeln!(words, "\nconserved")?;
-    let conserved = conserved(entry);
+    let conserved = conserved(entry, casimir::listed(entry));
     if conserved.is_empty() {
         writeln!(words, "  nothing")?;
     }
     for (name, unit) in conserved {
-        // what has many terms is shorter in symbols
-        let name = if name.chars().count() > 40 { symbols(name) } else { name.to_owned() };
         for (i, line) in wrapped(&with_unit(&name, unit), 76).iter().enumerate() {
             writeln!(words, "{}{line}", if i == 0 { "  " } else { "    " })?;
         }
@@ -75,7 +73,7 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     for (i, line) in wrapped(&methods, 67).iter().enumerate() {
         writeln!(words, "{:11}  {line}", if i == 0 { "methods" } else { "" })?;
     }
-    writeln!(words, "step {} s, duration {} s\n", entry.step, entry.duration)?;
+    writeln!(words, "step {} s, duration {} s\n", exact(entry.step), exact(entry.duration))?;
     writeln!(words, "{} run {} --plot", program(), entry.name)?;
     Ok(())
 }
@@ -92,9 +90,7 @@ fn quantities(
         writeln!(words, "\n{title}")?;
     }
     for (quantity, slots) in laid_out(all) {
-        // adding zero leaves no −0
-        let list =
-            |values: &[f64]| values.iter().map(|x| (x + 0.0).to_string()).collect::<Vec<_>>().join(",");
+        let list = |values: &[f64]| values.iter().map(|x| exact(*x)).collect::<Vec<_>>().join(",");
         let value = values.map_or(String::new(), |values| format!("={}", list(&values[slots])));
         let unit = entry.unit(quantity.name);
         writeln!(words, "  {}", format!("{}{value}  {unit}", quantity.name).trim_end())?;
@@ -119,9 +115,12 @@ fn order(quantity: &Quantity) -> String {
 }
 
 /// What its motion keeps, with units.
-fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
-    let energy = entry.description.autonomous.then(|| ("energy", entry.unit("energy")));
-    energy.into_iter().chain(entry.casimirs()).collect()
+fn conserved<N: From<&'static str>>(
+    entry: &Entry,
+    casimirs: impl Iterator<Item = (N, &'static str)>,
+) -> Vec<(N, &'static str)> {
+    let energy = entry.description.autonomous.then(|| ("energy".into(), entry.unit("energy")));
+    energy.into_iter().chain(casimirs).collect()
 }
 
 /// The methods of ours that there are of it.
@@ -154,7 +153,7 @@ fn object(entry: &Entry) -> Value {
         "parameters": of(entry.description.parameters, Some(&entry.example.parameters)),
         "state": of(entry.description.state, Some(&entry.example.state)),
         "controls": of(entry.description.controls, None),
-        "conserved": self::conserved(entry).into_iter().map(conserved).collect::<Vec<_>>(),
+        "conserved": self::conserved(entry, entry.casimirs()).into_iter().map(conserved).collect::<Vec<_>>(),
         "retractions": retractions(entry),
         "methods": methods(entry),
         "step": entry.step,

@@ -8,8 +8,8 @@ use super::format::{
 };
 use super::recording::{HtmlPlayer, Moment, Moments};
 use super::scenery;
+use crate::casimir;
 use crate::entry::{ControlLaw, Entry, component_name};
-use crate::run_plot::symbols;
 use crate::scene::{Arrow, Body, Link, Scene, Vector};
 use crate::setting::{laid_out, rotation};
 use crate::shown::Shown;
@@ -328,9 +328,9 @@ impl Film<'_> {
             let energies = kept.iter().map(|moment| rounded(moment.energy)).collect();
             plot("energy".to_owned(), unit, Scale::Linear, "c6", energies)
         }];
-        for (i, (name, unit)) in self.entry.casimirs().enumerate() {
+        for (i, (name, unit)) in casimir::symbols_of(self.entry).enumerate() {
             let error = errors(&|k| kept[k].casimirs[i]);
-            plots.push(plot(format!("error of {}", symbols(name)), unit, Scale::Log, "c3", error));
+            plots.push(plot(format!("error of {name}"), unit, Scale::Log, "c3", error));
         }
         plots
     }

@@ -4,8 +4,8 @@ use coadjoint::__private::Map;
 use coadjoint::prelude::*;
 use coadjoint::system::{Quantity, Role};
 
+use crate::casimir::symbols;
 use crate::entry::Entry;
-use crate::run_plot::symbols;
 use crate::scene::{Arrow, Body, Scene, Vector};
 use crate::setting::{laid_out, rotation};
 use crate::shape::{Shape, Solid};

@@ -57,10 +57,13 @@ pub enum Color {
 }
 
 impl Color {
+    /// How many components have a colour of their own.
+    pub const COMPONENTS: usize = 6;
+
     /// Of the components of a vector, in their order.
     pub fn component(index: usize) -> Self {
-        const COMPONENTS: [Color; 6] = [Color::X, Color::Y, Color::Z, Color::W, Color::V, Color::U];
-        COMPONENTS[index % COMPONENTS.len()]
+        const ALL: [Color; Color::COMPONENTS] = [Color::X, Color::Y, Color::Z, Color::W, Color::V, Color::U];
+        ALL[index % ALL.len()]
     }
 
     /// On white, and on black.

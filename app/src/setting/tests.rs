@@ -78,7 +78,12 @@ fn an_inertia_that_no_body_has_is_noted() {
 }
 
 /// A rigid body in space that sees a direction of space.
-#[coadjoint::prelude::lie_poisson_system(group = SE3, advected(field: R3), potential = strength * field.z)]
+#[coadjoint::prelude::lie_poisson_system(
+    group = SE3,
+    advected(field: R3),
+    potential = strength * field.z,
+    retractions(Cayley)
+)]
 struct Floating {
     #[inertia]
     inertia: coadjoint::prelude::Matrix6<f64>,
@@ -90,7 +95,8 @@ struct Floating {
     group = SO3,
     invariance = right,
     advected(field: R3),
-    potential = strength * field.z
+    potential = strength * field.z,
+    retractions(Cayley)
 )]
 struct InSpace {
     #[inertia]
