@@ -274,11 +274,12 @@ pub(crate) fn short(value: f64) -> String {
     format!("{:.5}", Figures(value))
 }
 
-/// All digits, `0.01` and `2e-9`: by the power of ten where that is shorter by far.
+/// All digits: `0.01`, but `2e-9`.
 pub(crate) fn exact(value: f64) -> String {
     // adding zero leaves no −0
     let (plain, power) = ((value + 0.0).to_string(), format!("{value:e}"));
-    if power.len() + 3 < plain.len() { power } else { plain }
+    let is_usual = value == 0.0 || (1e-4..1e7).contains(&value.abs());
+    if is_usual || plain.len() < power.len() { plain } else { power }
 }
 
 /// Two digits say how large an error is.
@@ -297,9 +298,15 @@ mod tests {
         assert_eq!(grouped(180_000), "180 000");
         assert_eq!(grouped(1_234_567), "1 234 567");
         assert_eq!(magnitude(0.0), "0");
-        for (number, text) in
-            [(0.01, "0.01"), (2e-9, "2e-9"), (-0.0, "0"), (1e6, "1e6"), (12_345.5, "12345.5"), (3e9, "3e9")]
-        {
+        for (number, text) in [
+            (0.01, "0.01"),
+            (2e-9, "2e-9"),
+            (-0.0, "0"),
+            (2.5e-6, "2.5e-6"),
+            (1e6, "1000000"),
+            (12_345_678.25, "12345678.25"),
+            (3e9, "3e9"),
+        ] {
             assert_eq!(exact(number), text);
         }
         assert_eq!(magnitude(1.26e-14), "1.3e-14");

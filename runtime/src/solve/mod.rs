@@ -277,6 +277,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     }
 
     /// The solution of a step's equation from nothing that is remembered. None if it is not found.
+    #[cfg(feature = "std")]
     pub(crate) fn cold<K: Kernel<T, Unknown = U>>(kernel: &K, state: &K::State, step: &K::Step) -> Option<U> {
         let start = kernel.start(state, step);
         if const { Self::IS_IDLE } {
