@@ -62,7 +62,6 @@ pub(crate) fn of_run(
     let seconds = start.elapsed().as_secs_f64() / last.max(1) as f64 * job.steps as f64;
     let a_row = match format {
         None => 0.0,
-        #[cfg(feature = "parquet")]
         Some(Format::Parquet) => 8.0 * entry.columns().len() as f64,
         Some(_) => text.len() as f64 / f64::from(rows.max(1)),
     };

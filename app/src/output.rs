@@ -31,8 +31,7 @@ pub enum Format {
     Csv,
     /// One object: system, parameters, columns, rows, invariants.
     Json,
-    /// Columns of doubles, for tables of many millions of rows.
-    #[cfg(feature = "parquet")]
+    /// Columns of doubles, for tables of many millions of rows; in programs that are built with the feature `parquet`.
     Parquet,
 }
 
@@ -42,7 +41,6 @@ impl Format {
         match self {
             Format::Csv => "csv",
             Format::Json => "json",
-            #[cfg(feature = "parquet")]
             Format::Parquet => "parquet",
         }
     }
@@ -91,6 +89,11 @@ impl TrajectoryWriter {
                 Format::Json => Box::new(json::Json::new(file, entry, guard.origin())?),
                 #[cfg(feature = "parquet")]
                 Format::Parquet => Box::new(parquet::Parquet::new(file, entry, guard.origin())?),
+                #[cfg(not(feature = "parquet"))]
+                Format::Parquet => {
+                    let missing = "this program was built without `--features parquet`";
+                    return Err(io::Error::new(io::ErrorKind::Unsupported, missing));
+                }
             })
         };
         match writer() {

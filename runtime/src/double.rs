@@ -10,7 +10,7 @@ use crate::stumpff;
 
 /// `high + low`, where `low` is at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Double<T> {
+pub(crate) struct Double<T> {
     high: T,
     low: T,
 }
@@ -30,7 +30,7 @@ impl<T: Batch> Double<T> {
 
     /// From its parts.
     #[inline(always)]
-    pub(crate) fn from_parts([high, low]: [T; 2]) -> Self {
+    pub(crate) const fn from_parts([high, low]: [T; 2]) -> Self {
         Self { high, low }
     }
 
@@ -87,33 +87,34 @@ impl<T: Batch> Double<T> {
 macro_rules! operations {
     ($($(#[$doc:meta])* $name:ident($($x:ident),*) -> $value:expr;)*) => {
         $($(#[$doc])*
-        struct $name<T>($(operations!(@number $x T)),*);
+        struct $name<'a, T>($(operations!(@number $x &'a Double<T>)),*);
 
-        impl<T: Batch> Work for $name<T> {
+        impl<T: Batch> Work for $name<'_, T> {
             type Home = ();
             type Result = Double<T>;
 
             #[inline(always)]
             fn done(self) -> Double<T> {
-                let Self($($x),*) = self;
+                let Self($(&$x),*) = self;
                 $value
             }
         }
 
-        impl<T: Batch> $name<T> {
+        impl<T: Batch> $name<'_, T> {
             #[inline(always)]
             fn of($($x: Double<T>),*) -> Double<T> {
-                if const { T::LANES > 1 } { T::dispatch(Self($($x),*)) } else { Self::of_one($($x),*) }
+                // no copies of many lanes: without optimisation each of them has its place on the stack
+                if const { T::LANES > 1 } { T::dispatch($name($(&$x),*)) } else { Self::of_one($($x),*) }
             }
 
             /// Of one number: its arguments are in registers, where a work is in memory.
             #[inline(never)]
             fn of_one($($x: Double<T>),*) -> Double<T> {
-                Self($($x),*).done()
+                $name($(&$x),*).done()
             }
         })*
     };
-    (@number $x:ident $t:ident) => { Double<$t> };
+    (@number $x:ident $t:ty) => { $t };
 }
 operations! {
     Sum(a, b) -> a.plus(b);

@@ -47,6 +47,10 @@ pub struct Evaluation<U, I> {
     pub iterate: I,
 }
 
+/// The functions [`new`](Kernel::new), [`begin`](Kernel::begin), [`evaluate`](Kernel::evaluate) and [`finish`](Kernel::finish) as bytes that the
+/// generator has written.
+pub(crate) type Program = [&'static [u8]; 4];
+
 /// One step's arithmetic for one system and one scheme; `self` holds what depends on parameters and step alone.
 pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// The system's parameters.
@@ -64,6 +68,8 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
 
     /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
     const BLOCKS: &'static [usize];
+    /// The step's functions once more, as data.
+    const PROGRAM: Program = [&[]; 4];
 
     /// Stage *parameters*: once, when the stepper is built.
     fn new(parameters: &Self::Parameters, step: T) -> Self;

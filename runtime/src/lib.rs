@@ -59,6 +59,8 @@
 extern crate self as coadjoint;
 
 #[cfg(feature = "std")]
+mod bytecode;
+#[cfg(feature = "std")]
 pub mod certify;
 #[cfg(feature = "std")]
 mod compensated;

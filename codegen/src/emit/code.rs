@@ -278,15 +278,30 @@ fn constant(number: Number) -> TokenStream {
             quote! { #literal }
         }
     };
-    match number.fraction() {
-        Some((numerator, denominator)) if denominator & (denominator - 1) != 0 => {
-            let (numerator, denominator) = (float(numerator as f64), float(denominator as f64));
+    match fraction(number) {
+        Some([numerator, denominator]) => {
+            let (numerator, denominator) = (float(numerator), float(denominator));
             quote! { T::of(#numerator / #denominator) }
         }
-        _ if value.is_finite() => {
+        None if value.is_finite() => {
             let value = float(value);
             quote! { T::of(#value) }
         }
-        _ => quote! { T::of(::core::primitive::f64::NAN) },
+        None => quote! { T::of(::core::primitive::f64::NAN) },
     }
+}
+
+/// A fraction that is no double.
+fn fraction(number: Number) -> Option<[f64; 2]> {
+    let (numerator, denominator) = number.fraction()?;
+    (denominator & (denominator - 1) != 0).then_some([numerator as f64, denominator as f64])
+}
+
+/// What the compiler makes of a [`constant`].
+pub(super) fn rounded(number: Number) -> f64 {
+    if number == Number::FOUR_PI_SQUARED {
+        return core::f64::consts::TAU * core::f64::consts::TAU;
+    }
+    let value = number.to_f64();
+    fraction(number).map_or(if value.is_finite() { value } else { f64::NAN }, |[a, b]| a / b)
 }

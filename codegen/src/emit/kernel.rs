@@ -5,7 +5,7 @@ use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, kept, record, size, term};
 use super::schemes::marker;
-use super::{Names, docs};
+use super::{Names, bytecode, docs};
 use crate::program::{Function, Input, Module, RecordKind, Role, StepProgram};
 use crate::scheme::Scheme;
 
@@ -47,6 +47,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
     let bounded = bounded(&step.bounded);
+    let program = bytecode::functions(module).map(|function| Literal::byte_string(&function));
 
     quote! {
         #constants
@@ -72,6 +73,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
                 type Iterate = Iterate<T>;
 
                 const BLOCKS: &'static [::core::primitive::usize] = &[#(#blocks),*];
+                const PROGRAM: [&'static [::core::primitive::u8]; 4] = [#(#program),*];
                 #no_update
 
                 #(#functions)*

@@ -19,6 +19,13 @@ use crate::scheme::Scheme;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Value(pub(crate) usize);
 
+impl Value {
+    /// Its number within the module, from 0 on.
+    pub fn number(self) -> usize {
+        self.0
+    }
+}
+
 /// All that is computed for a system.
 #[derive(Clone, Debug)]
 pub struct Program {

@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::{larger, slope};
-use crate::double::Double;
 use crate::erased::{At, Equation, converged, equation};
 use crate::system::Generated;
 
@@ -61,8 +60,7 @@ impl<'a> Probe<'a> {
     /// Looks at a generated kernel of the system.
     pub fn kernel<S: Generated<M>, M>(&mut self, step: f64) {
         let Self { parameters, time, control, .. } = *self;
-        let equation =
-            equation::<S::Kernel<f64>, S::Kernel<Double<f64>>>(parameters, step, &self.state, time, control);
+        let equation = equation::<S::Kernel<f64>>(parameters, step, &self.state, time, control);
         self.look(&*equation, step);
     }
 
@@ -72,6 +70,7 @@ impl<'a> Probe<'a> {
     }
 
     pub(super) fn look(&mut self, equation: &dyn Equation, step: f64) {
+        let at = At { step, state: &self.state, time: self.time, control: self.control };
         match &mut self.sought {
             Sought::Corrections(worst) => {
                 if let Some(difference) = compare(equation) {
@@ -79,7 +78,8 @@ impl<'a> Probe<'a> {
                 }
             }
             Sought::End(rest, kernels) => {
-                *rest = rest.take().and_then(|rest| converged(equation, &rest)).map(|[state, rest]| {
+                let end = rest.take().and_then(|rest| converged(equation, self.parameters, &at, &rest));
+                *rest = end.map(|[state, rest]| {
                     self.state = state;
                     rest
                 });

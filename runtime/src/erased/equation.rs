@@ -4,8 +4,9 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::method::array;
-use crate::double::Double;
-use crate::kernel::{AtState, Components, Corrected, Evaluation, Kernel};
+use super::system::At;
+use crate::bytecode::{Machine, Wide};
+use crate::kernel::{AtState, Corrected, Evaluation, Kernel, Program};
 use crate::solve::Solver;
 
 /// A step's equation at one state, on slices, for those who look at it closely.
@@ -18,14 +19,8 @@ pub trait Equation {
     fn correction(&self, unknown: &[f64], residual: Option<&[f64]>) -> [Vec<f64>; 2];
     /// The solution. None if it is not found.
     fn solution(&self) -> Option<Vec<f64>>;
-    /// The same equation in twice the digits; `rest` is what the numbers of the state leave out.
-    fn widened(&self, rest: &[f64]) -> Box<dyn WideEquation + '_>;
-}
-
-/// A step's equation at one state in twice the digits.
-pub trait WideEquation {
-    /// The residual at a value of the unknown, and the state that this leads to.
-    fn evaluate(&self, unknown: &[Double<f64>]) -> [Vec<Double<f64>>; 2];
+    /// The step as data, in which it can be taken in twice the digits.
+    fn program(&self) -> Program;
 }
 
 /// Newton corrections in twice the digits: each of them adds nearly as many digits as a number has.
@@ -37,20 +32,31 @@ const NOTHING: f64 = 1e-26;
 /// state before it leave out. None if there is no solution to be found.
 ///
 /// Residuals in twice the digits, corrections from Jacobians in one number: of the solver's rules of when to stop, this knows none.
-pub(crate) fn converged(equation: &dyn Equation, rest: &[f64]) -> Option<[Vec<f64>; 2]> {
+pub(crate) fn converged(
+    equation: &dyn Equation,
+    parameters: &[f64],
+    at: &At<'_>,
+    rest: &[f64],
+) -> Option<[Vec<f64>; 2]> {
     let blocks = equation.blocks();
-    let wide = equation.widened(rest);
-    let mut unknown: Vec<_> = equation.solution()?.into_iter().map(Double::exactly).collect();
+    let state = widened(at.state, rest);
+    let mut machine = Machine::new(equation.program(), &widened(parameters, &[]), Wide::exactly(at.step));
+    machine.begin(&state, Wide::exactly(at.time), &widened(at.control, &[]));
+    let mut unknown = widened(&equation.solution()?, &[]);
     let mut last = f64::INFINITY;
     for refinement in 0..REFINEMENTS[1] {
-        let [residual, next] = wide.evaluate(&unknown);
+        let [residual, next] = machine.evaluate(&state, &unknown);
+        if next.len() != state.len() {
+            // there is no program
+            return None;
+        }
         let mut change = 0.0;
         if !unknown.is_empty() {
             let (here, residual) = (parts(&unknown, 0), parts(&residual, 0));
             let [_, correction] = equation.correction(&here, Some(&residual));
             change = relative(blocks, &correction, &here);
             for (x, correction) in unknown.iter_mut().zip(&correction) {
-                *x = *x - Double::exactly(*correction);
+                *x = *x - Wide::exactly(*correction);
             }
         }
         // a block that is zero but for rounding never comes to rest relative to itself
@@ -63,8 +69,14 @@ pub(crate) fn converged(equation: &dyn Equation, rest: &[f64]) -> Option<[Vec<f6
     None
 }
 
+/// Numbers with what they leave out, which is nothing where it is missing.
+fn widened(numbers: &[f64], rest: &[f64]) -> Vec<Wide> {
+    let rest = rest.iter().copied().chain(core::iter::repeat(0.0));
+    numbers.iter().zip(rest).map(|(number, rest)| Wide::from_parts([*number, rest])).collect()
+}
+
 /// The nearest numbers, or what they leave out.
-fn parts(wide: &[Double<f64>], part: usize) -> Vec<f64> {
+fn parts(wide: &[Wide], part: usize) -> Vec<f64> {
     wide.iter().map(|x| x.parts()[part]).collect()
 }
 
@@ -80,47 +92,29 @@ fn relative(blocks: &[usize], mut of: &[f64], mut to: &[f64]) -> f64 {
     worst
 }
 
-/// A kernel's equation, at a state; `W` is the same kernel over twice the digits.
-struct KernelEquation<K: Kernel<f64>, W: Kernel<Double<f64>>> {
+/// A kernel's equation, at a state.
+struct KernelEquation<K: Kernel<f64>> {
     kernel: K,
     state: K::State,
     begun: K::Step,
-    time: f64,
-    control: K::Control,
-    wide: W,
 }
 
 /// The equation of a kernel at a state.
-pub(crate) fn equation<K, W>(
+pub(crate) fn equation<K: Kernel<f64>>(
     parameters: &[f64],
     step: f64,
     state: &[f64],
     time: f64,
     control: &[f64],
-) -> Box<dyn Equation>
-where
-    K: Kernel<f64> + 'static,
-    W: Kernel<Double<f64>> + 'static,
-{
+) -> Box<dyn Equation> {
     let (kernel, state, control) = (K::new(&array(parameters), step), array(state), array(control));
     let begun = kernel.begin(&state, time, &control);
-    let wide = W::new(&widened(parameters, &[]), Double::exactly(step));
-    Box::new(([], KernelEquation { kernel, state, begun, time, control, wide }))
+    Box::new(([], KernelEquation { kernel, state, begun }))
 }
 
-/// The sums of numbers and what they leave out, as an array. What is missing is zero.
-fn widened<C: Components<Double<f64>>>(numbers: &[f64], rest: &[f64]) -> C {
-    let mut wide = C::splat(Double::exactly(0.0));
-    let rest = rest.iter().copied().chain(core::iter::repeat(0.0));
-    for ((wide, number), rest) in wide.as_mut().iter_mut().zip(numbers).zip(rest) {
-        *wide = Double::from_parts([*number, rest]);
-    }
-    wide
-}
-
-impl<K: Kernel<f64>, W: Kernel<Double<f64>>> Equation for ([K; 0], KernelEquation<K, W>) {
+impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
     fn start(&self) -> Vec<f64> {
-        let (_, KernelEquation { kernel, state, begun, .. }) = self;
+        let (_, KernelEquation { kernel, state, begun }) = self;
         kernel.start(state, begun).as_ref().to_vec()
     }
 
@@ -128,8 +122,12 @@ impl<K: Kernel<f64>, W: Kernel<Double<f64>>> Equation for ([K; 0], KernelEquatio
         K::BLOCKS
     }
 
+    fn program(&self) -> Program {
+        K::PROGRAM
+    }
+
     fn correction(&self, unknown: &[f64], residual: Option<&[f64]>) -> [Vec<f64>; 2] {
-        let (_, KernelEquation { kernel, state, begun: step, .. }) = self;
+        let (_, KernelEquation { kernel, state, begun: step }) = self;
         let residual = residual.map(array);
         let Evaluation { residual, iterate: correction, .. } =
             AtState { kernel, state, step }.corrected(&array(unknown), residual.as_ref());
@@ -137,31 +135,7 @@ impl<K: Kernel<f64>, W: Kernel<Double<f64>>> Equation for ([K; 0], KernelEquatio
     }
 
     fn solution(&self) -> Option<Vec<f64>> {
-        let (_, KernelEquation { kernel, state, begun, .. }) = self;
+        let (_, KernelEquation { kernel, state, begun }) = self;
         Solver::cold(kernel, state, begun).map(|unknown| unknown.as_ref().to_vec())
-    }
-
-    fn widened(&self, rest: &[f64]) -> Box<dyn WideEquation + '_> {
-        let (_, KernelEquation { state, time, control, wide: kernel, .. }) = self;
-        let state = widened(state.as_ref(), rest);
-        let begun = kernel.begin(&state, Double::exactly(*time), &widened(control.as_ref(), &[]));
-        Box::new(([], Wide { kernel, state, begun }))
-    }
-}
-
-/// A kernel over twice the digits, at a state.
-struct Wide<'a, W: Kernel<Double<f64>>> {
-    kernel: &'a W,
-    state: W::State,
-    begun: W::Step,
-}
-
-impl<W: Kernel<Double<f64>>> WideEquation for ([W; 0], Wide<'_, W>) {
-    fn evaluate(&self, unknown: &[Double<f64>]) -> [Vec<Double<f64>>; 2] {
-        let (_, Wide { kernel, state, begun }) = self;
-        let unknown = array(unknown);
-        let evaluation = kernel.evaluate(state, begun, &unknown);
-        let next = kernel.finish(state, begun, &unknown, &evaluation);
-        [evaluation.residual.as_ref().to_vec(), next.as_ref().to_vec()]
     }
 }

@@ -7,7 +7,6 @@ use std::vec::Vec;
 use super::equation::{Equation, equation};
 use super::method::{Flat, Method, array};
 use super::scheme::Scheme;
-use crate::double::Double;
 use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::{ParameterError, StepError};
@@ -291,6 +290,6 @@ impl<S: system::System> Visitor<S> for OfEquations<'_> {
         S: Generated<M>,
     {
         let At { step, state, time, control } = *self.at;
-        equation::<S::Kernel<f64>, S::Kernel<Double<f64>>>(self.parameters, step, state, time, control)
+        equation::<S::Kernel<f64>>(self.parameters, step, state, time, control)
     }
 }

@@ -512,6 +512,7 @@ impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
     type Iterate = K::Iterate;
 
     const BLOCKS: &'static [usize] = K::BLOCKS;
+    const PROGRAM: [&'static [u8]; 4] = K::PROGRAM;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
         Self(K::new(parameters, step))
