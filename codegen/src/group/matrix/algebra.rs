@@ -100,21 +100,40 @@ impl Algebra {
         Vector(bracket)
     }
 
-    /// `m · coordinates(A E_j B)` for each `j`: the pairings of `Aᵀ W Bᵀ` with the basis.
+    /// `1 + c X`
+    pub(super) fn one_plus<'a>(&self, x: &Vector<'a>, factor: Number) -> Matrix<'a> {
+        let one = Matrix::identity(x.0[0].arena(), self.size());
+        one.zip(&self.hat(x), |one, x| one + x.scale(factor))
+    }
+
+    /// `m · coordinates(A E_j B)` for each `j`.
     pub(super) fn pulled_back<'a>(&self, a: &Matrix<'a>, m: &Vector<'a>, b: &Matrix<'a>) -> Vector<'a> {
-        let matrix = a.transpose().times_matrix(&self.covector(m)).times_matrix(&b.transpose());
-        let entries = Vector(matrix.entries);
+        self.pairings(&self.pulled_matrix(a, m, b))
+    }
+
+    /// `Aᵀ W Bᵀ`
+    pub(super) fn pulled_matrix<'a>(&self, a: &Matrix<'a>, m: &Vector<'a>, b: &Matrix<'a>) -> Matrix<'a> {
+        let w = combination(&self.covectors(), m);
+        a.transpose().times_matrix(&w).times_matrix(&b.transpose())
+    }
+
+    /// `⟨A, E_j⟩` for each `j`.
+    pub(super) fn pairings<'a>(&self, a: &Matrix<'a>) -> Vector<'a> {
+        let entries = Vector(a.entries.clone());
         Vector(self.basis.iter().map(|e| weighted(&e.entries, &entries)).collect())
     }
 
-    /// The matrix `W` with `⟨W, Z⟩ = m · z` for all matrices `Z` of the algebra, of coordinates `z`.
-    fn covector<'a>(&self, m: &Vector<'a>) -> Matrix<'a> {
-        let (n, arena) = (self.size(), m.0[0].arena());
-        let mut entries = vec![arena.zero(); n * n];
-        for (column, &entry) in self.readout.entries.iter().enumerate() {
-            entries[entry] = weighted(&self.readout.inverse.column(column), m);
-        }
-        Matrix::new(n, n, entries)
+    /// The matrices `W_i` with `⟨W_i, Z⟩ = z_i` for all matrices `Z` of the algebra, of coordinates `z`.
+    pub(super) fn covectors(&self) -> Vec<Exact> {
+        let (d, n) = (self.dimension(), self.size());
+        let of = |i: usize| {
+            let mut matrix = Exact::zero(n, n);
+            for (k, &entry) in self.readout.entries.iter().enumerate() {
+                matrix.entries[entry] = self.readout.inverse.at(i, k);
+            }
+            matrix
+        };
+        (0..d).map(of).collect()
     }
 }
 
