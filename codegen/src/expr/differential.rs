@@ -13,14 +13,16 @@ use super::node::Id;
 
 /// A derivative in closed form.
 pub trait Differential: Send + Sync {
-    /// The change of values along changes of their arguments, in the same order.
-    fn along<'a>(&self, values: &Vector<'a>, arguments: &Vector<'a>, changes: &Vector<'a>) -> Vector<'a>;
+    /// The change of values along changes of their arguments; `given` is what else it needs.
+    fn along<'a>(&self, values: &Vector<'a>, given: &Vector<'a>, changes: &Vector<'a>) -> Vector<'a>;
 }
 
 /// Values with what they are functions of, and the derivative.
 pub(super) struct Known {
     pub(super) values: Vec<Id>,
     pub(super) arguments: Vec<Id>,
+    /// What the derivative is made of, beside the values.
+    given: Vec<Id>,
     differential: Arc<dyn Differential>,
 }
 
@@ -52,29 +54,31 @@ impl Known {
     pub(super) fn along(&self, arena: &Arena, changes: impl Iterator<Item = Id>) -> Vec<Id> {
         let vector = |ids: &[Id]| Vector(ids.iter().map(|&id| arena.expr(id)).collect());
         let changes = Vector(changes.map(|id| arena.expr(id)).collect());
-        let change = self.differential.along(&vector(&self.values), &vector(&self.arguments), &changes);
+        let change = self.differential.along(&vector(&self.values), &vector(&self.given), &changes);
         change.iter().map(|change| change.id).collect()
     }
 
-    /// The same of other values and arguments.
+    /// The same of what takes the place of all that it is of and made of.
     pub(super) fn image(&self, mut image: impl FnMut(Id) -> Id) -> Self {
         let mut images = |ids: &[Id]| ids.iter().map(|&id| image(id)).collect();
-        let (arguments, values) = (images(&self.arguments), images(&self.values));
-        Self { values, arguments, differential: Arc::clone(&self.differential) }
+        let (arguments, given) = (images(&self.arguments), images(&self.given));
+        Self { values: images(&self.values), arguments, given, differential: Arc::clone(&self.differential) }
     }
 }
 
 impl<'a> Vector<'a> {
-    /// The same, each component kept whole, with its derivative in closed form.
-    pub fn with_differential(&self, arguments: &Self, differential: Arc<dyn Differential>) -> Self {
+    /// The same, each component kept whole, with its derivative in closed form, by these arguments and of what is given.
+    pub fn with_differential(
+        &self,
+        arguments: &Self,
+        given: &Self,
+        differential: Arc<dyn Differential>,
+    ) -> Self {
         let values = self.hold();
         let ids = |vector: &Self| vector.iter().map(|component| component.id).collect();
         if let Some(first) = values.iter().next() {
-            first.arena.insert_differential(Known {
-                values: ids(&values),
-                arguments: ids(arguments),
-                differential,
-            });
+            let (values, arguments, given) = (ids(&values), ids(arguments), ids(given));
+            first.arena.insert_differential(Known { values, arguments, given, differential });
         }
         values
     }

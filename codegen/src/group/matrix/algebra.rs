@@ -76,7 +76,8 @@ impl Algebra {
         let products: Vec<Exact> = (0..d * d).map(|ij| e[ij / d].times(&e[ij % d])).collect();
         let is_inside = |i: usize, j: usize, k: usize| {
             let (first, second) = (products[i * d + j].times(&e[k]), products[k * d + j].times(&e[i]));
-            matches!(self.readout.coordinates(e, &first.plus(&second, Fraction::one())), Ok(Some(_)))
+            let sum = first.plus(&second, Fraction::one());
+            sum.is_zero() || matches!(self.readout.coordinates(e, &sum), Ok(Some(_)))
         };
         (0..d).all(|i| (i..d).all(|k| (0..d).all(|j| is_inside(i, j, k))))
     }
@@ -178,11 +179,10 @@ impl Readout {
     /// The coordinates of a matrix; none if it is not in the algebra, and an error if that cannot be told.
     fn coordinates(&self, basis: &[Exact], matrix: &Exact) -> Result<Option<Vec<Fraction>>, BasisError> {
         let d = basis.len();
-        let coordinate =
-            |i: usize| (0..d).map(|k| self.inverse.at(i, k) * matrix.entries[self.entries[k]]).sum();
-        let coordinates: Vec<Fraction> = (0..d).map(coordinate).collect();
-        let difference =
-            basis.iter().zip(&coordinates).fold(matrix.clone(), |rest, (e, c)| rest.plus(e, -*c));
+        let entries = Exact::from_fn(d, 1, |k, _| matrix.entries[self.entries[k]]);
+        let coordinates = self.inverse.times(&entries).entries;
+        let parts = basis.iter().zip(&coordinates).filter(|(_, c)| !c.is_zero());
+        let difference = parts.fold(matrix.clone(), |rest, (e, c)| rest.plus(e, -*c));
         if !difference.is_known() {
             return Err(BasisError::TooLarge);
         }

@@ -10,6 +10,8 @@
 //! Where the group is all that keeps a form `J`, the two terms with `X'` are the same, for `σ(Z) = J Zᵀ J⁻¹` is −1 on the algebra and there alone and
 //! takes products and `R` to `S` backwards; and `M` is the matrix that stands for `m̄`.
 
+use std::sync::Arc;
+
 use crate::expr::{Differential, Expr, Matrix, Number, Vector};
 use crate::group::exact::{Exact, Fraction};
 
@@ -31,14 +33,9 @@ impl Cayley {
         Self { algebra: algebra.clone(), form: form.cloned(), covectors }
     }
 
-    /// `1 ∓ X/2` and its like.
-    fn one_plus<'a>(&self, x: &Vector<'a>, factor: Number) -> Matrix<'a> {
-        self.algebra.one_plus(x, factor)
-    }
-
     /// `R = (1 − X/2)⁻¹`
     pub(super) fn resolvent<'a>(&self, x: &Vector<'a>) -> Matrix<'a> {
-        self.one_plus(x, Number::ratio(-1, 2)).inverse().map(Expr::hold)
+        self.algebra.one_plus(x, Number::ratio(-1, 2)).inverse().map(Expr::hold)
     }
 
     /// `S = (1 + X/2)⁻¹`, from `R` by the form where there is one: `X J = −J Xᵀ`.
@@ -49,41 +46,46 @@ impl Cayley {
                 let (j, inverse) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
                 j.times_matrix(&resolvent.transpose()).times_matrix(&inverse)
             }
-            _ => self.one_plus(x, Number::ratio(1, 2)).inverse().map(Expr::hold),
+            _ => self.algebra.one_plus(x, Number::ratio(1, 2)).inverse().map(Expr::hold),
         }
     }
 
-    /// `(dR cay_x)* m`
-    pub(super) fn d_right_dual<'a>(&self, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
-        let resolvent = self.resolvent(x);
-        self.algebra.pulled_back(&resolvent, m, &self.other_resolvent(x, &resolvent))
+    /// `(dR cay_x)* m`, with its derivative.
+    pub(super) fn d_right_dual<'a>(self: &Arc<Self>, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        let r = self.resolvent(x);
+        let s = self.other_resolvent(x, &r);
+        let matrix = self.algebra.pulled_matrix(&r, m, &s);
+        let mut given = vec![Vector(r.entries), Vector(s.entries)];
+        if self.covectors.is_none() {
+            given.push(Vector(matrix.entries.clone()).hold());
+        }
+        let mean = self.algebra.pairings(&matrix);
+        mean.with_differential(&Vector::concat([x, m]), &Vector::concat(&given), Arc::<Self>::clone(self))
     }
 }
 
-/// Of `m̄`, by `x` and `m`, one after the other.
+/// Of `m̄`, by `x` and `m`, one after the other, with `R`, `S`, and `M` if that is no other name of `m̄`.
 impl Differential for Cayley {
-    fn along<'a>(&self, mean: &Vector<'a>, arguments: &Vector<'a>, changes: &Vector<'a>) -> Vector<'a> {
-        let halves = |both: &Vector<'a>| {
-            let (first, second) = both.0.split_at(mean.len());
-            (Vector(first.to_vec()), Vector(second.to_vec()))
-        };
-        let ((x, m), (x_change, m_change)) = (halves(arguments), halves(changes));
-        let r = self.resolvent(&x);
-        let by_r = self.algebra.hat(&x_change).times_matrix(&r).transpose();
-        let mut change = match &self.covectors {
-            Some(covectors) => self.algebra.pairings(&by_r.times_matrix(&combination(covectors, mean))),
-            None => {
-                let s = self.other_resolvent(&x, &r);
-                let by_s = s.times_matrix(&self.algebra.hat(&x_change)).transpose();
-                let matrix = self.algebra.pulled_matrix(&r, &m, &s).map(Expr::hold);
+    fn along<'a>(&self, mean: &Vector<'a>, given: &Vector<'a>, changes: &Vector<'a>) -> Vector<'a> {
+        let n = self.algebra.size();
+        let mut given = given.0.chunks(n * n).map(|entries| Matrix::new(n, n, entries.to_vec()));
+        let (Some(r), Some(s)) = (given.next(), given.next()) else { return mean.map(|m| m.arena().zero()) };
+        let (x, m) = changes.0.split_at(mean.len());
+        let x = self.algebra.hat(&Vector(x.to_vec()));
+        let by_r = x.times_matrix(&r).transpose();
+        let change = match (&self.covectors, given.next()) {
+            (Some(covectors), _) => self.algebra.pairings(&by_r.times_matrix(&combination(covectors, mean))),
+            (None, Some(matrix)) => {
+                let by_s = s.times_matrix(&x).transpose();
                 let both = by_r.times_matrix(&matrix).zip(&matrix.times_matrix(&by_s), |a, b| a - b);
                 self.algebra.pairings(&both).map(|change| change / 2)
             }
+            (None, None) => mean.map(|m| m.arena().zero()),
         };
-        if !m_change.iter().all(Expr::is_zero) {
-            change = &change + &self.d_right_dual(&x, &m_change);
+        if m.iter().all(|m| m.is_zero()) {
+            return change;
         }
-        change
+        &change + &self.algebra.pulled_back(&r, &Vector(m.to_vec()), &s)
     }
 }
 

@@ -34,7 +34,7 @@ use algebra::{Algebra, symbolic};
 use cayley::Cayley;
 use constraints::{Form, Hull};
 use ideals::Ideal;
-use powers::FEW_TERMS;
+use powers::{FEW_TERMS, LinearMatrix};
 
 /// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
 const RADIUS: (i128, i128) = (3, 2);
@@ -127,7 +127,12 @@ impl MatrixGroup {
 
     /// For as long as the process lives, with the space that it acts on.
     fn leaked(self, terms: usize) -> &'static Self {
-        let standard = Linear::standard(&self.algebra, terms);
+        let rho = match self.ideals.as_slice() {
+            [whole] => whole.matrix().clone(),
+            _ => LinearMatrix::new(self.algebra.basis.clone(), terms),
+        };
+        let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
+        let standard = Linear::standard(&self.algebra, (rho, terms), self.has_cayley, is_definite);
         let group: &'static Self = Box::leak(Box::new(self));
         // it is new: nothing has been set
         let _ = group.standard.set([standard]);
@@ -244,10 +249,7 @@ impl Group for MatrixGroup {
                 let parts = self.ideals.iter().map(|ideal| ideal.d_right_dual(x, m));
                 parts.reduce(|sum, part| &sum + &part).unwrap_or_else(|| m.clone())
             }
-            MatrixFunction::Cayley => {
-                let arguments = Vector::concat([x, m]);
-                self.cayley.d_right_dual(x, m).with_differential(&arguments, self.cayley.clone())
-            }
+            MatrixFunction::Cayley => self.cayley.d_right_dual(x, m),
         }
     }
 
