@@ -278,6 +278,22 @@ impl Arena {
         order
     }
 
+    /// Whether any of the symbols occurs in any of these nodes.
+    pub(super) fn depend_on(&self, nodes: impl IntoIterator<Item = Id>, symbols: &[Symbol]) -> bool {
+        let store = self.store.borrow();
+        let mut seen = FxHashSet::default();
+        let mut pending: Vec<Id> = nodes.into_iter().collect();
+        while let Some(id) = pending.pop() {
+            if seen.insert(id) {
+                match &store.nodes[id.0 as usize] {
+                    Node::Symbol(symbol) if symbols.contains(symbol) => return true,
+                    node => pending.extend(node.operands()),
+                }
+            }
+        }
+        false
+    }
+
     /// The role names that were given, in that order.
     pub fn roles(&self) -> Vec<(Id, String)> {
         self.store.borrow().roles.clone()

@@ -120,6 +120,12 @@ impl<'a> Vector<'a> {
         self.iter().filter_map(Expr::as_symbol).collect()
     }
 
+    /// Whether any of the symbols occurs in any component.
+    pub fn depends_on(&self, symbols: &[Symbol]) -> bool {
+        let first = self.0.first();
+        first.is_some_and(|first| first.arena.depend_on(self.iter().map(|component| component.id), symbols))
+    }
+
     /// Each component with symbols replaced.
     pub fn substitute(&self, replacements: &[(Symbol, Expr<'a>)]) -> Self {
         let Some(first) = self.0.first() else { return self.clone() };
