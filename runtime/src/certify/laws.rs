@@ -72,8 +72,8 @@ impl core::fmt::Display for Laws {
 /// coadjoint::assert_group_laws!(Areas!, advected(v: R2, w: dual(R2)));
 /// ```
 ///
-/// What stands in the parentheses is what stands behind `group =` in a description. A free body on it is generated, and [`group_laws`](crate::certify::group_laws)
-/// are measured on that code.
+/// What stands in the parentheses is what stands behind `group =` in a description. A free body on it is generated, and
+/// [`group_laws`](crate::certify::group_laws) are measured on that code.
 ///
 /// # Panics
 /// If a law does not hold, with the table of all of them.
@@ -92,8 +92,8 @@ macro_rules! assert_group_laws {
     }};
 }
 
-/// Measures the laws of the group that a system is on, and of the spaces of its advected parameters, on the code that was generated for the system, about
-/// a state.
+/// Measures the laws of the group that a system is on, and of the spaces of its advected parameters, about a state: those of the code that was
+/// generated for the system.
 ///
 /// | law | figure |
 /// |---|---|
