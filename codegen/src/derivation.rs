@@ -178,7 +178,7 @@ fn function<'a>(
     inputs: Inputs,
 ) -> Module {
     let velocity = system.velocity_symbols().symbols();
-    let needed = value.iter().any(|component| component.depends_on(&velocity));
+    let needed = value.depends_on(&velocity);
     let inputs = if needed { inputs.with(Input::Velocity, velocity) } else { inputs };
     kernel::function(arena, role, value, inputs)
 }

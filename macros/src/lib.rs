@@ -62,7 +62,8 @@ pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStr
 /// * `tangent(group)`: the group of its positions and velocities, `TG`.
 ///
 /// A name stands for a macro: `Areas!` is the group, visible from there on, `pub` groups to other crates too. Elements are stored as matrices, of which
-/// the rows of a product's factors are blocks. Mistakes in a basis are errors at its matrices.
+/// the rows of a product's factors are blocks. Mistakes in a basis are errors at its matrices. `coadjoint::assert_group_laws!(Areas!)` in a test holds what is
+/// generated on the group to its laws.
 #[proc_macro]
 pub fn lie_group(input: TokenStream) -> TokenStream {
     coadjoint_codegen::lie_group(input.into()).into()

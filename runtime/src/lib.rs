@@ -133,6 +133,8 @@ pub use certify::certify;
 /// assert!((state.element.determinant() - 1.0).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// [`assert_group_laws!`] tests its laws in one line. The guide has [more on groups](guide::groups).
 pub use coadjoint_macros::lie_group;
 /// Derives a structure-preserving stepper from the description of a mechanical system.
 ///

@@ -6,9 +6,11 @@
 //! once. Nothing is ever multiplied out.
 
 use std::cell::{Cell, RefCell};
+use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::differential::{Differentials, Known};
 use super::expression::Expr;
 use super::node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 use super::number::Number;
@@ -20,6 +22,7 @@ struct Store {
     /// Role names of nodes, and in which order they were given.
     roles: Vec<(Id, String)>,
     named: FxHashSet<Id>,
+    differentials: Differentials,
 }
 
 /// Where expressions live.
@@ -275,6 +278,22 @@ impl Arena {
         order
     }
 
+    /// Whether any of the symbols occurs in any of these nodes.
+    pub(super) fn depend_on(&self, nodes: impl IntoIterator<Item = Id>, symbols: &[Symbol]) -> bool {
+        let store = self.store.borrow();
+        let mut seen = FxHashSet::default();
+        let mut pending: Vec<Id> = nodes.into_iter().collect();
+        while let Some(id) = pending.pop() {
+            if seen.insert(id) {
+                match &store.nodes[id.0 as usize] {
+                    Node::Symbol(symbol) if symbols.contains(symbol) => return true,
+                    node => pending.extend(node.operands()),
+                }
+            }
+        }
+        false
+    }
+
     /// The role names that were given, in that order.
     pub fn roles(&self) -> Vec<(Id, String)> {
         self.store.borrow().roles.clone()
@@ -299,6 +318,21 @@ impl Arena {
         };
         if let Some(role) = role {
             self.expr(to).named(role);
+        }
+    }
+
+    /// The derivative of a value that is known in closed form.
+    pub(super) fn differential(&self, id: Id) -> Option<Arc<Known>> {
+        self.store.borrow().differentials.of(id)
+    }
+
+    /// Constants and symbols have derivatives of their own; and what is older than an argument, such as the argument itself where a value is the same,
+    /// may be what that is made of.
+    pub(super) fn insert_differential(&self, known: Known) {
+        let is_whole = |&id: &Id| matches!(self.node(id), Node::Held(_));
+        let is_newer = |id: &Id| known.arguments.iter().all(|argument| argument < id);
+        if known.values.iter().all(|id| is_whole(id) && is_newer(id)) {
+            self.store.borrow_mut().differentials.insert(known);
         }
     }
 

@@ -1,8 +1,11 @@
 //! Differentiation and substitution: both walk the graph once, remembering what they have seen.
 
-use rustc_hash::FxHashMap;
+use std::sync::Arc;
+
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arena::Arena;
+use super::differential::Known;
 use super::expression::Expr;
 use super::linear::Vector;
 use super::node::{Function, Id, Node, Symbol};
@@ -70,13 +73,29 @@ impl<'a> Derivative<'a> {
                     None => open.push(Visit::of(self.arena, operand)),
                 },
                 None => {
-                    let derivative = self.derivative(visit, zero);
-                    self.known.insert(visit.id, derivative);
-                    open.pop();
+                    let Some(Visit { id, node, terms, known, .. }) = open.pop() else { break };
+                    let derivative = match known {
+                        Some(known) => self.in_closed_form(id, &known, zero),
+                        None => self.derivative(id, &node, &terms, zero),
+                    };
+                    self.known.insert(id, derivative);
                 }
             }
         }
         self.known[&root]
+    }
+
+    /// The derivative of a value of which it is known; those of the values beside it, too.
+    fn in_closed_form(&mut self, id: Id, of: &Known, zero: Id) -> Id {
+        let changes = of.arguments.iter().map(|argument| self.known[argument]);
+        if changes.clone().all(|change| change == zero) {
+            return zero;
+        }
+        let changes = of.along(self.arena, changes);
+        for (&value, change) in of.values.iter().zip(changes) {
+            self.known.entry(value).or_insert(change);
+        }
+        self.known[&id]
     }
 
     /// A product with a factor replaced by its derivative.
@@ -89,17 +108,17 @@ impl<'a> Derivative<'a> {
     }
 
     /// The derivative of a node, when those of its operands are known.
-    fn derivative(&self, visit: &Visit, zero: Id) -> Id {
+    fn derivative(&self, id: Id, node: &Node, terms: &[(Id, Number)], zero: Id) -> Id {
         let arena = self.arena;
         let known = |operand: Id| self.known[&operand];
-        match &visit.node {
+        match node {
             Node::Number(_) => zero,
             Node::Symbol(symbol) => self.direction.get(symbol).copied().unwrap_or(zero),
             Node::Held(inner) => match quotient(arena.expr(*inner)) {
                 // (c/u)' = −(c/u)² u'/c, which needs no other quotient
                 Some((number, divisor)) => {
                     let slope = arena.expr(known(divisor.id)).scale(-number.powi(-1));
-                    arena.held((slope * arena.expr(visit.id).powi(2)).id)
+                    arena.held((slope * arena.expr(id).powi(2)).id)
                 }
                 None => arena.held(known(*inner)),
             },
@@ -107,7 +126,7 @@ impl<'a> Derivative<'a> {
                 let terms: Vec<_> = sum.terms.iter().map(|&(term, c)| (known(term), c)).collect();
                 arena.sum(Number::ZERO, terms)
             }
-            Node::Product(_) => arena.sum(Number::ZERO, visit.terms.iter().copied()),
+            Node::Product(_) => arena.sum(Number::ZERO, terms.iter().copied()),
             Node::Function(_, argument) if known(*argument) == zero => zero,
             Node::Function(function, argument) => {
                 (function.derivative(arena.expr(*argument)) * arena.expr(known(*argument))).id
@@ -118,7 +137,7 @@ impl<'a> Derivative<'a> {
                 let (db, de) = (arena.expr(known(*base)), arena.expr(known(*exponent)));
                 let mut total = e * b.pow(e - 1) * db;
                 if !de.is_zero() {
-                    total = total + b.apply(Function::Ln) * arena.expr(visit.id) * de;
+                    total = total + b.apply(Function::Ln) * arena.expr(id) * de;
                 }
                 total.id
             }
@@ -141,17 +160,24 @@ struct Visit {
     done: usize,
     /// Of a product's derivative.
     terms: Vec<(Id, Number)>,
+    /// Its derivative in closed form.
+    known: Option<Arc<Known>>,
 }
 
 impl Visit {
     fn of(arena: &Arena, id: Id) -> Self {
         let node = arena.node(id);
+        let known = arena.differential(id);
         let divisor = match node {
             Node::Held(inner) => quotient(arena.expr(inner)).map(|(_, divisor)| divisor.id),
             _ => None,
         };
-        let operands = divisor.map_or_else(|| node.operands(), |divisor| vec![divisor]);
-        Self { id, operands, node, done: 0, terms: Vec::new() }
+        let operands = match (&known, divisor) {
+            (Some(known), _) => known.arguments.clone(),
+            (None, Some(divisor)) => vec![divisor],
+            (None, None) => node.operands(),
+        };
+        Self { id, operands, node, done: 0, terms: Vec::new(), known }
     }
 }
 
@@ -259,13 +285,15 @@ pub struct Substitution<'a> {
     arena: &'a Arena,
     replacements: FxHashMap<Symbol, Id>,
     known: FxHashMap<Id, Id>,
+    /// The first ones of values with derivatives in closed form that have been carried over.
+    carried: FxHashSet<Id>,
 }
 
 impl<'a> Substitution<'a> {
     /// Replaces each symbol by the expression beside it.
     pub fn new(arena: &'a Arena, replacements: &[(Symbol, Expr<'a>)]) -> Self {
         let replacements = replacements.iter().map(|&(symbol, expr)| (symbol, expr.id)).collect();
-        Self { arena, replacements, known: FxHashMap::default() }
+        Self { arena, replacements, known: FxHashMap::default(), carried: FxHashSet::default() }
     }
 
     /// Of one expression.
@@ -276,6 +304,7 @@ impl<'a> Substitution<'a> {
 
     fn visit(&mut self, root: Id) -> Id {
         let arena = self.arena;
+        let mut known = Vec::new();
         for id in arena.post_order([root], |id| self.known.contains_key(&id)) {
             let result = match arena.node(id) {
                 Node::Symbol(symbol) => self.replacements.get(&symbol).copied().unwrap_or(id),
@@ -283,8 +312,16 @@ impl<'a> Substitution<'a> {
             };
             if result != id {
                 arena.pass_role(id, result);
+                known.extend(arena.differential(id));
             }
             self.known.insert(id, result);
+        }
+        for known in known {
+            // once for all the values that it is of
+            if self.carried.insert(known.values[0]) {
+                let image = known.image(|id| self.visit(id));
+                arena.insert_differential(image);
+            }
         }
         self.known[&root]
     }

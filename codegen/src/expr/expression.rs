@@ -118,18 +118,7 @@ impl<'a> Expr<'a> {
 
     /// Whether any of the symbols occurs.
     pub fn depends_on(self, symbols: &[Symbol]) -> bool {
-        let mut seen = FxHashSet::default();
-        let mut pending = vec![self.id];
-        while let Some(id) = pending.pop() {
-            if seen.insert(id) {
-                let node = self.arena.node(id);
-                if matches!(node, Node::Symbol(symbol) if symbols.contains(&symbol)) {
-                    return true;
-                }
-                pending.extend(node.operands());
-            }
-        }
-        false
+        self.arena.depend_on([self.id], symbols)
     }
 
     /// The angle of the point `(x, self)`.

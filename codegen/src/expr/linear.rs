@@ -67,7 +67,10 @@ impl<'a> Vector<'a> {
 
     /// Dot product, or the pairing of a vector with a covector.
     pub fn dot(&self, other: &Self) -> Expr<'a> {
-        let mut products = self.iter().zip(other.iter()).map(|(a, b)| a * b);
+        // of what is zero there is nothing to make
+        let pairs = self.iter().zip(other.iter()).enumerate();
+        let pairs = pairs.filter(|(i, (a, b))| *i == 0 || !a.is_zero() && !b.is_zero());
+        let mut products = pairs.map(|(_, (a, b))| a * b);
         // no description can make an empty one: types, parts of vectors, `vector![]` and bases have one entry at least
         let first = products.next().expect("a vector has at least one component");
         products.fold(first, |sum, product| sum + product)
@@ -115,6 +118,12 @@ impl<'a> Vector<'a> {
     /// The symbols the components are; the vector must have been made of symbols.
     pub fn symbols(&self) -> Vec<Symbol> {
         self.iter().filter_map(Expr::as_symbol).collect()
+    }
+
+    /// Whether any of the symbols occurs in any component.
+    pub fn depends_on(&self, symbols: &[Symbol]) -> bool {
+        let first = self.0.first();
+        first.is_some_and(|first| first.arena.depend_on(self.iter().map(|component| component.id), symbols))
     }
 
     /// Each component with symbols replaced.

@@ -2,6 +2,7 @@
 
 mod arena;
 mod diff;
+mod differential;
 mod display;
 mod eval;
 mod expression;
@@ -11,6 +12,7 @@ mod number;
 
 pub use arena::Arena;
 pub use diff::{Derivative, Substitution, gradient};
+pub use differential::Differential;
 pub use display::Formulas;
 pub use eval::Value;
 pub use expression::Expr;

@@ -33,7 +33,7 @@ impl Fraction {
 
     /// Whether it is known, and zero.
     pub(super) fn is_zero(&self) -> bool {
-        self.0.is_some_and(|ratio| *ratio.numer() == 0)
+        matches!(&self.0, Some(ratio) if *ratio.numer() == 0)
     }
 
     /// Whether it is known, and negative.
@@ -144,7 +144,7 @@ impl Exact {
     }
 
     pub(super) fn zero(rows: usize, columns: usize) -> Self {
-        Self::from_fn(rows, columns, |_, _| Fraction::zero())
+        Self { rows, columns, entries: vec![Fraction::zero(); rows * columns] }
     }
 
     pub(super) fn identity(rows: usize) -> Self {
@@ -182,10 +182,16 @@ impl Exact {
     }
 
     pub(super) fn times(&self, other: &Self) -> Self {
-        Self::from_fn(self.rows, other.columns, |i, j| {
-            let terms = (0..self.columns).filter(|&k| !self.at(i, k).is_zero() && !other.at(k, j).is_zero());
-            terms.map(|k| self.at(i, k) * other.at(k, j)).sum()
-        })
+        let mut product = Self::zero(self.rows, other.columns);
+        // most entries are zero
+        for (place, factor) in self.entries.iter().enumerate().filter(|(_, factor)| !factor.is_zero()) {
+            let (i, k) = (place / self.columns, place % self.columns);
+            let row = &mut product.entries[i * other.columns..(i + 1) * other.columns];
+            for (entry, other) in row.iter_mut().zip(other.row(k)).filter(|(_, other)| !other.is_zero()) {
+                *entry = *entry + *factor * *other;
+            }
+        }
+        product
     }
 
     pub(super) fn plus(&self, other: &Self, factor: Fraction) -> Self {

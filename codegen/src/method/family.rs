@@ -343,7 +343,7 @@ fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
         Energy::Lagrangian(lagrangian) => {
             let depends = |on: &Factor<'_>, momentum: &Vector<'_>| {
                 let velocity = on.velocity.symbols();
-                momentum.iter().any(|component| component.depends_on(&velocity))
+                momentum.depends_on(&velocity)
             };
             let momenta = system.factors.iter();
             let momenta = momenta.map(|factor| gradient(*lagrangian, &factor.velocity.symbols()));

@@ -62,7 +62,7 @@ impl<'a> Equation<'a> {
     /// The unknowns, if the right side does not depend on them.
     fn explicit(&self) -> Option<Vector<'a>> {
         let own = self.unknown.symbols();
-        self.solved.clone().filter(|_| !self.right.iter().any(|component| component.depends_on(&own)))
+        self.solved.clone().filter(|_| !self.right.depends_on(&own))
     }
 
     /// The unknowns, if the equation is linear in them, with coefficients that depend on no unknown.
@@ -70,7 +70,7 @@ impl<'a> Equation<'a> {
         let own = self.unknown.symbols();
         let difference = &self.left - &self.right;
         let jacobian = difference.jacobian(&own);
-        if jacobian.entries.iter().any(|entry| entry.depends_on(all)) {
+        if Vector(jacobian.entries.clone()).depends_on(all) {
             return None;
         }
         let arena = self.right.0.first()?.arena();

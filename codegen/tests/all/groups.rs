@@ -310,6 +310,34 @@ fn logarithmic_derivatives_are_those_of_the_retraction() {
     });
 }
 
+/// The derivative of `(dR τ_x)* m` by `x` and `m`, whether it is differentiated or known in closed form; of arguments that are not symbols
+/// themselves, and of those that are put in their places later.
+#[test]
+fn logarithmic_derivatives_change_as_differences_say() {
+    for_each_retraction(|group, f, x| {
+        let n = group.dimension();
+        let [m, y, p] = [11, 12, 13].map(|seed| random(n, seed, 1.0));
+        let found = value([x, &m, &y, &p], |[x, m, y, p]| {
+            let arena = x.0[0].arena();
+            let symbol = |i: usize| arena.symbol(format!("at{i}"), Stage::Step);
+            let at = Vector((0..2 * n).map(symbol).collect());
+            let (first, second) = at.0.split_at(n);
+            let dual = group.closed_d_right_dual(f, &Vector(first.to_vec()), &Vector(second.to_vec()));
+            let half = x.map(|x| x / 2);
+            let there: Vec<_> = at.symbols().into_iter().zip(half.iter().chain((&m + &x).iter())).collect();
+            let (symbols, changes) = ([x.symbols(), m.symbols()].concat(), Vector::concat([&y, &p]));
+            dual.substitute(&there).derivative_along(&symbols, &changes)
+        });
+        let at = |t: f64| {
+            let (x, m) = (x + &y * t, &m + &p * t);
+            value([&(&x * 0.5), &(&m + &x)], |[x, m]| group.closed_d_right_dual(f, &x, &m))
+        };
+        let (near, far) = ((at(1e-3) - at(-1e-3)) / 2e-3, (at(2e-3) - at(-2e-3)) / 4e-3);
+        let (expected, n) = ((near * 4.0 - far) / 3.0, 1.0 + found.norm());
+        assert!((&found - &expected).norm() < 1e-10 * n, "{} of {group:?}: {found} {expected}", f_name(f));
+    });
+}
+
 #[test]
 fn brackets_products_and_inverses_are_those_of_matrices() {
     for group in GROUPS.iter().copied() {

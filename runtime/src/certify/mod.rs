@@ -57,10 +57,15 @@
 //! Samples should be in general position: certificates see what the motion there can show. Steps and differences are a small part of a
 //! radian, or of the time in which the velocity changes; a faster time of its own, as a stiff spring or a drive has it, wants a
 //! [step](Certification::step) that resolves it.
+//!
+//! What belongs to the group, and not to a scheme, [`group_laws`] measures more closely, and [`assert_group_laws!`](crate::assert_group_laws) is the
+//! test of a group by itself.
 
+mod about;
 mod claims;
 mod definition;
 mod frame;
+mod laws;
 mod measure;
 mod probe;
 mod report;
@@ -72,6 +77,9 @@ pub(crate) use claims::without_paths;
 pub use claims::{Claim, Claims, Kept};
 #[doc(hidden)]
 pub use definition::Walk;
+#[doc(hidden)]
+pub use laws::group_laws_of;
+pub use laws::{Laws, group_laws};
 #[doc(hidden)]
 pub use probe::Probe;
 pub use report::{Bound, Certificate, Report, Verdict};

@@ -53,5 +53,5 @@ pub use system::At;
 pub use system::{Description, System};
 
 pub(crate) use equation::{converged, equation};
-pub(crate) use method::of_only_lane;
+pub(crate) use method::{array, of_only_lane};
 pub(crate) use system::{Geometry, check_length, length};

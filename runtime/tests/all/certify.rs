@@ -7,7 +7,6 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use coadjoint::__private::OneStep;
 use coadjoint::__private::{Batch, Scalar};
-use coadjoint::__private::{Evaluation, Kernel};
 use coadjoint::__private::{Geometry, Map};
 use coadjoint::__private::{Method, Outcome};
 use coadjoint::certify;
@@ -17,8 +16,10 @@ use coadjoint::certify::{
 use coadjoint::erased::Scheme;
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
-use coadjoint::system::{Generated, Quantity, Schemes, Visitor};
-use coadjoint::{Discretized, Family, LegendreError, RightLift, System, TangentLift};
+use coadjoint::system::{Generated, Schemes, Visitor};
+use coadjoint::{Discretized, Family, RightLift, TangentLift};
+
+use crate::faulty::{Fault, Faulty, FaultyKernel};
 
 /// Nothing acts on it.
 #[lie_poisson_system(group = SO3, methods(Midpoint, TangentLift, Family(1, 4)))]
@@ -498,82 +499,17 @@ fn warm_steps_are_those_of_equations_solved_in_twice_the_digits() {
 }
 
 /// The midpoint rule with a Newton correction that is a little off: it converges, but no longer with the square of the error.
+#[derive(Clone, Copy)]
 struct Slow;
 
-#[derive(Clone, Copy)]
-struct Off<K>(K);
-
-impl<T: Scalar, K: Kernel<T>> Kernel<T> for Off<K> {
-    type Parameters = K::Parameters;
-    type State = K::State;
-    type Control = K::Control;
-    type Unknown = K::Unknown;
-    type Step = K::Step;
-    type Iterate = K::Iterate;
-
-    const BLOCKS: &'static [usize] = K::BLOCKS;
-    const PROGRAM: [&'static [u8]; 4] = K::PROGRAM;
-
-    fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self(K::new(parameters, step))
-    }
-
-    fn begin(&self, state: &K::State, time: T, control: &K::Control) -> K::Step {
-        self.0.begin(state, time, control)
-    }
-
-    fn start(&self, state: &K::State, step: &K::Step) -> K::Unknown {
-        self.0.start(state, step)
-    }
-
-    fn evaluate(
-        &self,
-        state: &K::State,
-        step: &K::Step,
-        x: &K::Unknown,
-    ) -> Evaluation<K::Unknown, K::Iterate> {
-        self.0.evaluate(state, step, x)
-    }
-
-    fn correction(
-        &self,
-        state: &K::State,
-        step: &K::Step,
-        x: &K::Unknown,
-        evaluation: &Evaluation<K::Unknown, K::Iterate>,
-    ) -> K::Unknown {
-        let mut correction = self.0.correction(state, step, x, evaluation);
-        correction.as_mut()[0] = correction.as_ref()[0] * T::of(1.0001);
-        correction
-    }
-
-    fn fixed_point_update(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> Option<K::Unknown> {
-        self.0.fixed_point_update(state, step, right)
-    }
-
-    fn domain(
-        &self,
-        state: &K::State,
-        step: &K::Step,
-        x: &K::Unknown,
-        evaluation: &Evaluation<K::Unknown, K::Iterate>,
-    ) -> Option<T> {
-        self.0.domain(state, step, x, evaluation)
-    }
-
-    fn finish(
-        &self,
-        state: &K::State,
-        step: &K::Step,
-        x: &K::Unknown,
-        evaluation: &Evaluation<K::Unknown, K::Iterate>,
-    ) -> K::State {
-        self.0.finish(state, step, x, evaluation)
+impl Fault for Slow {
+    fn correction<T: Scalar>(correction: &mut [T]) {
+        correction[0] = correction[0] * T::of(1.0001);
     }
 }
 
 impl Generated<Slow> for Body {
-    type Kernel<T: Scalar> = Off<<Self as Generated<Midpoint>>::Kernel<T>>;
+    type Kernel<T: Scalar> = FaultyKernel<<Self as Generated<Midpoint>>::Kernel<T>, Slow>;
 }
 
 impl Discretized<Slow> for Body {
@@ -606,103 +542,22 @@ fn a_wrong_correction_is_found() {
 }
 
 /// A body whose geometry is wrong in a way.
-struct Bent {
-    body: Body,
-    energy: f64,
-    bracket: f64,
-}
-
-impl System for Bent {
-    type Scalar = f64;
-    type State = BodyState;
-    type StateComponents<T: Scalar> = <Body as System>::StateComponents<T>;
-    type Control = NoControl<f64>;
-    type ControlComponents<T: Scalar> = <Body as System>::ControlComponents<T>;
-    type Parameters<T: Scalar> = <Body as System>::Parameters<T>;
-    type Casimirs = <Body as System>::Casimirs;
-    type Momentum = <Body as System>::Momentum;
-    type Standard<R> = <Body as System>::Standard<R>;
-
-    const NAME: &'static str = "Bent";
-    const PARAMETERS: &'static [Quantity] = Body::PARAMETERS;
-    const CASIMIRS: &'static [&'static str] = Body::CASIMIRS;
-    const AUTONOMOUS: bool = Body::AUTONOMOUS;
-    const INVARIANT: bool = Body::INVARIANT;
-    const FORCED: bool = Body::FORCED;
-
-    fn to_parameters(&self) -> [f64; 3] {
-        self.body.to_parameters()
-    }
-    fn from_parameters(parameters: &[f64; 3]) -> Self {
-        Self { body: Body::from_parameters(parameters), energy: 0.0, bracket: 0.0 }
-    }
-    fn validate(&self) -> Result<(), ParameterError> {
-        self.body.validate()
-    }
-    fn energy_at(&self, state: &BodyState, time: f64) -> f64 {
-        self.body.energy_at(state, time) * (1.0 + self.energy)
-    }
-    fn velocity_at(&self, state: &BodyState, time: f64) -> Self::Momentum {
-        self.body.velocity_at(state, time)
-    }
-    fn momentum(&self, state: &BodyState) -> Self::Momentum {
-        self.body.momentum(state)
-    }
-    fn with_momentum(&self, state: &BodyState, momentum: &Self::Momentum) -> BodyState {
-        self.body.with_momentum(state, momentum)
-    }
-    fn momentum_of(
-        &self,
-        velocity: &Self::Momentum,
-        state: &BodyState,
-        time: f64,
-    ) -> Result<Self::Momentum, LegendreError> {
-        self.body.momentum_of(velocity, state, time)
-    }
-    fn velocity_of(
-        &self,
-        momentum: &Self::Momentum,
-        state: &BodyState,
-        time: f64,
-    ) -> Result<Self::Momentum, LegendreError> {
-        self.body.velocity_of(momentum, state, time)
-    }
-    fn casimirs(&self, state: &BodyState) -> Self::Casimirs {
-        self.body.casimirs(state)
-    }
-    fn spatial_momentum(&self, state: &BodyState) -> Self::Momentum {
-        self.body.spatial_momentum(state)
-    }
-}
-
-impl Geometry for Bent {
-    type Tangent = <Body as Geometry>::Tangent;
-
-    fn displace(&self, state: &BodyState, map: Map, by: &Self::Tangent) -> BodyState {
-        self.body.displace(state, map, by)
-    }
-    fn differential(&self, state: &BodyState, time: f64) -> Self::Tangent {
-        self.body.differential(state, time)
-    }
-    fn hamiltonian_vector(&self, state: &BodyState, covector: &Self::Tangent) -> Self::Tangent {
-        let mut vector = self.body.hamiltonian_vector(state, covector);
-        vector.as_mut()[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x += y);
-        vector.as_mut()[3..].iter_mut().for_each(|x| *x *= 1.0 + self.bracket);
-        vector.as_mut()[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x -= y);
-        vector
-    }
-    fn force(&self, state: &BodyState, time: f64, control: &NoControl<f64>) -> Self::Tangent {
-        self.body.force(state, time, control)
-    }
-}
+type Bent = Faulty<Body>;
 
 #[test]
 fn a_wrong_geometry_is_found() {
     let (good, states) = body();
-    let bent = |energy, bracket| Bent { body: Body { inertia: good.inertia }, energy, bracket };
-    assert!(failing::<Plain, _>(&bent(0.0, 0.0), &states).is_empty());
-    assert_eq!(failing::<Plain, _>(&bent(1e-6, 0.0), &states), ["energy differential"]);
-    let wrong = failing::<Plain, _>(&bent(0.0, 1e-6), &states);
+    let bent = || Bent::new(Body { inertia: good.inertia });
+    assert!(failing::<Plain, _>(&bent(), &states).is_empty());
+    assert_eq!(failing::<Plain, _>(&bent().with_energy(1e-6), &states), ["energy differential"]);
+    let bracket = bent().with_vector(|body, state, covector| {
+        let mut vector = body.hamiltonian_vector(state, covector);
+        vector[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x += y);
+        vector[3..].iter_mut().for_each(|x| *x *= 1.0 + 1e-6);
+        vector[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x -= y);
+        vector
+    });
+    let wrong = failing::<Plain, _>(&bracket, &states);
     assert_eq!(wrong, ["consistency", "Poisson map", "definition", "Jacobi identity", "exponential"]);
 }
 
@@ -739,7 +594,7 @@ impl Schemes for Bent {
 #[test]
 fn a_step_that_vanishes_is_an_error() {
     let (good, states) = body();
-    let bent = Bent { body: good, energy: 0.0, bracket: 0.0 };
+    let bent = Bent::new(good);
     let states: Vec<_> = states.iter().map(|state| state.to_components().to_vec()).collect();
     let scheme = Scheme::member(Map::Exponential, 1, 2);
     for left in [0, 1, 2, 10, 100] {

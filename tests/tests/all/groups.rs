@@ -338,6 +338,36 @@ fn logarithmic_derivatives_are_those_of_the_retraction() {
     });
 }
 
+/// The derivative of `(dR τ_x)* m` by `x` and `m`, which Newton's matrix is made of: it may be known in closed form.
+#[test]
+fn logarithmic_derivatives_change_as_differences_say() {
+    for_each_retraction(|subject, retraction, residuals| {
+        if subject.is_summed(retraction) {
+            return;
+        }
+        let n = subject.dimension();
+        let dual =
+            Formula::new(subject.arena, [n, n], |[x, m]| subject.group.d_right_dual(retraction, &x, &m));
+        let change = Formula::new(subject.arena, [n, n, n, n], |[x, m, y, p]| {
+            // of arguments that are no symbols, as those of a step are not
+            let half = x.map(|x| x / 2);
+            let symbols = [x.symbols(), m.symbols()].concat();
+            let mean = subject.group.d_right_dual(retraction, &half, &(&m + &x));
+            mean.derivative_along(&symbols, &Vector::concat([&y, &p]))
+        });
+        let random = &mut Random::new(31);
+        for x in &subject.points()[2..5] {
+            let [m, y, p] = std::array::from_fn(|_| Column::random(n, random));
+            let at = |both: &Column| {
+                let (x, m) = (both.part(0, n), both.part(n, n));
+                dual.at([&x.scale(&Real::ratio(1, 2)), &(&m + &x)])
+            };
+            let defined = derivative(&Column::stack([x, &m]), &Column::stack([&y, &p]), at);
+            residuals.agree("D((dR τ_x)* m)", &change.at([x, &m, &y, &p]), &defined, DIFFERENCES);
+        }
+    });
+}
+
 #[test]
 fn the_domain_ends_where_the_retraction_is_singular() {
     for_each_retraction(|subject, retraction, residuals| {

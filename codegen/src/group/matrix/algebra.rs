@@ -76,7 +76,8 @@ impl Algebra {
         let products: Vec<Exact> = (0..d * d).map(|ij| e[ij / d].times(&e[ij % d])).collect();
         let is_inside = |i: usize, j: usize, k: usize| {
             let (first, second) = (products[i * d + j].times(&e[k]), products[k * d + j].times(&e[i]));
-            matches!(self.readout.coordinates(e, &first.plus(&second, Fraction::one())), Ok(Some(_)))
+            let sum = first.plus(&second, Fraction::one());
+            sum.is_zero() || matches!(self.readout.coordinates(e, &sum), Ok(Some(_)))
         };
         (0..d).all(|i| (i..d).all(|k| (0..d).all(|j| is_inside(i, j, k))))
     }
@@ -100,21 +101,40 @@ impl Algebra {
         Vector(bracket)
     }
 
-    /// `m · coordinates(A E_j B)` for each `j`: the pairings of `Aᵀ W Bᵀ` with the basis.
+    /// `1 + c X`
+    pub(super) fn one_plus<'a>(&self, x: &Vector<'a>, factor: Number) -> Matrix<'a> {
+        let one = Matrix::identity(x.0[0].arena(), self.size());
+        one.zip(&self.hat(x), |one, x| one + x.scale(factor))
+    }
+
+    /// `m · coordinates(A E_j B)` for each `j`.
     pub(super) fn pulled_back<'a>(&self, a: &Matrix<'a>, m: &Vector<'a>, b: &Matrix<'a>) -> Vector<'a> {
-        let matrix = a.transpose().times_matrix(&self.covector(m)).times_matrix(&b.transpose());
-        let entries = Vector(matrix.entries);
+        self.pairings(&self.pulled_matrix(a, m, b))
+    }
+
+    /// `Aᵀ W Bᵀ`
+    pub(super) fn pulled_matrix<'a>(&self, a: &Matrix<'a>, m: &Vector<'a>, b: &Matrix<'a>) -> Matrix<'a> {
+        let w = combination(&self.covectors(), m);
+        a.transpose().times_matrix(&w).times_matrix(&b.transpose())
+    }
+
+    /// `⟨A, E_j⟩` for each `j`.
+    pub(super) fn pairings<'a>(&self, a: &Matrix<'a>) -> Vector<'a> {
+        let entries = Vector(a.entries.clone());
         Vector(self.basis.iter().map(|e| weighted(&e.entries, &entries)).collect())
     }
 
-    /// The matrix `W` with `⟨W, Z⟩ = m · z` for all matrices `Z` of the algebra, of coordinates `z`.
-    fn covector<'a>(&self, m: &Vector<'a>) -> Matrix<'a> {
-        let (n, arena) = (self.size(), m.0[0].arena());
-        let mut entries = vec![arena.zero(); n * n];
-        for (column, &entry) in self.readout.entries.iter().enumerate() {
-            entries[entry] = weighted(&self.readout.inverse.column(column), m);
-        }
-        Matrix::new(n, n, entries)
+    /// The matrices `W_i` with `⟨W_i, Z⟩ = z_i` for all matrices `Z` of the algebra, of coordinates `z`.
+    pub(super) fn covectors(&self) -> Vec<Exact> {
+        let (d, n) = (self.dimension(), self.size());
+        let of = |i: usize| {
+            let mut matrix = Exact::zero(n, n);
+            for (k, &entry) in self.readout.entries.iter().enumerate() {
+                matrix.entries[entry] = self.readout.inverse.at(i, k);
+            }
+            matrix
+        };
+        (0..d).map(of).collect()
     }
 }
 
@@ -159,11 +179,10 @@ impl Readout {
     /// The coordinates of a matrix; none if it is not in the algebra, and an error if that cannot be told.
     fn coordinates(&self, basis: &[Exact], matrix: &Exact) -> Result<Option<Vec<Fraction>>, BasisError> {
         let d = basis.len();
-        let coordinate =
-            |i: usize| (0..d).map(|k| self.inverse.at(i, k) * matrix.entries[self.entries[k]]).sum();
-        let coordinates: Vec<Fraction> = (0..d).map(coordinate).collect();
-        let difference =
-            basis.iter().zip(&coordinates).fold(matrix.clone(), |rest, (e, c)| rest.plus(e, -*c));
+        let entries = Exact::from_fn(d, 1, |k, _| matrix.entries[self.entries[k]]);
+        let coordinates = self.inverse.times(&entries).entries;
+        let parts = basis.iter().zip(&coordinates).filter(|(_, c)| !c.is_zero());
+        let difference = parts.fold(matrix.clone(), |rest, (e, c)| rest.plus(e, -*c));
         if !difference.is_known() {
             return Err(BasisError::TooLarge);
         }

@@ -14,6 +14,7 @@
 
 mod algebra;
 mod basis;
+mod cayley;
 mod constraints;
 mod ideals;
 mod powers;
@@ -24,15 +25,16 @@ pub use basis::{Basis, NamedMatrix};
 pub(super) use powers::TERMS;
 pub use spaces::{Linear, LinearError};
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::calculus::transposed;
 use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, Side, StorageType};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use algebra::{Algebra, symbolic};
+use cayley::Cayley;
 use constraints::{Form, Hull};
 use ideals::Ideal;
-use powers::FEW_TERMS;
+use powers::{FEW_TERMS, LinearMatrix};
 
 /// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
 const RADIUS: (i128, i128) = (3, 2);
@@ -58,6 +60,7 @@ pub struct MatrixGroup {
     /// Whether all elements have determinant 1, and no form says so.
     is_special: bool,
     has_cayley: bool,
+    cayley: Arc<Cayley>,
     /// Set when it is [leaked](Self::leaked).
     standard: OnceLock<[&'static dyn Representation; 1]>,
     /// The same with fewer terms of series.
@@ -107,6 +110,7 @@ impl MatrixGroup {
             parts: leaked(basis.parts.iter().cloned()),
             is_special: form.is_none() && is_traceless && hull.rows.len() == size * size,
             has_cayley: algebra.has_cayley(),
+            cayley: Arc::new(Cayley::new(&algebra, form.as_ref())),
             algebra,
             ideals,
             hull,
@@ -123,7 +127,12 @@ impl MatrixGroup {
 
     /// For as long as the process lives, with the space that it acts on.
     fn leaked(self, terms: usize) -> &'static Self {
-        let standard = Linear::standard(&self.algebra, terms);
+        let rho = match self.ideals.as_slice() {
+            [whole] => whole.matrix().clone(),
+            _ => LinearMatrix::new(self.algebra.basis.clone(), terms),
+        };
+        let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
+        let standard = Linear::standard(&self.algebra, (rho, terms), self.has_cayley, is_definite);
         let group: &'static Self = Box::leak(Box::new(self));
         // it is new: nothing has been set
         let _ = group.standard.set([standard]);
@@ -146,29 +155,6 @@ impl MatrixGroup {
         self.ideals.iter().all(Ideal::is_closed)
     }
 
-    /// `1 ∓ X/2` and its like.
-    fn one_plus<'a>(&self, x: &Vector<'a>, factor: Number) -> Matrix<'a> {
-        let one = Matrix::identity(x.0[0].arena(), self.size());
-        one.zip(&self.algebra.hat(x), |one, x| one + x.scale(factor))
-    }
-
-    /// `(1 − X/2)⁻¹`
-    fn resolvent<'a>(&self, x: &Vector<'a>) -> Matrix<'a> {
-        self.one_plus(x, Number::ratio(-1, 2)).inverse().map(Expr::hold)
-    }
-
-    /// `(1 + X/2)⁻¹`, from `(1 − X/2)⁻¹` by the form where there is one: `X J = −J Xᵀ`.
-    fn other_resolvent<'a>(&self, x: &Vector<'a>, resolvent: &Matrix<'a>) -> Matrix<'a> {
-        match &self.form {
-            Some(form) if form.is_regular => {
-                let arena = x.0[0].arena();
-                let (j, inverse) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
-                j.times_matrix(&resolvent.transpose()).times_matrix(&inverse)
-            }
-            _ => self.one_plus(x, Number::ratio(1, 2)).inverse().map(Expr::hold),
-        }
-    }
-
     /// The entries of `f(x)`.
     fn function<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Matrix<'a> {
         let one = Matrix::identity(x.0[0].arena(), self.size());
@@ -179,7 +165,9 @@ impl MatrixGroup {
                 };
                 Matrix::from_columns(&(0..self.size()).map(column).collect::<Vec<_>>())
             }
-            MatrixFunction::Cayley => self.resolvent(x).zip(&one, |inverse, one| inverse.scale(2) - one),
+            MatrixFunction::Cayley => {
+                self.cayley.resolvent(x).zip(&one, |inverse, one| inverse.scale(2) - one)
+            }
         }
     }
 }
@@ -261,10 +249,7 @@ impl Group for MatrixGroup {
                 let parts = self.ideals.iter().map(|ideal| ideal.d_right_dual(x, m));
                 parts.reduce(|sum, part| &sum + &part).unwrap_or_else(|| m.clone())
             }
-            MatrixFunction::Cayley => {
-                let resolvent = self.resolvent(x);
-                self.algebra.pulled_back(&resolvent, m, &self.other_resolvent(x, &resolvent))
-            }
+            MatrixFunction::Cayley => self.cayley.d_right_dual(x, m),
         }
     }
 
@@ -310,7 +295,7 @@ impl Group for MatrixGroup {
             Retraction::Cayley => {
                 let is_elliptic = self.ideals.iter().all(|ideal| ideal.matrix().is_elliptic());
                 let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
-                let edge = || self.one_plus(x, Number::ratio(-1, 2)).determinant();
+                let edge = || self.algebra.one_plus(x, Number::ratio(-1, 2)).determinant();
                 if is_elliptic || is_definite { Vec::new() } else { vec![edge()] }
             }
             Retraction::SecondKind | Retraction::ReversedSecondKind => Vec::new(),
@@ -386,7 +371,7 @@ impl Group for MatrixGroup {
 
     /// `1 + D`, to first order.
     fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
-        let increment = Vector(self.one_plus(delta, Number::ONE).entries);
+        let increment = Vector(self.algebra.one_plus(delta, Number::ONE).entries);
         side.compose(self, g, &increment)
     }
 }

@@ -132,9 +132,10 @@ impl Annihilator {
         if let Some(power) = (1..=n).find(|&a| powers.iter().all(|powers| powers[a].is_zero())) {
             return Some(Self { power, multiplicity: 0, quadratic: None });
         }
+        let traces = points.each_ref().map(|x| x.times(x).trace());
         let is_annihilated = |&(a, m, q): &(usize, usize, usize)| {
-            points.iter().zip(&powers).all(|(x, powers)| {
-                let z = -x.times(x).trace() / Fraction::from(m as i128);
+            points.iter().zip(&traces).zip(&powers).all(|((x, trace), powers)| {
+                let z = -*trace / Fraction::from(m as i128);
                 let factor = |v: &Exact| x.times(&x.times(v)).plus(v, z);
                 (0..q).fold(powers[a].clone(), |v, _| factor(&v)).is_zero()
             })

@@ -39,9 +39,14 @@ pub struct Linear {
 
 impl Linear {
     /// Columns of as many numbers as the matrices of an algebra have rows.
-    pub(super) fn standard(algebra: &Algebra, terms: usize) -> &'static Self {
+    pub(super) fn standard(
+        algebra: &Algebra,
+        (rho, terms): (LinearMatrix, usize),
+        has_cayley: bool,
+        is_definite: bool,
+    ) -> &'static Self {
         let name = format!("R{}", algebra.size()).leak();
-        Self::new(name, algebra.basis.clone(), algebra.has_cayley(), terms)
+        Self::with(name, algebra.basis.clone(), (rho, terms), has_cayley, is_definite)
     }
 
     /// Columns on which the algebra of a basis acts by these matrices.
@@ -73,12 +78,23 @@ impl Linear {
     }
 
     fn new(name: &'static str, matrices: Vec<Exact>, has_cayley: bool, terms: usize) -> &'static Self {
+        let rho = LinearMatrix::new(matrices.clone(), terms);
+        let is_definite = Form::of(&matrices).is_some_and(|form| form.is_definite);
+        Self::with(name, matrices, (rho, terms), has_cayley, is_definite)
+    }
+
+    fn with(
+        name: &'static str,
+        matrices: Vec<Exact>,
+        (rho, terms): (LinearMatrix, usize),
+        has_cayley: bool,
+        is_definite: bool,
+    ) -> &'static Self {
         let n = matrices[0].rows;
         let coordinates: &'static [&'static str] =
             if n <= 4 { &["x", "y", "z", "w"][..n] } else { leaked((1..=n).map(|i| i.to_string())) };
-        let rho = LinearMatrix::new(matrices.clone(), terms);
         // the eigenvalue 2 is that of no matrix that is skew with respect to a definite form, or nilpotent
-        let is_regular = rho.is_elliptic() || Form::of(&matrices).is_some_and(|form| form.is_definite);
+        let is_regular = rho.is_elliptic() || is_definite;
         let space = Self { name, coordinates, matrices, rho, has_cayley, is_regular, terms, coarse: None };
         // names and spaces live as long as the process
         let coarse = (!space.rho.is_closed() && terms > FEW_TERMS).then(|| {

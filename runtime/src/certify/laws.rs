@@ -1,0 +1,348 @@
+//! The laws of a system's group, from definitions.
+//!
+//! Of the generated code this takes displacements, the Poisson structure and the kernels of steps, at elements of the algebra that no motion chose: a
+//! kernel says of any unknown what `(dR τ_x)* m` and `Ad*_{τ(x)} m` are. Held against them are power series, matrices where elements are stored as such,
+//! and differences.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::CertifyError;
+use super::about::{About, Basis, Carried, Degenerate, Found, Look, Unknown, combined, function};
+use super::definition::series;
+use super::frame::larger;
+use super::report::{Bound, Certificate, Verdict, table};
+use crate::erased::array;
+use crate::geometry::{Geometry, Map};
+use crate::scheme::Rule;
+use crate::system::{Control, Role, Schemes, State, System};
+
+/// What differences leave of a law.
+const DIFFERENCES: Bound = Bound::AtMost(1e-10);
+/// What rounding leaves of one.
+const ROUNDING: Bound = Bound::AtMost(1e-12);
+
+/// The laws of a group, measured on the code that was generated for a system on it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Laws {
+    /// The system's name.
+    pub system: &'static str,
+    /// What was measured.
+    pub certificates: Vec<Certificate>,
+}
+
+impl Laws {
+    /// Whether no law is broken.
+    pub fn passed(&self) -> bool {
+        self.failures().next().is_none()
+    }
+
+    /// The laws that are broken.
+    pub fn failures(&self) -> impl Iterator<Item = &Certificate> {
+        self.certificates.iter().filter(|certificate| certificate.verdict == Verdict::Failed)
+    }
+
+    /// The law of this name.
+    pub fn certificate(&self, name: &str) -> Option<&Certificate> {
+        self.certificates.iter().find(|certificate| certificate.name == name)
+    }
+}
+
+impl core::fmt::Display for Laws {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        writeln!(f, "{}, its group", self.system)?;
+        table(f, &self.certificates)
+    }
+}
+
+/// Asserts that a group obeys the laws of Lie groups: the test of a group of your own, in one line.
+///
+/// ```
+/// use coadjoint::prelude::*;
+///
+/// lie_group! {
+///     /// Maps of the plane that keep areas.
+///     Areas = matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }
+/// }
+///
+/// // in a test
+/// coadjoint::assert_group_laws!(Areas!);
+/// // with columns and rows that the group acts on
+/// coadjoint::assert_group_laws!(Areas!, advected(v: R2, w: dual(R2)));
+/// ```
+///
+/// What stands in the parentheses is what stands behind `group =` in a description. A free body on it is generated, and
+/// [`group_laws`](crate::certify::group_laws) are measured on that code.
+///
+/// # Panics
+/// If a law does not hold, with the table of all of them.
+#[macro_export]
+macro_rules! assert_group_laws {
+    ($($group:tt)+) => {{
+        #[$crate::lie_poisson_system(group = $($group)+)]
+        struct Body {
+            #[inertia]
+            inertia: f64,
+        }
+        match $crate::certify::group_laws_of(&Body { inertia: 1.0 }) {
+            Ok(laws) => ::core::assert!(laws.passed(), "{}: {laws}", ::core::stringify!($($group)+)),
+            Err(error) => ::core::panic!("{}: {error}", ::core::stringify!($($group)+)),
+        }
+    }};
+}
+
+/// Measures the laws of the group that a system is on, and of the spaces of its advected parameters, about a state: those of the code that was
+/// generated for the system.
+///
+/// | law | figure |
+/// |---|---|
+/// | antisymmetry, Jacobi identity | of the bracket, and of the semidirect one with advected parameters: then the group acts on these |
+/// | commutators | `E_i E_j − E_j E_i` less `[e_i, e_j]`, where elements are matrices |
+/// | definition | `g τ(x)` less `g exp X` as a power series, or less `g (1 − X/2)⁻¹(1 + X/2)`, where elements are matrices |
+/// | on the group | how far `g τ(x)` is off it |
+/// | inverse | `τ(−x) τ(x)` less `e` |
+/// | series | `dR τ_x` by differences, less `φ₁(ad_x)` as a power series; of the exponential |
+/// | derivative | `(dR τ_x)* m` of the steps, less that by differences |
+/// | adjoint action | `Ad_{τ(x)}` by differences, less `exp ad_z`, where `τ(x) = exp z` |
+/// | coadjoint action | `Ad*_{τ(x)} m` of the steps, less that by differences, and less `m + ad*_x (dR τ_x)* m` |
+/// | spaces | advected parameters after `τ(x)`, less those after `exp ρ_z` as a power series |
+/// | Casimirs | their change by `Ad*_{τ(x)}` |
+///
+/// All but the first three are measured with each retraction that there are steps with and that is a function of one matrix, at two `x` of about half a
+/// radian. Figures count relative to the size of what is compared, and hold up to 1e-10 where they are of differences, 1e-12 otherwise. What the steps have
+/// is not measured where their unknown is not the velocity alone, as for a general Hamiltonian.
+///
+/// [`assert_group_laws!`](crate::assert_group_laws) does this for a group by itself.
+///
+/// # Errors
+/// If the parameters or the state are not valid.
+pub fn group_laws<S>(system: &S, state: &S::State) -> Result<Laws, CertifyError>
+where
+    S: Geometry<Scalar = f64> + Schemes,
+{
+    System::validate(system)?;
+    let parameters = system.to_parameters();
+    let kernel = |map, state: &[f64], unknown: &[f64]| {
+        let rule = Rule::Member(0, 1);
+        S::visit(map, rule, Look { parameters: parameters.as_ref(), state, unknown })
+    };
+    let state = state.to_components();
+    let control = S::Control::default().to_components();
+    let about = About::new(system, state.as_ref(), control.as_ref(), &kernel)?;
+    Ok(Laws { system: S::NAME, certificates: certificates(&about) })
+}
+
+/// The laws of the group of a free body, whose elements are displaced from the unit.
+#[doc(hidden)]
+pub fn group_laws_of<S>(body: &S) -> Result<Laws, CertifyError>
+where
+    S: Geometry<Scalar = f64> + Schemes,
+{
+    let mut unit = Vec::new();
+    for quantity in S::State::QUANTITIES {
+        let start = unit.len();
+        let number = |(i, name): (usize, &&str)| match quantity.role {
+            // the entries of a matrix by row and column, of a quaternion the real one, of a complex number too
+            Role::Configuration if is_diagonal(name) || ["w", "re"].contains(name) => 1.0,
+            Role::Configuration => 0.0,
+            _ => 0.3 * (1.7 * (start + i) as f64 + 0.4).sin(),
+        };
+        unit.extend(quantity.components.iter().enumerate().map(number));
+    }
+    group_laws(body, &S::State::from_components(&array(&unit)))
+}
+
+/// Whether an entry of a matrix is on its diagonal, by its name: `11`, `22`.
+fn is_diagonal(name: &str) -> bool {
+    let (row, column) = name.split_at(name.len() / 2);
+    row == column && name.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// What measures a law of a retraction at an element of the algebra; nothing if there is nothing to measure.
+type Law<'a> = fn(&About<'a>, Map, &DVector<f64>) -> Found<Option<f64>>;
+
+/// The laws of the algebra, then those of each retraction that there are steps with.
+fn certificates(about: &About<'_>) -> Vec<Certificate> {
+    let mut certificates = vec![
+        law("antisymmetry", ROUNDING, Ok(Some(about.antisymmetry()))),
+        law("Jacobi identity", ROUNDING, Ok(Some(about.jacobi()))),
+        law("commutators", DIFFERENCES, about.commutators()),
+    ];
+    let laws: [(&str, Bound, Law<'_>); 9] = [
+        ("definition", DIFFERENCES, About::definition),
+        ("on the group", ROUNDING, About::on_the_group),
+        ("inverse", ROUNDING, About::inverse),
+        ("series", DIFFERENCES, About::series),
+        ("derivative", DIFFERENCES, About::derivative),
+        ("adjoint action", DIFFERENCES, About::adjoint_action),
+        ("coadjoint action", DIFFERENCES, About::coadjoint_action),
+        ("spaces", DIFFERENCES, About::spaces),
+        ("Casimirs", ROUNDING, About::casimirs),
+    ];
+    for (map, name) in [(Map::Exponential, "exponential"), (Map::Cayley, "Cayley")] {
+        if about.has(map) {
+            certificates.extend(laws.iter().map(|(of, bound, measure)| {
+                let figures: Found<Vec<_>> = about.points.iter().map(|x| measure(about, map, x)).collect();
+                let worst = figures.map(|figures| figures.into_iter().flatten().reduce(larger));
+                law(&format!("{name}: {of}"), *bound, worst)
+            }));
+        }
+    }
+    certificates
+}
+
+/// A figure against its bound; what cannot be measured breaks the law.
+fn law(name: &str, bound: Bound, figure: Found<Option<f64>>) -> Certificate {
+    let verdict = match figure {
+        Ok(None) => Verdict::NotMeasured,
+        Ok(Some(figure)) if bound.holds(figure) => Verdict::Passed,
+        _ => Verdict::Failed,
+    };
+    let figure = figure.ok().flatten().unwrap_or(f64::NAN);
+    Certificate { name: name.to_owned(), figure, state: 0, bound: Some(bound), verdict }
+}
+
+impl About<'_> {
+    fn antisymmetry(&self) -> f64 {
+        let [x, y, _] = self.general();
+        let (one, other) = (self.bracket(&x, &y), self.bracket(&y, &x));
+        relative((&one + other).amax(), one.amax())
+    }
+
+    /// With advected parameters the algebra is the semidirect one: then it says that the group acts on them, `ρ_[x,y] = [ρ_x, ρ_y]`, too.
+    fn jacobi(&self) -> f64 {
+        let [x, y, z] = self.general();
+        let cyclic = [(&x, &y, &z), (&y, &z, &x), (&z, &x, &y)];
+        let terms = cyclic.map(|(x, y, z)| self.bracket(x, &self.bracket(y, z)));
+        let size = terms.iter().fold(0.0, |size: f64, term| size.max(term.amax()));
+        relative(terms.iter().sum::<DVector<f64>>().amax(), size)
+    }
+
+    /// `E_i E_j − E_j E_i` is `[e_i, e_j]`, where elements are matrices.
+    fn commutators(&self) -> Found<Option<f64>> {
+        let mut worst = None;
+        for stored in self.matrices() {
+            let Basis { basis, sign, off } = self.basis(&stored)?;
+            worst = Some(larger(worst.unwrap_or(0.0), off));
+            for i in 0..basis.len() {
+                for j in 0..i {
+                    let product = &basis[i] * &basis[j];
+                    let commutator = (&product - &basis[j] * &basis[i]) * sign;
+                    let bracket =
+                        self.bracket(&self.grown(&self.axis(i, 1.0)), &self.grown(&self.axis(j, 1.0)));
+                    let error = (commutator - combined(&basis, &bracket)).amax();
+                    worst = Some(larger(worst.unwrap_or(0.0), error / product.amax().max(1.0)));
+                }
+            }
+        }
+        Ok(worst)
+    }
+
+    /// `g τ(x)` of a kernel is that of displacements, and `g f(X)` where elements are matrices.
+    fn definition(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let there = self.frame.moved(&self.state, map, x);
+        let mut worst = match self.unknown(map, x)? {
+            Some(Unknown::Of { unknown, .. }) => {
+                let next = self.said(map, &self.state, &unknown)?.next;
+                let next = self.frame.with_linear_part(&next, &self.frame.linear_part(&there));
+                Some(self.frame.distance(&next, &there))
+            }
+            _ => None,
+        };
+        for stored in self.matrices() {
+            let Basis { basis, sign, .. } = self.basis(&stored)?;
+            let (g, f) = (stored.matrix(&self.state), function(map, &combined(&basis, x))?);
+            let expected = if sign > 0.0 { g * f } else { f * g };
+            let error = (stored.matrix(&there) - &expected).amax() / expected.amax();
+            worst = Some(larger(worst.unwrap_or(0.0), error));
+        }
+        Ok(worst)
+    }
+
+    fn on_the_group(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        Ok(Some(self.frame.system.deviation(&self.frame.moved(&self.state, map, x))))
+    }
+
+    /// `τ(−x) = τ(x)⁻¹`
+    fn inverse(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let there = self.frame.moved(&self.state, map, x);
+        Ok(Some(self.frame.distance(&self.state, &self.frame.moved(&there, map, &-x))))
+    }
+
+    /// `dR exp_x = φ₁(ad_x)`
+    fn series(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        if map != Map::Exponential {
+            return Ok(None);
+        }
+        let n = self.dimension();
+        let ad = self.frame.coadjoint(&self.state, &self.grown(x));
+        let column = |k: usize| series(&ad, &self.grown(&self.axis(k, 1.0))).ok_or(Degenerate);
+        let columns: Vec<_> = (0..n).map(column).collect::<Found<_>>()?;
+        let expected = DMatrix::from_columns(&columns).rows(0, n).transpose();
+        Ok(Some(relative((self.d_right(map, x)? - &expected).amax(), expected.amax())))
+    }
+
+    /// `(dR τ_x)* m` of a kernel is that of the differences of displacements.
+    fn derivative(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let Some(Unknown::Of { factor, unknown }) = self.unknown(map, x)? else { return Ok(None) };
+        let right = |state: &[f64]| Ok(DVector::from_vec(self.said(map, state, &unknown)?.right));
+        let inverse = factor.transpose().try_inverse().ok_or(Degenerate)?;
+        let (found, expected) = (inverse * self.by_momentum(&right)?, self.d_right(map, x)?.transpose());
+        Ok(Some(relative((found - &expected).amax(), expected.amax())))
+    }
+
+    /// `Ad_{τ(x)} = exp ad_z`, where `τ(x) = exp z`.
+    fn adjoint_action(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let n = self.dimension();
+        let ad = self.frame.coadjoint(&self.state, &self.grown(&self.logarithm(map, x)?)).transpose();
+        let expected = function(Map::Exponential, &ad.view((0, 0), (n, n)).into_owned())?;
+        Ok(Some(relative((self.adjoint(map, x)? - &expected).amax(), expected.amax())))
+    }
+
+    /// `Ad*_{τ(x)} m` of a kernel is dual to `Ad_{τ(x)}`, and `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m`.
+    fn coadjoint_action(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let n = self.dimension();
+        let Some(Carried { x, before, after }) = self.carried(map, x)? else { return Ok(None) };
+        let expected = self.adjoint(map, &x)?.transpose();
+        let ad = self.frame.coadjoint(&self.state, &self.grown(&x)).view((0, 0), (n, n)).into_owned();
+        let by_bracket = DMatrix::identity(n, n) + ad * self.d_right(map, &x)?.transpose();
+        let error = |carry: &DMatrix<f64>| (&after - carry * &before).amax();
+        let error = larger(error(&expected), error(&by_bracket));
+        Ok(Some(relative(error, expected.amax() * before.amax())))
+    }
+
+    /// Advected parameters are carried along by the exponential of the action of `z`, where `τ(x) = exp z`.
+    fn spaces(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let (n, all) = (self.dimension(), self.frame.linear.len());
+        let Some(Unknown::Of { unknown, .. }) = self.unknown(map, x)? else { return Ok(None) };
+        if all == n {
+            return Ok(None);
+        }
+        let next = self.said(map, &self.state, &unknown)?.next;
+        let ad = self.frame.coadjoint(&self.state, &self.grown(&self.logarithm(map, x)?));
+        let carry = function(Map::Exponential, &ad.view((n, n), (all - n, all - n)).into_owned())?;
+        let advected = |state: &[f64]| self.frame.linear_part(state).rows(n, all - n).into_owned();
+        let expected = carry * advected(&self.state);
+        Ok(Some(relative((advected(&next) - &expected).amax(), expected.amax())))
+    }
+
+    /// Casimirs are constant along the coadjoint action.
+    fn casimirs(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+        let next = match self.unknown(map, x)? {
+            Some(Unknown::Of { unknown, .. }) if self.is_invariant => {
+                self.said(map, &self.state, &unknown)?.next
+            }
+            Some(Unknown::None { next }) if self.is_invariant => next,
+            _ => return Ok(None),
+        };
+        let (before, after) = (self.frame.system.casimirs(&self.state), self.frame.system.casimirs(&next));
+        let change = |(before, after): (&f64, &f64)| (before - after).abs() / (1.0 + before.abs());
+        Ok(before.iter().zip(&after).map(change).reduce(larger))
+    }
+}
+
+/// An error next to the size of what it is the error of.
+fn relative(error: f64, size: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / size }
+}
