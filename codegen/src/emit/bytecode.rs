@@ -12,8 +12,7 @@
 //! not handed on. `coadjoint::bytecode` runs it.
 
 use super::code::rounded;
-use crate::expr::Function as Elementary;
-use crate::program::{Argument, Function, Input, Module, Role, Statement, Term, Value};
+use crate::program::{Argument, Elementary, Function, Input, Module, Role, Statement, Term, Value};
 
 /// The functions of a step that lead from one state to the next, if the solution of its equation is known.
 const ROLES: [Role; 4] = [Role::New, Role::Begin, Role::Evaluate, Role::Finish];

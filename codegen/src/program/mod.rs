@@ -12,7 +12,9 @@ pub use interface::{Documentation, Element, Inertia, Interface, Quantity};
 pub use interpreter::{CallError, Given, Returned};
 pub use operations::Operations;
 
-use crate::expr::{Function as Elementary, Number};
+/// Functions of one number.
+pub use crate::expr::Function as Elementary;
+use crate::expr::Number;
 use crate::scheme::Scheme;
 
 /// A value with a name, within one [`Module`].
