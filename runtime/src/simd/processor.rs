@@ -11,7 +11,7 @@ use core::mem::transmute;
 use crate::kernel::Components;
 use crate::scalar::{Batch, FUSED, LongWork, On, OutOfLine, Real, Work};
 use crate::simd::lanes::{Portable, Processor};
-use crate::solve::terms::{Formula, Piece, Term, Weight};
+use crate::solve::terms::{Formula, Piece, Term};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
@@ -199,7 +199,7 @@ impl Processor for Portable {
 /// Of a [`Formula`] of doubles alone as many components at a time as `P`, for which the caller is compiled, has instructions for. Returns how
 /// many there are then.
 #[inline(always)]
-pub(crate) fn compute<P: Processor, T: Batch>(formula: &impl Formula<T>, components: &mut [T]) -> usize {
+pub(crate) fn compute<P: Processor, T: Batch>(formula: &mut impl Formula<T>, components: &mut [T]) -> usize {
     let mut done = 0;
     if const { P::FOURS } {
         while done + 3 <= components.len() {
@@ -221,38 +221,6 @@ pub(crate) fn compute<P: Processor, T: Batch>(formula: &impl Formula<T>, compone
     done
 }
 
-/// [`Term::keep`] of doubles alone.
-#[inline(always)]
-pub(crate) fn keep<P: Processor, T: Batch, U: Components<T>>(place: &mut Term<T, U>, term: &U) {
-    let term = term.as_ref();
-    let mut i = 0;
-    if const { P::FOURS } {
-        while i + 3 <= term.len() {
-            let w = if i + 3 < term.len() { term[i + 3] } else { T::of(0.0) };
-            let [x, y, z, w] = [term[i], term[i + 1], term[i + 2], w].map(|x| x.lane(0).to_f64());
-            // SAFETY: the processor has these instructions; there are so many doubles
-            unsafe { _mm256_storeu_pd(doubles_mut(place, i), _mm256_set_pd(w, z, y, x)) };
-            i = term.len().min(i + 4);
-        }
-    }
-    while i + 2 <= term.len() {
-        // SAFETY: any x86-64 has this instruction; there are two components from `i` on
-        unsafe { _mm_storeu_pd(doubles_mut(place, i), pair(term, i)) };
-        i += 2;
-    }
-    if i < term.len() {
-        place.components.as_mut()[i] = term[i];
-    }
-}
-
-/// The components of a term from `i` on, three at least and then [the rest](Batch::Rest), or two.
-#[inline(always)]
-fn doubles_mut<T: Batch, U: Components<T>>(term: &mut Term<T, U>, i: usize) -> *mut f64 {
-    assert!(are_doubles::<T, U>(term, i, 0));
-    // SAFETY: the components are doubles, and these are among them
-    unsafe { (&raw mut *term).cast::<f64>().add(i) }
-}
-
 /// Whether there are doubles alone, so many of them from `i` on, and one more after the last.
 #[inline(always)]
 fn are_doubles<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize, many: usize) -> bool {
@@ -262,62 +230,61 @@ fn are_doubles<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize, many: us
         && (i + many) * size_of::<f64>() <= size_of::<U>()
 }
 
-/// Two components.
+/// The components from `i` on, two or, with zero after the last, four.
 #[inline(always)]
-fn pair<T: Batch>(components: &[T], i: usize) -> __m128d {
-    // SAFETY: any x86-64 has this instruction
-    unsafe { _mm_set_pd(components[i + 1].lane(0).to_f64(), components[i].lane(0).to_f64()) }
+fn gathered<T: Batch, const N: usize>(components: &[T], i: usize) -> [f64; N] {
+    let mut doubles = [0.0; N];
+    let mut k = 0;
+    while k < N && i + k < components.len() {
+        doubles[k] = components[i + k].lane(0).to_f64();
+        k += 1;
+    }
+    doubles
 }
 
-/// Pieces of so many doubles.
+/// Pieces of so many doubles, of which the last may be [the rest](Batch::Rest).
 macro_rules! pieces {
-    ($($vector:ident: $of:expr, $splat:expr, $mul:ident, $add:ident, $sub:ident, $fmadd:ident, $fnmadd:ident;)*) => {
+    ($($vector:ident: $lanes:literal doubles, $least:literal components, $load:ident, $store:ident, $set:expr, $splat:ident, $add:ident, $mul:ident, $fmadd:ident;)*) => {
         $(
             // SAFETY: the processor has these instructions, for the caller is compiled for it: two at a time any x86-64, four at a time where
             // `P::FOURS`, and rounded once where `P::FOURS` too or where the program is built for them.
             impl<T: Batch> Piece<T> for $vector {
                 #[inline(always)]
                 fn of<U: Components<T>>(term: &Term<T, U>, i: usize) -> Self {
-                    $of(term, i)
+                    assert!(are_doubles(term, i, $least));
+                    // SAFETY: so many doubles from `i` on, the rest included
+                    unsafe { $load((&raw const *term).cast::<f64>().add(i)) }
                 }
                 #[inline(always)]
-                fn times(self, a: &Weight<T>) -> Self {
-                    unsafe { $mul($splat(a), self) }
+                fn gathered(components: &[T], i: usize) -> Self {
+                    unsafe { $set(gathered(components, i)) }
                 }
                 #[inline(always)]
-                fn plus(self, a: &Weight<T>, x: Self) -> Self {
-                    unsafe { if T::IS_FUSED { $fmadd($splat(a), x, self) } else { $add(self, $mul($splat(a), x)) } }
-                }
-                #[inline(always)]
-                fn minus(self, a: &Weight<T>, x: Self) -> Self {
-                    unsafe { if T::IS_FUSED { $fnmadd($splat(a), x, self) } else { $sub(self, $mul($splat(a), x)) } }
+                fn put<U: Components<T>>(self, term: &mut Term<T, U>, i: usize) {
+                    assert!(are_doubles(term, i, $least));
+                    // SAFETY: so many doubles from `i` on, the rest included
+                    unsafe { $store((&raw mut *term).cast::<f64>().add(i), self) }
                 }
                 #[inline(always)]
                 fn and(self, x: Self) -> Self {
                     unsafe { $add(self, x) }
                 }
                 #[inline(always)]
-                fn less(self, x: Self) -> Self {
-                    unsafe { $sub(self, x) }
+                fn plus(self, a: T, x: Self) -> Self {
+                    unsafe {
+                        let a = $splat(a.lane(0).to_f64());
+                        if T::IS_FUSED { $fmadd(a, x, self) } else { $add(self, $mul(a, x)) }
+                    }
                 }
             }
         )*
     };
 }
 pieces! {
-    __m128d: |term: &Term<T, U>, i| pair(term.components.as_ref(), i),
-        |a: &Weight<T>| pair(&a.twice, 0), _mm_mul_pd, _mm_add_pd, _mm_sub_pd, _mm_fmadd_pd, _mm_fnmadd_pd;
-    __m256d: four,
-        |a: &Weight<T>| _mm256_set1_pd(a.value().lane(0).to_f64()), _mm256_mul_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_fmadd_pd, _mm256_fnmadd_pd;
-}
-
-/// Four components, or three and [the rest](Batch::Rest).
-#[inline(always)]
-fn four<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize) -> __m256d {
-    assert!(are_doubles(term, i, 3));
-    // SAFETY: The processor has this instruction: the caller is compiled for it. There are at least three doubles from `i` on, after which
-    // comes one more.
-    unsafe { _mm256_loadu_pd((&raw const *term).cast::<f64>().add(i)) }
+    __m128d: 2 doubles, 2 components, _mm_loadu_pd, _mm_storeu_pd, |[x, y]: [f64; 2]| _mm_set_pd(y, x), _mm_set1_pd,
+        _mm_add_pd, _mm_mul_pd, _mm_fmadd_pd;
+    __m256d: 4 doubles, 3 components, _mm256_loadu_pd, _mm256_storeu_pd, |[x, y, z, w]: [f64; 4]| _mm256_set_pd(w, z, y, x), _mm256_set1_pd,
+        _mm256_add_pd, _mm256_mul_pd, _mm256_fmadd_pd;
 }
 
 /// Does the work in a function of its own, compiled for [`fma`](Batch::fma) where the processor has an instruction
@@ -350,28 +317,32 @@ mod tests {
     use std::vec::Vec;
 
     /// All that can be done with pieces.
-    struct Mixed<T: Batch, const N: usize>([Term<T, [T; N]>; 4], Weight<T>);
+    struct Mixed<T: Batch, const N: usize>([Term<T, [T; N]>; 2], [T; N]);
 
     impl<T: Batch, const N: usize> Formula<T> for Mixed<T, N> {
         #[inline(always)]
-        fn at<X: Piece<T>>(&self, i: usize) -> X {
-            let Self(terms, a) = self;
-            let [x, y, z, w] = [0, 1, 2, 3].map(|j| X::of(&terms[j], i));
-            x.times(a).plus(a, y).less(z).minus(a, w).and(y)
+        fn at<X: Piece<T>>(&mut self, i: usize) -> X {
+            let Self([first, second], other) = self;
+            let sum = X::of(first, i).plus(T::of(0.3), X::gathered(other, i)).and(X::of(second, i));
+            sum.put(first, i);
+            sum
         }
     }
 
     /// What the processor makes of what it has kept, against what it makes of one component after the other.
     fn computes<P: Processor, T: Batch<Number = f64>, const N: usize>() {
-        let number = |k: usize| T::of((1.0 + k as f64).sqrt() - 2.0);
-        let term = |j: usize| {
-            let mut term = Term::new([T::of(f64::NAN); N]);
-            term.keep::<P>(&core::array::from_fn(|i| number(7 * j + i)));
-            term
-        };
-        let formula = Mixed([term(0), term(1), term(2), term(3)], Weight::new(number(50)));
-        for (i, together) in computed::<P, T, [T; N]>(&formula, &[T::of(0.0); N]).into_iter().enumerate() {
-            let alone: T = formula.at(i);
+        let numbers = |j: usize| core::array::from_fn(|i| T::of((1.0 + (7 * j + i) as f64).sqrt() - 2.0));
+        let mixed = Mixed([Term::new(numbers(0)), Term::new(numbers(1))], numbers(2));
+        let mut together = Mixed(mixed.0, mixed.1);
+        // what was put there the first time is found there the second time
+        for _ in 0..2 {
+            let all = computed::<P, T, [T; N]>(&mut together, &[T::of(0.0); N]);
+            assert_eq!(all, together.0[0].components);
+        }
+        let mut alone = mixed;
+        for (i, together) in together.0[0].components.into_iter().enumerate() {
+            let _: T = alone.at(i);
+            let alone: T = alone.at(i);
             assert!(together.is_same(alone).all() && together.is_finite().all(), "{i} of {N}");
         }
     }

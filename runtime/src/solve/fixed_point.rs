@@ -1,17 +1,17 @@
-//! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, where its first iteration was not enough.
+//! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`.
 
 use super::stopping::{change, is_within, select};
-use super::{Convergence, LAST_CHANGE, ROUNDOFF, STRONG, Solver, count};
-use crate::kernel::{Evaluation, Kernel};
+use super::{Convergence, LAST_CHANGE, QUICK, ROUNDOFF, SAFETY, SECOND, STRONG, Solver, count, tolerance};
+use crate::kernel::{Components, Evaluation, Kernel};
 use crate::scalar::{Batch, Mask};
 
 /// The most iterations of a step: where more are needed Newton's iteration is faster.
 const MOST: u32 = 8;
 /// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
-const NOISE: f64 = 4.0;
+pub(super) const NOISE: f64 = 4.0;
 /// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it, by a few
-/// times what is left after it: that is less than a unit then, but where the last change is roundoff itself.
-const NEAR: f64 = 32.0;
+/// times what is left after it: that is less than a quarter of a unit then, but where the last change is roundoff itself.
+const NEAR: f64 = 64.0;
 /// Changes larger than this, in units of epsilon, show the rate of contraction.
 pub(super) const SHARP: f64 = 256.0;
 
@@ -24,16 +24,16 @@ pub(super) enum Iterated<T: Batch, U, I> {
 }
 
 /// Where iterations ended that did not solve the equation in all lanes.
-pub(super) struct Open<T: Batch, U> {
+pub(crate) struct Open<T: Batch, U> {
     /// Where the equation was evaluated the last time, and where that led to.
-    pub point: U,
-    pub unknown: U,
+    pub(super) point: U,
+    pub(super) unknown: U,
     /// The lanes that are not solved.
-    pub open: T::Mask,
-    pub convergence: Convergence<T>,
+    pub(super) open: T::Mask,
+    pub(super) convergence: Convergence<T>,
 }
 
-/// The iterations after the one that led from the prediction to `first`, if a few more promise to do.
+/// Iterations from a guess on, as long as a few more promise to do; `first` is where the first one led to, if that is known.
 ///
 /// The error that is left is the last change times the rate of contraction: that of the changes before, as long as these were more than
 /// roundoff, or the one that was known before.
@@ -43,60 +43,134 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
     state: &K::State,
     step: &K::Step,
     solver: &Solver<T, K::Unknown>,
-    first: &K::Unknown,
+    guess: &K::Unknown,
+    first: Option<K::Unknown>,
 ) -> Iterated<T, K::Unknown, K::Iterate> {
-    let prediction = &solver.prediction;
-    let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
-    let (unit, least, small) = (units::<T>(1.0), units::<T>(ROUNDOFF[0]), units::<T>(LAST_CHANGE[0]));
-    let (near, sharp, noise) = (units::<T>(NEAR), units::<T>(SHARP), units::<T>(NOISE));
-    let mut last = change::<T, _>(K::BLOCKS, prediction, first);
-    let tried = solver.tries();
-    let mut convergence = Convergence { tried, off: last, ..Convergence::of_one(nothing) };
-    let (mut point, mut unknown) = (*prediction, *first);
-    let mut open = !is_within::<T, _>(K::BLOCKS, prediction, first, solver.limit());
-    let mut again = tried & open;
-    // the second shows the rate
-    if !solver.measures() {
-        let square = solver.rate * solver.rate;
-        again = again & (square * square * solver.rate * last).le(solver.tolerance);
+    let (none, tried, measures) = (T::Mask::splat(false), solver.tries(), solver.measures());
+    let (mut point, mut unknown, mut last, mut round) = (*guess, *guess, T::of(0.0), 0);
+    let mut open = !none;
+    if let Some(first) = first {
+        (unknown, round) = (first, 1);
+        last = change::<T, _>(K::BLOCKS, &point, &unknown);
+        open = !is_solved::<T, K>(&point, &unknown, last, solver.tolerance);
     }
-    // the rate of contraction as a fraction, and where it was seen
-    let (mut to, mut from, mut seen) = (solver.rate, T::of(1.0), none);
-    let mut round = 1;
+    // each by itself, since a record would be in memory
+    let (mut off, mut residual, mut iterations, mut is_quick) = (last, T::of(0.0), T::all(round), !open);
+    let mut rate = Rate::new(solver);
+    let mut again = open & tried;
+    if round > 0 && !measures {
+        again = again & are_enough(rate.assumed, last);
+    }
     while again.any() {
         // the other lanes wait: the same again gives the same
         point = select(again, &unknown, &point);
         let evaluation = kernel.evaluate(state, step, &point);
         let Some(next) = kernel.fixed_point_update(state, step, &evaluation.right) else { break };
         (unknown, round) = (next, round + 1);
-        count::<T>(&mut convergence.iterations, again);
-        let change = change::<T, _>(K::BLOCKS, &point, &unknown);
-        let is_sharp = again & sharp.lt(last);
-        (to, from) = (T::select(is_sharp, change, to), T::select(is_sharp, last, from));
-        (seen, convergence.is_sharp) = (seen | is_sharp, convergence.is_sharp | is_sharp);
-        let is_last = again & change.le(near);
-        if is_last.any() {
-            // what is certainly more than roundoff
-            let more = change - noise;
-            let exceeds = is_last & !is_sharp & (to * last).lt(more * from);
-            (to, from) = (T::select(exceeds, more, to), T::select(exceeds, last, from));
-            seen = seen | exceeds;
-            let rate = to / from;
-            // relative to the unknown
-            let left = rate * change;
-            convergence.residual = T::select(is_last, left, convergence.residual);
-            open = open & !(is_last & (left.le(unit) | (change.le(small) & left.le(least))));
+        count::<T>(&mut iterations, again);
+        let now = change::<T, _>(K::BLOCKS, &point, &unknown);
+        let mut more = T::Mask::splat(round < MOST);
+        let slower = again & !now.le(rate.bound * last + units::<T>(NOISE));
+        if slower.any() {
+            if round == 1 {
+                off = now;
+                more = more & (T::Mask::splat(measures) | are_enough(rate.assumed, now));
+            } else {
+                rate.look(slower, last, now);
+                let contracts = now.le(T::of(STRONG) * last) & are_enough(rate.assumed, now);
+                more = more & (!slower | contracts);
+            }
         }
-        if !open.any() {
-            convergence.rate = T::select(seen, to / from, nothing);
-            return Iterated::Solved(unknown, evaluation, convergence);
+        let is_near = again & now.le(T::of(K::BLOCKS.len() as f64) * units::<T>(LAST_CHANGE[1]));
+        if is_near.any() && !(round == 1 && measures) {
+            let [solved, quick] =
+                accepted::<T, K>(solver, [&point, &unknown], now, rate.assumed, (round, slower));
+            is_quick = is_quick | (is_near & quick);
+            let left = T::select(is_quick, solver.rate * tolerance(solver.rate), rate.assumed * now);
+            residual = T::select(is_near & solved, left, residual);
+            open = open & !(is_near & solved);
+            if !open.any() {
+                let Rate { seen, is_sharp, .. } = rate;
+                let convergence =
+                    Convergence { iterations, residual, tried, off, rate: seen, is_sharp, is_quick };
+                return Iterated::Solved(unknown, evaluation, convergence);
+            }
         }
-        let contracts = is_last | change.le(T::of(STRONG) * last);
-        again = if round < MOST { again & open & contracts } else { none };
-        last = change;
+        (again, last) = (again & open & more, now);
     }
-    convergence.rate = T::select(seen, to / from, nothing);
+    let Rate { seen, is_sharp, .. } = rate;
+    let convergence = Convergence { iterations, residual, tried, off, rate: seen, is_sharp, is_quick };
     Iterated::Open(Open { point, unknown, open, convergence })
+}
+
+/// The rate of contraction.
+struct Rate<T: Batch> {
+    assumed: T,
+    /// While changes become smaller by this factor, the rate is not looked at.
+    bound: T,
+    /// That of the changes of this step.
+    seen: T,
+    is_sharp: T::Mask,
+}
+
+impl<T: Batch> Rate<T> {
+    #[inline(always)]
+    fn new<U: Components<T>>(solver: &Solver<T, U>) -> Self {
+        let bound = T::of(if solver.measures() { 0.0 } else { SAFETY }) * solver.rate;
+        Self { assumed: solver.rate, bound, seen: T::of(0.0), is_sharp: T::Mask::splat(false) }
+    }
+
+    /// Sees two changes, one after the other, in some lanes.
+    #[inline(always)]
+    fn look(&mut self, lanes: T::Mask, last: T, now: T) {
+        // what is certainly more than roundoff
+        let seen = (now - units::<T>(NOISE)) / last;
+        let is_sharp = lanes & units::<T>(SHARP).lt(last);
+        self.is_sharp = self.is_sharp | is_sharp;
+        self.seen = T::select(is_sharp | (lanes & self.seen.lt(seen)), seen, self.seen);
+        let assumed = T::select(is_sharp | (lanes & self.assumed.lt(seen)), seen, self.assumed);
+        let least = T::of(1.0 / SHARP);
+        self.assumed = T::select(assumed.lt(least), least, assumed);
+        self.bound = T::of(SAFETY) * self.assumed;
+    }
+}
+
+/// Where an iteration with a small change was the last, and where it was so as on the fast path, whichever the path is: an iteration or two that
+/// contract as it was known.
+#[inline(always)]
+fn accepted<T: Batch, K: Kernel<T>>(
+    solver: &Solver<T, K::Unknown>,
+    [from, to]: [&K::Unknown; 2],
+    change: T,
+    rate: T,
+    (round, slower): (u32, T::Mask),
+) -> [T::Mask; 2] {
+    let left = rate * change;
+    let (nothing, small, least) = (units::<T>(0.25), units::<T>(LAST_CHANGE[0]), units::<T>(ROUNDOFF[0]));
+    let solved = (change.le(units::<T>(NEAR)) & left.le(nothing)) | (change.le(small) & left.le(least));
+    if round > QUICK || solver.measures() {
+        return [solved, T::Mask::splat(false)];
+    }
+    let is_first = T::Mask::splat(round == 1);
+    let limit = T::of(if round == 1 { 1.0 } else { SECOND }) * tolerance(solver.rate);
+    let quick = is_solved::<T, K>(from, to, change, limit) & (is_first | !slower);
+    [quick | (solved & slower & !is_first), quick]
+}
+
+/// Whether no block changes by more than `tolerance` times its size: what the fast path asks for too. Of one block that is the change.
+#[inline(always)]
+fn is_solved<T: Batch, K: Kernel<T>>(from: &K::Unknown, to: &K::Unknown, change: T, tolerance: T) -> T::Mask {
+    if const { K::BLOCKS.len() > 1 } {
+        return is_within::<T, _>(K::BLOCKS, from, to, tolerance);
+    }
+    change.le(tolerance)
+}
+
+/// Whether after such a change a few iterations more are enough that contract at this rate: with Newton's method they would take as long.
+#[inline(always)]
+pub(super) fn are_enough<T: Batch>(rate: T, change: T) -> T::Mask {
+    let square = rate * rate;
+    (square * square * rate * change).le(units::<T>(LAST_CHANGE[1]))
 }
 
 /// So many units of epsilon.

@@ -1,10 +1,10 @@
 //! Solves the equations of successive steps, `left(x) = right(x)`.
 //!
 //! Successive solutions are samples of a smooth trajectory: the [`predictor`] continues them by one step, and in small steps the next solution
-//! is known to many digits before anything is solved. One fixed-point iteration `x ← L⁻¹ right(x)` takes off the factor by which it contracts,
+//! is known to many digits before anything is solved. A fixed-point iteration `x ← L⁻¹ right(x)` takes off the factor by which it contracts,
 //! about the angle turned in a step, and mostly brings what is left below rounding ([`one_step`]). Whether it did is seen at every step: its
-//! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not there are a few more
-//! ([`fixed_point`]), if that promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
+//! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not, and from a new state, there are
+//! a few more ([`fixed_point`]), if that promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
 
 mod damped;
 mod fixed_point;
@@ -16,32 +16,30 @@ pub(crate) mod terms;
 
 use crate::kernel::{Components, Evaluation, Kernel};
 use crate::scalar::{Batch, Mask, Real, Work};
-use crate::simd::lanes::{Portable, Processor};
-use fixed_point::{Iterated, Open, SHARP};
-use predictor::{Predictor, RECENT, WINDOW};
-use stopping::{change, select};
+use crate::simd::lanes::Processor;
+pub(crate) use fixed_point::Open;
+use fixed_point::{Iterated, SHARP};
+use predictor::Predictor;
+use stopping::{change, select, weights};
 
-/// Steps between two calibrations: at first, and in the long run.
-const INTERVALS: [u32; 2] = [WINDOW as u32, 1024];
+/// Steps between two measurements of the rate of contraction: at first, and in the long run.
+const INTERVALS: [u16; 2] = [16, 1024];
 /// Fixed-point iterations are made if they contract at least by this.
 const STRONG: f64 = 0.25;
 /// What the rate of contraction is multiplied by, for it may grow until it is measured again.
 const SAFETY: f64 = 2.0;
 /// An error of the unknown this small, in units of epsilon, is roundoff, and never is one that is larger than this.
-const ROUNDOFF: [f64; 2] = [2.0, 8.0];
+const ROUNDOFF: [f64; 2] = [1.0, 8.0];
 /// An error this small, in units of epsilon, makes no difference to the state, next to what is rounded there. The unknown changes the state
 /// by about as much as iterations contract: by the angle turned in a step.
 const NO_DIFFERENCE: f64 = 0.1;
 /// The change of the last iteration, in units of epsilon. Not less, if only for rounding; not more, for what is evaluated before it serves for
 /// the solution too.
 const LAST_CHANGE: [f64; 2] = [8.0, 128.0];
-/// A prediction that is off by more than this has missed something: the solutions before are no guide.
-const MISSED: f64 = 1e-9;
-/// How far a prediction was off where there was none: finite, so that what is remembered can be written in any format.
-const NONE: f64 = 1e30;
-/// By how much more it is then off than the last one that missed.
-const SUDDENLY: f64 = 8.0;
-/// A prediction that is off by more than this is not used.
+/// The most iterations on the fast path, and what the tolerance is multiplied by for the second of them: it mostly ends far below.
+const QUICK: u32 = 2;
+const SECOND: f64 = 0.25;
+/// A guess that is off by more than this is not used.
 const LOST: f64 = 0.1;
 
 /// A solution of the step's equation.
@@ -63,42 +61,23 @@ pub(crate) type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as 
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy)]
 pub(crate) struct Solver<T: Batch, U> {
-    /// The earlier solutions, and where they point.
+    /// Where the earlier solutions point.
     predictor: Predictor<T, U>,
-    /// The next prediction.
-    prediction: U,
-    /// Steps until the next calibration.
-    due: u32,
-    /// Steps from the next calibration to the one after it.
-    interval: u32,
     /// The factor by which the fixed-point iteration contracts, as far as it is known.
     rate: T,
     /// The relative change of a last iteration; negative where iterations do not contract strongly.
     tolerance: T,
-    /// Whether they do in any lane.
-    is_strong: bool,
-    /// How many solutions the prediction continues while these are few; zero since it was calibrated.
-    order: T,
-    /// How far the last prediction was off that was off too far.
-    missed: T,
+    /// Steps until the next measurement of the rate.
+    due: u16,
+    /// Steps from the next measurement to the one after it.
+    interval: u16,
 }
 
 /// Remembers nothing.
 impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
     fn default() -> Self {
-        let mut solver = Self {
-            predictor: Predictor::default(),
-            prediction: U::splat(T::of(0.0)),
-            due: INTERVALS[0],
-            interval: INTERVALS[0],
-            rate: T::of(0.0),
-            tolerance: T::of(0.0),
-            is_strong: true,
-            order: T::of(1.0),
-            missed: T::of(NONE),
-        };
-        solver.set_rate(T::of(STRONG));
-        solver
+        let (rate, tolerance) = (T::of(STRONG), T::of(-1.0));
+        Self { predictor: Predictor::default(), rate, tolerance, due: INTERVALS[0], interval: INTERVALS[0] }
     }
 }
 
@@ -117,6 +96,8 @@ pub(crate) struct Convergence<T: Batch> {
     rate: T,
     /// Where nothing of that is roundoff.
     is_sharp: T::Mask,
+    /// Where no more iterations were needed than on the fast path.
+    is_quick: T::Mask,
 }
 
 impl<T: Batch> Convergence<T> {
@@ -124,7 +105,15 @@ impl<T: Batch> Convergence<T> {
     #[inline(always)]
     fn of_one(residual: T) -> Self {
         let (none, nothing) = (T::Mask::splat(false), T::of(0.0));
-        Self { iterations: T::all(1), residual, tried: none, off: nothing, rate: nothing, is_sharp: none }
+        Self {
+            iterations: T::all(1),
+            residual,
+            tried: none,
+            off: nothing,
+            rate: nothing,
+            is_sharp: none,
+            is_quick: none,
+        }
     }
 
     /// With what Newton's iteration did after it in the lanes that had not been `solved`.
@@ -143,59 +132,55 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Whether there is nothing to solve for: known when the code is compiled.
     pub(crate) const IS_IDLE: bool = U::LENGTH == 0;
 
-    /// Whether the next step is to be tried on the fast path: where iterations contract strongly, or it is to be seen whether they do.
+    /// Whether the next step is to be tried on the fast path: where iterations contract strongly, and the solutions before point to the next.
     #[inline(always)]
     pub(crate) fn is_fast(&self) -> bool {
-        Self::IS_IDLE || ((self.is_strong || self.due == 0) && self.predictor.count() > 0)
+        Self::IS_IDLE || (self.predictor.is_full() && self.due > 0 && self.is_strong().any())
     }
 
-    /// The next calibration is after so many steps, or in the next one.
+    /// The next measurement is after so many steps, or in the next one.
     #[inline(always)]
     pub(crate) fn expected(&self) -> u64 {
         if const { Self::IS_IDLE } { u64::MAX } else { self.due.max(1).into() }
     }
 
-    /// The relative change of a last iteration on the fast path; negative where iterations do not contract strongly, and for calibration.
+    /// Where iterations contract strongly.
     #[inline(always)]
-    pub(crate) fn limit(&self) -> T {
-        if self.due == 0 { T::of(-1.0) } else { self.tolerance }
+    fn is_strong(&self) -> T::Mask {
+        self.rate.le(T::of(STRONG))
+    }
+
+    /// The relative change of a last iteration on the fast path; negative where iterations do not contract strongly.
+    #[inline(always)]
+    pub(crate) fn tolerance(&self) -> T {
+        self.tolerance
     }
 
     /// Where the earlier solutions point.
     #[inline(always)]
     pub(crate) fn prediction(&self) -> U {
-        self.prediction
+        self.predictor.next()
     }
 
-    /// Where the solutions will point after this one.
+    /// Remembers the solution of a step on the fast path, which was missed by so much. Returns where they point then.
     #[inline(always)]
-    pub(crate) fn next<P: Processor>(&self, solution: &U) -> U {
-        self.predictor.then(&self.predictor.begun::<P>(), solution)
+    pub(crate) fn follow<P: Processor>(&mut self, missed: &U) -> U {
+        self.predictor.follow::<P>(missed)
     }
 
-    /// Remembers the solution of a step on the fast path.
+    /// There were so many steps on the fast path.
     #[inline(always)]
-    pub(crate) fn keep<P: Processor>(&mut self, solution: &U) {
-        if const { !Self::IS_IDLE } {
-            self.predictor.push::<P>(solution);
-        }
-    }
-
-    /// There were so many steps on the fast path, after which this is the prediction.
-    #[inline(always)]
-    pub(crate) fn took(&mut self, steps: u64, prediction: &U) {
-        self.due = u64::from(self.due).saturating_sub(steps) as u32;
-        self.predictor.count_more(steps);
-        self.prediction = *prediction;
+    pub(crate) fn took(&mut self, steps: u64) {
+        self.due = u64::from(self.due).saturating_sub(steps) as u16;
     }
 
     /// How the equation of a step is solved on the fast path, with a bound for the residual.
     #[inline(always)]
-    pub(crate) fn on_fast_path(&self) -> Convergence<T> {
+    pub(crate) fn on_fast_path(&self, iterations: u32) -> Convergence<T> {
         if const { Self::IS_IDLE } {
             Convergence { iterations: T::all(0), ..Convergence::of_one(T::of(0.0)) }
         } else {
-            Convergence::of_one(self.rate * self.tolerance)
+            Convergence { iterations: T::all(iterations), ..Convergence::of_one(self.rate * self.tolerance) }
         }
     }
 
@@ -210,8 +195,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     pub(crate) fn forget(&mut self) {
         self.predictor.forget();
         (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
-        self.set_rate(T::of(STRONG));
-        (self.order, self.missed) = (T::of(1.0), T::of(NONE));
+        self.rate = T::of(STRONG);
     }
 
     /// The latest solution.
@@ -220,58 +204,65 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     }
 
     #[inline(always)]
-    fn set_rate(&mut self, rate: T) {
-        let bound = T::of(SAFETY) * rate;
-        let error = clamped(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
-        let tolerance = T::of(T::EPSILON) * clamped(error / bound, LAST_CHANGE);
-        let strong = rate.le(T::of(STRONG));
-        self.rate = rate;
-        self.tolerance = T::select(strong, tolerance, T::of(-1.0));
-        self.is_strong = strong.any();
+    fn set_tolerance(&mut self) {
+        self.tolerance = T::select(self.is_strong(), tolerance(self.rate), T::of(-1.0));
     }
 
-    /// Solves a step's equation by whatever it takes; `first` is where an iteration from the prediction led to.
+    /// The solution of a step's equation by a few fixed-point iterations, if these do; else where they ended, if there were any. `first` is where
+    /// the first iteration on the fast path led to.
     #[inline(always)]
-    pub(crate) fn solve<K>(
+    pub(crate) fn iterate<K>(
         &self,
         kernel: &K,
         state: &K::State,
         step: &K::Step,
         first: Option<U>,
+    ) -> Result<SolutionOf<T, K>, Option<Open<T, U>>>
+    where
+        K: Kernel<T, Unknown = U>,
+    {
+        let unsolved = T::Mask::splat(false);
+        if const { Self::IS_IDLE } {
+            let unknown = kernel.start(state, step);
+            let (evaluation, convergence) = (kernel.evaluate(state, step, &unknown), self.on_fast_path(0));
+            return Ok(Solution { unknown, evaluation, convergence, unsolved });
+        }
+        if !const { K::HAS_FIXED_POINT_UPDATE } || !self.tries().any() {
+            return Err(None);
+        }
+        let guess = if self.remembers() { self.predictor.next() } else { kernel.start(state, step) };
+        match fixed_point::iterate(kernel, state, step, self, &guess, first) {
+            Iterated::Solved(unknown, evaluation, convergence) => {
+                Ok(Solution { unknown, evaluation, convergence, unsolved })
+            }
+            Iterated::Open(open) => Err(Some(open)),
+        }
+    }
+
+    /// The solution of a step's equation by Newton's iteration, from where fixed-point iterations ended, from where the solutions before point,
+    /// or from a first approximation.
+    pub(crate) fn correct<K>(
+        &self,
+        kernel: &K,
+        state: &K::State,
+        step: &K::Step,
+        ended: Option<&Open<T, U>>,
     ) -> SolutionOf<T, K>
     where
         K: Kernel<T, Unknown = U>,
     {
-        let (none, prediction) = (T::Mask::splat(false), &self.prediction);
-        if const { Self::IS_IDLE } {
-            let evaluation = kernel.evaluate(state, step, prediction);
-            let convergence = self.on_fast_path();
-            return Solution { unknown: *prediction, evaluation, convergence, unsolved: none };
-        }
-        let mut left = None;
-        if let (true, Some(first)) = (const { K::HAS_FIXED_POINT_UPDATE }, first) {
-            match fixed_point::iterate(kernel, state, step, self, &first) {
-                Iterated::Solved(unknown, evaluation, convergence) => {
-                    return Solution { unknown, evaluation, convergence, unsolved: none };
-                }
-                Iterated::Open(open) => left = Some(open),
-            }
-        }
-        let mut from = kernel.start(state, step);
-        if self.predictor.count() == 0 {
-            return newton::solve(kernel, state, step, &from, !none);
-        }
-        let is_near = change::<T, _>(K::BLOCKS, prediction, &from).le(T::of(1.0));
-        let Some(Open { point, unknown, open, convergence }) = left else {
-            // from the prediction, unless that is far off
-            from = select(is_near, prediction, &from);
-            return newton::solve(kernel, state, step, &from, !none);
+        let start = &kernel.start(state, step);
+        let guess = if self.remembers() { self.predictor.next() } else { *start };
+        let is_near = change::<T, _>(K::BLOCKS, &guess, start).le(T::of(1.0));
+        let Some(&Open { point, unknown, open, convergence }) = ended else {
+            // from the guess, unless that is far off
+            let from = select(is_near, &guess, start);
+            return newton::solve(kernel, state, step, &from, T::Mask::splat(true));
         };
-        // from where iterations led to, unless the prediction was far off
+        // from where iterations led to, unless the guess was far off
         let iterated = convergence.tried & convergence.off.le(T::of(LOST));
-        from = select(iterated, &unknown, &select(!convergence.tried & is_near, prediction, &from));
-        from = select(open, &from, &point);
-        let solution = newton::solve(kernel, state, step, &from, open);
+        let from = select(iterated, &unknown, &select(!convergence.tried & is_near, &guess, start));
+        let solution = newton::solve(kernel, state, step, &select(open, &from, &point), open);
         let convergence = convergence.then(&solution.convergence, !open);
         Solution { unknown: select(open, &solution.unknown, &unknown), convergence, ..solution }
     }
@@ -290,80 +281,75 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Whether the rate of contraction is to be measured, by one more iteration.
     #[inline(always)]
     fn measures(&self) -> bool {
-        self.due == 0 || self.predictor.count() <= 2
+        self.due == 0 || !self.is_known()
+    }
+
+    /// Whether the rate of contraction was seen a few times.
+    #[inline(always)]
+    fn is_known(&self) -> bool {
+        self.interval > INTERVALS[0] || self.due + 2 < INTERVALS[0]
+    }
+
+    /// The change of an iteration, if a few more are enough after it.
+    #[inline(always)]
+    pub(crate) fn continues(&self, blocks: &[usize], from: &U, to: &U) -> Option<T> {
+        let last = change::<T, _>(blocks, from, to);
+        fixed_point::are_enough(self.rate, last).all().then_some(last)
+    }
+
+    /// Whether an iteration contracts as it is known, after one that changed the unknown by so much.
+    #[inline(always)]
+    pub(crate) fn contracts(&self, blocks: &[usize], last: Option<T>, from: &U, to: &U) -> bool {
+        let Some(last) = last else { return false };
+        let bound = T::of(SAFETY) * self.rate * last + T::of(fixed_point::NOISE * T::EPSILON);
+        change::<T, _>(blocks, from, to).le(bound).all()
     }
 
     /// The lanes in which fixed-point iterations are to be made: where they contract strongly, and where it is to be seen whether they do.
     #[inline(always)]
     fn tries(&self) -> T::Mask {
-        T::of(0.0).lt(self.tolerance) | T::Mask::splat(self.due == 0)
+        self.is_strong() | T::Mask::splat(self.due == 0)
     }
 
-    /// Remembers the solution of a step that one iteration did not solve as expected, and learns from it.
-    pub(crate) fn learn(&mut self, solution: &U, blocks: &'static [usize], convergence: &Convergence<T>) {
+    /// Remembers the solution of a step that was not as those on the fast path are, and learns from how it was found.
+    #[inline(always)]
+    pub(crate) fn learn(&mut self, solution: &U, blocks: &[usize], convergence: &Convergence<T>) {
         if const { Self::IS_IDLE } {
             return;
         }
-        T::dispatch(Learn { solver: self, solution, blocks, convergence });
+        if self.predictor.count() > 0 {
+            let weights = &weights::<T, _>(blocks, solution);
+            return T::dispatch(Learn { solver: self, weights, solution, convergence });
+        }
+        let rate = clamped(convergence.rate, [1.0 / SHARP, 1.0]);
+        self.rate = T::select(convergence.is_sharp, rate, self.rate);
+        self.due = self.due.saturating_sub(1);
+        self.predictor.begin(solution);
     }
 
     #[inline(always)]
-    fn learned(&mut self, solution: &U, blocks: &[usize], convergence: &Convergence<T>) {
-        let one = T::of(1.0);
-        let Convergence { tried, off, rate, is_sharp, .. } = *convergence;
-        if self.predictor.count() == 0 {
-            // the next solution is as near to it as any
-            self.missed = T::select(T::of(0.0).lt(off), off, self.missed);
-            self.prediction = *solution;
-            self.due -= 1;
-            self.predictor.push::<Portable>(solution);
-            self.predictor.count_more(1);
-            return;
-        }
-        let open = T::of(0.0).lt(off) & (!tried | !off.le(self.tolerance));
+    fn learned(&mut self, weights: &U, solution: &U, convergence: &Convergence<T>) {
+        let Convergence { rate, is_sharp, is_quick, .. } = *convergence;
         // if it is smaller than it was, that may be by chance
-        let is_known = self.predictor.count() > 2;
-        let before = T::of(if is_known { 0.5 } else { 0.0 }) * self.rate;
+        let is_known = self.is_known();
         let improves = is_sharp & T::Mask::splat(self.due == 0 || !is_known);
-        let renewed = self.rate.lt(rate) | improves;
+        let renewed = (self.rate.lt(rate) | improves) & !is_quick;
         if renewed.any() {
+            let before = T::of(if is_known { 0.5 } else { 0.0 }) * self.rate;
             let rate = T::select(rate.lt(before), before, rate);
-            let least = T::of(1.0 / SHARP);
-            let rate = T::select(rate.lt(least), least, rate);
-            let rate = T::select(rate.le(one), rate, one);
-            self.set_rate(T::select(renewed, rate, self.rate));
+            self.rate = T::select(renewed, clamped(rate, [1.0 / SHARP, 1.0]), self.rate);
         }
-        // One more solution to continue while that helps, and fewer when it does not; of a calibrated prediction all are forgotten if it suddenly
-        // is off.
-        let missed = T::of(MISSED).lt(off);
-        let ramps = T::of(0.0).lt(self.order);
-        // a prediction that needs few iterations more is left to the next calibration
-        let far = missed | (ramps & T::of(SHARP * T::EPSILON).lt(off));
-        let open = open & (far | T::Mask::splat(self.due == 0 || self.predictor.count() < WINDOW));
-        let helps = off.lt(self.missed) | !missed;
-        let suddenly = (T::of(SUDDENLY) * self.missed).lt(off) & missed;
-        let fewer = T::select(T::of(3.0).le(self.order), self.order - T::of(2.0), one);
-        let order = T::select(helps & ramps, self.order + one, fewer);
-        let most = T::of(RECENT.min(self.predictor.count() + 1) as f64);
-        let order = T::select(order.le(most), order, most);
-        let ramps = open & (ramps | suddenly) & (order.lt(self.order) | self.order.lt(order));
-        self.order = T::select(ramps, order, self.order);
-        self.missed = T::select(open, off, self.missed);
         if self.due == 0 {
             self.due = self.interval;
             self.interval = (4 * self.interval).min(INTERVALS[1]);
-            self.predictor.choose(blocks, solution, self.tolerance);
-            self.order = T::of(0.0);
         } else {
             self.due -= 1;
-            if ramps.any() {
-                self.predictor.continue_through(self.order, ramps);
-            }
         }
-        // before the solution is stored, for what was just stored is waited for
-        self.prediction = self.next::<Portable>(solution);
-        self.predictor.push::<Portable>(solution);
-        self.predictor.count_more(1);
+        let was_full = self.predictor.is_full();
+        self.predictor.learn(weights, solution, is_quick);
+        if self.predictor.is_full() && (renewed.any() || !was_full) {
+            self.set_tolerance();
+        }
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
@@ -372,21 +358,18 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
         visit(&mut numbers);
         // the same in all lanes
-        let [due, interval] = [numbers[0].lane(0).to_f64() as u32, numbers[1].lane(0).to_f64() as u32];
+        let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
-        visit(core::slice::from_mut(&mut self.order));
-        visit(core::slice::from_mut(&mut self.missed));
-        self.set_rate(self.rate);
-        self.prediction = self.predictor.next();
+        self.set_tolerance();
     }
 }
 
 /// [`Solver::learn`], out of line: once for all steps with as many unknowns.
 struct Learn<'a, T: Batch, U> {
     solver: &'a mut Solver<T, U>,
+    weights: &'a U,
     solution: &'a U,
-    blocks: &'static [usize],
     convergence: &'a Convergence<T>,
 }
 
@@ -396,16 +379,48 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
 
     #[inline(always)]
     fn done(self) {
-        let Self { solver, solution, blocks, convergence } = self;
-        solver.learned(solution, blocks, convergence);
+        let Self { solver, weights, solution, convergence } = self;
+        solver.learned(weights, solution, convergence);
     }
+}
+
+/// The relative change of a last iteration, for a rate of contraction.
+#[inline(always)]
+fn tolerance<T: Batch>(rate: T) -> T {
+    let bound = T::of(SAFETY) * rate;
+    let error = clamped(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
+    T::of(T::EPSILON) * clamped(error / bound, LAST_CHANGE)
+}
+
+/// The sum of two unknowns.
+#[inline(always)]
+pub(crate) fn added<T: Batch, U: Components<T>>(a: &U, b: &U) -> U {
+    let mut sum = *a;
+    let mut i = 0;
+    while i < U::LENGTH {
+        sum.as_mut()[i] = a.as_ref()[i] + b.as_ref()[i];
+        i += 1;
+    }
+    sum
+}
+
+/// The difference of two unknowns.
+#[inline(always)]
+pub(crate) fn less<T: Batch, U: Components<T>>(a: &U, b: &U) -> U {
+    let mut difference = *a;
+    let mut i = 0;
+    while i < U::LENGTH {
+        difference.as_mut()[i] = a.as_ref()[i] - b.as_ref()[i];
+        i += 1;
+    }
+    difference
 }
 
 /// No closure, which would not be compiled for the processor that the caller is compiled for.
 #[inline(always)]
 fn clamped<T: Batch>(x: T, [least, most]: [f64; 2]) -> T {
-    let x = T::select(x.le(T::of(most)), x, T::of(most));
-    T::select(x.le(T::of(least)), T::of(least), x)
+    let x = T::select(T::of(most).lt(x), T::of(most), x);
+    T::select(x.lt(T::of(least)), T::of(least), x)
 }
 
 /// What is counted in each lane, together.
@@ -421,6 +436,6 @@ pub(crate) fn sum<T: Batch>(mut a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32
 #[inline(always)]
 pub(crate) fn count<T: Batch>(counts: &mut T::Each<u32>, mask: T::Mask) {
     for (lane, count) in counts.as_mut().iter_mut().enumerate() {
-        *count = count.saturating_add(u32::from(mask.lane(lane)));
+        *count = count.wrapping_add(u32::from(mask.lane(lane)));
     }
 }

@@ -1,7 +1,7 @@
 //! A step that is one equation, from its kernel.
 
 use super::stopping::{is_within, select};
-use super::{Convergence, Solution, Solver, newton};
+use super::{Convergence, Open, QUICK, SECOND, Solution, SolutionOf, Solver, less, newton};
 use crate::error::StepError;
 use crate::kernel::{Components, Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
@@ -48,14 +48,14 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let mut first = None;
         // nearly all steps go this way
         if const { Self::HAS_FAST_PATH } && known && self.solver.is_fast() {
-            let (prediction, limit) = (self.solver.prediction(), self.solver.limit());
-            match self.fast::<Portable>(state, time, control, &prediction, limit) {
-                Ok((next, prediction)) => {
-                    self.solver.took(1, &prediction);
-                    let Convergence { iterations, residual, .. } = self.solver.on_fast_path();
+            let (prediction, tolerance) = (self.solver.prediction(), self.solver.tolerance());
+            match self.fast::<Portable>(state, time, control, &prediction, tolerance, 1) {
+                Ok((next, _, iterations)) => {
+                    self.solver.took(1);
+                    let Convergence { iterations, residual, .. } = self.solver.on_fast_path(iterations);
                     return Ok(Advanced { state: next, iterations, residual });
                 }
-                Err(unknown) => first = unknown,
+                Err(ended) => first = ended,
             }
         }
         // copies, so that the fast path needs no addresses
@@ -80,15 +80,17 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 }
 
-/// The state after a step on the fast path, and the prediction for the next one. Else where the first iteration led to if it was not enough.
+/// The state after a step on the fast path, the prediction for the next one, and how many iterations were made. Else where the first iteration
+/// led to, if they were not enough.
 type Fast<T, K> =
-    Result<(<K as Kernel<T>>::State, <K as Kernel<T>>::Unknown), Option<<K as Kernel<T>>::Unknown>>;
+    Result<(<K as Kernel<T>>::State, <K as Kernel<T>>::Unknown, u32), Option<<K as Kernel<T>>::Unknown>>;
 
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Whether there is a fast path: where there is nothing to solve for, or fixed-point iterations solve it.
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || <K::Unknown as Components<T>>::LENGTH == 0;
 
-    /// A step as nearly all are: one iteration that changes the unknown by no more than `limit`, and everything finite.
+    /// A step as nearly all are: an iteration that changes the unknown by no more than `tolerance`, after no more than `most` of them, and
+    /// everything finite.
     #[inline(always)]
     fn fast<P: Processor>(
         &mut self,
@@ -96,25 +98,46 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         time: T,
         control: &K::Control,
         prediction: &K::Unknown,
-        limit: T,
+        mut tolerance: T,
+        most: u32,
     ) -> Fast<T, K> {
         let Self { kernel, solver } = self;
         let begun = kernel.begin(state, time, control);
-        let evaluation = kernel.evaluate(state, &begun, prediction);
-        let (mut unknown, mut then) = (*prediction, *prediction);
-        if const { !Solver::<T, K::Unknown>::IS_IDLE } {
-            unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
-            if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, limit).all() {
-                return Err(Some(unknown));
+        let (mut point, mut iterations) = (*prediction, 1);
+        let (mut first, mut last) = (*prediction, None);
+        let (unknown, evaluation) = loop {
+            let evaluation = kernel.evaluate(state, &begun, &point);
+            if const { Solver::<T, K::Unknown>::IS_IDLE } {
+                break (point, evaluation);
             }
-            then = solver.next::<P>(&unknown);
+            let unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
+            let is_within = is_within::<T, _>(K::BLOCKS, &point, &unknown, tolerance).all();
+            if iterations == 1 {
+                if is_within {
+                    break (unknown, evaluation);
+                }
+                first = unknown;
+                last = solver.continues(K::BLOCKS, &point, &unknown);
+                if most == 1 || last.is_none() {
+                    return Err(Some(first));
+                }
+            } else if is_within && solver.contracts(K::BLOCKS, last, &point, &unknown) {
+                break (unknown, evaluation);
+            } else {
+                return Err(Some(first));
+            }
+            (point, iterations, tolerance) = (unknown, 2, T::of(SECOND) * tolerance);
+        };
+        let mut then = *prediction;
+        if const { !Solver::<T, K::Unknown>::IS_IDLE } {
+            then = solver.follow::<P>(&less::<T, _>(&unknown, prediction));
         }
         let next = kernel.finish(state, &begun, &unknown, &evaluation);
         let inside = is_inside(kernel, state, &begun, &unknown, &evaluation).all();
         if inside & is_surely_finite::<T, K>(&next, control).all() {
-            solver.keep::<P>(&unknown);
-            return Ok((next, then));
+            return Ok((next, then, iterations));
         }
+        solver.forget();
         Err(None)
     }
 
@@ -158,6 +181,8 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
     fn done<P: Processor>(self) -> StepsReport<T> {
         let Self { method, state, clock, control, most, mut known, failed } = self;
         let mut report = StepsReport::default();
+        // in lanes, what is enough for one would be one more for it
+        let most_iterations = if const { T::LANES > 1 } { 1 } else { QUICK };
         // not in memory
         let mut now = *state;
         while report.steps < most {
@@ -165,14 +190,17 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
             if const { OneStep::<T, K>::HAS_FAST_PATH } && known && method.solver.is_fast() {
                 let until_due = most.min(report.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
-                let limit = method.solver.limit();
-                let (before, mut done) = (report.steps, true);
+                let tolerance = method.solver.tolerance();
+                let (before, mut twice, mut done) = (report.steps, 0, true);
                 while report.steps < until_due {
                     let time = T::of(clock.after(report.steps));
-                    match method.fast::<P>(&now, time, control, &prediction, limit) {
-                        Ok((next, then)) => (now, prediction) = (next, then),
-                        Err(unknown) => {
-                            (first, done) = (unknown, false);
+                    match method.fast::<P>(&now, time, control, &prediction, tolerance, most_iterations) {
+                        Ok((next, then, iterations)) => {
+                            (now, prediction) = (next, then);
+                            twice += u64::from(iterations) - 1;
+                        }
+                        Err(ended) => {
+                            (first, done) = (ended, false);
                             break;
                         }
                     }
@@ -180,9 +208,10 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 }
                 let steps = report.steps - before;
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {
-                    method.solver.took(steps, &prediction);
+                    method.solver.took(steps);
                 }
-                report.count(steps, &method.solver.on_fast_path());
+                report.count(steps - twice, &method.solver.on_fast_path(1));
+                report.count(twice, &method.solver.on_fast_path(QUICK));
                 if done {
                     continue;
                 }
@@ -200,7 +229,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                         (now, known) = (advanced.state, true);
                         report.steps += 1;
                         report
-                            .count(1, &Convergence { iterations, residual, ..method.solver.on_fast_path() });
+                            .count(1, &Convergence { iterations, residual, ..method.solver.on_fast_path(1) });
                     }
                     Err(failure) => {
                         if let Some(failed) = failed {
@@ -224,7 +253,7 @@ struct Slow<'a, T: Batch, K: Kernel<T>> {
     control: &'a K::Control,
     /// Whether the state is the one that the last step led to.
     known: bool,
-    /// Where the first iteration led to, if there was one.
+    /// Where the first iteration on the fast path led to, if there was one.
     first: Option<K::Unknown>,
     /// Whether the step counts if it fails in some lanes.
     lossy: bool,
@@ -236,60 +265,159 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> Outcome<T, K::State> {
-        let Self { method: OneStep { kernel, solver }, state, time, control, known, first, lossy } = self;
+        let Self { method, state, time, control, known, first, lossy } = self;
+        let OneStep { kernel, solver } = &mut *method;
         if !known {
             solver.forget();
         }
         let begun = kernel.begin(state, time, control);
-        let mut solution = solver.solve(kernel, state, &begun, first);
-        let (mut next, mut unknown, mut good) = (*state, solution.unknown, T::Mask::splat(false));
-        // what is remembered saves time, and nothing else: where it misleads, once more without it
-        let mut again = known && solver.remembers();
-        let (inside, reached, convergence) = loop {
-            let Solution { evaluation, convergence, unsolved, .. } = solution;
-            let there = kernel.finish(state, &begun, &solution.unknown, &evaluation);
-            let inside = is_inside(kernel, state, &begun, &solution.unknown, &evaluation);
-            // a component that is not finite before the step is not finite after it
-            let reached = finite(&there) & finite(control) & time.is_finite();
-            (next, unknown) = (select(good, &next, &there), select(good, &unknown, &solution.unknown));
-            good = good | (!unsolved & inside & reached);
-            if const { Solver::<T, K::Unknown>::IS_IDLE } || good.all() || !again {
-                break (inside, reached, convergence);
+        let ended = match solver.iterate(kernel, state, &begun, first) {
+            Ok(solution) => {
+                let taken = Taken::new(kernel, state, &begun, (time, control), &solution);
+                if taken.good.all() {
+                    return Ok(taken.learned(solver));
+                }
+                let (begun, taken) = (&begun, &taken);
+                return T::dispatch(Failed { method, state, begun, time, control, known, taken, lossy });
             }
-            again = false;
-            let from = select(good, &unknown, &kernel.start(state, &begun));
-            solution = newton::solve(kernel, state, &begun, &from, !good);
-            solution.convergence = convergence.then(&solution.convergence, good);
+            Err(ended) => ended,
         };
-        let (Convergence { iterations, residual, .. }, unsolved) = (convergence, solution.unsolved);
-        let advanced = Advanced { state: next, iterations, residual };
-        if good.all() {
-            solver.learn(&unknown, K::BLOCKS, &convergence);
-            return Ok(advanced);
+        let (begun, ended) = (&begun, ended.as_ref());
+        T::dispatch(Hard { method, state, begun, time, control, known, ended, lossy })
+    }
+}
+
+/// A step that fixed-point iterations do not solve. A function of its own, so that nothing of the others goes through memory.
+struct Hard<'a, T: Batch, K: Kernel<T>> {
+    method: &'a mut OneStep<T, K>,
+    state: &'a K::State,
+    begun: &'a K::Step,
+    time: T,
+    control: &'a K::Control,
+    known: bool,
+    /// Where iterations ended, if there were any.
+    ended: Option<&'a Open<T, K::Unknown>>,
+    lossy: bool,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Hard<'_, T, K> {
+    type Home = K;
+    type Result = Outcome<T, K::State>;
+
+    #[inline(always)]
+    fn done(self) -> Outcome<T, K::State> {
+        let Self { method, state, begun, time, control, known, ended, lossy } = self;
+        let OneStep { kernel, solver } = &mut *method;
+        let solution = solver.correct(kernel, state, begun, ended);
+        let taken = &Taken::new(kernel, state, begun, (time, control), &solution);
+        if taken.good.all() {
+            return Ok(taken.learned(solver));
         }
-        if lossy && good.any() {
-            solver.learn(&unknown, K::BLOCKS, &convergence);
+        T::dispatch(Failed { method, state, begun, time, control, known, taken, lossy })
+    }
+}
+
+/// A step whose equation is solved.
+#[derive(Clone, Copy)]
+struct Taken<T: Batch, K: Kernel<T>> {
+    /// The state after it.
+    next: K::State,
+    unknown: K::Unknown,
+    convergence: Convergence<T>,
+    /// The lanes in which nothing went wrong.
+    good: T::Mask,
+    /// The lanes that are not solved, and those inside the retraction's domain.
+    unsolved: T::Mask,
+    inside: T::Mask,
+}
+
+impl<T: Batch, K: Kernel<T>> Taken<T, K> {
+    #[inline(always)]
+    fn new(
+        kernel: &K,
+        state: &K::State,
+        step: &K::Step,
+        (time, control): (T, &K::Control),
+        solution: &SolutionOf<T, K>,
+    ) -> Self {
+        let Solution { unknown, evaluation, convergence, unsolved } = solution;
+        let next = kernel.finish(state, step, unknown, evaluation);
+        let inside = is_inside(kernel, state, step, unknown, evaluation);
+        // a component that is not finite before the step is not finite after it
+        let good = !*unsolved & inside & finite(&next) & finite(control) & time.is_finite();
+        Self { next, unknown: *unknown, convergence: *convergence, good, unsolved: *unsolved, inside }
+    }
+
+    /// This where it went well, else the same step taken in another way.
+    #[inline(always)]
+    fn or(&self, other: &Self) -> Self {
+        let (next, unknown) =
+            (select(self.good, &self.next, &other.next), select(self.good, &self.unknown, &other.unknown));
+        Self { next, unknown, good: self.good | other.good, ..*other }
+    }
+
+    /// Where the step has led to, of which the solver learns.
+    #[inline(always)]
+    fn learned(&self, solver: &mut Solver<T, K::Unknown>) -> Advanced<T, K::State> {
+        let Convergence { iterations, residual, .. } = self.convergence;
+        solver.learn(&self.unknown, K::BLOCKS, &self.convergence);
+        Advanced { state: self.next, iterations, residual }
+    }
+}
+
+/// A step with which something went wrong.
+struct Failed<'a, T: Batch, K: Kernel<T>> {
+    method: &'a mut OneStep<T, K>,
+    state: &'a K::State,
+    begun: &'a K::Step,
+    time: T,
+    control: &'a K::Control,
+    known: bool,
+    /// The step, as far as it is taken.
+    taken: &'a Taken<T, K>,
+    lossy: bool,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Failed<'_, T, K> {
+    type Home = K;
+    type Result = Outcome<T, K::State>;
+
+    #[inline(always)]
+    fn done(self) -> Outcome<T, K::State> {
+        let Self { method, state, begun, time, control, known, taken, lossy } = self;
+        let OneStep { kernel, solver } = method;
+        let mut taken = *taken;
+        // what is remembered saves time, and nothing else: where it misleads, once more without it
+        if known && solver.remembers() && !const { Solver::<T, K::Unknown>::IS_IDLE } {
+            let from = select(taken.good, &taken.unknown, &kernel.start(state, begun));
+            let mut solution = newton::solve(kernel, state, begun, &from, !taken.good);
+            solution.convergence = taken.convergence.then(&solution.convergence, taken.good);
+            taken = taken.or(&Taken::new(kernel, state, begun, (time, control), &solution));
+        }
+        if taken.good.all() || (lossy && taken.good.any()) {
+            let advanced = taken.learned(solver);
+            if taken.good.all() {
+                return Ok(advanced);
+            }
         } else if lossy {
             solver.forget();
         }
         let given = finite(state) & finite(control) & time.is_finite();
+        let Convergence { iterations, residual, .. } = taken.convergence;
         let errors = T::each(|lane| {
-            if good.lane(lane) {
+            if taken.good.lane(lane) {
                 return None;
             }
             if !given.lane(lane) {
                 return Some(StepError::NotFinite);
             }
-            if unsolved.lane(lane) {
+            if taken.unsolved.lane(lane) {
                 let (iterations, residual) = (iterations.as_ref()[lane], residual.lane(lane).to_f64());
                 return Some(StepError::NoConvergence { iterations, residual });
             }
-            if !inside.lane(lane) {
-                return Some(StepError::OutsideDomain);
-            }
-            (!reached.lane(lane)).then_some(StepError::NotFinite)
+            Some(if taken.inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain })
         });
-        Err(Failure { errors, advanced })
+        Err(Failure { errors, advanced: Advanced { state: taken.next, iterations, residual } })
     }
 }
 
@@ -330,15 +458,25 @@ fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Contr
     (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).le(T::of(0.0))
 }
 
-/// Whether all numbers of a lane are finite: no branch.
+/// Whether all numbers of a lane are finite.
 #[inline(always)]
 fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
-    // what is finite times nothing is nothing, and nothing else is; four sums, for each has to wait for itself
-    let mut sums = [T::of(0.0); 4];
+    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+    let mut sums = [T::of(-0.0); 4];
     let mut k = 0;
     while k < C::LENGTH {
-        sums[k % 4] = sums[k % 4] + T::of(0.0) * components.as_ref()[k];
+        sums[k % 4] = sums[k % 4] + components.as_ref()[k];
         k += 1;
     }
-    ((sums[0] + sums[1]) + (sums[2] + sums[3])).le(T::of(0.0))
+    let mut are_finite = ((sums[0] + sums[1]) + (sums[2] + sums[3])).is_finite();
+    if !are_finite.all() {
+        // the sum may be too large
+        are_finite = T::Mask::splat(true);
+        k = 0;
+        while k < C::LENGTH {
+            are_finite = are_finite & components.as_ref()[k].is_finite();
+            k += 1;
+        }
+    }
+    are_finite
 }

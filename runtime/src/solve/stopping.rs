@@ -30,6 +30,38 @@ pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to:
     ratios
 }
 
+/// What the components of changes of an unknown are to be multiplied by: one over the size of their block.
+#[inline(always)]
+pub(super) fn weights<T: Batch, U: Components<T>>(blocks: &[usize], to: &U) -> U {
+    let floor = T::of(T::MIN_POSITIVE / T::EPSILON);
+    let (mut weights, mut from) = (*to, 0_usize);
+    for length in blocks {
+        let end = from.saturating_add(*length).min(U::LENGTH);
+        let (mut size, mut k) = (floor, from);
+        while k < end {
+            size = size + to.as_ref()[k].abs();
+            k += 1;
+        }
+        let weight = T::of(1.0) / size;
+        while from < end {
+            weights.as_mut()[from] = weight;
+            from += 1;
+        }
+    }
+    weights
+}
+
+/// How large a change is, with such weights.
+#[inline(always)]
+pub(super) fn weighted<T: Batch, U: Components<T>>(weights: &U, of: &U) -> T {
+    let (mut size, mut k) = (T::of(0.0), 0);
+    while k < U::LENGTH {
+        size = size + weights.as_ref()[k] * of.as_ref()[k].abs();
+        k += 1;
+    }
+    size
+}
+
 /// The change from one unknown to another, relative to this one.
 #[inline(always)]
 pub(super) fn change<T: Batch, U: Components<T>>(blocks: &[usize], from: &U, to: &U) -> T {
@@ -51,16 +83,15 @@ pub(super) fn is_within<T: Batch, U: Components<T>>(
     tolerance: T,
 ) -> T::Mask {
     let floor = T::of(T::MIN_POSITIVE / T::EPSILON);
-    let (mut from, mut to) = (from.as_ref(), to.as_ref());
-    let mut is_within = T::Mask::splat(true);
-    for &length in blocks {
-        let (before, after);
-        ((before, from), (after, to)) =
-            (from.split_at(length.min(from.len())), to.split_at(length.min(to.len())));
+    let (from, to) = (from.as_ref(), to.as_ref());
+    let (mut is_within, mut k) = (T::Mask::splat(true), 0_usize);
+    for length in blocks {
+        let end = k.saturating_add(*length).min(U::LENGTH);
         let (mut change, mut size) = (T::of(0.0), floor);
-        for (from, to) in before.iter().zip(after) {
-            change = change + (*to - *from).abs();
-            size = size + to.abs();
+        while k < end {
+            change = change + (to[k] - from[k]).abs();
+            size = size + to[k].abs();
+            k += 1;
         }
         is_within = is_within & change.le(tolerance * size);
     }

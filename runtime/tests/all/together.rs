@@ -267,5 +267,5 @@ fn steppers_are_of_the_documented_size() {
         size_of::<Stepper<Top, Exponential>>(),
         size_of::<Stepper<Top, Midpoint>>(),
     ];
-    assert!(sizes.iter().all(|size| (1_500..=1_800).contains(size)), "{sizes:?}");
+    assert!(sizes.iter().all(|size| (600..=850).contains(size)), "{sizes:?}");
 }
