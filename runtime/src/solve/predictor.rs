@@ -156,15 +156,17 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let mut k = self.count();
         while k > 1 {
             k -= 1;
-            let highest = self.sums[k].components;
-            let before = less::<T, _>(&self.sums[k - 1].components, &highest);
+            // that they are there the compiler does not see
+            let [Some(before), Some(highest)] = [k - 1, k].map(|k| self.sums.get(k)) else { return };
+            let highest = highest.components;
+            let before = less::<T, _>(&before.components, &highest);
             let [size, before] = [weighted::<T, _>(weights, &highest), weighted::<T, _>(weights, &before)];
             let is_useful = size.le(T::of(SMALL)) | size.le(T::of(USEFUL) * before);
             let is_there = T::of(k as f64).lt(self.order);
             let useless = lanes & is_there & self.order.le(T::of(k as f64 + 1.0)) & !is_useful;
             if useless.any() {
                 self.order = T::select(useless, T::of(k as f64), self.order);
-                for sum in &mut self.sums[..=k] {
+                for sum in self.sums.iter_mut().take(k + 1) {
                     let rest = less::<T, _>(&sum.components, &highest);
                     sum.components = select(useless, &rest, &sum.components);
                 }
