@@ -11,7 +11,7 @@ const MOST: u32 = 8;
 pub(super) const NOISE: f64 = 4.0;
 /// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it, by a few
 /// times what is left after it: that is less than a quarter of a unit then, but where the last change is roundoff itself.
-const NEAR: f64 = 64.0;
+const NEAR: f64 = 32.0;
 /// Changes larger than this, in units of epsilon, show the rate of contraction.
 pub(super) const SHARP: f64 = 256.0;
 
