@@ -190,10 +190,11 @@ impl Code {
     }
 
     fn count(&mut self) -> usize {
-        let (mut count, mut shift) = (0, 0);
+        let (mut count, mut shift) = (0, 0_u32);
         loop {
             let byte = self.byte();
-            count |= usize::from(byte & 127) << shift;
+            // no count is that large: the bytes are the generator's
+            count |= usize::from(byte & 127).checked_shl(shift).unwrap_or_default();
             if byte < 128 {
                 return count;
             }
