@@ -289,6 +289,34 @@ fn forces_and_time() {
     passes::<SymplecticEulerA, _>(&shaken, &states, &[]);
 }
 
+/// Every function that a description may name, in the equation of a step.
+#[lie_poisson_system(
+    group(position: R1),
+    force = {
+        let x = position.x;
+        let roots = (2.0 + x).sqrt() + (2.0 + x).ln() + (2.0 + x).powf(0.3) + x.atan2(2.0 + x);
+        let circular = x.sin() + 2.0 * x.cos() + 3.0 * x.tan() + 5.0 * x.asin() + 7.0 * x.acos() + 11.0 * x.atan();
+        let hyperbolic = 13.0 * x.exp() + 17.0 * x.sinh() + 19.0 * x.cosh() + 23.0 * x.tanh();
+        vector![scale * (roots + circular + hyperbolic)]
+    },
+    methods(Midpoint),
+)]
+struct Functions {
+    #[inertia]
+    mass: f64,
+    scale: f64,
+}
+
+/// What the generator calls a function in the bytes of a program, the library takes for that function.
+#[test]
+fn functions_of_programs_are_those_of_steps() {
+    let system = Functions { mass: 1.0, scale: 1e-3 };
+    let state = FunctionsState { position: vector![0.3], position_momentum: vector![0.2] };
+    let report = certify::<Midpoint<Exponential>, _>(&system, &[state]).unwrap();
+    assert!(report.passed(), "{report}");
+    assert_eq!(report.certificate("warm steps").unwrap().verdict, Verdict::Passed);
+}
+
 #[test]
 fn two_bodies() {
     let pair = Pair {
