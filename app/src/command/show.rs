@@ -6,7 +6,7 @@ use clap::Args;
 use coadjoint_codegen::emit::StepExpansion;
 use coadjoint_codegen::group;
 use coadjoint_codegen::scheme::Scheme;
-use proc_macro2::TokenStream;
+use proc_macro2::{Group, Literal, TokenStream, TokenTree};
 use quote::ToTokens;
 use syn::{Item, ItemStruct, Meta};
 
@@ -43,7 +43,21 @@ pub(crate) fn show(
 fn generated(entry: &Entry, retraction: Option<Retraction>, derivatives: bool) -> syn::Result<String> {
     let (attribute, item) = description(entry.source)?;
     let tokens = expand(attribute, item, retraction, derivatives)?;
-    Ok(prettyplease::unparse(&syn::parse2(tokens)?))
+    Ok(prettyplease::unparse(&syn::parse2(without_bytes(tokens))?))
+}
+
+/// With `b"..."` in the place of what nobody can read: programs as bytes, which say what the functions beside them say.
+fn without_bytes(tokens: TokenStream) -> TokenStream {
+    let shown = |tree: TokenTree| match tree {
+        TokenTree::Group(group) => {
+            TokenTree::Group(Group::new(group.delimiter(), without_bytes(group.stream())))
+        }
+        TokenTree::Literal(literal) if literal.to_string().starts_with("b\"") => {
+            TokenTree::Literal(Literal::byte_string(b"..."))
+        }
+        tree => tree,
+    };
+    tokens.into_iter().map(shown).collect()
 }
 
 /// What the macro puts in the place of the struct, with the steps that are wanted.
@@ -120,6 +134,7 @@ mod tests {
             }
             let code = generated(entry, Some(Retraction::Cayley), true).expect("its own generator takes it");
             assert!(code.contains("impl<T: Scalar> Linearized<T"), "{}", entry.name);
+            assert!(code.contains("b\"...\"") && !code.contains("\\x"), "{}", entry.name);
         }
     }
 }

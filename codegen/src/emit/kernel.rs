@@ -73,6 +73,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
                 type Iterate = Iterate<T>;
 
                 const BLOCKS: &'static [::core::primitive::usize] = &[#(#blocks),*];
+                /// `new`, `begin`, `evaluate` and `finish` once more, as bytes: certificates run them in twice the digits.
                 const PROGRAM: [&'static [::core::primitive::u8]; 4] = [#(#program),*];
                 #no_update
 

@@ -18,7 +18,7 @@ pub(super) struct Degenerate;
 pub(super) type Found<T> = Result<T, Degenerate>;
 
 /// What a kernel says of a value of its unknown.
-pub(super) struct Said {
+pub(super) struct KernelValue {
     /// The right side of the equation: of a mechanical system `(dR τ_x)* m`, times the number that the unknown is to be multiplied by.
     pub(super) right: Vec<f64>,
     /// The state that the unknown leads to.
@@ -28,16 +28,16 @@ pub(super) struct Said {
 }
 
 /// Asks a kernel; with an unknown that is too short, at zero.
-pub(super) struct Look<'a> {
+pub(super) struct EvaluateKernel<'a> {
     pub(super) parameters: &'a [f64],
     pub(super) state: &'a [f64],
     pub(super) unknown: &'a [f64],
 }
 
-impl<S: System> Visitor<S> for Look<'_> {
-    type Output = Said;
+impl<S: System> Visitor<S> for EvaluateKernel<'_> {
+    type Output = KernelValue;
 
-    fn visit<M: Base>(self) -> Said
+    fn visit<M: Base>(self) -> KernelValue
     where
         S: Generated<M>,
     {
@@ -49,7 +49,7 @@ impl<S: System> Visitor<S> for Look<'_> {
         let edge =
             |unknown| kernel.domain(&state, &begun, unknown, &kernel.evaluate(&state, &begun, unknown));
         let (here, centre) = (edge(&unknown), edge(&Components::splat(0.0)));
-        Said {
+        KernelValue {
             right: evaluation.right.as_ref().to_vec(),
             next: kernel.finish(&state, &begun, &unknown, &evaluation).as_ref().to_vec(),
             is_inside: here.zip(centre).is_none_or(|(here, centre)| here > 0.2 * centre),
@@ -57,7 +57,7 @@ impl<S: System> Visitor<S> for Look<'_> {
     }
 }
 
-pub(super) type Kernels<'a> = &'a dyn Fn(Map, &[f64], &[f64]) -> Option<Said>;
+pub(super) type Kernels<'a> = &'a dyn Fn(Map, &[f64], &[f64]) -> Option<KernelValue>;
 
 /// A configuration that is stored as a matrix, by rows.
 pub(super) struct Stored {
@@ -101,7 +101,7 @@ impl<'a> About<'a> {
     }
 
     /// What a kernel says.
-    pub(super) fn said(&self, map: Map, state: &[f64], unknown: &DVector<f64>) -> Found<Said> {
+    pub(super) fn value(&self, map: Map, state: &[f64], unknown: &DVector<f64>) -> Found<KernelValue> {
         (self.kernels)(map, state, unknown.as_slice()).ok_or(Degenerate)
     }
 
@@ -117,7 +117,7 @@ impl<'a> About<'a> {
         let is_inside = |x: &DVector<f64>| {
             Map::ALL
                 .into_iter()
-                .all(|map| (self.kernels)(map, &self.state, x.as_slice()).is_none_or(|said| said.is_inside))
+                .all(|map| (self.kernels)(map, &self.state, x.as_slice()).is_none_or(|value| value.is_inside))
         };
         let small = |mut x: DVector<f64>| {
             for _ in 0..20 {
@@ -252,7 +252,7 @@ impl<'a> About<'a> {
 
     /// The unknown of a kernel that moves the configuration by `τ(x)`. Nothing of one that has others too.
     pub(super) fn unknown(&self, map: Map, x: &DVector<f64>) -> Found<Option<Unknown>> {
-        let here = self.said(map, &self.state, x)?;
+        let here = self.value(map, &self.state, x)?;
         if here.right.is_empty() {
             return Ok(Some(Unknown::None { next: here.next }));
         }
@@ -260,7 +260,9 @@ impl<'a> About<'a> {
             return Ok(None);
         }
         let column = |i: usize| {
-            derivative(self.small(i), &mut |t| Ok(self.said(map, &self.state, &self.axis(i, t))?.next.into()))
+            derivative(self.small(i), &mut |t| {
+                Ok(self.value(map, &self.state, &self.axis(i, t))?.next.into())
+            })
         };
         let columns: Vec<_> = (0..x.len()).map(column).collect::<Found<_>>()?;
         // whole numbers, but for the digits that differences leave
@@ -275,7 +277,7 @@ impl<'a> About<'a> {
         let momentum = |state: &[f64]| self.frame.linear_part(state).rows(0, n).into_owned();
         match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) => {
-                let of = |state: &[f64]| Ok(momentum(&self.said(map, state, &unknown)?.next));
+                let of = |state: &[f64]| Ok(momentum(&self.value(map, state, &unknown)?.next));
                 let after = self.by_momentum(&of)?;
                 Ok(Some(Carried { x: x.clone(), before: DMatrix::identity(n, n), after }))
             }

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
-use super::about::{About, Basis, Carried, Degenerate, Found, Look, Unknown, combined, function};
+use super::about::{About, Basis, Carried, Degenerate, EvaluateKernel, Found, Unknown, combined, function};
 use super::definition::series;
 use super::frame::larger;
 use super::report::{Bound, Certificate, Verdict, table};
@@ -125,7 +125,7 @@ where
     let parameters = system.to_parameters();
     let kernel = |map, state: &[f64], unknown: &[f64]| {
         let rule = Rule::Member(0, 1);
-        S::visit(map, rule, Look { parameters: parameters.as_ref(), state, unknown })
+        S::visit(map, rule, EvaluateKernel { parameters: parameters.as_ref(), state, unknown })
     };
     let state = state.to_components();
     let control = S::Control::default().to_components();
@@ -244,7 +244,7 @@ impl About<'_> {
         let there = self.frame.moved(&self.state, map, x);
         let mut worst = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) => {
-                let next = self.said(map, &self.state, &unknown)?.next;
+                let next = self.value(map, &self.state, &unknown)?.next;
                 let next = self.frame.with_linear_part(&next, &self.frame.linear_part(&there));
                 Some(self.frame.distance(&next, &there))
             }
@@ -286,7 +286,7 @@ impl About<'_> {
     /// `(dR τ_x)* m` of a kernel is that of the differences of displacements.
     fn derivative(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
         let Some(Unknown::Of { factor, unknown }) = self.unknown(map, x)? else { return Ok(None) };
-        let right = |state: &[f64]| Ok(DVector::from_vec(self.said(map, state, &unknown)?.right));
+        let right = |state: &[f64]| Ok(DVector::from_vec(self.value(map, state, &unknown)?.right));
         let inverse = factor.transpose().try_inverse().ok_or(Degenerate)?;
         let (found, expected) = (inverse * self.by_momentum(&right)?, self.d_right(map, x)?.transpose());
         Ok(Some(relative((found - &expected).amax(), expected.amax())))
@@ -319,7 +319,7 @@ impl About<'_> {
         if all == n {
             return Ok(None);
         }
-        let next = self.said(map, &self.state, &unknown)?.next;
+        let next = self.value(map, &self.state, &unknown)?.next;
         let ad = self.frame.coadjoint(&self.state, &self.grown(&self.logarithm(map, x)?));
         let carry = function(Map::Exponential, &ad.view((n, n), (all - n, all - n)).into_owned())?;
         let advected = |state: &[f64]| self.frame.linear_part(state).rows(n, all - n).into_owned();
@@ -331,7 +331,7 @@ impl About<'_> {
     fn casimirs(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
         let next = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) if self.is_invariant => {
-                self.said(map, &self.state, &unknown)?.next
+                self.value(map, &self.state, &unknown)?.next
             }
             Some(Unknown::None { next }) if self.is_invariant => next,
             _ => return Ok(None),

@@ -273,53 +273,59 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
         let begun = kernel.begin(state, time, control);
         let ended = match solver.iterate(kernel, state, &begun, first) {
             Ok(solution) => {
-                let taken = Taken::new(kernel, state, &begun, (time, control), &solution);
-                if taken.good.all() {
-                    return Ok(taken.learned(solver));
+                let trial = Trial::new(kernel, state, &begun, (time, control), &solution);
+                if trial.good.all() {
+                    return Ok(trial.learned(solver));
                 }
-                let (begun, taken) = (&begun, &taken);
-                return T::dispatch(Failed { method, state, begun, time, control, known, taken, lossy });
+                let at = Begun { method, state, begun: &begun, time, control, known, lossy };
+                return T::dispatch(Retry { at, trial: &trial });
             }
             Err(ended) => ended,
         };
-        let (begun, ended) = (&begun, ended.as_ref());
-        T::dispatch(Hard { method, state, begun, time, control, known, ended, lossy })
+        let at = Begun { method, state, begun: &begun, time, control, known, lossy };
+        T::dispatch(Corrected { at, ended: ended.as_ref() })
     }
 }
 
-/// A step that fixed-point iterations do not solve. A function of its own, so that nothing of the others goes through memory.
-struct Hard<'a, T: Batch, K: Kernel<T>> {
+/// A step that has begun, with what is said of it in [`Slow`].
+struct Begun<'a, T: Batch, K: Kernel<T>> {
     method: &'a mut OneStep<T, K>,
     state: &'a K::State,
     begun: &'a K::Step,
     time: T,
     control: &'a K::Control,
     known: bool,
-    /// Where iterations ended, if there were any.
-    ended: Option<&'a Open<T, K::Unknown>>,
     lossy: bool,
 }
 
-impl<T: Batch, K: Kernel<T>> Work for Hard<'_, T, K> {
+/// A step that fixed-point iterations do not solve, by Newton's corrections. A function of its own, so that nothing of the others goes through
+/// memory.
+struct Corrected<'a, T: Batch, K: Kernel<T>> {
+    at: Begun<'a, T, K>,
+    /// Where iterations ended, if there were any.
+    ended: Option<&'a Open<T, K::Unknown>>,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
     type Home = K;
     type Result = Outcome<T, K::State>;
 
     #[inline(always)]
     fn done(self) -> Outcome<T, K::State> {
-        let Self { method, state, begun, time, control, known, ended, lossy } = self;
-        let OneStep { kernel, solver } = &mut *method;
+        let Self { mut at, ended } = self;
+        let Begun { method: OneStep { kernel, solver }, state, begun, time, control, .. } = &mut at;
         let solution = solver.correct(kernel, state, begun, ended);
-        let taken = &Taken::new(kernel, state, begun, (time, control), &solution);
-        if taken.good.all() {
-            return Ok(taken.learned(solver));
+        let trial = &Trial::new(kernel, state, begun, (*time, control), &solution);
+        if trial.good.all() {
+            return Ok(trial.learned(solver));
         }
-        T::dispatch(Failed { method, state, begun, time, control, known, taken, lossy })
+        T::dispatch(Retry { at, trial })
     }
 }
 
 /// A step whose equation is solved.
 #[derive(Clone, Copy)]
-struct Taken<T: Batch, K: Kernel<T>> {
+struct Trial<T: Batch, K: Kernel<T>> {
     /// The state after it.
     next: K::State,
     unknown: K::Unknown,
@@ -331,7 +337,7 @@ struct Taken<T: Batch, K: Kernel<T>> {
     inside: T::Mask,
 }
 
-impl<T: Batch, K: Kernel<T>> Taken<T, K> {
+impl<T: Batch, K: Kernel<T>> Trial<T, K> {
     #[inline(always)]
     fn new(
         kernel: &K,
@@ -365,59 +371,52 @@ impl<T: Batch, K: Kernel<T>> Taken<T, K> {
     }
 }
 
-/// A step with which something went wrong.
-struct Failed<'a, T: Batch, K: Kernel<T>> {
-    method: &'a mut OneStep<T, K>,
-    state: &'a K::State,
-    begun: &'a K::Step,
-    time: T,
-    control: &'a K::Control,
-    known: bool,
-    /// The step, as far as it is taken.
-    taken: &'a Taken<T, K>,
-    lossy: bool,
+/// A step with which something went wrong: once more, and what went wrong if it does again.
+struct Retry<'a, T: Batch, K: Kernel<T>> {
+    at: Begun<'a, T, K>,
+    /// What came of it.
+    trial: &'a Trial<T, K>,
 }
 
-impl<T: Batch, K: Kernel<T>> Work for Failed<'_, T, K> {
+impl<T: Batch, K: Kernel<T>> Work for Retry<'_, T, K> {
     type Home = K;
     type Result = Outcome<T, K::State>;
 
     #[inline(always)]
     fn done(self) -> Outcome<T, K::State> {
-        let Self { method, state, begun, time, control, known, taken, lossy } = self;
-        let OneStep { kernel, solver } = method;
-        let mut taken = *taken;
+        let Begun { method: OneStep { kernel, solver }, state, begun, time, control, known, lossy } = self.at;
+        let mut trial = *self.trial;
         // what is remembered saves time, and nothing else: where it misleads, once more without it
         if known && solver.remembers() && !const { Solver::<T, K::Unknown>::IS_IDLE } {
-            let from = select(taken.good, &taken.unknown, &kernel.start(state, begun));
-            let mut solution = newton::solve(kernel, state, begun, &from, !taken.good);
-            solution.convergence = taken.convergence.then(&solution.convergence, taken.good);
-            taken = taken.or(&Taken::new(kernel, state, begun, (time, control), &solution));
+            let from = select(trial.good, &trial.unknown, &kernel.start(state, begun));
+            let mut solution = newton::solve(kernel, state, begun, &from, !trial.good);
+            solution.convergence = trial.convergence.then(&solution.convergence, trial.good);
+            trial = trial.or(&Trial::new(kernel, state, begun, (time, control), &solution));
         }
-        if taken.good.all() || (lossy && taken.good.any()) {
-            let advanced = taken.learned(solver);
-            if taken.good.all() {
+        if trial.good.all() || (lossy && trial.good.any()) {
+            let advanced = trial.learned(solver);
+            if trial.good.all() {
                 return Ok(advanced);
             }
         } else if lossy {
             solver.forget();
         }
         let given = finite(state) & finite(control) & time.is_finite();
-        let Convergence { iterations, residual, .. } = taken.convergence;
+        let Convergence { iterations, residual, .. } = trial.convergence;
         let errors = T::each(|lane| {
-            if taken.good.lane(lane) {
+            if trial.good.lane(lane) {
                 return None;
             }
             if !given.lane(lane) {
                 return Some(StepError::NotFinite);
             }
-            if taken.unsolved.lane(lane) {
+            if trial.unsolved.lane(lane) {
                 let (iterations, residual) = (iterations.as_ref()[lane], residual.lane(lane).to_f64());
                 return Some(StepError::NoConvergence { iterations, residual });
             }
-            Some(if taken.inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain })
+            Some(if trial.inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain })
         });
-        Err(Failure { errors, advanced: Advanced { state: taken.next, iterations, residual } })
+        Err(Failure { errors, advanced: Advanced { state: trial.next, iterations, residual } })
     }
 }
 

@@ -159,7 +159,7 @@ fn an_array_moves_as_factors_with_names() {
         &field.vector_field(&b.to_components(), 0.3, coadjoint::Control::to_components(&held).as_ref()),
     );
     // what is written is what rustc makes of it, in another order of the same terms
-    assert!((array.potential(&a) - other.potential(&b)).abs() < 1e-15);
+    assert!((array.potential(&a) - other.potential(&b)).abs() < 1e-16);
     let [_, second] = array.force_bodies(&a, &control);
     assert_same(second.as_slice(), other.force_second(&b, &held).as_slice());
     assert_same(&[array.force_wheels_1(&a, &control, 0.2)], &[other.force_right(&b, &held, 0.2)]);
