@@ -50,6 +50,13 @@ impl Instructions {
         .into_iter()
         .flatten()
     }
+
+    /// The widest, but what the program was built for where it was built for debugging: there every operation on many lanes has a place of its own
+    /// on the stack, and a step in twice the digits needs more than a thread has.
+    pub(crate) fn widest() -> Self {
+        let widest = Self::available().next_back().filter(|_| !cfg!(debug_assertions));
+        widest.unwrap_or(Self::Portable)
+    }
 }
 
 /// What makes the steps of numbers side by side.

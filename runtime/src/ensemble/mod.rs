@@ -236,7 +236,7 @@ impl<S: Discretized<M> + 'static, M: 'static> Ensemble<S, M> {
         states: impl IntoIterator<Item = S::State>,
         step: S::Scalar,
     ) -> Result<Self, EnsembleError> {
-        let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
+        let widest = Instructions::widest();
         Self::with_instructions(systems, states, step, widest)
     }
 

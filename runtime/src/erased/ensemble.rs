@@ -51,7 +51,7 @@ impl Ensemble {
             systems.push(system);
             checked.push(Member { parameters, state });
         }
-        let widest = Instructions::available().next_back().unwrap_or(Instructions::Portable);
+        let widest = Instructions::widest();
         let members = system.members(&checked, step, widest).ok_or_else(|| NotGenerated {
             scheme: "Cayley".into(),
             system: description.name,
