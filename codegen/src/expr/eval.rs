@@ -61,12 +61,22 @@ impl<V: Value> Evaluation<'_, V> {
         match node {
             Node::Number(number) => V::number(number),
             Node::Symbol(symbol) => (self.symbols)(symbol),
-            Node::Sum(sum) => sum
-                .terms
-                .iter()
-                .fold(V::number(sum.constant), |total, &(id, c)| total.add(&V::number(c).mul(known(id)))),
+            Node::Sum(sum) => {
+                let constant = (!sum.constant.is_zero()).then(|| V::number(sum.constant));
+                let terms = sum
+                    .terms
+                    .iter()
+                    .map(|&(id, c)| if c.is_one() { known(id).clone() } else { V::number(c).mul(known(id)) });
+                let total = constant.into_iter().chain(terms).reduce(|total, term| total.add(&term));
+                total.unwrap_or_else(|| V::number(Number::ZERO))
+            }
             Node::Product(factors) => {
-                factors.iter().fold(V::number(Number::ONE), |total, &(id, e)| total.mul(&known(id).powi(e)))
+                let powers = factors.iter().map(|&(id, e)| match e {
+                    1 => known(id).clone(),
+                    e => known(id).powi(e),
+                });
+                let product = powers.reduce(|product, power| product.mul(&power));
+                product.unwrap_or_else(|| V::number(Number::ONE))
             }
             Node::Held(x) => known(x).clone(),
             Node::Function(function, x) => known(x).apply(function),

@@ -6,7 +6,8 @@
 //! generic point; the search ends there, or behind the largest degree. Elimination is modulo a prime; what is found has small coefficients,
 //! which are read back as fractions, and checked exactly.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use num_rational::Ratio;
 
@@ -22,6 +23,9 @@ const PRIME: u64 = 2_147_483_629;
 /// Indices of variables, sorted, each as often as its exponent.
 type Monomial = Vec<usize>;
 
+/// The degree in each block: blocks, sorted, each as often as its degree.
+type Part = Vec<usize>;
+
 /// A polynomial with whole coefficients without a common divisor.
 pub type Polynomial = BTreeMap<Monomial, i64>;
 
@@ -36,11 +40,12 @@ pub struct Casimirs {
 
 /// The Casimirs that are functions of these variables alone. These are given in blocks: a Casimir is searched for among the polynomials of
 /// one degree in each block, so that what is scaled apart stays apart.
-pub fn casimirs(structure: &Structure, blocks: &[std::ops::Range<usize>]) -> Casimirs {
+pub fn casimirs(structure: &Structure, blocks: &[Range<usize>]) -> Casimirs {
     let point = generic_point(structure.dimension());
     let all = number(structure, blocks, &point);
+    let acting: Vec<BTreeSet<usize>> = blocks.iter().map(|block| acting_on(structure, block)).collect();
     let mut independent = Echelon::default();
-    let mut found: Vec<Polynomial> = Vec::new();
+    let mut found: Vec<(Part, Polynomial)> = Vec::new();
     for degree in 1..=DEGREE {
         if found.len() == all {
             break;
@@ -50,19 +55,20 @@ pub fn casimirs(structure: &Structure, blocks: &[std::ops::Range<usize>]) -> Cas
                 break;
             }
             let Some(monomials) = monomials(blocks, &part) else { continue };
-            let products = products(&found, degree).into_iter().map(modular);
-            for kept in kernel(structure, monomials, products) {
+            let derivations = part.iter().flat_map(|&block| acting[block].iter().copied()).collect();
+            let products = products(&found, &part).into_iter().map(modular);
+            for kept in kernel(structure, &derivations, monomials, products) {
                 let Some(polynomial) = exact(&kept).filter(|exact| is_kept(structure, exact)) else {
                     continue;
                 };
                 if found.len() < all && independent.insert(gradient(&kept, &point)) {
-                    found.push(polynomial);
+                    found.push((part.clone(), polynomial));
                 }
             }
         }
     }
     let missing = all - found.len();
-    Casimirs { found, missing }
+    Casimirs { found: found.into_iter().map(|(_, polynomial)| polynomial).collect(), missing }
 }
 
 /// Numbers modulo the prime at which no polynomial of low degree vanishes by chance, the same each time.
@@ -73,7 +79,7 @@ fn generic_point(dimension: usize) -> Vec<u64> {
 
 /// How many independent functions of these variables all derivations leave alone: there are as many as variables, less the rank of the
 /// derivations at a generic point.
-fn number(structure: &Structure, blocks: &[std::ops::Range<usize>], point: &[u64]) -> usize {
+fn number(structure: &Structure, blocks: &[Range<usize>], point: &[u64]) -> usize {
     let mut rank = Echelon::default();
     let variables = || blocks.iter().cloned().flatten();
     for j in 0..structure.dimension() {
@@ -86,8 +92,14 @@ fn number(structure: &Structure, blocks: &[std::ops::Range<usize>], point: &[u64
     variables().count() - rank.rows.len()
 }
 
+/// The `j` with derivations `{·, m_j}` that change any of these variables.
+fn acting_on(structure: &Structure, variables: &Range<usize>) -> BTreeSet<usize> {
+    let all = 0..structure.dimension();
+    all.filter(|&j| variables.clone().any(|i| !structure.bracket(i, j).is_empty())).collect()
+}
+
 /// The ways to share a degree among blocks: squares first, then products of the first blocks, as people list them.
-fn parts(blocks: usize, degree: usize) -> Vec<Vec<usize>> {
+fn parts(blocks: usize, degree: usize) -> Vec<Part> {
     let mut parts = vec![Vec::new()];
     for _ in 0..degree {
         let longer = |part: Vec<usize>| {
@@ -104,7 +116,7 @@ fn parts(blocks: usize, degree: usize) -> Vec<Vec<usize>> {
 }
 
 /// The monomials with one variable of each of these blocks; none if there are too many.
-fn monomials(blocks: &[std::ops::Range<usize>], part: &[usize]) -> Option<Vec<Monomial>> {
+fn monomials(blocks: &[Range<usize>], part: &[usize]) -> Option<Vec<Monomial>> {
     let mut monomials = vec![Monomial::new()];
     for &block in part {
         let longer = |monomial: Monomial| {
@@ -119,25 +131,32 @@ fn monomials(blocks: &[std::ops::Range<usize>], part: &[usize]) -> Option<Vec<Mo
     Some(monomials)
 }
 
-/// The products of polynomials that have this degree.
-fn products(factors: &[Polynomial], degree: usize) -> Vec<Polynomial> {
-    let of = |polynomial: &Polynomial| polynomial.keys().next().map_or(0, Vec::len);
+/// The products of polynomials that have this degree in each block.
+fn products(factors: &[(Part, Polynomial)], part: &[usize]) -> Vec<Polynomial> {
     let mut products = Vec::new();
     let one = Polynomial::from([(Monomial::new(), 1)]);
-    let mut open = vec![(one, 0, 0)];
-    while let Some((product, degree_so_far, first)) = open.pop() {
-        if degree_so_far == degree {
+    let mut open = vec![(one, part.to_vec(), 0)];
+    while let Some((product, left, first)) = open.pop() {
+        if left.is_empty() {
             products.push(product);
             continue;
         }
-        for (place, factor) in factors.iter().enumerate().skip(first) {
-            let next = degree_so_far + of(factor);
-            if next <= degree {
-                open.push((times(&product, factor), next, place));
+        for (place, (own, factor)) in factors.iter().enumerate().skip(first) {
+            if let Some(left) = without(&left, own) {
+                open.push((times(&product, factor), left, place));
             }
         }
     }
     products
+}
+
+/// What is left of some blocks when these are taken, each once; nothing if one is not among them.
+fn without(blocks: &[usize], taken: &[usize]) -> Option<Part> {
+    taken.iter().try_fold(blocks.to_vec(), |mut left, block| {
+        let place = left.iter().position(|other| other == block)?;
+        left.remove(place);
+        Some(left)
+    })
 }
 
 fn times(a: &Polynomial, b: &Polynomial) -> Polynomial {
@@ -160,16 +179,17 @@ fn modular(polynomial: Polynomial) -> Sparse<Monomial> {
     polynomial.into_iter().map(|(monomial, x)| (monomial, coefficient(x))).collect()
 }
 
-/// The polynomials in these monomials that all derivations annul and that do not follow from products, in reduced echelon form: the one with the
-/// last monomial first.
+/// The polynomials in these monomials that these derivations annul and that do not follow from products, in reduced echelon form: the one with
+/// the last monomial first.
 fn kernel(
     structure: &Structure,
+    derivations: &BTreeSet<usize>,
     monomials: Vec<Monomial>,
     products: impl Iterator<Item = Sparse<Monomial>>,
 ) -> Vec<Sparse<Monomial>> {
     let mut space: Vec<Sparse<Monomial>> =
         monomials.into_iter().map(|monomial| Sparse::from([(monomial, 1)])).collect();
-    for j in 0..structure.dimension() {
+    for &j in derivations {
         let mut images: Vec<(Sparse<Monomial>, Sparse<Monomial>)> = Vec::new();
         let mut pivots: BTreeMap<Monomial, usize> = BTreeMap::new();
         let mut kept = Vec::new();

@@ -207,7 +207,7 @@ impl Realization for Tangent {
     fn defect(&self, g: &Column) -> Column {
         let whole = self.matrix(g);
         let block = |row, column| self.block(&whole, row, column);
-        let y = &block(0, 0).inverse() * &block(0, 1);
+        let y = block(0, 0).solve_all(&block(0, 1));
         let outside = &y - &self.0.hat(&self.0.vee(&y));
         let same = &block(0, 0) - &block(1, 1);
         Column::stack([
@@ -295,7 +295,7 @@ impl Realization for Basis {
         let basis: Vec<Column> = (0..d).map(|axis| self.matrix_of(axis).entries()).collect();
         let products = Matrix::from_fn(d, d, |i, j| basis[i].dot(&basis[j]));
         let right = Column(basis.iter().map(|e| e.dot(&m.entries())).collect());
-        &products.inverse() * &right
+        products.solve(&right)
     }
 
     fn matrix(&self, g: &Column) -> Matrix {

@@ -50,7 +50,7 @@ impl Column {
 
     /// The dot product.
     pub fn dot(&self, other: &Self) -> Real {
-        self.0.iter().zip(&other.0).fold(Real::from(0), |sum, (a, b)| sum + a * b)
+        sum(self.0.iter().zip(&other.0))
     }
 
     /// The components from `start` on, `count` of them.
@@ -79,6 +79,13 @@ impl Index<usize> for Column {
 /// Not a number counts as infinitely large.
 fn largest(numbers: &[Real]) -> Real {
     numbers.iter().map(Real::abs).fold(Real::from(0), |largest, x| if x <= largest { largest } else { x })
+}
+
+/// The sum of products. Most matrices here are sparse, and a product with zero costs as much as any other.
+fn sum<'r>(products: impl Iterator<Item = (&'r Real, &'r Real)>) -> Real {
+    let nothing = |a: &Real, b: &Real| a.is_zero() && b.is_finite();
+    let nonzero = products.filter(|(a, b)| !nothing(a, b) && !nothing(b, a));
+    nonzero.map(|(a, b)| a * b).reduce(|sum, product| sum + product).unwrap_or_else(|| Real::from(0))
 }
 
 fn zip(a: &[Real], b: &[Real], f: impl Fn(&Real, &Real) -> Real) -> Vec<Real> {
@@ -202,27 +209,37 @@ impl Matrix {
     /// `(1 − self/2)⁻¹ (1 + self/2)`
     pub fn cayley(&self) -> Self {
         let (one, half) = (Self::identity(self.rows), self.scale(&Real::ratio(1, 2)));
-        &(&one - &half).inverse() * &(&one + &half)
+        (&one - &half).solve_all(&(&one + &half))
     }
 
     /// The inverse.
     pub fn inverse(&self) -> Self {
-        let columns: Vec<Column> = (0..self.rows).map(|j| self.solve(&Column::unit(self.rows, j))).collect();
-        Self::from_columns(&columns)
+        self.solve_all(&Self::identity(self.rows))
     }
 
     /// The solution of `self · x = right`.
     pub fn solve(&self, right: &Column) -> Column {
-        let n = self.rows;
-        let extended =
-            Self::from_fn(n, n + 1, |i, j| if j < n { self.at(i, j).clone() } else { right[i].clone() });
+        self.solve_all(&Self::from_columns(std::slice::from_ref(right))).column(0)
+    }
+
+    /// The solution of `self · X = right`.
+    pub fn solve_all(&self, right: &Self) -> Self {
+        let (n, width) = (self.rows, right.columns);
+        let extended = Self::from_fn(n, n + width, |i, j| {
+            if j < n { self.at(i, j).clone() } else { right.at(i, j - n).clone() }
+        });
         let (reduced, pivots) = extended.eliminate(n, Pivots::OfRows);
-        let mut x = Column::zeros(n);
-        for i in (0..n).rev() {
-            let known = (i + 1..n).fold(Real::from(0), |sum, j| sum + reduced.at(i, j) * &x[j]);
-            x.0[i] = (reduced.at(i, n) - known) / &pivots[i];
-        }
-        x
+        let columns: Vec<Column> = (n..n + width)
+            .map(|column| {
+                let mut x = Column::zeros(n);
+                for i in (0..n).rev() {
+                    let known = sum((i + 1..n).map(|j| (reduced.at(i, j), &x[j])));
+                    x.0[i] = (reduced.at(i, column) - known) / &pivots[i];
+                }
+                x
+            })
+            .collect();
+        Self::from_columns(&columns)
     }
 
     /// The determinant, but for its sign.
@@ -262,6 +279,9 @@ impl Matrix {
             if pivot != Real::from(0) {
                 for i in k + 1..m.rows {
                     let factor = m.at(i, k) / &pivot;
+                    if factor.is_zero() {
+                        continue;
+                    }
                     for j in k..m.columns {
                         m.entries[i * m.columns + j] = m.at(i, j) - &factor * m.at(k, j);
                     }
@@ -301,7 +321,7 @@ impl Mul for &Matrix {
     fn mul(self, other: Self) -> Matrix {
         assert_eq!(self.columns, other.rows);
         Matrix::from_fn(self.rows, other.columns, |i, j| {
-            (0..self.columns).fold(Real::from(0), |sum, k| sum + self.at(i, k) * other.at(k, j))
+            sum((0..self.columns).map(|k| (self.at(i, k), other.at(k, j))))
         })
     }
 }
@@ -310,7 +330,7 @@ impl Mul<&Column> for &Matrix {
     type Output = Column;
     fn mul(self, column: &Column) -> Column {
         assert_eq!(self.columns, column.len());
-        let row = |i| (0..self.columns).fold(Real::from(0), |sum, k| sum + self.at(i, k) * &column[k]);
+        let row = |i| sum((0..self.columns).map(|k| (self.at(i, k), &column[k])));
         Column((0..self.rows).map(row).collect())
     }
 }

@@ -57,6 +57,11 @@ impl Real {
         INVERSE_FACTORIALS.with(|table| table[n].clone())
     }
 
+    /// Whether it is zero.
+    pub fn is_zero(&self) -> bool {
+        self.0.is_zero()
+    }
+
     /// Neither infinite nor not a number.
     pub fn is_finite(&self) -> bool {
         !self.0.is_nan() && !self.0.is_inf()
