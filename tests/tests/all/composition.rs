@@ -55,7 +55,7 @@ where
             (1.0 / f64::from(n), error)
         })
         .collect();
-    coadjoint_tests::measure::order(&points)
+    coadjoint_support::measure::order(&points)
 }
 
 /// Bounds on measured orders: what the first terms of the error leave at these steps, measured, and some room.

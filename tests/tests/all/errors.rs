@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use coadjoint::Discretized;
 use coadjoint::prelude::*;
-use coadjoint_tests::for_each_system_and_retraction;
-use coadjoint_tests::measure::order;
-use coadjoint_tests::random::Random;
-use coadjoint_tests::systems::{
+use coadjoint_support::for_each_system_and_retraction;
+use coadjoint_support::measure::order;
+use coadjoint_support::random::Random;
+use coadjoint_support::systems::{
     FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample, TiltedBody,
 };
 

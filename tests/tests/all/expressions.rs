@@ -3,11 +3,11 @@
 use coadjoint_codegen::expr::{
     Arena, Expr, Function, Matrix as Symbolic, Node, Number, Stage, Symbol, Vector, gradient,
 };
-use coadjoint_tests::precise::formula::{Formula, Point, symbols};
-use coadjoint_tests::precise::matrix::{Column, Matrix, jacobian};
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::trees::{Tree, for_all, numbers, relative, trees};
-use coadjoint_tests::random::Random;
+use coadjoint_support::precise::formula::{Formula, Point, symbols};
+use coadjoint_support::precise::matrix::{Column, Matrix, jacobian};
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::trees::{Tree, for_all, numbers, relative, trees};
+use coadjoint_support::random::Random;
 
 /// Variables of random expressions.
 const VARIABLES: usize = 4;

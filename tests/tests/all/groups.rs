@@ -8,14 +8,14 @@ use coadjoint_codegen::expr::{Arena, Stage, Vector};
 use coadjoint_codegen::group::{
     Basis as LieBasis, Group, MatrixGroup, Retraction, Semidirect, Side, catalogue, family, family_with_terms,
 };
-use coadjoint_tests::precise::definition::{
+use coadjoint_support::precise::definition::{
     Realization, SemidirectMatrices, TERMS, composed, realization, retract,
 };
-use coadjoint_tests::precise::formula::{Formula, Point, symbols};
-use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
-use coadjoint_tests::random::Random;
+use coadjoint_support::precise::formula::{Formula, Point, symbols};
+use coadjoint_support::precise::matrix::{Column, Matrix, derivative};
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
+use coadjoint_support::random::Random;
 
 /// For what holds to the last digits: elements of groups that are not compact have large entries.
 const EXACT: f64 = 1e-72;
@@ -316,7 +316,7 @@ fn the_bracket_is_the_commutator() {
 fn d_right(subject: &Subject<'_>, retraction: Retraction) -> impl Fn(&Column) -> Matrix {
     let n = subject.dimension();
     let dual = Formula::new(subject.arena, [n, n], |[x, m]| subject.group.d_right_dual(retraction, &x, &m));
-    move |x| Matrix::of_linear(n, |m| dual.at([x, m])).transpose()
+    move |x| dual.matrix(x).transpose()
 }
 
 #[test]

@@ -20,7 +20,7 @@ mod without_a_prelude;
 
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
-use coadjoint_tests::random::Random;
+use coadjoint_support::random::Random;
 
 /// Takes one step with each retraction, so that generated code is compiled to the end, and checks it a little: the energy is almost
 /// kept.

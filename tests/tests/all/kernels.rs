@@ -10,13 +10,13 @@ use coadjoint_codegen::method::{Step, family, step_symbol};
 use coadjoint_codegen::model::{Energy, Relation, System};
 use coadjoint_codegen::program::{Given, Input, Module, Role};
 use coadjoint_codegen::scheme::Member;
-use coadjoint_tests::precise::descriptions::{all_kinds, random_point, rigid_bodies};
-use coadjoint_tests::precise::formula::Point;
-use coadjoint_tests::precise::interpreter::{Stages, call, linear_maps, stages};
-use coadjoint_tests::precise::matrix::{Column, jacobian};
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::trees::{Forest, for_all, forests, numbers, relative};
-use coadjoint_tests::random::Random;
+use coadjoint_support::precise::descriptions::{all_kinds, random_point, rigid_bodies};
+use coadjoint_support::precise::formula::Point;
+use coadjoint_support::precise::interpreter::{Stages, call, linear_maps, stages};
+use coadjoint_support::precise::matrix::{Column, jacobian};
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::trees::{Forest, for_all, forests, numbers, relative};
+use coadjoint_support::random::Random;
 use proptest::prelude::*;
 
 /// Names that generated code also has uses for.

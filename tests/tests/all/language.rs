@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use coadjoint::__private::Geometry;
 use coadjoint::prelude::*;
-use coadjoint_tests::random::Random;
+use coadjoint_support::random::Random;
 
 /// A vehicle under water: parts of the momentum, inverse matrices, points that the pose moves.
 #[lie_poisson_system(

@@ -7,13 +7,13 @@ use coadjoint_codegen::group::{Retraction, Semidirect};
 use coadjoint_codegen::method::{Increment, Step, family};
 use coadjoint_codegen::model::{Energy, Factor, System};
 use coadjoint_codegen::scheme;
-use coadjoint_tests::precise::definition::{ProductMatrices, SemidirectMatrices, realization};
-use coadjoint_tests::precise::descriptions::{Description, left_invariant, random_point};
-use coadjoint_tests::precise::formula::{Formula, Point};
-use coadjoint_tests::precise::matrix::{Column, Matrix, jacobian};
-use coadjoint_tests::precise::newton::Solver;
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
+use coadjoint_support::precise::definition::{ProductMatrices, SemidirectMatrices, realization};
+use coadjoint_support::precise::descriptions::{Description, left_invariant, random_point};
+use coadjoint_support::precise::formula::{Formula, Point};
+use coadjoint_support::precise::matrix::{Column, Matrix, jacobian};
+use coadjoint_support::precise::newton::Solver;
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
 
 /// For what holds to the last digits.
 const EXACT: f64 = 2e-76;

@@ -7,12 +7,12 @@ use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::model::{Slot, System};
 use coadjoint_codegen::scheme::{Member, Rule, Scheme};
-use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
-use coadjoint_tests::precise::formula::{Formula, Point};
-use coadjoint_tests::precise::matrix::{Column, Matrix, derivative};
-use coadjoint_tests::precise::newton::Solver;
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
+use coadjoint_support::precise::descriptions::{all_kinds, random_point};
+use coadjoint_support::precise::formula::{Formula, Point};
+use coadjoint_support::precise::matrix::{Column, Matrix, derivative};
+use coadjoint_support::precise::newton::Solver;
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
 
 /// Differences are good to half of the digits.
 const DIFFERENCE: f64 = 1e-45;
@@ -154,7 +154,7 @@ fn check<'a>(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, seed: u64, 
     // the transpose is one: λ·(Dφ δ) = (Dφ* λ)·δ, and knows no δ
     let adjoint = linearization.adjoint(arena);
     let mut along = solved.clone();
-    let mut random = coadjoint_tests::random::Random::new(seed + 200);
+    let mut random = coadjoint_support::random::Random::new(seed + 200);
     along.set(&adjoint.next.symbols(), &Column::random(next.len(), &mut random));
     let by = [&adjoint.state, &adjoint.control, &adjoint.parameters].map(|by| along.vector(by));
     let changes = [state, control, parameters];
@@ -187,7 +187,7 @@ fn check<'a>(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, seed: u64, 
 
     // along one random direction in all, and each of its kinds alone
     let symbols = [state, control, parameters].map(Vector::symbols);
-    let mut random = coadjoint_tests::random::Random::new(seed + 100);
+    let mut random = coadjoint_support::random::Random::new(seed + 100);
     let directions = symbols.each_ref().map(|symbols| Column::random(symbols.len(), &mut random));
     for kinds in [[true, false, false], [false, true, false], [false, false, true], [true; 3]] {
         let direction = |kind: usize| directions[kind].scale(&Real::from(i64::from(kinds[kind])));

@@ -3,8 +3,8 @@
 
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
-use coadjoint_tests::measure::{largest, smooth_mean, trend};
-use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState};
+use coadjoint_support::measure::{largest, smooth_mean, trend};
+use coadjoint_support::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState};
 
 const STEPS: usize = 180_000;
 const STEP: f64 = 0.01;

@@ -7,7 +7,6 @@ mod budget;
 mod composition;
 mod errors;
 mod expressions;
-mod generic;
 mod groups;
 // as reachable as the root: some lints that users deny ask for that
 pub mod hygiene;

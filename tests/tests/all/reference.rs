@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
-use coadjoint_tests::measure::{largest, order};
-use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState};
+use coadjoint_support::measure::{largest, order};
+use coadjoint_support::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState};
 use serde::Deserialize;
 
 /// The file of references.

@@ -5,11 +5,11 @@ use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_app::Example;
+use coadjoint_support::for_each_system_and_retraction;
+use coadjoint_support::measure::largest;
+use coadjoint_support::random::Random;
+use coadjoint_support::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl};
-use coadjoint_tests::for_each_system_and_retraction;
-use coadjoint_tests::measure::largest;
-use coadjoint_tests::random::Random;
-use coadjoint_tests::systems::{FreeRigidBody, FreeRigidBodyState, HeavyTop, HeavyTopState, Sample};
 
 /// Random systems and states per kind of system and retraction.
 const SAMPLES: usize = 25;

@@ -16,13 +16,13 @@ use coadjoint_codegen::group::{Retraction, Semidirect, Side};
 use coadjoint_codegen::method::family;
 use coadjoint_codegen::model::System;
 use coadjoint_codegen::scheme::Member;
-use coadjoint_tests::precise::definition::{BlockDiagonal, SemidirectMatrices};
-use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
-use coadjoint_tests::precise::matrix::{Column, Matrix, jacobian};
-use coadjoint_tests::precise::newton::Solver;
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
-use coadjoint_tests::random::Random;
+use coadjoint_support::precise::definition::{BlockDiagonal, SemidirectMatrices};
+use coadjoint_support::precise::descriptions::{all_kinds, random_point};
+use coadjoint_support::precise::matrix::{Column, Matrix, jacobian};
+use coadjoint_support::precise::newton::Solver;
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
+use coadjoint_support::random::Random;
 
 /// For comparisons with central differences.
 const DIFFERENCES: f64 = 2e-50;

@@ -4,12 +4,12 @@
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_app::Example;
+use coadjoint_support::for_each_system_and_retraction;
+use coadjoint_support::random::Random;
+use coadjoint_support::systems::Sample;
 use coadjoint_systems::gyrostat::Gyrostat;
 use coadjoint_systems::kepler::Kepler;
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl};
-use coadjoint_tests::for_each_system_and_retraction;
-use coadjoint_tests::random::Random;
-use coadjoint_tests::systems::Sample;
 
 /// The largest error of warm steps, in units of epsilon.
 const LIMIT: f64 = 8.0;

@@ -5,7 +5,7 @@ use coadjoint::derivative::{Block, WrtState};
 use coadjoint::nalgebra::Matrix2;
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, ParameterError, State, System};
-use coadjoint_tests::random::Random;
+use coadjoint_support::random::Random;
 
 /// Two bodies, each with a mark and a wheel, which turn each other; the second carries a needle.
 #[lie_poisson_system(

@@ -13,10 +13,10 @@ use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::system::Role;
 use coadjoint::{Control, Discretized, RightLift, State, System, TangentLift};
+use coadjoint_support::array;
+use coadjoint_support::dual::{self, AnyStep, Input};
+use coadjoint_support::random::Random;
 use coadjoint_systems::*;
-use coadjoint_tests::array;
-use coadjoint_tests::dual::{self, AnyStep, Input};
-use coadjoint_tests::random::Random;
 
 /// Relative to the largest entry of a block.
 const ROUNDING: f64 = 1e-13;

@@ -9,11 +9,11 @@ use coadjoint_codegen::expr::{Arena, Vector};
 use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::method::family;
 use coadjoint_codegen::scheme::Member;
-use coadjoint_tests::precise::descriptions::{Description, random_point};
-use coadjoint_tests::precise::matrix::Column;
-use coadjoint_tests::precise::newton::Solver;
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
+use coadjoint_support::precise::descriptions::{Description, random_point};
+use coadjoint_support::precise::matrix::Column;
+use coadjoint_support::precise::newton::Solver;
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
 use quote::quote;
 
 /// Systems by their Lagrangian and by the energy that belongs to it, inverted by hand.

@@ -8,8 +8,8 @@ use coadjoint::generic::{
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector};
 use coadjoint::prelude::*;
 use coadjoint::{Control, Discretized, Family, RightLift, State, System};
-use coadjoint_tests::dual::AnyStep;
-use coadjoint_tests::random::Random;
+use coadjoint_support::dual::AnyStep;
+use coadjoint_support::random::Random;
 
 /// The largest difference after ten steps, of values of the size of 1.
 const AGREE: f64 = 1e-13;
@@ -603,6 +603,10 @@ impl Mechanics<Flight, 7, 6> for Quadrotor {
         turning.dot(&velocity) / 2.0
             + moving.norm_squared() / (2.0 * self.mass)
             + self.mass * self.gravity * at.g[(5, 6)]
+    }
+
+    fn slope(&self, _at: &Phase<7, 6>, _side: Side) -> SVector<f64, 6> {
+        vector![0.0, 0.0, 0.0, 0.0, 0.0, self.mass * self.gravity]
     }
 
     fn force(&self, at: &Phase<7, 6>, control: &QuadrotorControl) -> SVector<f64, 6> {

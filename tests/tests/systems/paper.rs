@@ -5,8 +5,8 @@
 use coadjoint::nalgebra::{Matrix2, Matrix3};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Family, RightLift};
+use coadjoint_support::random::Random;
 use coadjoint_systems::heavy_top_on_se3::{HeavyTopOnSE3, HeavyTopOnSE3State};
-use coadjoint_tests::random::Random;
 
 /// Nothing but rounding, for values of the size of 1.
 const ROUNDING: f64 = 4e-15;

@@ -7,13 +7,13 @@ use coadjoint_codegen::group::{Group, Retraction, Side};
 use coadjoint_codegen::method::{Step, tangent_lift};
 use coadjoint_codegen::model::{Energy, Factor, System};
 use coadjoint_codegen::scheme::Member;
-use coadjoint_tests::precise::definition::{self, ProductMatrices, realization};
-use coadjoint_tests::precise::descriptions::{all_kinds, random_point};
-use coadjoint_tests::precise::formula::{Formula, Point};
-use coadjoint_tests::precise::matrix::{Column, Matrix, derivative, jacobian};
-use coadjoint_tests::precise::newton::Solver;
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
+use coadjoint_support::precise::definition::{self, ProductMatrices, realization};
+use coadjoint_support::precise::descriptions::{all_kinds, random_point};
+use coadjoint_support::precise::formula::{Formula, Point};
+use coadjoint_support::precise::matrix::{Column, Matrix, derivative, jacobian};
+use coadjoint_support::precise::newton::Solver;
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
 
 /// For what holds to the last digits.
 const EXACT: f64 = 2e-75;

@@ -6,12 +6,12 @@ use coadjoint_codegen::group::{
     Adjoint, Dual, Group, MatrixFunction, Representation, Semidirect, SemidirectVector, Structure,
     Translation, catalogue,
 };
-use coadjoint_tests::precise::definition::{SemidirectMatrices, retract};
-use coadjoint_tests::precise::formula::{Formula, Point, symbols};
-use coadjoint_tests::precise::matrix::{Column, Matrix};
-use coadjoint_tests::precise::real::Real;
-use coadjoint_tests::precise::residuals::Residuals;
-use coadjoint_tests::random::Random;
+use coadjoint_support::precise::definition::{SemidirectMatrices, retract};
+use coadjoint_support::precise::formula::{Formula, Point, symbols};
+use coadjoint_support::precise::matrix::{Column, Matrix};
+use coadjoint_support::precise::real::Real;
+use coadjoint_support::precise::residuals::Residuals;
+use coadjoint_support::random::Random;
 
 use super::{DIFFERENCES, EXACT, RETRACTIONS, Subject, for_each_group};
 
@@ -37,7 +37,7 @@ fn spaces_are_representations() {
         assert_eq!(space.algebra_dimension(), n);
         let act = Formula::new(subject.arena, [n, v], |[x, u]| space.act_infinitesimally(&x, &u));
         let bracket = Formula::new(subject.arena, [n, n], |[x, y]| subject.group.bracket(&x, &y));
-        let rho = |x: &Column| Matrix::of_linear(v, |u| act.at([x, u]));
+        let rho = |x: &Column| act.matrix(x);
         let random = &mut Random::new(26);
         for _ in 0..5 {
             let [x, y] = std::array::from_fn(|_| Column::random(n, random));
@@ -74,9 +74,9 @@ fn retractions_move_spaces() {
                 if retraction.is_equivariant() {
                     residuals.agree("τ(x) = 1 + ρ_x P(x)", &moved.entries(), &turn.entries(), EXACT);
                 }
-                let closed = Matrix::of_linear(v, |u| transport.at([&x, u]));
+                let closed = transport.matrix(&x);
                 residuals.agree("transport is τ(x) on the space", &closed.entries(), &turn.entries(), EXACT);
-                let closed = Matrix::of_linear(v, |w| translate.at([&x, w]));
+                let closed = translate.matrix(&x);
                 residuals.agree(
                     "translation is φ₁, (1 − ρ/2)⁻¹, τ(x) or 1",
                     &closed.entries(),
@@ -104,7 +104,7 @@ fn elements_act_on_spaces_as_retractions_do() {
             for x in subject.points() {
                 let defined = retract(retraction, &x, |x| subject.definition.representation(space.name(), x));
                 let g = retracted.at([&x]);
-                let closed = Matrix::of_linear(v, |u| act.at([&g, u]));
+                let closed = act.matrix(&g);
                 residuals.agree("τ(x) on the space", &closed.entries(), &defined.entries(), EXACT);
             }
         }
@@ -132,7 +132,7 @@ fn a_space_said_to_be_tangent_is_the_algebra_and_moves_by_the_derivative() {
             });
             let alone = subject.alone();
             for x in subject.points() {
-                let shift = Matrix::of_linear(n, |w| translate.at([&x, w]));
+                let shift = translate.matrix(&x);
                 let d_right = SemidirectMatrices::new(&alone).d_right(f.into(), &x);
                 residuals.agree("P(x) = dR τ_x", &shift.entries(), &d_right.entries(), DIFFERENCES);
             }
@@ -205,7 +205,7 @@ fn semidirect_products_derive_their_logarithmic_derivatives_and_coadjoint_action
             for size in [Real::ten_to(-20), Real::from(1), Real::from(2)] {
                 let xi = Column::random(n, random).scale(&size);
                 let mu = Column::random(n, random);
-                let closed = Matrix::of_linear(n, |mu| dual.at([&xi, mu]));
+                let closed = dual.matrix(&xi);
                 let defined = matrices.d_right(retraction, &xi).transpose();
                 residuals.agree("(dR τ_x)* on G ⋉ V", &closed.entries(), &defined.entries(), DIFFERENCES);
 

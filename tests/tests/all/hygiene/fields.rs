@@ -131,7 +131,7 @@ fn quantities_name_their_components() {
     assert_eq!(shown(AwkwardState::QUANTITIES, "type"), ["x", "y", "z"]);
     assert_eq!(shown(AwkwardState::QUANTITIES, "attitude"), ["w", "x", "y", "z"]);
     assert_eq!(
-        shown(coadjoint_tests::systems::TiltedBody::PARAMETERS, "inertia"),
+        shown(coadjoint_support::systems::TiltedBody::PARAMETERS, "inertia"),
         ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"]
     );
 }

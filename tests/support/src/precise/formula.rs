@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
+use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Symbol, Value, Vector};
 
-use super::matrix::Column;
+use super::matrix::{Column, Matrix};
 use super::real::Real;
 
 /// Numbers for symbols.
@@ -72,6 +72,72 @@ impl<'a> Formula<'a> {
             point.set(symbols, values);
         }
         point.vector(&self.value)
+    }
+
+    /// The matrix of a formula of two vectors that is linear in the second one. What depends on the first one alone is computed once.
+    pub fn matrix(&self, x: &Column) -> Matrix {
+        let [of_x, of_u] = &self.arguments[..] else { panic!("a formula of two vectors") };
+        let given = of_x.iter().zip(&x.0).map(|(&symbol, value)| (symbol, Several::Same(value.clone())));
+        let unit = |i| Several::Each(Column::unit(of_u.len(), i).0);
+        let units = of_u.iter().enumerate().map(|(i, &symbol)| (symbol, unit(i)));
+        let values: HashMap<Symbol, Several> = given.chain(units).collect();
+        let rows = self.value.evaluate(&|symbol| values[&symbol].clone());
+        Matrix::from_fn(rows.len(), of_u.len(), |i, j| rows[i].at(j).clone())
+    }
+}
+
+/// The values that something has at several points.
+#[derive(Clone)]
+enum Several {
+    Same(Real),
+    Each(Vec<Real>),
+}
+
+impl Several {
+    fn at(&self, j: usize) -> &Real {
+        match self {
+            Self::Same(value) => value,
+            Self::Each(values) => &values[j],
+        }
+    }
+
+    fn map(&self, f: impl Fn(&Real) -> Real) -> Self {
+        match self {
+            Self::Same(value) => Self::Same(f(value)),
+            Self::Each(values) => Self::Each(values.iter().map(f).collect()),
+        }
+    }
+
+    fn zip(&self, other: &Self, f: impl Fn(&Real, &Real) -> Real) -> Self {
+        match (self, other) {
+            (a, Self::Same(b)) => a.map(|a| f(a, b)),
+            (Self::Same(a), b) => b.map(|b| f(a, b)),
+            (Self::Each(a), Self::Each(b)) => Self::Each(a.iter().zip(b).map(|(a, b)| f(a, b)).collect()),
+        }
+    }
+}
+
+impl Value for Several {
+    fn number(number: Number) -> Self {
+        Self::Same(Real::number(number))
+    }
+    fn add(&self, other: &Self) -> Self {
+        self.zip(other, Value::add)
+    }
+    fn mul(&self, other: &Self) -> Self {
+        self.zip(other, Value::mul)
+    }
+    fn powi(&self, exponent: i32) -> Self {
+        self.map(|x| x.powi(exponent))
+    }
+    fn apply(&self, function: Function) -> Self {
+        self.map(|x| x.apply(function))
+    }
+    fn power(&self, exponent: &Self) -> Self {
+        self.zip(exponent, Value::power)
+    }
+    fn atan2(&self, x: &Self) -> Self {
+        self.zip(x, Value::atan2)
     }
 }
 

@@ -5,8 +5,6 @@ mod compensated;
 mod ensemble;
 mod erased;
 mod faulty;
-mod generic;
-mod generic_mechanics;
 mod laws;
 mod map;
 mod second_kind;

@@ -208,7 +208,6 @@ fn all_may_fail() {
     assert_eq!(ensemble.run(5).member_steps, 0);
 }
 
-#[cfg(feature = "parallel")]
 #[test]
 fn at_no_time_in_particular_nobody_moves() {
     let (systems, states) = pendulums();

@@ -677,7 +677,6 @@ fn reports_are_tables() {
     assert_eq!(report.certificate("order").unwrap().verdict, Verdict::Passed);
 }
 
-#[cfg(feature = "serde")]
 #[test]
 fn reports_are_written_as_json() {
     let (body, states) = body();

@@ -4,9 +4,9 @@ use coadjoint::Discretized;
 use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{SMatrix, SVector};
 use coadjoint::prelude::*;
-use coadjoint_tests::for_each_system_and_retraction;
-use coadjoint_tests::random::Random;
-use coadjoint_tests::systems::Sample;
+use coadjoint_support::for_each_system_and_retraction;
+use coadjoint_support::random::Random;
+use coadjoint_support::systems::Sample;
 
 /// Kinetic plus potential energy with the gradients worked out by hand.
 struct ByHand<S> {
