@@ -4,7 +4,7 @@ use proc_macro2::{Ident, Span};
 use quote::ToTokens;
 
 use super::advected::nothing_acts;
-use crate::diagnostics::{Diagnostics, suggestion};
+use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::{
     self, Adjoint, Basis, BasisError, Dual, Group, Linear, LinearError, MatrixGroup, NamedMatrix,
     Representation, Retraction,
@@ -187,13 +187,20 @@ fn named(name: &Ident, diagnostics: &mut Diagnostics) -> Option<&'static dyn Gro
         let names: Vec<&str> = group::catalogue().iter().map(|group| group.name()).collect();
         let text = name.to_string();
         let guess = suggestion(&text, &names);
-        // what is near is meant; what is not may be somebody's own
-        let own = if guess.ends_with('?') {
-            String::new()
-        } else {
-            format!("; one of your own is written `{text}!`")
+        let help = match group::family_meant(&text) {
+            Some(family) => format!(
+                "; of `{family}` there are those of at most {} coordinates and {} rows",
+                group::LARGEST_BASIS,
+                group::LARGEST
+            ),
+            // what is near is meant; what is not may be somebody's own
+            None if guess.ends_with('?') => guess,
+            None => {
+                let families = list(group::FAMILIES);
+                format!("{guess}; families: {families}; one of your own is written `{text}!`")
+            }
         };
-        diagnostics.push(name, format!("there is no group `{text}`{guess}{own}"));
+        diagnostics.push(name, format!("there is no group `{text}`{help}"));
     }
     group
 }

@@ -4,7 +4,30 @@ use super::matrix::TERMS;
 use super::{Basis, MatrixGroup, NamedMatrix};
 
 /// The largest matrices: beyond, code would take minutes to compile.
-const LARGEST: usize = 7;
+pub const LARGEST: usize = 7;
+
+/// The families as people write them.
+pub const FAMILIES: [&str; 11] = [
+    "SO(n)",
+    "SL(n)",
+    "GL(n)",
+    "SP(2n)",
+    "SU(n)",
+    "SE2(n)",
+    "SE(n)",
+    "SGal(n)",
+    "Aff(1)",
+    "SO21",
+    "Heisenberg",
+];
+
+/// The family that a name with a size means, whether or not there is a group of this size.
+pub fn family_meant(name: &str) -> Option<&'static str> {
+    FAMILIES.into_iter().find(|family| {
+        let size = family.split_once('(').and_then(|(stem, _)| name.strip_prefix(stem));
+        size.is_some_and(|size| !size.is_empty() && size.bytes().all(|byte| byte.is_ascii_digit()))
+    })
+}
 
 /// The group of a family, of this size; none if there is no such family, or none of this size.
 ///

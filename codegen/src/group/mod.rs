@@ -26,8 +26,8 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
-pub use families::{family, family_with_terms};
-pub use matrix::{Basis, BasisError, Linear, LinearError, MatrixGroup, NamedMatrix};
+pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms};
+pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
 pub use representation::{Adjoint, Dual, Representation, Translation};
 pub(crate) use retraction::{Law, Order};
 pub use retraction::{MatrixFunction, Retraction};

@@ -39,7 +39,7 @@ use powers::{FEW_TERMS, LinearMatrix};
 /// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
 const RADIUS: (i128, i128) = (3, 2);
 /// The largest dimension of an algebra: what is found of it takes seconds then, and its steps are thousands of operations.
-pub(super) const LARGEST_BASIS: usize = 16;
+pub const LARGEST_BASIS: usize = 16;
 /// The most rows of a matrix.
 const LARGEST_MATRIX: usize = 12;
 /// The largest dimension of an algebra whose series are summed.

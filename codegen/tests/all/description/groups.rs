@@ -65,7 +65,11 @@ fn bases_of_groups() {
         body,
         &[("matrices", "a basis has up to 16 matrices of 1 to 12 rows, of small whole numbers")],
     );
-    breaks("group = SO(40)", body, &[("SO", "there is no group `SO40`")]);
+    let few = "there is no group `SO40`; of `SO(n)` there are those of at most 16 coordinates and 7 rows";
+    breaks("group = SO(40)", body, &[("SO", few)]);
+    let known = "there is no group `Banana`; known: `R1`, `R2`, `R3`, `R4`, `R5`, `R6`, `SO2`, `SO3`, `SE2`, `SE3` and `SU2`; \
+        families: `SO(n)`, `SL(n)`, `GL(n)`, `SP(2n)`";
+    breaks("group = Banana", body, &[("Banana", known)]);
 }
 
 /// What is asked for is never made before it is known to be small.
