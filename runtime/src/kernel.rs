@@ -49,7 +49,7 @@ pub struct Evaluation<U, I> {
 
 /// The functions [`new`](Kernel::new), [`begin`](Kernel::begin), [`evaluate`](Kernel::evaluate) and [`finish`](Kernel::finish) as bytes that the
 /// generator has written.
-pub(crate) type Program = [&'static [u8]; 4];
+pub type Program = [&'static [u8]; 4];
 
 /// One step's arithmetic for one system and one scheme; `self` holds what depends on parameters and step alone.
 pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {

@@ -193,7 +193,7 @@ pub mod __private {
     pub use crate::fused::FusedScalar;
     pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
-    pub use crate::kernel::{Components, Evaluation, Kernel};
+    pub use crate::kernel::{Components, Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
     pub use crate::scalar::{Batch, Scalar};

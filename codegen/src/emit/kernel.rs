@@ -58,7 +58,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         })*
 
         const _: () = {
-            use #private::{Evaluation, Kernel, Scalar};
+            use #private::{Evaluation, Kernel, Program, Scalar};
 
             #step_record
             #iterate
@@ -74,7 +74,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
 
                 const BLOCKS: &'static [::core::primitive::usize] = &[#(#blocks),*];
                 /// `new`, `begin`, `evaluate` and `finish` once more, as bytes: certificates run them in twice the digits.
-                const PROGRAM: [&'static [::core::primitive::u8]; 4] = [#(#program),*];
+                const PROGRAM: Program = [#(#program),*];
                 #no_update
 
                 #(#functions)*

@@ -21,9 +21,9 @@ pub const FAMILIES: [&str; 11] = [
     "Heisenberg",
 ];
 
-/// The family that a name with a size means, whether or not there is a group of this size.
+/// The family of many sizes that a name with a size means, whether or not there is a group of this size.
 pub fn family_meant(name: &str) -> Option<&'static str> {
-    FAMILIES.into_iter().find(|family| {
+    FAMILIES.into_iter().filter(|family| family.ends_with("n)")).find(|family| {
         let size = family.split_once('(').and_then(|(stem, _)| name.strip_prefix(stem));
         size.is_some_and(|size| !size.is_empty() && size.bytes().all(|byte| byte.is_ascii_digit()))
     })
