@@ -49,6 +49,8 @@ cases! {
     "free body, Cayley": free_cayley, FreeBody, FreeBodyState, NoControl<f64>, Cayley, free();
     "free body, exponential": free_exponential, FreeBody, FreeBodyState, NoControl<f64>, Exponential, free();
     #[no_panic]
+    "free body, full inertia, Cayley": full_cayley, FullBody, FullBodyState, NoControl<f64>, Cayley, full();
+    #[no_panic]
     "heavy top, Cayley": top_cayley, Top, TopState, NoControl<f64>, Cayley, top();
     "heavy top, exponential": top_exponential, Top, TopState, NoControl<f64>, Exponential, top();
     #[no_panic]
@@ -67,6 +69,13 @@ cases! {
 struct FreeBody {
     #[inertia]
     inertia: Vector3<f64>,
+}
+
+/// Nothing acts on it, and its frame is not that of its principal axes.
+#[lie_poisson_system(group = SO3)]
+struct FullBody {
+    #[inertia]
+    inertia: Matrix3<f64>,
 }
 
 /// The vertical is advected.
@@ -112,6 +121,16 @@ struct Coupled {
 fn free() -> (FreeBody, FreeBodyState, NoControl<f64>) {
     let state = FreeBodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 1.0, 1.0] };
     (FreeBody { inertia: vector![1.0, 10.0, 100.0] }, state, NoControl::default())
+}
+
+/// The body of [`free`] in axes that are turned by 0.5 about `(1, 2, 2)`.
+fn full() -> (FullBody, FullBodyState, NoControl<f64>) {
+    let (body, state, control) = free();
+    let turned = UnitQuaternion::from_scaled_axis(vector![1.0, 2.0, 2.0] / 6.0);
+    let rotation = turned.to_rotation_matrix();
+    let inertia = rotation * Matrix3::from_diagonal(&body.inertia) * rotation.transpose();
+    let state = FullBodyState { attitude: state.attitude, momentum: turned * state.momentum };
+    (FullBody { inertia }, state, control)
 }
 
 fn top() -> (Top, TopState, NoControl<f64>) {
