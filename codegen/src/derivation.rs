@@ -83,7 +83,7 @@ fn element(name: &Name) -> Option<Element> {
 
 /// In which coordinates the equations of motion are.
 fn coordinates(system: &System<'_>) -> &'static str {
-    match system.factors.iter().all(|factor| factor.algebra.group.is_linear()) {
+    match system.group.is_linear() {
         true => "in Cartesian coordinates",
         false => system.side.coordinates(),
     }
@@ -92,8 +92,8 @@ fn coordinates(system: &System<'_>) -> &'static str {
 /// The conventions of each group, once.
 fn conventions(system: &System<'_>) -> Vec<String> {
     let mut conventions: Vec<String> = Vec::new();
-    for factor in &system.factors {
-        let group = factor.algebra.group;
+    for factor in &system.group.factors {
+        let group = factor.group;
         let line = format!("Conventions of {}: {}.", group.name(), group.conventions());
         if !conventions.contains(&line) {
             conventions.push(line);
@@ -135,9 +135,7 @@ fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
         kernel::function(arena, Role::Casimirs, &casimirs, inputs()),
         kernel::function(arena, Role::SpatialMomentum, &spatial_momentum(system), inputs()),
     ];
-    let off =
-        system.factors.iter().filter_map(|factor| factor.algebra.group.deviation(&factor.configuration));
-    let off = Vector::concat(&off.collect::<Vec<_>>());
+    let off = system.group.deviation(&system.configuration());
     if !off.is_empty() {
         let inputs = Inputs::default().with(Input::State, system.state_symbols());
         functions.push(kernel::function(arena, Role::Deviation, &Vector(vec![off.dot(&off).sqrt()]), inputs));
@@ -214,7 +212,7 @@ fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
         (Role::CayleyDisplacement, Retraction::Cayley),
         (Role::SecondKindDisplacement, Retraction::SecondKind),
     ];
-    let is_there = |retraction| system.factors.iter().all(|factor| factor.algebra.group.has(retraction));
+    let is_there = |retraction| system.group.factors.iter().all(|factor| factor.group.has(retraction));
     let others = others.into_iter().filter(|(_, retraction)| is_there(*retraction));
     functions.extend(others.map(|(role, retraction)| (role, displaced(retraction), with_tangent())));
     functions.extend([

@@ -3,7 +3,7 @@
 use quote::ToTokens;
 
 use crate::expr::{Formulas, gradient};
-use crate::group::{EquationNames, Representation, Side};
+use crate::group::{EquationNames, Representation, Semidirect, Side};
 use crate::limits::FORMULAS;
 use crate::model::{Energy, Factor, InertiaField, System};
 
@@ -11,7 +11,8 @@ impl System<'_> {
     /// The equations of motion as text.
     pub fn equations(&self) -> Vec<String> {
         let mut lines = velocities(self);
-        lines.extend(self.factors.iter().flat_map(|factor| motion(self, factor)));
+        let factors = self.factors.iter().zip(&self.group.factors);
+        lines.extend(factors.flat_map(|(factor, algebra)| motion(self, factor, algebra)));
         lines.extend(derivatives(self));
         lines
     }
@@ -63,13 +64,13 @@ fn by_inertia(system: &System<'_>, field: &InertiaField<'_>, block: &[usize]) ->
 }
 
 /// How configuration, momentum and advected parameters of a factor change.
-fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
+fn motion<'a>(system: &System<'a>, factor: &Factor<'a>, algebra: &Semidirect) -> Vec<String> {
     let energy = energy(system);
-    let group = factor.algebra.group;
+    let group = algebra.group;
     let is_own =
         |space: &dyn Representation| group.representations().iter().any(|own| own.name() == space.name());
     let names: Vec<String> = factor.advected.iter().map(|advected| advected.name.plain()).collect();
-    let spaces = names.iter().map(String::as_str).zip(&factor.algebra.spaces);
+    let spaces = names.iter().map(String::as_str).zip(&algebra.spaces);
     let (own_spaces, others): (Vec<_>, Vec<_>) = spaces.partition(|(_, space)| is_own(**space));
     let advected: Vec<&str> = own_spaces.iter().map(|(advected, _)| *advected).collect();
     let (name, momentum) = (factor.name.plain(), factor.momentum_name.plain());
@@ -94,7 +95,7 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>) -> Vec<String> {
         let sign = if change.is_empty() { sign.trim_matches([' ', '+']) } else { sign };
         change = format!("{change}{sign}{}", term.replace("∂V", &format!("∂{energy}")));
     }
-    if system.side == Side::Right && !factor.algebra.group.is_linear() {
+    if system.side == Side::Right && !group.is_linear() {
         // inversion changes the sign of the velocity
         equations.configuration = format!("{name}' = hat({velocity}) {name}");
         change = format!("−({change})");
@@ -132,7 +133,7 @@ fn derivatives(system: &System<'_>) -> Vec<String> {
         _ => (system.potential(), false),
     };
     let velocities = system.factors.iter().filter(|_| by_velocity).map(|factor| &factor.velocity);
-    let advected = system.factors.iter().flat_map(|factor| &factor.advected).map(|advected| &advected.value);
+    let advected = system.advected().map(|advected| &advected.value);
     for value in velocities.chain(advected) {
         let gradient = gradient(differentiated, &value.symbols());
         for (symbol, component) in value.iter().zip(gradient.iter()) {

@@ -144,10 +144,9 @@ fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
     if !named.is_empty() {
         return named.to_vec();
     }
-    let has = |retraction: &Retraction| system.factors.iter().all(|factor| factor.algebra.has(*retraction));
-    let is_summed =
-        |retraction: &Retraction| system.factors.iter().any(|factor| factor.algebra.is_summed(*retraction));
-    let (summed, closed): (Vec<_>, Vec<_>) = Retraction::DEFAULT.into_iter().filter(has).partition(is_summed);
+    let there = Retraction::DEFAULT.into_iter().filter(|&retraction| system.group.has(retraction));
+    let (summed, closed): (Vec<_>, Vec<_>) =
+        there.partition(|&retraction| system.group.is_summed(retraction));
     if closed.is_empty() { summed } else { closed }
 }
 

@@ -14,12 +14,12 @@ pub use crate::check::{Factors, InertiaShape};
 pub use crate::identifiers::{Name, Place};
 pub use crate::language::ForceForm;
 pub use casimirs::Casimirs;
-pub use layout::{FactorPart, Slot};
+pub use layout::{Parts, Slot};
 pub use legendre::Relation;
 pub use part::{Part, Role, StoredAs};
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
-use crate::group::{Semidirect, SemidirectVector, Side, trivialized_gradient};
+use crate::group::{Product, SemidirectVector, Side};
 use crate::identifiers::velocity_name;
 use crate::language::Constant;
 use crate::parse::Shape;
@@ -29,7 +29,9 @@ use crate::parse::Shape;
 /// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls stage *step*.
 #[derive(Clone)]
 pub struct System<'a> {
-    /// The factors of the configuration's group, each with its momentum and the advected parameters that it acts on.
+    /// The configuration's group, with the spaces of the advected parameters.
+    pub group: Product,
+    /// What belongs to each factor of the group.
     pub factors: Vec<Factor<'a>>,
     /// The struct's fields, each element of an array by itself.
     pub parameters: Vec<Parameter>,
@@ -49,21 +51,21 @@ pub struct System<'a> {
     pub sources: Sources,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
+    /// What changes the momentum beside the bracket, once it has been worked out.
+    kick: OnceCell<Option<Vector<'a>>>,
     /// The velocity at the state, once it has been worked out.
     velocity: OnceCell<Relation<'a>>,
     /// The Casimirs, once they have been found.
     casimirs: OnceCell<Casimirs<'a>>,
 }
 
-/// One factor of the configuration's group.
+/// What belongs to one factor of the configuration's group.
 #[derive(Clone)]
 pub struct Factor<'a> {
     /// What the configuration is called.
     pub name: Name,
     /// What the momentum is called.
     pub momentum_name: Name,
-    /// The group and the spaces of the advected parameters.
-    pub algebra: Semidirect,
     /// The configuration's stored coordinates.
     pub configuration: Vector<'a>,
     /// The body momentum `μ`.
@@ -74,24 +76,12 @@ pub struct Factor<'a> {
     pub advected: Vec<Advected<'a>>,
     /// The body force on the momentum, in all that a description names.
     pub force: Option<Vector<'a>>,
-    /// What changes the momentum beside the bracket, once it has been worked out.
-    kick: OnceCell<Option<Vector<'a>>>,
 }
 
 impl<'a> Factor<'a> {
     /// What the velocity is called in one word.
     pub fn velocity_name(&self) -> String {
         self.momentum_name.with(&velocity_name(&self.momentum_name.ident))
-    }
-
-    /// The advected parameters' components.
-    pub fn advected_values(&self) -> Vec<Vector<'a>> {
-        self.advected.iter().map(|advected| advected.value.clone()).collect()
-    }
-
-    /// `(μ, a)`, an element of the dual of the semidirect algebra.
-    pub fn momentum_and_advected(&self) -> SemidirectVector<'a> {
-        SemidirectVector { base: self.momentum.clone(), spaces: self.advected_values() }
     }
 }
 
@@ -192,20 +182,12 @@ pub struct InertiaField<'a> {
 impl<'a> System<'a> {
     /// The same up to a few terms of series that are not finite sums, if groups or spaces have such.
     pub(crate) fn coarse(&self) -> Option<Self> {
-        let coarse: Vec<_> = self.factors.iter().map(|factor| factor.algebra.coarse()).collect();
-        if coarse.iter().all(Option::is_none) {
-            return None;
-        }
-        let mut system = self.clone();
-        for (factor, algebra) in system.factors.iter_mut().zip(coarse) {
-            factor.algebra = algebra.unwrap_or_else(|| factor.algebra.clone());
-        }
-        Some(system)
+        Some(Self { group: self.group.coarse()?, ..self.clone() })
     }
 
     /// The dimension of the configuration.
     pub fn dimension(&self) -> usize {
-        self.factors.iter().map(|factor| factor.algebra.group.dimension()).sum()
+        self.group.dimension()
     }
 
     /// The fields' symbols.
@@ -234,9 +216,29 @@ impl<'a> System<'a> {
         self.time.as_symbol().into_iter().collect()
     }
 
-    /// All momenta, one after the other.
+    /// The stored coordinates of the configuration.
+    pub fn configuration(&self) -> Vector<'a> {
+        Vector::concat(self.factors.iter().map(|factor| &factor.configuration))
+    }
+
+    /// The momentum.
     pub fn momentum(&self) -> Vector<'a> {
         Vector::concat(self.factors.iter().map(|factor| &factor.momentum))
+    }
+
+    /// The advected parameters, in the order of the group's spaces.
+    pub fn advected(&self) -> impl Iterator<Item = &Advected<'a>> {
+        self.factors.iter().flat_map(|factor| &factor.advected)
+    }
+
+    /// Their components.
+    pub fn advected_values(&self) -> Vec<Vector<'a>> {
+        self.advected().map(|advected| advected.value.clone()).collect()
+    }
+
+    /// `(μ, a)`, an element of the dual of the semidirect algebra.
+    pub fn momentum_and_advected(&self) -> SemidirectVector<'a> {
+        SemidirectVector { base: self.momentum(), spaces: self.advected_values() }
     }
 
     /// The Hamiltonian, with the [velocity](Self::velocity) in what of it is written in that: by Legendre's transform (4.6) of a Lagrangian
@@ -278,19 +280,34 @@ impl<'a> System<'a> {
         self.potential().depends_on(&factor.configuration.symbols())
     }
 
-    /// `−T*L_g ∂h/∂g + F`, what changes the momentum of a factor beside the bracket, if anything does.
-    pub fn kick<'s>(&self, factor: &'s Factor<'a>) -> Option<&'s Vector<'a>> {
+    /// Whether anything but the bracket changes the momentum of a factor.
+    pub fn is_kicked(&self, factor: &Factor<'a>) -> bool {
+        factor.force.is_some() || self.depends_on_configuration(factor)
+    }
+
+    /// The body force on the momentum, if there is any.
+    pub fn force(&self) -> Option<Vector<'a>> {
+        self.factors.iter().any(|factor| factor.force.is_some()).then(|| {
+            let zeros = |factor: &Factor<'a>| Vector::zeros(self.time.arena(), factor.momentum.len());
+            let force = |factor: &Factor<'a>| factor.force.clone().unwrap_or_else(|| zeros(factor));
+            Vector::concat(&self.factors.iter().map(force).collect::<Vec<_>>())
+        })
+    }
+
+    /// `−T*L_g ∂h/∂g + F`, what changes the momentum beside the bracket, if anything does.
+    pub fn kick(&self) -> Option<&Vector<'a>> {
         let work_out = || {
-            let potential = self.depends_on_configuration(factor).then(|| {
-                let df = gradient(self.potential(), &factor.configuration.symbols());
-                -&trivialized_gradient(factor.algebra.group, self.side, &factor.configuration, &df)
+            let configuration = self.configuration();
+            let potential = self.potential().depends_on(&configuration.symbols()).then(|| {
+                let df = gradient(self.potential(), &configuration.symbols());
+                -&self.group.trivialized_gradient(self.side, &configuration, &df)
             });
-            match (potential, &factor.force) {
-                (Some(potential), Some(force)) => Some(&potential + force),
-                (potential, force) => potential.or_else(|| force.clone()),
+            match (potential, self.force()) {
+                (Some(potential), Some(force)) => Some(&potential + &force),
+                (potential, force) => potential.or(force),
             }
         };
-        factor.kick.get_or_init(work_out).as_ref()
+        self.kick.get_or_init(work_out).as_ref()
     }
 
     /// Whether the energy is an invariant of the motion: no force acts and the time has no part in it.

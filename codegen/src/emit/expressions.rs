@@ -45,8 +45,9 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
 
 /// The force on a factor, or those on an array of them.
 fn force_method(system: &System<'_>, names: &Names, force: &ForceSource) -> TokenStream {
-    let factor = &system.factors[force.factors.indices().start];
-    let one = force_type(factor, force.form, names);
+    let start = force.factors.indices().start;
+    let factor = &system.factors[start];
+    let one = force_type(system, start, force.form, names);
     let (name, doc, result) = match &force.factors {
         Factors::One(_) if system.factors.len() == 1 => {
             ("force".to_owned(), "The body force on the momentum, as described.".to_owned(), one)
@@ -67,9 +68,9 @@ fn force_method(system: &System<'_>, names: &Names, force: &ForceSource) -> Toke
     method(system, names, force)
 }
 
-/// The type of a force as it is written.
-fn force_type(factor: &Factor<'_>, form: Option<ForceForm>, names: &Names) -> TokenStream {
-    let group = factor.algebra.group;
+/// The type of a force on a factor as it is written.
+fn force_type(system: &System<'_>, factor: usize, form: Option<ForceForm>, names: &Names) -> TokenStream {
+    let group = system.group.factors[factor].group;
     match form {
         Some(ForceForm::Scalar) => names.scalar.clone(),
         Some(ForceForm::Parts) => {
@@ -171,17 +172,18 @@ fn velocities(
     };
     let all = quote! { #private::System::velocity_at(self, #state, #time) };
     let mut variables = TokenStream::new();
+    let places = system.group.places();
     for factors in declared(system) {
         let first = &system.factors[factors.start];
         let momentum = &first.momentum_name.ident;
         let whole = |rows: Range<usize>, is_number: bool| {
-            let of = |factor| {
-                let start = system.momentum_range(factor).start;
+            let of = |factor: usize| {
+                let start = places[factor].algebra.start;
                 rows_of(&all, start + rows.start..start + rows.end, is_number)
             };
             gathered(first, factors.clone().map(of).collect())
         };
-        for NamedPart { velocity, rows, .. } in parts(first.algebra.group, momentum) {
+        for NamedPart { velocity, rows, .. } in parts(system.group.factors[factors.start].group, momentum) {
             let is_number = rows.len() == 1;
             variables.extend(binding(&velocity, expression, || whole(rows, is_number)));
         }
@@ -209,7 +211,8 @@ fn momentum_parts(system: &System<'_>, expression: &syn::Expr) -> TokenStream {
             };
             binding(&name, expression, || gathered(first, factors.clone().map(of).collect()))
         };
-        parts(first.algebra.group, momentum).into_iter().filter_map(part).collect::<TokenStream>()
+        let group = system.group.factors[factors.start].group;
+        parts(group, momentum).into_iter().filter_map(part).collect::<TokenStream>()
     };
     declared(system).map(of).collect()
 }

@@ -1,5 +1,7 @@
 //! Small vectors and matrices of expressions, lowered to scalars as they are built.
 
+use std::ops::Range;
+
 use super::Number;
 use super::arena::Arena;
 use super::diff::{Derivative, Substitution};
@@ -53,6 +55,11 @@ impl<'a> Vector<'a> {
     /// The image of each entry.
     pub fn map(&self, f: impl FnMut(Expr<'a>) -> Expr<'a>) -> Self {
         Self(self.iter().map(f).collect())
+    }
+
+    /// Those components.
+    pub fn part(&self, range: Range<usize>) -> Self {
+        Self(self.0[range].to_vec())
     }
 
     fn zip(&self, other: &Self, f: impl Fn(Expr<'a>, Expr<'a>) -> Expr<'a>) -> Self {

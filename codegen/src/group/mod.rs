@@ -9,6 +9,7 @@ mod euclidean;
 mod exact;
 mod families;
 mod matrix;
+mod product;
 mod representation;
 mod retraction;
 mod rigid;
@@ -28,6 +29,7 @@ pub(crate) use calculus::{
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
+pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};
 pub(crate) use retraction::{Law, Order};
 pub use retraction::{MatrixFunction, Retraction};

@@ -5,7 +5,7 @@ use super::presolve::{Equation, Presolved};
 use super::{Increment, Step, step_symbol};
 use crate::expr::{Arena, Expr, Number, Symbol, Vector};
 use crate::group::Retraction;
-use crate::model::{Factor, FactorPart, System};
+use crate::model::{Parts, System};
 use crate::scheme::Member;
 
 /// A discretization map and the step that it is taken with.
@@ -30,9 +30,8 @@ pub(super) struct Halves {
     pub behind: Retraction,
 }
 
-/// The way of a factor's configuration through a step.
-pub(super) struct Path<'p, 'a> {
-    pub factor: &'p Factor<'a>,
+/// The way of the configuration through a step.
+pub(super) struct Path<'a> {
     /// `ḡ`
     pub middle: Vector<'a>,
     /// `v`
@@ -54,12 +53,16 @@ impl<'a> Discretization<'a> {
         }
     }
 
-    /// How a configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
-    fn increments(&self, path: &Path<'_, 'a>, found: &[(Symbol, Expr<'a>)]) -> Vec<Increment<'a>> {
-        let increments = [
-            (self.early, self.moving.before, &path.factor.configuration),
-            (self.late, self.moving.behind, &path.middle),
-        ];
+    /// How the configuration is moved to the intermediate point and on; where `s` is 0 or 1 at once.
+    fn increments(
+        &self,
+        system: &System<'a>,
+        path: &Path<'a>,
+        found: &[(Symbol, Expr<'a>)],
+    ) -> Vec<Increment<'a>> {
+        let start = system.configuration();
+        let increments =
+            [(self.early, self.moving.before, &start), (self.late, self.moving.behind, &path.middle)];
         let increments = increments.into_iter().filter(|(share, ..)| !share.is_zero());
         let increment = |(share, retraction, from): (Expr<'a>, Retraction, &Vector<'a>)| Increment {
             retraction,
@@ -70,22 +73,21 @@ impl<'a> Discretization<'a> {
     }
 
     /// Positive while both parts of the step are inside the retraction's domain, which is that of the longer one.
-    fn domain(&self, path: &Path<'_, 'a>) -> Vec<Expr<'a>> {
+    fn domain(&self, system: &System<'a>, path: &Path<'a>) -> Vec<Expr<'a>> {
         let longer = if self.early.as_number() > self.late.as_number() { self.early } else { self.late };
-        path.factor.algebra.domain(self.moving.behind, &path.y.scale(longer))
+        system.group.domain(self.moving.behind, &path.y.scale(longer))
     }
 
-    /// The step from what is left of its equations, the ways of all factors' configurations, and the state after it.
+    /// The step from what is left of its equations, the way of the configuration, and the state after it.
     pub(super) fn lifted(
         &self,
         system: &System<'a>,
         Presolved { equations, found }: Presolved<'a>,
-        paths: &[Path<'_, 'a>],
-        next: &[FactorPart<'a>],
+        path: &Path<'a>,
+        next: &Parts<'a>,
     ) -> Step<'a> {
-        let increments: Vec<Vec<Increment<'a>>> =
-            paths.iter().map(|path| self.increments(path, &found)).collect();
-        let domain = paths.iter().flat_map(|path| self.domain(path));
+        let increments = self.increments(system, path, &found);
+        let domain = self.domain(system, path).into_iter();
         let join =
             |part: for<'e> fn(&'e Equation<'a>) -> &'e Vector<'a>| Vector::concat(equations.iter().map(part));
         let (left, right) = (join(|equation| &equation.left), join(|equation| &equation.right));
@@ -99,7 +101,7 @@ impl<'a> Discretization<'a> {
             coarse_residual: &left - &right,
             left,
             right,
-            next: system.join(next).substitute(&found),
+            next: system.join_state(next).substitute(&found),
             bounded: bounded(system, &increments),
             increments,
         }

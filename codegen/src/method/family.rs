@@ -11,8 +11,7 @@
 //! m_{k+1} = Ad*_{τ((1−s)η)} m⁺,   g_{k+1} = ḡ τ((1−s)η)
 //! ```
 //!
-//! on the dual `m = (μ, a)` of the semidirect algebra of each factor; `s = 0` is the paper's (6.5), with forces (6.20). Factors
-//! meet in the energy and the forces alone. It is the cotangent lift of `(ḡ, v) ↦ (ḡ τ(−sv), ḡ τ((1−s)v))`, with `τ̄(x) = τ(−x)⁻¹`: the
+//! on the dual `m = (μ, a)` of the semidirect algebra of the system's group; `s = 0` is the paper's (6.5), with forces (6.20). It is the cotangent lift of `(ḡ, v) ↦ (ḡ τ(−sv), ḡ τ((1−s)v))`, with `τ̄(x) = τ(−x)⁻¹`: the
 //! second part of `m̄`, by definition `s (dR τ_{−sη})* m⁻`, is that of `m_k`, for `dR τ̄_x = dL τ_{−x}`.
 //!
 //! Every member is symplectic, for a left-invariant system it keeps the Poisson bracket and all Casimirs, and its adjoint is `1 − s`, for
@@ -35,26 +34,27 @@
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
 use super::discretization::{Discretization, Path};
-use super::names::ValueNames;
+use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use super::{Increment, Step};
 use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector};
-use crate::model::{Energy, Factor, FactorPart, Relation, Slot, System};
+use crate::model::{Energy, Factor, Parts, Relation, Slot, System};
 use crate::scheme::Member;
 
 /// A member of the family for a system.
 struct Family<'s, 'a> {
     system: &'s System<'a>,
     map: Discretization<'a>,
+    names: ValueNames<'s, 'a>,
+    /// For each factor the number `k` for which its unknown is `y/k`.
+    scales: Vec<Expr<'a>>,
+    /// `1/k`
+    per_scales: Vec<Expr<'a>>,
 }
 
-/// What a factor's part of the step is made of before the energy is known at the intermediate point: functions of `y` alone.
-struct Motion<'s, 'a> {
-    factor: &'s Factor<'a>,
-    names: ValueNames<'s, 'a>,
-    /// The number `k` for which the unknown is `y/k`.
-    unknown_scale: Expr<'a>,
+/// What the step is made of before the energy is known at the intermediate point: functions of `y` alone.
+struct Motion<'a> {
     /// The unknown: symbols.
     x: Vector<'a>,
     /// The group's part of `η`.
@@ -69,7 +69,7 @@ struct Motion<'s, 'a> {
     g_bar: Vector<'a>,
 }
 
-/// The intermediate point, for all factors together.
+/// The intermediate point.
 struct Intermediate<'a> {
     /// `m̄` as the energy and the forces see it.
     momentum: Vector<'a>,
@@ -77,120 +77,91 @@ struct Intermediate<'a> {
     values: Vec<(Symbol, Expr<'a>)>,
 }
 
-/// What a factor's part of the step comes to.
+/// What the step comes to.
 struct Arrival<'a> {
     /// `μ̄`, times the unknown's scale.
     scaled_mean: Vector<'a>,
     /// The state after the step.
-    next: FactorPart<'a>,
+    next: Parts<'a>,
 }
 
 /// The step of a member of the family.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
-    let family = Family { system, map: Discretization::new(arena, system, retraction, member) };
-    let motions: Vec<Motion<'_, 'a>> =
-        system.factors.iter().map(|factor| Motion::new(&family, factor)).collect();
-    let intermediate = family.intermediate(&motions);
-    let arrivals: Vec<Arrival<'a>> =
-        motions.iter().map(|motion| family.arrival(motion, &intermediate)).collect();
-    let presolved = presolve(family.equations(&motions, &arrivals, &intermediate));
-    let paths: Vec<Path<'_, 'a>> = motions.iter().map(Motion::path).collect();
-    let next: Vec<FactorPart<'a>> = arrivals.into_iter().map(|arrival| arrival.next).collect();
-    family.map.lifted(system, presolved, &paths, &next)
+    let map = Discretization::new(arena, system, retraction, member);
+    let scales = system.group.unknown_scales(retraction);
+    let numbers = scales.iter().map(|&scale| arena.number(Number::ratio(scale, 1)));
+    let numbers: Vec<Expr<'a>> = numbers.collect();
+    let per_scales = numbers.iter().map(|scale| scale.recip()).collect();
+    let names = ValueNames::new(system, scales);
+    let family = Family { system, map, names, scales: numbers, per_scales };
+
+    let motion = family.motion();
+    let intermediate = family.intermediate(&motion);
+    let arrival = family.arrival(&motion, &intermediate);
+    let presolved = presolve(family.equations(&motion, &arrival, &intermediate));
+    let path = Path { middle: motion.g_bar, y: motion.y };
+    map.lifted(system, presolved, &path, &arrival.next)
 }
 
-impl<'s, 'a> Motion<'s, 'a> {
-    fn new(family: &Family<'_, 'a>, factor: &'s Factor<'a>) -> Self {
-        let Family { system, map: Discretization { moving, carrying, early, late, .. } } = *family;
-        let (arena, algebra) = (early.arena(), &factor.algebra);
-        let group = algebra.group;
-        let scale = group.unknown_scale(moving.behind);
-        let names = ValueNames::new(system, factor, scale);
-        let (x, mean) = (names.symbols(arena, names.unknown()), names.symbols(arena, "mu"));
-        let unknown_scale = arena.number(Number::ratio(scale, 1));
-        let y = x.scale(unknown_scale);
-        let (y_early, y_late) = (y.scale(early), y.scale(late));
+impl<'a> Family<'_, 'a> {
+    /// Times the unknown's scale.
+    fn times_scale(&self, x: &Vector<'a>) -> Vector<'a> {
+        self.system.group.multiplied(x, &self.scales)
+    }
 
-        let sign = arena.number(system.side.sign());
-        let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
-        let a = factor.advected_values();
-        let mean_minus = algebra.d_right_dual_spaces(carrying.before, &x_early, &a);
-        let a_minus = algebra.carry_all(carrying.before, &x_early, &a, &mean_minus);
-        let mean_plus = algebra.d_right_dual_spaces(carrying.behind, &x_late, &a_minus);
-        let means = mean_plus.iter().zip(&mean_minus);
-        let a_bar = means.map(|(plus, minus)| &plus.scale(late) + &minus.scale(early)).collect();
-
-        let increment = names.group("increment_early", &group.retract(moving.before, &y_early).hold());
-        let g_bar = system.side.compose(group, &factor.configuration, &increment).hold();
-        let g_bar = names.configuration("mean", &g_bar);
-        Self { factor, names, unknown_scale, x, y, y_late, mean, a_bar, g_bar }
+    /// By the unknown's scale.
+    fn per_scale(&self, x: &Vector<'a>) -> Vector<'a> {
+        self.system.group.multiplied(x, &self.per_scales)
     }
 
     /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by it again has that
     /// factor.
     fn keep_multiple(&self, element: &SemidirectVector<'a>) -> SemidirectVector<'a> {
-        element.scale(self.unknown_scale).hold().scale(self.unknown_scale.recip())
+        let group = &self.system.group;
+        group.all_multiplied(&group.all_multiplied(element, &self.scales).hold(), &self.per_scales)
     }
 
-    /// `μ̄ = …` for a general energy, which has `μ̄` as an unknown.
-    fn mean_equation(&self, arrival: &Arrival<'a>) -> Equation<'a> {
-        let mean = arrival.scaled_mean.scale(self.unknown_scale.recip());
-        Equation {
-            unknown: self.mean.clone(),
-            blocks: self.factor.algebra.group.blocks(),
-            left: self.mean.clone(),
-            right: mean.clone(),
-            solved: Some(mean),
-            start: self.factor.momentum.clone(),
-            names: self.names.components("mu"),
-        }
+    fn motion(&self) -> Motion<'a> {
+        let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
+        let (arena, group) = (early.arena(), &system.group);
+        let (x, mean) = (symbols(arena, names.unknown()), symbols(arena, names.components("mu")));
+        let y = self.times_scale(&x);
+        let (y_early, y_late) = (y.scale(*early), y.scale(*late));
+
+        let sign = arena.number(system.side.sign());
+        let (x_early, x_late) = (y_early.scale(sign), y_late.scale(sign));
+        let a = system.advected_values();
+        let mean_minus = group.d_right_dual_spaces(carrying.before, &x_early, &a);
+        let a_minus = group.carry_all(carrying.before, &x_early, &a, &mean_minus);
+        let mean_plus = group.d_right_dual_spaces(carrying.behind, &x_late, &a_minus);
+        let means = mean_plus.iter().zip(&mean_minus);
+        let a_bar = means.map(|(plus, minus)| &plus.scale(*late) + &minus.scale(*early)).collect();
+
+        let increment = names.group("increment_early", &group.retract(moving.before, &y_early).hold());
+        let g_bar = group.compose(system.side, &system.configuration(), &increment).hold();
+        let g_bar = names.configuration("mean", &g_bar);
+        Motion { x, y, y_late, mean, a_bar, g_bar }
     }
 
-    /// `y = t ∂h/∂μ` for a general energy.
-    fn velocity_equation(&self, velocity: &Vector<'a>, start: &Vector<'a>) -> Equation<'a> {
-        let scaled = |vector: &Vector<'a>| vector.scale(self.unknown_scale.recip());
-        let right = scaled(velocity);
-        Equation {
-            unknown: self.x.clone(),
-            blocks: self.factor.algebra.group.blocks(),
-            left: self.x.clone(),
-            right: right.clone(),
-            solved: Some(right),
-            start: scaled(start),
-            names: self.names.components(self.names.unknown()),
-        }
-    }
-
-    /// The way of its configuration.
-    fn path(&self) -> Path<'s, 'a> {
-        Path { factor: self.factor, middle: self.g_bar.clone(), y: self.y.clone() }
-    }
-}
-
-impl<'a> Family<'_, 'a> {
     /// Everything that the energy and the forces are functions of.
-    fn intermediate(&self, motions: &[Motion<'_, 'a>]) -> Intermediate<'a> {
-        let Self { system, map: Discretization { step, early, .. } } = *self;
-        let y = Vector::concat(motions.iter().map(|motion| &motion.y));
-        let velocity = y.scale(step.recip());
+    fn intermediate(&self, motion: &Motion<'a>) -> Intermediate<'a> {
+        let Self { system, map: Discretization { step, early, .. }, .. } = *self;
+        let velocity = motion.y.scale(step.recip());
         let later = step * early;
 
         let mut values = Vec::new();
         let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
             values.extend(what.symbols().into_iter().zip(value.iter()));
         };
-        for (motion, velocity) in motions.iter().zip(&system.split_momentum(&velocity)) {
-            let factor = motion.factor;
-            is(&factor.configuration, &motion.g_bar);
-            is(&factor.velocity, velocity);
-            for (advected, mean) in factor.advected.iter().zip(&motion.a_bar) {
-                is(&advected.value, mean);
-            }
+        is(&system.configuration(), &motion.g_bar);
+        is(&system.velocity_symbols(), &velocity);
+        for (advected, mean) in system.advected().zip(&motion.a_bar) {
+            is(&advected.value, mean);
         }
         is(&Vector(vec![system.time]), &Vector(vec![system.time + later]));
         let momentum = match &system.energy {
-            Energy::Mechanical { inertia, .. } => inertia.scale(step.recip()).times(&y),
-            Energy::Hamiltonian(_) => Vector::concat(motions.iter().map(|motion| &motion.mean)),
+            Energy::Mechanical { inertia, .. } => inertia.scale(step.recip()).times(&motion.y),
+            Energy::Hamiltonian(_) => motion.mean.clone(),
             Energy::Lagrangian(lagrangian) => {
                 gradient(*lagrangian, &system.velocity_symbols().symbols()).substitute(&values)
             }
@@ -199,90 +170,153 @@ impl<'a> Family<'_, 'a> {
         Intermediate { momentum, values }
     }
 
-    /// `m̄`, `m_{k+1}` and `g_{k+1}` of a factor.
-    fn arrival(&self, motion: &Motion<'_, 'a>, intermediate: &Intermediate<'a>) -> Arrival<'a> {
-        let Self { system, map: Discretization { moving, carrying, early, late, .. } } = *self;
-        let Motion { factor, names, y, .. } = motion;
-        let (algebra, arena) = (&factor.algebra, early.arena());
-        let w = self.advected_velocity(motion, intermediate);
-        let kick = self.kick(motion, intermediate);
+    /// `m̄`, `m_{k+1}` and `g_{k+1}`.
+    fn arrival(&self, motion: &Motion<'a>, intermediate: &Intermediate<'a>) -> Arrival<'a> {
+        let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
+        let (group, arena) = (&system.group, early.arena());
+        let w = self.advected_velocity(intermediate);
+        let kick = self.kick(intermediate);
 
-        let eta = SemidirectVector { base: y.clone(), spaces: w }.scale(arena.number(system.side.sign()));
-        let (eta_early, eta_late) = (eta.scale(early), eta.scale(late));
-        let m = factor.momentum_and_advected();
-        let mean_minus = motion.keep_multiple(&algebra.d_right_dual(carrying.before, &eta_early, &m));
-        let m_minus = algebra.carry_momentum(carrying.before, &eta_early, &m, &mean_minus);
+        let eta = SemidirectVector { base: motion.y.clone(), spaces: w };
+        let eta = eta.scale(arena.number(system.side.sign()));
+        let (eta_early, eta_late) = (eta.scale(*early), eta.scale(*late));
+        let m = system.momentum_and_advected();
+        let mean_minus = self.keep_multiple(&group.d_right_dual(carrying.before, &eta_early, &m));
+        let m_minus = group.carry_momentum(carrying.before, &eta_early, &m, &mean_minus);
         let m_plus = match kick {
-            Some(kick) => SemidirectVector {
-                base: names.algebra("momentum_kicked", &(&m_minus.base + &kick).hold()),
-                spaces: m_minus.spaces,
-            },
+            Some(kick) => {
+                SemidirectVector { base: self.kicked(&m_minus.base, &kick), spaces: m_minus.spaces }
+            }
             None => m_minus,
         };
-        let mean_plus = motion.keep_multiple(&algebra.d_right_dual(carrying.behind, &eta_late, &m_plus));
-        let m_bar = mean_plus.scale(late).plus(&mean_minus.scale(early));
-        let scaled_mean = m_bar.scale(motion.unknown_scale).hold().base;
-        let m_next = algebra.carry_momentum(carrying.behind, &eta_late, &m_plus, &mean_plus);
+        let mean_plus = self.keep_multiple(&group.d_right_dual(carrying.behind, &eta_late, &m_plus));
+        let m_bar = mean_plus.scale(*late).plus(&mean_minus.scale(*early));
+        let scaled_mean = self.times_scale(&m_bar.base).hold();
+        let m_next = group.carry_momentum(carrying.behind, &eta_late, &m_plus, &mean_plus);
 
         // two increments, one of which is none where s is 0 or 1: only the exponential has τ(sη) τ((1−s)η) = τ(η)
-        let moved = algebra.group.moved(system.side, moving.behind, &motion.g_bar, &motion.y_late);
+        let moved = group.moved(system.side, moving.behind, &motion.g_bar, &motion.y_late);
 
         names.group("increment", &moved.increment);
         names.configuration("moved", &moved.moved);
-        names.scalar(&format!("{}_squared", names.unknown()), motion.x.dot(&motion.x));
+        names.squares(&motion.x);
         names.multiple_of("momentum_mean", &scaled_mean);
         names.algebra("momentum_next", &m_next.base);
         names.advected("mean", &motion.a_bar);
         names.advected("next", &m_next.spaces);
-        let next = FactorPart { configuration: moved.next, momentum: m_next.base, advected: m_next.spaces };
+        let next = Parts { configuration: moved.next, momentum: m_next.base, advected: m_next.spaces };
         Arrival { scaled_mean, next }
     }
 
     /// `w = t ∂h/∂a`, the advected part of `η`.
-    fn advected_velocity(&self, motion: &Motion<'_, 'a>, there: &Intermediate<'a>) -> Vec<Vector<'a>> {
+    fn advected_velocity(&self, there: &Intermediate<'a>) -> Vec<Vector<'a>> {
         let energy = self.system.potential();
-        let w = motion.factor.advected.iter().map(|a| {
+        let w = self.system.advected().map(|a| {
             let gradient = gradient(energy, &a.value.symbols());
             gradient.substitute(&there.values).scale(self.map.step)
         });
         let w: Vec<_> = w.collect();
-        motion.names.advected("kick", &w);
+        self.names.advected("kick", &w);
         w
     }
 
     /// `−t T*L_ḡ ∂h/∂g + t F`, if anything but the bracket changes the momentum.
-    fn kick(&self, motion: &Motion<'_, 'a>, there: &Intermediate<'a>) -> Option<Vector<'a>> {
-        let kick = self.system.kick(motion.factor)?;
+    fn kick(&self, there: &Intermediate<'a>) -> Option<Vector<'a>> {
+        let kick = self.system.kick()?;
         let kick = kick.substitute(&there.values).scale(self.map.step).hold();
-        Some(motion.names.algebra("kick", &kick))
+        Some(self.names.algebra("kick", &kick))
+    }
+
+    /// `m⁺` from `m⁻`; what nothing kicks stays as it is.
+    fn kicked(&self, momentum: &Vector<'a>, kick: &Vector<'a>) -> Vector<'a> {
+        let (system, names) = (self.system, self.names.components("momentum_kicked"));
+        let mut kicked = momentum.clone();
+        for (factor, place) in system.factors.iter().zip(system.group.places()) {
+            for row in place.algebra.filter(|_| system.is_kicked(factor)) {
+                kicked.0[row] = (kicked.0[row] + kick.0[row]).hold().named(names[row].as_str());
+            }
+        }
+        kicked
     }
 
     /// The equations for all unknowns.
     fn equations(
         &self,
-        motions: &[Motion<'_, 'a>],
-        arrivals: &[Arrival<'a>],
+        motion: &Motion<'a>,
+        arrival: &Arrival<'a>,
         intermediate: &Intermediate<'a>,
     ) -> Vec<Equation<'a>> {
-        let system = self.system;
-        let start = system.split_momentum(&self.start());
-        let Energy::Hamiltonian(energy) = &system.energy else {
-            let momenta = system.split_momentum(&intermediate.momentum);
-            let sets = coupled_factors(system).into_iter();
-            let equation =
-                |set: Vec<usize>| self.momentum_equation(&set, motions, arrivals, &momenta, &start);
-            return sets.map(equation).collect();
+        let Self { system, names, .. } = self;
+        match &system.energy {
+            Energy::Hamiltonian(energy) => {
+                let alone: Vec<Vec<usize>> = (0..system.factors.len()).map(|factor| vec![factor]).collect();
+                let velocity = gradient(*energy, &system.momentum().symbols());
+                let velocity = velocity.substitute(&intermediate.values).scale(self.map.step);
+                let equations =
+                    [self.mean_equation(motion, arrival), self.velocity_equation(motion, &velocity)];
+                equations.iter().flat_map(|equation| equation.apart(&system.group, &alone)).collect()
+            }
+            _ => {
+                let equation = self.momentum_equation(motion, arrival, intermediate);
+                for (left, name) in equation.left.iter().zip(names.unknown()) {
+                    left.named(format!("inertia_{name}"));
+                }
+                equation.apart(&system.group, &coupled_factors(system))
+            }
+        }
+    }
+
+    /// `μ̄ = …` for a general energy, which has `μ̄` as an unknown.
+    fn mean_equation(&self, motion: &Motion<'a>, arrival: &Arrival<'a>) -> Equation<'a> {
+        let mean = self.per_scale(&arrival.scaled_mean);
+        Equation {
+            unknown: motion.mean.clone(),
+            blocks: self.system.group.blocks(),
+            left: motion.mean.clone(),
+            right: mean.clone(),
+            solved: Some(mean),
+            start: self.system.momentum(),
+            names: self.names.components("mu"),
+        }
+    }
+
+    /// `y = t ∂h/∂μ` for a general energy.
+    fn velocity_equation(&self, motion: &Motion<'a>, velocity: &Vector<'a>) -> Equation<'a> {
+        let right = self.per_scale(velocity);
+        Equation {
+            unknown: motion.x.clone(),
+            blocks: self.system.group.blocks(),
+            left: motion.x.clone(),
+            right: right.clone(),
+            solved: Some(right),
+            start: self.per_scale(&self.start()),
+            names: self.names.unknown(),
+        }
+    }
+
+    /// `𝕀 y / t = μ̄`, or `∂l/∂ξ(y/t) = μ̄`, both sides times the unknown's scale.
+    fn momentum_equation(
+        &self,
+        motion: &Motion<'a>,
+        arrival: &Arrival<'a>,
+        intermediate: &Intermediate<'a>,
+    ) -> Equation<'a> {
+        let right = arrival.scaled_mean.clone();
+        let solved = match &self.system.energy {
+            Energy::Mechanical { inertia, .. } => {
+                Some(inertia.solve_symmetric(&self.per_scale(&right)).scale(self.map.step))
+            }
+            _ => None,
         };
-        let velocity = gradient(*energy, &system.momentum().symbols());
-        let velocity = velocity.substitute(&intermediate.values).scale(self.map.step);
-        let velocities = system.split_momentum(&velocity);
-        let means = motions.iter().zip(arrivals).map(|(motion, arrival)| motion.mean_equation(arrival));
-        let means: Vec<Equation<'a>> = means.collect();
-        let velocities = motions
-            .iter()
-            .zip(velocities.iter().zip(&start))
-            .map(|(motion, (velocity, start))| motion.velocity_equation(velocity, start));
-        means.into_iter().chain(velocities).collect()
+        Equation {
+            unknown: motion.x.clone(),
+            blocks: self.system.group.blocks(),
+            left: self.times_scale(&intermediate.momentum),
+            solved: solved.map(|solved| self.per_scale(&solved)),
+            right,
+            start: self.per_scale(&self.start()),
+            names: self.names.unknown(),
+        }
     }
 
     /// A first approximation of `y`: `t ξ_k`, or rest where no closed form gives the velocity.
@@ -292,47 +326,6 @@ impl<'a> Family<'_, 'a> {
             Relation::Implicit(_) | Relation::Singular => {
                 Vector::zeros(self.map.step.arena(), self.system.dimension())
             }
-        }
-    }
-
-    /// `𝕀 y / t = μ̄`, or `∂l/∂ξ(y/t) = μ̄`, for a set of factors that the kinetic energy couples; both sides times the unknown's scale.
-    fn momentum_equation(
-        &self,
-        set: &[usize],
-        motions: &[Motion<'_, 'a>],
-        arrivals: &[Arrival<'a>],
-        momenta: &[Vector<'a>],
-        start: &[Vector<'a>],
-    ) -> Equation<'a> {
-        let motions = || set.iter().map(|&factor| &motions[factor]);
-        let scales = motions().flat_map(|motion| vec![motion.unknown_scale; motion.x.len()]);
-        let scales: Vec<Expr<'a>> = scales.collect();
-        let times = |of: &Vector<'a>| Vector(of.iter().zip(&scales).map(|(x, &scale)| x * scale).collect());
-        let per = |of: &Vector<'a>| Vector(of.iter().zip(&scales).map(|(x, &scale)| x / scale).collect());
-        let of_set = |of: &[Vector<'a>]| Vector::concat(set.iter().map(|&factor| &of[factor]));
-
-        let right = Vector::concat(set.iter().map(|&factor| &arrivals[factor].scaled_mean));
-        let names: Vec<String> =
-            motions().flat_map(|motion| motion.names.components(motion.names.unknown())).collect();
-        let rows: Vec<usize> = set.iter().flat_map(|&factor| self.system.momentum_range(factor)).collect();
-        let solved = match &self.system.energy {
-            Energy::Mechanical { inertia, .. } => {
-                Some(inertia.block(&rows).solve_symmetric(&per(&right)).scale(self.map.step))
-            }
-            _ => None,
-        };
-        let left = times(&of_set(momenta));
-        for (left, name) in left.iter().zip(&names) {
-            left.named(format!("inertia_{name}"));
-        }
-        Equation {
-            unknown: Vector::concat(motions().map(|motion| &motion.x)),
-            blocks: motions().flat_map(|motion| motion.factor.algebra.group.blocks()).collect(),
-            left,
-            solved: solved.map(|solved| per(&solved)),
-            right,
-            start: per(&of_set(start)),
-            names,
         }
     }
 }
@@ -370,15 +363,16 @@ fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
 }
 
 /// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
-pub(super) fn bounded(system: &System<'_>, increments: &[Vec<Increment<'_>>]) -> Vec<bool> {
+pub(super) fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
+    let places = system.group.places();
     let mut bounded = Vec::new();
     for slot in system.slots() {
-        let length = slot.of(&system.state()).len();
+        let length = system.part(slot).len();
         let rotation = match slot {
             Slot::Configuration(factor) => {
-                let mut by = increments[factor].iter().flat_map(|increment| increment.by.iter());
-                let unknown = by.all(|x| x.stage() >= Stage::Iteration);
-                if unknown { system.factors[factor].algebra.group.unit_coordinates() } else { 0 }
+                let by = increments.iter().map(|increment| places[factor].algebra(&increment.by));
+                let unknown = by.flat_map(|by| by.0).all(|x| x.stage() >= Stage::Iteration);
+                if unknown { system.group.factors[factor].group.unit_coordinates() } else { 0 }
             }
             Slot::Momentum(_) | Slot::Advected { .. } => 0,
         };

@@ -20,8 +20,8 @@
 use super::{Increment, Step};
 use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
-use crate::group::{Side, carried_back, d_left, stored_perturbation, to_body};
-use crate::model::{FactorPart, Slot, System};
+use crate::group::Side;
+use crate::model::{Parts, Slot, System};
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
 pub struct Linearization<'a> {
@@ -70,8 +70,7 @@ impl<'a> Linearization<'a> {
             total.know(right, perturbation);
         }
         let mut pushforward = Pushforward { system, step, total };
-        let next = system.slots().into_iter().flat_map(|slot| pushforward.of(slot, slot.of(&perturbed)).0);
-        let partial = Vector(next.collect());
+        let partial = system.join_tangent(&pushforward.of(perturbed));
         let found: Vec<_> = unknown.symbols().into_iter().zip(solution.iter()).collect();
         let next = partial.substitute(&found);
         Self { unknown, solution, partial, state, control, parameters, next }
@@ -90,33 +89,22 @@ fn perturbation<'a>(arena: &'a Arena, of: &str) -> Expr<'a> {
 
 /// Symbols for the perturbation of the state: of configurations elements of the algebra.
 fn state_perturbations<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
-    let state = system.state();
     let of = |slot: Slot| match slot {
         Slot::Configuration(factor) => {
-            let factor = &system.factors[factor];
-            let axes = factor.algebra.group.axes().iter();
-            let names = axes.map(|axis| format!("{}_{axis}", factor.name.plain()));
+            let axes = system.group.factors[factor].group.axes().iter();
+            let names = axes.map(|axis| format!("{}_{axis}", system.factors[factor].name.plain()));
             names.map(|name| perturbation(arena, &name)).collect()
         }
-        Slot::Momentum(_) | Slot::Advected { .. } => perturbations(arena, &slot.of(&state).symbols()).0,
+        Slot::Momentum(_) | Slot::Advected { .. } => perturbations(arena, &system.part(slot).symbols()).0,
     };
     Vector(system.slots().into_iter().flat_map(of).collect())
 }
 
 /// The perturbation of every symbol of the state, stored coordinates of configurations included.
-fn state_direction<'a>(system: &System<'a>, perturbed: &[FactorPart<'a>]) -> Vec<(Symbol, Expr<'a>)> {
-    let state = system.state();
-    let of = |slot: Slot| {
-        let change = match slot {
-            Slot::Configuration(factor) => {
-                let factor = &system.factors[factor];
-                stored_perturbation(factor.algebra.group, &factor.configuration, slot.of(perturbed))
-            }
-            Slot::Momentum(_) | Slot::Advected { .. } => slot.of(perturbed).clone(),
-        };
-        slot.of(&state).symbols().into_iter().zip(change.0)
-    };
-    system.slots().into_iter().flat_map(of).collect()
+fn state_direction<'a>(system: &System<'a>, perturbed: &Parts<'a>) -> Vec<(Symbol, Expr<'a>)> {
+    let configuration = system.group.stored_perturbation(&system.configuration(), &perturbed.configuration);
+    let change = system.join_state(&Parts { configuration, ..perturbed.clone() });
+    system.state_symbols().into_iter().zip(change.0).collect()
 }
 
 /// What a step makes of a perturbation.
@@ -128,15 +116,13 @@ struct Pushforward<'s, 'a> {
 }
 
 impl<'a> Pushforward<'_, 'a> {
-    /// The perturbation of a part of the next state, from that of the same part of the state.
-    fn of(&mut self, slot: Slot, perturbation: &Vector<'a>) -> Vector<'a> {
-        match slot {
-            Slot::Configuration(factor) => self.configuration(factor, perturbation.clone()),
-            Slot::Momentum(factor) => {
-                let next = self.system.split_state(&self.step.next);
-                self.along(&next[factor].momentum)
-            }
-            Slot::Advected { factor, place } => self.advected(factor, place, perturbation.clone()),
+    /// The perturbation of the next state, from that of the state.
+    fn of(&mut self, perturbed: Parts<'a>) -> Parts<'a> {
+        let next = self.system.split_state(&self.step.next);
+        Parts {
+            configuration: self.configuration(perturbed.configuration),
+            momentum: self.along(&next.momentum),
+            advected: self.advected(perturbed.advected),
         }
     }
 
@@ -145,40 +131,36 @@ impl<'a> Pushforward<'_, 'a> {
     }
 
     /// `δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx`, or `δ + Ad_{g⁻¹} dL τ_x δx`, for one increment after the other.
-    fn configuration(&mut self, factor: usize, perturbation: Vector<'a>) -> Vector<'a> {
-        let group = self.system.factors[factor].algebra.group;
-        let increments = self.step.increments[factor].iter();
-        increments.fold(perturbation, |perturbation, &Increment { retraction, from: ref g, by: ref x }| {
-            let dx = self.along(x);
-            let next = match self.system.side {
-                Side::Left => {
-                    let carried = carried_back(group, retraction, x, &perturbation);
-                    &carried + &d_left(group, retraction, x, &dx)
-                }
-                Side::Right => {
-                    let inner = d_left(group, retraction, x, &dx);
-                    &perturbation + &to_body(group, g, &inner)
-                }
+    fn configuration(&mut self, perturbation: Vector<'a>) -> Vector<'a> {
+        let Self { system, step, .. } = *self;
+        let group = &system.group;
+        step.increments.iter().fold(perturbation, |perturbation, increment| {
+            let Increment { retraction, from: g, by: x } = increment;
+            let inner = group.d_left(*retraction, x, &self.along(x));
+            let next = match system.side {
+                Side::Left => &group.carried_back(*retraction, x, &perturbation) + &inner,
+                Side::Right => &perturbation + &group.to_body(g, &inner),
             };
             next.hold()
         })
     }
 
     /// `δa' = Ad*_{τ(x)} δa + ad*_ω a'` with `a' = Ad*_{τ(x)} a`, `ω = dL τ_x δx`, for one increment after the other.
-    fn advected(&mut self, factor: usize, space: usize, perturbation: Vector<'a>) -> Vector<'a> {
-        let increments = self.step.increments[factor].iter();
-        let factor = &self.system.factors[factor];
-        let algebra = &factor.algebra;
-        let sign = self.step.h.arena().number(self.system.side.sign());
-        let start = (factor.advected[space].value.clone(), perturbation);
-        let (_, perturbation) = increments.fold(start, |(a, perturbation), increment| {
-            let retraction = self.system.side.carrying(increment.retraction);
+    fn advected(&mut self, perturbation: Vec<Vector<'a>>) -> Vec<Vector<'a>> {
+        let Self { system, step, .. } = *self;
+        let group = &system.group;
+        let sign = step.h.arena().number(system.side.sign());
+        let hold = |spaces: Vec<Vector<'a>>| spaces.iter().map(Vector::hold).collect::<Vec<_>>();
+        let start = (system.advected_values(), perturbation);
+        let (_, perturbation) = step.increments.iter().fold(start, |(a, perturbation), increment| {
+            let retraction = system.side.carrying(increment.retraction);
             let x = increment.by.scale(sign);
-            let omega = d_left(algebra.group, retraction, &x, &self.along(&increment.by).scale(sign));
-            let a = algebra.carry(space, retraction, &x, &a).hold();
-            let bracket = algebra.coadjoint_space(space, &omega.hold(), &a);
-            let carried = algebra.carry(space, retraction, &x, &perturbation);
-            (a, (&carried + &bracket).hold())
+            let omega = group.d_left(retraction, &x, &self.along(&increment.by).scale(sign));
+            let a = hold(group.carry(retraction, &x, &a));
+            let bracket = group.coadjoint_spaces(&omega.hold(), &a);
+            let carried = group.carry(retraction, &x, &perturbation);
+            let next = carried.iter().zip(&bracket).map(|(carried, bracket)| carried + bracket);
+            (a, hold(next.collect()))
         });
         perturbation
     }

@@ -32,15 +32,15 @@ pub struct Step<'a> {
     pub coarse_residual: Vector<'a>,
     /// Each positive while `x` is inside a retraction's domain.
     pub domain: Vec<Expr<'a>>,
-    /// How the configuration of each factor is moved, one increment after the other.
-    pub increments: Vec<Vec<Increment<'a>>>,
+    /// How the configuration is moved, one increment after the other.
+    pub increments: Vec<Increment<'a>>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
     /// What of it is bounded if the unknown is: rotations.
     pub bounded: Vec<bool>,
 }
 
-/// One move of a configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
+/// One move of the configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
 pub struct Increment<'a> {
     /// `τ`
     pub retraction: Retraction,
@@ -55,7 +55,7 @@ impl Scheme {
     /// but momentum and advected parameters has a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`, if the retraction is odd;
     /// and on vector spaces all retractions are the identity.
     pub fn original(self, system: &System<'_>, first: Retraction) -> Self {
-        let is_linear = system.factors.iter().all(|factor| factor.algebra.group.is_linear());
+        let is_linear = system.group.is_linear();
         let retraction = if is_linear { first } else { self.retraction };
         let is_other_end = self.rule == Rule::Family(Member::SYMPLECTIC_EULER_B);
         let is_first = is_other_end && (is_linear || retraction.is_odd()) && system.is_left_invariant();

@@ -3,84 +3,123 @@
 use crate::expr::{Arena, Expr, Stage, Vector};
 use crate::model::{Factor, System};
 
-/// The names of the values that belong to one factor. Each function gives its argument a name and returns it.
+/// The names of a step's values. Each function gives its argument names and returns it.
 pub(super) struct ValueNames<'s, 'a> {
-    factor: &'s Factor<'a>,
-    /// What tells these from the other factors' values, where there are others.
-    prefix: String,
-    /// The number `k` for which the unknown is `η/k`.
-    unknown_scale: i128,
+    system: &'s System<'a>,
+    /// For each factor the number `k` for which its unknown is `η/k`.
+    scales: Vec<i128>,
+}
+
+/// What a value is called of which the unknown is this part.
+fn unknown(scale: i128) -> &'static str {
+    match scale {
+        1 => "eta",
+        2 => "half_eta",
+        _ => "quarter_eta",
+    }
+}
+
+/// What is said of a value that is a multiple by the unknown's scale.
+fn multiple(scale: i128) -> &'static str {
+    match scale {
+        1 => "",
+        2 => "twice_",
+        _ => "four_times_",
+    }
 }
 
 impl<'s, 'a> ValueNames<'s, 'a> {
-    pub(super) fn new(system: &System<'a>, factor: &'s Factor<'a>, unknown_scale: i128) -> Self {
-        let prefix = match system.factors.len() {
+    pub(super) fn new(system: &'s System<'a>, scales: Vec<i128>) -> Self {
+        Self { system, scales }
+    }
+
+    /// What tells a factor's values from those of the others, where there are others.
+    fn prefix(&self, factor: &Factor<'a>) -> String {
+        match self.system.factors.len() {
             1 => String::new(),
             _ => format!("{}_", factor.name.plain()),
-        };
-        Self { factor, prefix, unknown_scale }
-    }
-
-    /// `η`, or the part of it that is the unknown.
-    pub(super) fn unknown(&self) -> &'static str {
-        match self.unknown_scale {
-            1 => "eta",
-            2 => "half_eta",
-            _ => "quarter_eta",
         }
     }
 
-    /// What is said of a value that is a multiple by the unknown's scale.
-    fn multiple(&self) -> &'static str {
-        match self.unknown_scale {
-            1 => "",
-            2 => "twice_",
-            _ => "four_times_",
-        }
+    /// A name for each factor and suffix.
+    fn each<'n>(
+        &self,
+        name: impl Fn(&Factor<'a>, i128) -> String,
+        suffixes: impl Fn(usize) -> &'n [&'n str],
+    ) -> Vec<String> {
+        let factors = self.system.factors.iter().zip(&self.scales).enumerate();
+        let names = factors.flat_map(|(place, (factor, &scale))| {
+            let name = name(factor, scale);
+            suffixes(place).iter().map(move |suffix| format!("{name}_{suffix}")).collect::<Vec<_>>()
+        });
+        names.collect()
+    }
+
+    /// A name for each component of an element of the algebra or of its dual.
+    fn axes(&self, name: impl Fn(&Factor<'a>, i128) -> String) -> Vec<String> {
+        self.each(name, |factor| self.system.group.factors[factor].group.axes())
+    }
+
+    /// A name for each component of an element of the group.
+    fn coordinates(&self, name: impl Fn(&Factor<'a>) -> String) -> Vec<String> {
+        self.each(|factor, _| name(factor), |factor| self.system.group.factors[factor].group.coordinates())
+    }
+
+    /// The names of the components of `η`, or of the part of it that is the unknown.
+    pub(super) fn unknown(&self) -> Vec<String> {
+        self.axes(|factor, scale| format!("{}{}", self.prefix(factor), unknown(scale)))
     }
 
     /// The names of the components of an element of the algebra or of its dual.
     pub(super) fn components(&self, what: &str) -> Vec<String> {
-        let axes = self.factor.algebra.group.axes().iter();
-        axes.map(|axis| format!("{}{what}_{axis}", self.prefix)).collect()
-    }
-
-    /// Symbols of an element of the algebra or of its dual, of stage *iteration*.
-    pub(super) fn symbols(&self, arena: &'a Arena, what: &str) -> Vector<'a> {
-        let names = self.components(what).into_iter();
-        Vector(names.map(|name| arena.symbol(name, Stage::Iteration)).collect())
-    }
-
-    /// A number.
-    pub(super) fn scalar(&self, what: &str, value: Expr<'a>) -> Expr<'a> {
-        value.named(format!("{}{what}", self.prefix))
+        self.axes(|factor, _| format!("{}{what}", self.prefix(factor)))
     }
 
     /// An element of the algebra or of its dual.
     pub(super) fn algebra(&self, what: &str, value: &Vector<'a>) -> Vector<'a> {
-        value.named(&format!("{}{what}", self.prefix), self.factor.algebra.group.axes())
+        named(value, self.components(what))
     }
 
     /// An element of the algebra or of its dual that is a multiple by the unknown's scale.
     pub(super) fn multiple_of(&self, what: &str, value: &Vector<'a>) -> Vector<'a> {
-        self.algebra(&format!("{}{what}", self.multiple()), value)
+        named(value, self.axes(|factor, scale| format!("{}{}{what}", self.prefix(factor), multiple(scale))))
     }
 
     /// An element of the group.
     pub(super) fn group(&self, what: &str, value: &Vector<'a>) -> Vector<'a> {
-        value.named(&format!("{}{what}", self.prefix), self.factor.algebra.group.coordinates())
+        named(value, self.coordinates(|factor| format!("{}{what}", self.prefix(factor))))
     }
 
     /// What becomes of the configuration.
     pub(super) fn configuration(&self, what: &str, value: &Vector<'a>) -> Vector<'a> {
-        value.named(&format!("{}_{what}", self.factor.name.plain()), self.factor.algebra.group.coordinates())
+        named(value, self.coordinates(|factor| format!("{}_{what}", factor.name.plain())))
+    }
+
+    /// The unknown's square, for each factor by itself.
+    pub(super) fn squares(&self, unknown_part: &Vector<'a>) {
+        let factors = self.system.factors.iter().zip(self.system.group.places());
+        for ((factor, place), &scale) in factors.zip(&self.scales) {
+            let part = place.algebra(unknown_part);
+            part.dot(&part).named(format!("{}{}_squared", self.prefix(factor), unknown(scale)));
+        }
     }
 
     /// What becomes of the advected parameters, or belongs to them.
     pub(super) fn advected(&self, what: &str, values: &[Vector<'a>]) {
-        let parameters = self.factor.advected.iter().zip(&self.factor.algebra.spaces);
-        for ((advected, space), value) in parameters.zip(values) {
+        let spaces = self.system.group.factors.iter().flat_map(|factor| &factor.spaces);
+        for ((advected, space), value) in self.system.advected().zip(spaces).zip(values) {
             value.named(&format!("{}_{what}", advected.name.plain()), space.coordinates());
         }
     }
+}
+
+/// Symbols with these names, of stage *iteration*.
+pub(super) fn symbols(arena: &Arena, names: Vec<String>) -> Vector<'_> {
+    Vector(names.into_iter().map(|name| arena.symbol(name, Stage::Iteration)).collect())
+}
+
+fn named<'a>(value: &Vector<'a>, names: Vec<String>) -> Vector<'a> {
+    Vector(
+        value.iter().zip(names).map(|(component, name): (Expr<'a>, String)| component.named(name)).collect(),
+    )
 }

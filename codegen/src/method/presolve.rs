@@ -5,6 +5,7 @@
 //! other equations, which may then be explicit, too.
 
 use crate::expr::{Expr, Symbol, Vector};
+use crate::group::Product;
 
 /// One of a step's equations, for a block of unknowns.
 pub struct Equation<'a> {
@@ -22,6 +23,27 @@ pub struct Equation<'a> {
     pub start: Vector<'a>,
     /// The names of the unknowns, given to their values where they are explicit.
     pub names: Vec<String>,
+}
+
+impl<'a> Equation<'a> {
+    /// Apart, for each of these sets of a group's factors.
+    pub fn apart(&self, group: &Product, sets: &[Vec<usize>]) -> Vec<Self> {
+        let places = group.places();
+        let of_set = |set: &Vec<usize>| {
+            let rows: Vec<usize> = set.iter().flat_map(|&factor| places[factor].algebra.clone()).collect();
+            let part = |whole: &Vector<'a>| Vector(rows.iter().map(|&row| whole.0[row]).collect());
+            Self {
+                unknown: part(&self.unknown),
+                blocks: set.iter().flat_map(|&factor| group.factors[factor].group.blocks()).collect(),
+                left: part(&self.left),
+                right: part(&self.right),
+                solved: self.solved.as_ref().map(part),
+                start: part(&self.start),
+                names: rows.iter().map(|&row| self.names[row].clone()).collect(),
+            }
+        };
+        sets.iter().map(of_set).collect()
+    }
 }
 
 /// What is left to iterate on, and the unknowns that are not.

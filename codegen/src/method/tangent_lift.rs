@@ -17,27 +17,24 @@
 
 use super::Step;
 use super::discretization::{Discretization, Path};
-use super::names::ValueNames;
+use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use crate::expr::{Arena, Derivative, Expr, Number, Symbol, Vector, gradient};
-use crate::group::{
-    Retraction, SemidirectVector, Side, carried_back, d_left, d_right, stored_perturbation, to_body,
-};
-use crate::model::{Energy, Factor, FactorPart, Relation, System};
+use crate::group::{Retraction, SemidirectVector, Side};
+use crate::model::{Energy, Parts, Relation, System};
 use crate::scheme::Member;
 
 /// A tangent lift of a system.
 struct Lift<'s, 'a> {
     system: &'s System<'a>,
     map: Discretization<'a>,
+    names: ValueNames<'s, 'a>,
+    /// For each factor `1/k`, where its unknown is `y/k`.
+    per_scales: Vec<Expr<'a>>,
 }
 
-/// A factor on its way.
-struct Motion<'s, 'a> {
-    factor: &'s Factor<'a>,
-    names: ValueNames<'s, 'a>,
-    /// The number `k` for which the unknown is `y/k`.
-    unknown_scale: Expr<'a>,
+/// Where the system is on its way.
+struct Motion<'a> {
     /// The unknown: symbols.
     x: Vector<'a>,
     /// `tη`
@@ -46,7 +43,7 @@ struct Motion<'s, 'a> {
     stations: [Station<'a>; 2],
 }
 
-/// Where a factor is.
+/// A place on the way.
 struct Station<'a> {
     configuration: Vector<'a>,
     advected: Vec<Vector<'a>>,
@@ -57,265 +54,197 @@ type Values<'a> = Vec<(Symbol, Expr<'a>)>;
 
 /// The step of a member of the family of lifts.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
-    let lift = Lift { system, map: Discretization::new(arena, system, retraction, member) };
-    let motions: Vec<Motion<'_, 'a>> =
-        system.factors.iter().map(|factor| Motion::new(&lift, factor)).collect();
+    let map = Discretization::new(arena, system, retraction, member);
+    let scales = system.group.unknown_scales(retraction);
+    let per_scales = scales.iter().map(|&scale| arena.number(Number::ratio(1, scale))).collect();
+    let lift = Lift { system, map, names: ValueNames::new(system, scales), per_scales };
+    let motion = lift.motion();
     let mut equations = Vec::new();
-    let velocity = lift.velocity(&motions, &mut equations);
-    let kick = lift.kick(&motions, &mut equations);
-    equations.push(lift.equation(&motions, &velocity, &kick));
-    let next = lift.next(&motions, &kick, &mut equations);
+    let velocity = lift.velocity(&mut equations);
+    let kick = lift.kick(&motion, &mut equations);
+    equations.push(lift.equation(&motion, &velocity, &kick));
+    let next = lift.next(&motion, &kick, &mut equations);
 
-    let paths: Vec<Path<'_, 'a>> = motions.iter().map(Motion::path).collect();
-    lift.map.lifted(system, presolve(equations), &paths, &next)
+    let [Station { configuration: middle, .. }, _] = motion.stations;
+    map.lifted(system, presolve(equations), &Path { middle, y: motion.y }, &next)
 }
 
-impl<'s, 'a> Motion<'s, 'a> {
-    fn new(lift: &Lift<'_, 'a>, factor: &'s Factor<'a>) -> Self {
-        let Lift { system, map: Discretization { moving, carrying, early, late, .. } } = *lift;
-        let retraction = moving.behind;
-        let (arena, algebra) = (early.arena(), &factor.algebra);
-        let scale = algebra.group.unknown_scale(retraction);
-        let names = ValueNames::new(system, factor, scale);
-        let x = names.symbols(arena, names.unknown());
-        let unknown_scale = arena.number(Number::ratio(scale, 1));
-        let y = x.scale(unknown_scale);
-        let (y_early, y_late) = (y.scale(early), y.scale(late));
-        let increment = algebra.group.retract(moving.before, &y_early).hold();
-        let middle = system.side.compose(algebra.group, &factor.configuration, &increment).hold();
-        let end = algebra.group.moved(system.side, retraction, &middle, &y_late).next;
-        let before = factor.advected_values();
-        let advected = lift.carried_along(factor, carrying.before, &before, &y_early);
-        let advected_next = lift.carried_along(factor, carrying.behind, &advected, &y_late);
+impl<'a> Lift<'_, 'a> {
+    fn motion(&self) -> Motion<'a> {
+        let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
+        let (arena, group) = (early.arena(), &system.group);
+        let x = symbols(arena, names.unknown());
+        let scales: Vec<Expr<'a>> = self.per_scales.iter().map(|scale| scale.recip()).collect();
+        let y = group.multiplied(&x, &scales);
+        let (y_early, y_late) = (y.scale(*early), y.scale(*late));
+        let increment = group.retract(moving.before, &y_early).hold();
+        let middle = group.compose(system.side, &system.configuration(), &increment).hold();
+        let end = group.moved(system.side, moving.behind, &middle, &y_late).next;
+        let sign = arena.number(system.side.sign());
+        let advected = group.carry(carrying.before, &y_early.scale(sign), &system.advected_values());
+        let advected_next = group.carry(carrying.behind, &y_late.scale(sign), &advected);
         let stations = [
             Station { configuration: middle, advected },
             Station { configuration: end, advected: advected_next },
         ];
-        Self { factor, names, unknown_scale, x, y, stations }
+        Motion { x, y, stations }
     }
 
-    /// An equation for all components of something that belongs to this factor: `left = right`, which holds no closed form.
-    fn equation(&self, what: &str, unknown: Vector<'a>, left: Vector<'a>, right: Vector<'a>) -> Equation<'a> {
-        Equation {
-            start: Vector::zeros(self.unknown_scale.arena(), unknown.len()),
-            unknown,
-            blocks: self.factor.algebra.group.blocks(),
-            left,
-            right,
+    /// `y/k` for each factor.
+    fn per_scale(&self, y: &Vector<'a>) -> Vector<'a> {
+        self.system.group.multiplied(y, &self.per_scales)
+    }
+
+    /// An equation that holds no closed form, for each factor: `left = right`.
+    fn implicit(&self, what: &str, [unknown, left, right, start]: [&Vector<'a>; 4]) -> Vec<Equation<'a>> {
+        let group = &self.system.group;
+        let whole = Equation {
+            start: start.clone(),
+            unknown: unknown.clone(),
+            blocks: group.blocks(),
+            left: left.clone(),
+            right: right.clone(),
             solved: None,
             names: self.names.components(what),
-        }
-    }
-
-    /// The way of its configuration.
-    fn path(&self) -> Path<'s, 'a> {
-        Path { factor: self.factor, middle: self.stations[0].configuration.clone(), y: self.y.clone() }
-    }
-}
-
-impl<'a> Lift<'_, 'a> {
-    /// Advected parameters where the configuration is moved by an element of the algebra.
-    fn carried_along(
-        &self,
-        factor: &Factor<'a>,
-        carrying: Retraction,
-        from: &[Vector<'a>],
-        by: &Vector<'a>,
-    ) -> Vec<Vector<'a>> {
-        let signed = by.scale(self.map.early.arena().number(self.system.side.sign()));
-        let carry = |(space, a)| factor.algebra.carry(space, carrying, &signed, a);
-        from.iter().enumerate().map(carry).collect()
+        };
+        whole.apart(group, &(0..group.factors.len()).map(|factor| vec![factor]).collect::<Vec<_>>())
     }
 
     /// What configurations, velocities, advected parameters and the time are at a station, with this share of the step behind it.
-    fn values(
-        &self,
-        motions: &[Motion<'_, 'a>],
-        station: usize,
-        velocity: &Vector<'a>,
-        share: Expr<'a>,
-    ) -> Values<'a> {
+    fn values(&self, station: &Station<'a>, velocity: &Vector<'a>, share: Expr<'a>) -> Values<'a> {
         let system = self.system;
         let mut values = Vec::new();
         let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
             values.extend(what.symbols().into_iter().zip(value.iter()));
         };
-        for (motion, velocity) in motions.iter().zip(system.split_momentum(velocity)) {
-            let (factor, station) = (motion.factor, &motion.stations[station]);
-            is(&factor.configuration, &station.configuration);
-            is(&factor.velocity, &velocity);
-            for (advected, value) in factor.advected.iter().zip(&station.advected) {
-                is(&advected.value, value);
-            }
+        is(&system.configuration(), &station.configuration);
+        is(&system.velocity_symbols(), velocity);
+        for (advected, value) in system.advected().zip(&station.advected) {
+            is(&advected.value, value);
         }
         is(&Vector(vec![system.time]), &Vector(vec![system.time + self.map.step * share]));
         values
     }
 
     /// `ξ_k`, with an equation if it has no closed form.
-    fn velocity(&self, motions: &[Motion<'_, 'a>], equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
+    fn velocity(&self, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
         let system = self.system;
         let residual = match system.velocity_relation() {
             Relation::Explicit(velocity) => return velocity.hold(),
             Relation::Implicit(residual) => residual,
             Relation::Singular => return system.velocity_symbols(),
         };
-        let momentum = system.momentum();
-        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.map.step.arena(), "velocity");
-        let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
-        let velocity = Vector::concat(&unknowns);
-        let symbols = system.velocity_symbols().symbols().into_iter();
-        let left = (residual + &momentum).substitute(&symbols.zip(velocity.iter()).collect::<Vec<_>>());
-        let parts = system.split_momentum(&left).into_iter().zip(system.split_momentum(&momentum));
-        for ((motion, unknown), (left, right)) in motions.iter().zip(unknowns).zip(parts) {
-            equations.push(motion.equation("velocity", unknown, left, right));
-        }
+        let (arena, momentum) = (self.map.step.arena(), system.momentum());
+        let velocity = symbols(arena, self.names.components("velocity"));
+        let at = system.velocity_symbols().symbols().into_iter();
+        let left = (residual + &momentum).substitute(&at.zip(velocity.iter()).collect::<Vec<_>>());
+        let start = Vector::zeros(arena, velocity.len());
+        equations.extend(self.implicit("velocity", [&velocity, &left, &momentum, &start]));
         velocity
     }
 
     /// The momentum at a station, with an equation if it has no closed form.
-    fn momentum(
-        &self,
-        motions: &[Motion<'_, 'a>],
-        values: &Values<'a>,
-        what: &str,
-        equations: &mut Vec<Equation<'a>>,
-    ) -> Vector<'a> {
+    fn momentum(&self, values: &Values<'a>, what: &str, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
         let system = self.system;
         let residual = match system.momentum_relation() {
             Relation::Explicit(momentum) => return momentum.substitute(values),
             Relation::Implicit(residual) => residual,
             Relation::Singular => return system.momentum(),
         };
-        let unknown = |motion: &Motion<'_, 'a>| motion.names.symbols(self.map.step.arena(), what);
-        let unknowns: Vec<Vector<'a>> = motions.iter().map(unknown).collect();
-        let momentum = Vector::concat(&unknowns);
+        let momentum = symbols(self.map.step.arena(), self.names.components(what));
         let mut at = values.clone();
         at.extend(system.momentum().symbols().into_iter().zip(momentum.iter()));
         let velocity = system.velocity_symbols();
         let left = (&residual + &velocity).substitute(&at);
         let right = velocity.substitute(values);
-        let parts = system.split_momentum(&left).into_iter().zip(system.split_momentum(&right));
-        for ((motion, unknown), (left, right)) in motions.iter().zip(unknowns).zip(parts) {
-            let equation = motion.equation(what, unknown, left, right);
-            equations.push(Equation { start: motion.factor.momentum.clone(), ..equation });
-        }
+        equations.extend(self.implicit(what, [&momentum, &left, &right, &system.momentum()]));
         momentum
     }
 
     /// `t ξ'(ḡ, η)`
-    fn kick(&self, motions: &[Motion<'_, 'a>], equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
-        let eta = Vector::concat(motions.iter().map(|motion| &motion.y)).scale(self.map.step.recip());
-        let mut values = self.values(motions, 0, &eta, self.map.early);
-        let momentum = self.momentum(motions, &values, "mu", equations);
+    fn kick(&self, motion: &Motion<'a>, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
+        let eta = motion.y.scale(self.map.step.recip());
+        let mut values = self.values(&motion.stations[0], &eta, self.map.early);
+        let momentum = self.momentum(&values, "mu", equations);
         values.extend(self.system.momentum().symbols().into_iter().zip(momentum.iter()));
         acceleration(self.map.step.arena(), self.system).substitute(&values).scale(self.map.step).hold()
     }
 
     /// `dL τ_x v` for velocities in the body, `dR τ_x v` for those in space.
-    fn carried(&self, factor: &Factor<'a>, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        let (group, retraction) = (factor.algebra.group, self.map.moving.behind);
+    fn carried(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
+        let (group, retraction) = (&self.system.group, self.map.moving.behind);
         match self.system.side {
-            Side::Left => d_left(group, retraction, x, v),
-            Side::Right => d_right(group, retraction, x, v),
+            Side::Left => group.d_left(retraction, x, v),
+            Side::Right => group.d_right(retraction, x, v),
         }
     }
 
     /// `Ad_{τ(x)⁻¹} y` for a multiple `x` of `y` and velocities in the body, `Ad_{τ(x)} y` for those in space: `y`, where `τ` is equivariant.
-    fn turned(&self, factor: &Factor<'a>, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+    fn turned(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         if self.map.moving.behind.is_equivariant() {
             return y.clone();
         }
-        let side = self.system.side;
-        let signed = x.scale(self.map.step.arena().number(side.sign()));
-        carried_back(factor.algebra.group, self.map.carrying.behind, &signed, y)
+        let signed = x.scale(self.map.step.arena().number(self.system.side.sign()));
+        self.system.group.carried_back(self.map.carrying.behind, &signed, y)
     }
 
     /// `Ad_{τ(−sy)⁻¹} y = t ξ_k + s t dL τ_{−sy} t ξ'`
-    fn equation(&self, motions: &[Motion<'_, 'a>], velocity: &Vector<'a>, kick: &Vector<'a>) -> Equation<'a> {
-        let split = |vector: &Vector<'a>| self.system.split_momentum(vector).into_iter();
-        let parts = motions.iter().zip(split(velocity).zip(split(kick)));
-        let right = parts.map(|(motion, (velocity, kick))| {
-            let back =
-                self.carried(motion.factor, &motion.y.scale(-self.map.early), &kick).scale(self.map.early);
-            (&velocity + &back).scale(self.map.step / motion.unknown_scale)
-        });
-        let right = Vector::concat(&right.collect::<Vec<_>>());
-        let start = motions.iter().zip(split(velocity));
-        let start = start.map(|(motion, velocity)| velocity.scale(self.map.step / motion.unknown_scale));
+    fn equation(&self, motion: &Motion<'a>, velocity: &Vector<'a>, kick: &Vector<'a>) -> Equation<'a> {
+        let Discretization { step, early, .. } = self.map;
+        let back = motion.y.scale(-early);
+        let right = velocity + &self.carried(&back, kick).scale(early);
+        let right = self.per_scale(&right.scale(step));
         let start = match self.system.velocity_relation() {
-            Relation::Explicit(_) => Vector::concat(&start.collect::<Vec<_>>()),
-            _ => Vector::zeros(self.map.step.arena(), right.len()),
+            Relation::Explicit(_) => self.per_scale(&velocity.scale(step)),
+            _ => Vector::zeros(step.arena(), right.len()),
         };
-        let unknown = Vector::concat(motions.iter().map(|motion| &motion.x));
-        let left = motions.iter().map(|motion| {
-            let turned = self.turned(motion.factor, &motion.y.scale(-self.map.early), &motion.y);
-            turned.scale(motion.unknown_scale.recip())
-        });
-        let left = Vector::concat(&left.collect::<Vec<_>>());
+        let left = self.per_scale(&self.turned(&back, &motion.y));
         Equation {
-            solved: (left == unknown).then(|| right.clone()),
+            solved: (left == motion.x).then(|| right.clone()),
             left,
-            unknown,
-            blocks: motions.iter().flat_map(|motion| motion.factor.algebra.group.blocks()).collect(),
+            unknown: motion.x.clone(),
+            blocks: self.system.group.blocks(),
             right,
             start,
-            names: motions.iter().flat_map(|m| m.names.components(m.names.unknown())).collect(),
+            names: self.names.unknown(),
         }
     }
 
     /// The state after the step, with an equation for the momentum if it has no closed form.
-    fn next(
-        &self,
-        motions: &[Motion<'_, 'a>],
-        kick: &Vector<'a>,
-        equations: &mut Vec<Equation<'a>>,
-    ) -> Vec<FactorPart<'a>> {
-        let parts = motions.iter().zip(self.system.split_momentum(kick));
-        let velocity = parts.map(|(motion, kick)| {
-            let late = motion.y.scale(self.map.late);
-            let change = self.carried(motion.factor, &late, &kick).scale(self.map.late);
-            &self.turned(motion.factor, &late, &motion.y).scale(self.map.step.recip()) + &change
-        });
-        let velocity = Vector::concat(&velocity.collect::<Vec<_>>());
-        let values = self.values(motions, 1, &velocity, self.map.step.arena().one());
-        let momentum = self.momentum(motions, &values, "momentum_next", equations);
-        let next = motions.iter().zip(self.system.split_momentum(&momentum));
-        let part = |(motion, momentum): (&Motion<'_, 'a>, Vector<'a>)| {
-            let [_, Station { configuration, advected }] = &motion.stations;
-            FactorPart { configuration: configuration.clone(), momentum, advected: advected.clone() }
-        };
-        next.map(part).collect()
+    fn next(&self, motion: &Motion<'a>, kick: &Vector<'a>, equations: &mut Vec<Equation<'a>>) -> Parts<'a> {
+        let Discretization { step, late, .. } = self.map;
+        let on = motion.y.scale(late);
+        let change = self.carried(&on, kick).scale(late);
+        let velocity = &self.turned(&on, &motion.y).scale(step.recip()) + &change;
+        let [_, end] = &motion.stations;
+        let values = self.values(end, &velocity, step.arena().one());
+        let momentum = self.momentum(&values, "momentum_next", equations);
+        Parts { configuration: end.configuration.clone(), momentum, advected: end.advected.clone() }
     }
 }
 
 /// `ξ'` along the motion, a function of configuration, velocity, the momentum that belongs to it, advected parameters, time and controls: by
 /// `μ' = ad*_ξ μ − T*L_g ∂h/∂g + F`, and by what a velocity is to a momentum.
 fn acceleration<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
-    let (mut direction, mut changes) = (Vec::new(), Vec::new());
-    let sign = arena.number(system.side.sign());
-    for factor in &system.factors {
-        let (group, g, xi) = (factor.algebra.group, &factor.configuration, &factor.velocity);
-        let by_advected = |a: &crate::model::Advected<'a>| gradient(system.potential(), &a.value.symbols());
-        let velocity =
-            SemidirectVector { base: xi.clone(), spaces: factor.advected.iter().map(by_advected).collect() };
-        let change = factor.algebra.coadjoint(&velocity.scale(sign), &factor.momentum_and_advected());
-        let in_body = match system.side {
-            Side::Left => xi.clone(),
-            Side::Right => to_body(group, g, xi),
-        };
-        let momentum = system.kick(factor).map_or_else(|| change.base.clone(), |kick| &change.base + kick);
-        let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
-            direction.extend(what.symbols().into_iter().zip(value.iter()));
-        };
-        is(g, &stored_perturbation(group, g, &in_body));
-        for (advected, change) in factor.advected.iter().zip(&change.spaces) {
-            is(&advected.value, change);
-        }
-        changes.push(momentum);
+    let (group, g, xi) = (&system.group, system.configuration(), system.velocity_symbols());
+    let by_advected = system.advected().map(|a| gradient(system.potential(), &a.value.symbols()));
+    let velocity = SemidirectVector { base: xi.clone(), spaces: by_advected.collect() };
+    let velocity = velocity.scale(arena.number(system.side.sign()));
+    let bracket = group.coadjoint(&velocity, &system.momentum_and_advected());
+    let in_body = match system.side {
+        Side::Left => xi,
+        Side::Right => group.to_body(&g, &xi),
+    };
+    let change = system.kick().map_or_else(|| bracket.base.clone(), |kick| &bracket.base + kick);
+    let mut direction = Vec::new();
+    let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
+        direction.extend(what.symbols().into_iter().zip(value.iter()));
+    };
+    is(&g, &group.stored_perturbation(&g, &in_body));
+    for (advected, change) in system.advected().zip(&bracket.spaces) {
+        is(&advected.value, change);
     }
     direction.extend(system.time_symbol().into_iter().map(|time| (time, arena.one())));
-    let change = Vector::concat(&changes);
     match &system.energy {
         Energy::Mechanical { inertia, .. } => inertia.solve_symmetric(&change),
         Energy::Hamiltonian(energy) => {

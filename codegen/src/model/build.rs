@@ -10,7 +10,7 @@ use super::{
 use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
-use crate::group::{Group, Semidirect, part_name};
+use crate::group::{Group, Product, Semidirect, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, lower_force, lower_forces, lower_scalar};
 use crate::parse::{Control, Shape};
@@ -33,7 +33,10 @@ impl<'a> System<'a> {
             .iter()
             .map(|declared| factor(arena, declared, &mut scope, &mut forbidden))
             .collect();
-        let advected = advected(arena, description, &mut factors, &mut scope);
+        let groups = description.factors.iter();
+        let groups = groups.map(|declared| Semidirect { group: declared.group, spaces: Vec::new() });
+        let mut group = Product { factors: groups.collect() };
+        let advected = advected(arena, description, (&mut group, &mut factors), &mut scope);
         let controls = description
             .controls
             .iter()
@@ -44,7 +47,7 @@ impl<'a> System<'a> {
 
         let mut sources = Sources::default();
         let energies = energies(arena, description, &forbidden, &mut sources, &mut scope, diagnostics);
-        forces(arena, description, &mut factors, &mut sources, &mut scope, diagnostics);
+        forces(arena, description, (&group, &mut factors), &mut sources, &mut scope, diagnostics);
         let inertias = inertias(description, &factors, (&parameters, &values));
         let energy = match (description.hamiltonian, description.lagrangian) {
             (Some(_), _) => Energy::Hamiltonian(energies.hamiltonian),
@@ -58,6 +61,7 @@ impl<'a> System<'a> {
             warn_of_unused(description, &scope, diagnostics);
         }
         let system = Self {
+            group,
             factors,
             parameters,
             constants: scope.constants,
@@ -68,6 +72,7 @@ impl<'a> System<'a> {
             inertias,
             sources,
             advected,
+            kick: OnceCell::new(),
             velocity: OnceCell::new(),
             casimirs: OnceCell::new(),
         };
@@ -196,13 +201,11 @@ fn factor<'a>(
     Factor {
         name: name.clone(),
         momentum_name: momentum_name.clone(),
-        algebra: Semidirect { group: *group, spaces: Vec::new() },
         configuration,
         momentum,
         velocity,
         advected: Vec::new(),
         force: None,
-        kick: OnceCell::new(),
     }
 }
 
@@ -232,7 +235,7 @@ pub(crate) fn parts(group: &dyn Group, momentum: &proc_macro2::Ident) -> Vec<Nam
 fn advected<'a>(
     arena: &'a Arena,
     description: &Description<'_>,
-    factors: &mut [Factor<'a>],
+    (group, factors): (&mut Product, &mut [Factor<'a>]),
     scope: &mut Scope<'a>,
 ) -> Vec<(usize, usize)> {
     let places = description.advected.iter().map(|declared| {
@@ -240,8 +243,8 @@ fn advected<'a>(
         let symbol = |suffix: &&str| arena.symbol(format!("{name}_{suffix}"), Stage::Step);
         let value = Vector(declared.space.coordinates().iter().map(symbol).collect());
         define(scope, &declared.name, &plain(&declared.name.ident), Value::Vector(value.clone()));
+        group.factors[declared.factor].spaces.push(declared.space);
         let factor = &mut factors[declared.factor];
-        factor.algebra.spaces.push(declared.space);
         factor.advected.push(Advected { name: declared.name.clone(), value });
         (declared.factor, factor.advected.len() - 1)
     });
@@ -315,13 +318,13 @@ fn energies<'a>(
 fn forces<'a>(
     arena: &'a Arena,
     description: &Description<'_>,
-    factors: &mut [Factor<'a>],
+    (group, factors): (&Product, &mut [Factor<'a>]),
     sources: &mut Sources,
     scope: &mut Scope<'a>,
     diagnostics: &mut Diagnostics,
 ) {
     for force in &description.forces {
-        let group = |factor: usize| factors[factor].algebra.group;
+        let group = |factor: usize| group.factors[factor].group;
         let (values, form) = match &force.factors {
             Some(Factors::All(all)) => {
                 lower_forces(force.value, (group(all.start), all.len()), scope, arena, diagnostics).unzip()

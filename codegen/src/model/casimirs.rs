@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{Factor, System};
 use crate::expr::{Expr, Number, Vector};
 use crate::group::casimirs::{Polynomial, casimirs};
-use crate::group::{Structure, part_name};
+use crate::group::{Group, Semidirect, Structure, part_name};
 use crate::identifiers::plain;
 
 /// What a system's bracket keeps.
@@ -30,9 +30,9 @@ impl<'a> System<'a> {
     pub fn casimirs(&self) -> &Casimirs<'a> {
         self.casimirs.get_or_init(|| {
             let mut all = Casimirs::default();
-            for factor in &self.factors {
-                let is_moved = factor.force.is_some() || self.depends_on_configuration(factor);
-                let Casimirs { found, missing } = of_factor(factor, is_moved);
+            // those of a product are those of its factors
+            for (factor, algebra) in self.factors.iter().zip(&self.group.factors) {
+                let Casimirs { found, missing } = of_factor(factor, algebra, self.is_kicked(factor));
                 all.found.extend(found);
                 all.missing += missing;
             }
@@ -41,11 +41,11 @@ impl<'a> System<'a> {
     }
 }
 
-fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
-    let Some(structure) = Structure::of(&factor.algebra) else { return Casimirs::default() };
-    let mut blocks = momenta(factor);
+fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> Casimirs<'a> {
+    let Some(structure) = Structure::of(algebra) else { return Casimirs::default() };
+    let mut blocks = momenta(factor, algebra.group);
     let momenta = blocks.len();
-    let spaces = factor.advected.iter().zip(&factor.algebra.spaces);
+    let spaces = factor.advected.iter().zip(&algebra.spaces);
     blocks.extend(spaces.map(|(advected, space)| Block {
         name: advected.name.plain(),
         axes: space.coordinates().to_vec(),
@@ -67,8 +67,8 @@ fn of_factor<'a>(factor: &Factor<'a>, is_moved: bool) -> Casimirs<'a> {
 }
 
 /// The parts of a factor's momentum.
-fn momenta<'a>(factor: &Factor<'a>) -> Vec<Block<'a>> {
-    let (group, name) = (factor.algebra.group, &factor.momentum_name);
+fn momenta<'a>(factor: &Factor<'a>, group: &dyn Group) -> Vec<Block<'a>> {
+    let name = &factor.momentum_name;
     let whole = plain(&name.ident);
     let parts: Vec<(String, usize)> = match group.parts() {
         [] => vec![(name.plain(), group.dimension())],

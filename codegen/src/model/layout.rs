@@ -1,9 +1,10 @@
-//! The order of storage, and how vectors of a whole system are cut into what they have for each factor, and joined again.
+//! The order of storage, and how vectors in this order are cut into what they are made of, and joined again.
 
 use std::ops::Range;
 
-use super::System;
+use super::{Factor, System};
 use crate::expr::Vector;
+use crate::group::Place;
 
 /// A place in the order of storage: configuration and momentum of each factor, then the advected parameters in the order declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,15 +22,15 @@ pub enum Slot {
     },
 }
 
-/// What a vector in the order of storage has for one factor.
+/// What a vector in the order of storage is made of, each part that of the group's factors one after the other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FactorPart<'a> {
+pub struct Parts<'a> {
     /// In a state the stored coordinates of the configuration; in a tangent vector an element of the algebra, in a cotangent vector one of
     /// its dual.
     pub configuration: Vector<'a>,
     /// The momentum's part.
     pub momentum: Vector<'a>,
-    /// The part of each advected parameter of the factor.
+    /// The part of each advected parameter, in the order of the group's spaces.
     pub advected: Vec<Vector<'a>>,
 }
 
@@ -41,74 +42,72 @@ impl<'a> System<'a> {
         pairs.chain(self.advected.iter().map(|&(factor, place)| Slot::Advected { factor, place })).collect()
     }
 
-    /// The symbols of the state, factor by factor.
-    pub fn state(&self) -> Vec<FactorPart<'a>> {
-        let of = |factor: &super::Factor<'a>| FactorPart {
-            configuration: factor.configuration.clone(),
-            momentum: factor.momentum.clone(),
-            advected: factor.advected_values(),
-        };
-        self.factors.iter().map(of).collect()
-    }
-
-    /// What a vector of stored coordinates, in the order of storage, has for each factor.
-    pub fn split_state(&self, vector: &Vector<'a>) -> Vec<FactorPart<'a>> {
-        self.split(vector, self.state())
-    }
-
-    /// What a tangent or cotangent vector, in the order of storage, has for each factor.
-    pub fn split_tangent(&self, vector: &Vector<'a>) -> Vec<FactorPart<'a>> {
-        let mut shape = self.state();
-        for part in &mut shape {
-            // the algebra in the place of the group
-            part.configuration = part.momentum.clone();
+    /// The symbols of a part of the state.
+    pub fn part(&self, slot: Slot) -> &Vector<'a> {
+        match slot {
+            Slot::Configuration(factor) => &self.factors[factor].configuration,
+            Slot::Momentum(factor) => &self.factors[factor].momentum,
+            Slot::Advected { factor, place } => &self.factors[factor].advected[place].value,
         }
-        self.split(vector, shape)
     }
 
-    /// Cuts a vector into parts of the lengths of these.
-    fn split(&self, vector: &Vector<'a>, mut parts: Vec<FactorPart<'a>>) -> Vec<FactorPart<'a>> {
+    /// The symbols of the state.
+    pub fn state(&self) -> Parts<'a> {
+        Parts {
+            configuration: self.configuration(),
+            momentum: self.momentum(),
+            advected: self.advected_values(),
+        }
+    }
+
+    /// What a vector of stored coordinates, in the order of storage, is made of.
+    pub fn split_state(&self, vector: &Vector<'a>) -> Parts<'a> {
+        self.split(vector, |factor| factor.configuration.len())
+    }
+
+    /// What a tangent or cotangent vector, in the order of storage, is made of.
+    pub fn split_tangent(&self, vector: &Vector<'a>) -> Parts<'a> {
+        // the algebra in the place of the group
+        self.split(vector, |factor| factor.momentum.len())
+    }
+
+    fn split(&self, vector: &Vector<'a>, of_configuration: impl Fn(&Factor<'a>) -> usize) -> Parts<'a> {
+        let (mut configuration, mut momentum, mut advected) =
+            (Vec::new(), Vec::new(), self.advected_values());
+        let places = self.group.places();
         let mut rest = vector.iter();
+        let mut take = |length: usize| rest.by_ref().take(length).collect::<Vec<_>>();
         for slot in self.slots() {
-            let part = slot.of_mut(&mut parts);
-            *part = Vector(rest.by_ref().take(part.len()).collect());
+            match slot {
+                Slot::Configuration(factor) => {
+                    configuration.extend(take(of_configuration(&self.factors[factor])));
+                }
+                Slot::Momentum(_) => momentum.extend(take(self.part(slot).len())),
+                Slot::Advected { factor, place } => {
+                    advected[places[factor].spaces.start + place] = Vector(take(self.part(slot).len()));
+                }
+            }
         }
-        parts
+        Parts { configuration: Vector(configuration), momentum: Vector(momentum), advected }
     }
 
-    /// The parts of all factors in the order of storage.
-    pub fn join(&self, parts: &[FactorPart<'a>]) -> Vector<'a> {
-        Vector(self.slots().iter().flat_map(|slot| slot.of(parts).iter()).collect())
+    /// A state in the order of storage.
+    pub fn join_state(&self, parts: &Parts<'a>) -> Vector<'a> {
+        self.join(parts, |place| place.stored.clone())
     }
 
-    /// Where the momentum of a factor stands among all momenta.
-    pub fn momentum_range(&self, factor: usize) -> Range<usize> {
-        let start = self.factors[..factor].iter().map(|factor| factor.momentum.len()).sum();
-        start..start + self.factors[factor].momentum.len()
+    /// A tangent or cotangent vector in the order of storage.
+    pub fn join_tangent(&self, parts: &Parts<'a>) -> Vector<'a> {
+        self.join(parts, |place| place.algebra.clone())
     }
 
-    /// What a vector with the components of all momenta, or of all velocities, has for each factor.
-    pub fn split_momentum(&self, vector: &Vector<'a>) -> Vec<Vector<'a>> {
-        let of = |factor| Vector(vector.0[self.momentum_range(factor)].to_vec());
-        (0..self.factors.len()).map(of).collect()
-    }
-}
-
-impl Slot {
-    /// What stands here.
-    pub fn of<'p, 'a>(self, parts: &'p [FactorPart<'a>]) -> &'p Vector<'a> {
-        match self {
-            Self::Configuration(factor) => &parts[factor].configuration,
-            Self::Momentum(factor) => &parts[factor].momentum,
-            Self::Advected { factor, place } => &parts[factor].advected[place],
-        }
-    }
-
-    fn of_mut<'p, 'a>(self, parts: &'p mut [FactorPart<'a>]) -> &'p mut Vector<'a> {
-        match self {
-            Self::Configuration(factor) => &mut parts[factor].configuration,
-            Self::Momentum(factor) => &mut parts[factor].momentum,
-            Self::Advected { factor, place } => &mut parts[factor].advected[place],
-        }
+    fn join(&self, parts: &Parts<'a>, of_configuration: impl Fn(&Place) -> Range<usize>) -> Vector<'a> {
+        let places = self.group.places();
+        let part = |slot| match slot {
+            Slot::Configuration(factor) => parts.configuration.part(of_configuration(&places[factor])).0,
+            Slot::Momentum(factor) => places[factor].algebra(&parts.momentum).0,
+            Slot::Advected { factor, place } => places[factor].spaces(&parts.advected)[place].0.clone(),
+        };
+        Vector(self.slots().into_iter().flat_map(part).collect())
     }
 }

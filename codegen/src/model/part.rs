@@ -1,8 +1,8 @@
 //! The parts of the state, and the controls, as fields of generated structs.
 
-use super::{Factor, Name, Slot, System};
+use super::{Advected, Factor, Name, Slot, System};
 use crate::expr::{Symbol, Vector};
-use crate::group::{Side, StorageType};
+use crate::group::{Group, Representation, Side, StorageType};
 use crate::parse::Shape;
 
 /// What a quantity is to its system, by the names of the runtime's `Role`.
@@ -71,17 +71,22 @@ impl<'a> System<'a> {
     /// The parts of the state in the order of storage.
     pub fn parts(&self) -> Vec<Part<'a>> {
         let part = |slot| match slot {
-            Slot::Configuration(factor) => self.factors[factor].configuration_part(),
-            Slot::Momentum(factor) => self.factors[factor].momentum_part(self.side),
-            Slot::Advected { factor, place } => self.factors[factor].advected_part(place, self.side),
+            Slot::Configuration(factor) => {
+                self.factors[factor].configuration_part(self.group.factors[factor].group)
+            }
+            Slot::Momentum(factor) => {
+                self.factors[factor].momentum_part(self.group.factors[factor].group, self.side)
+            }
+            Slot::Advected { factor, place } => {
+                self.factors[factor].advected[place].part(self.group.factors[factor].spaces[place], self.side)
+            }
         };
         self.slots().into_iter().map(part).collect()
     }
 }
 
 impl<'a> Factor<'a> {
-    fn configuration_part(&self) -> Part<'a> {
-        let group = self.algebra.group;
+    fn configuration_part(&self, group: &dyn Group) -> Part<'a> {
         let doc = if group.is_linear() { "Position." } else { "From body to space coordinates." };
         Part {
             role: Role::Configuration,
@@ -94,8 +99,7 @@ impl<'a> Factor<'a> {
         }
     }
 
-    fn momentum_part(&self, side: Side) -> Part<'a> {
-        let group = self.algebra.group;
+    fn momentum_part(&self, group: &dyn Group, side: Side) -> Part<'a> {
         Part {
             role: Role::Momentum,
             name: self.momentum_name.clone(),
@@ -110,21 +114,22 @@ impl<'a> Factor<'a> {
             },
         }
     }
+}
 
-    fn advected_part(&self, place: usize, side: Side) -> Part<'a> {
-        let (space, advected) = (self.algebra.spaces[place], &self.advected[place]);
+impl<'a> Advected<'a> {
+    fn part(&self, space: &dyn Representation, side: Side) -> Part<'a> {
         let seen = match side {
             Side::Left => "fixed in space, seen in body coordinates",
             Side::Right => "fixed in the body, seen in space",
         };
         Part {
             role: Role::Advected,
-            name: advected.name.clone(),
+            name: self.name.clone(),
             stored: space.storage().into(),
             suffixes: owned(space.coordinates()),
-            symbols: advected.value.symbols(),
-            value: advected.value.clone(),
-            doc: format!("Advected parameter `{}`, {seen}.", advected.name.ident),
+            symbols: self.value.symbols(),
+            value: self.value.clone(),
+            doc: format!("Advected parameter `{}`, {seen}.", self.name.ident),
         }
     }
 }

@@ -205,18 +205,25 @@ impl<'a> About<'a> {
         x.clone().resize_vertically(self.frame.linear.len(), 0.0)
     }
 
-    /// `dR τ_x`, by differences: `dL τ_{−x}` of what is odd.
+    /// `dR τ_x`, by differences: `dL τ_{−x}` of what is odd, else `Ad_{τ(x)} dL τ_x`.
     pub(super) fn d_right(&self, map: Map, x: &DVector<f64>) -> Found<DMatrix<f64>> {
-        self.frame.logarithmic_derivative(&self.state, map, &-x).ok_or(Degenerate)
+        let d_left =
+            |x: &DVector<f64>| self.frame.logarithmic_derivative(&self.state, map, x).ok_or(Degenerate);
+        if map.is_matrix_function() { d_left(&-x) } else { Ok(self.adjoint(map, x)? * d_left(x)?) }
     }
 
-    /// `Ad_{τ(x)}`, by differences: of `z` it makes the direction in which `g τ(x) exp(tz) τ(−x)` leaves.
+    /// `Ad_{τ(x)}`, by differences: of `z` it makes the direction in which `g τ(x) exp(tz) τ(x)⁻¹` leaves.
     pub(super) fn adjoint(&self, map: Map, x: &DVector<f64>) -> Found<DMatrix<f64>> {
         let there = self.frame.moved(&self.state, map, x);
+        // τ(−x) is the way back where τ is odd, the exponential always is
+        let (odd, x) = match map.is_matrix_function() {
+            true => (map, x.clone()),
+            false => (Map::Exponential, self.logarithm(map, x)?),
+        };
         let column = |i: usize| {
             slope(self.small(i), &|t| {
                 let beside = self.frame.moved(&there, Map::Exponential, &self.axis(i, t));
-                self.frame.moved(&beside, map, &-x).into()
+                self.frame.moved(&beside, odd, &-&x).into()
             })
         };
         let columns: Vec<_> = (0..self.dimension()).map(column).collect();
@@ -339,18 +346,22 @@ pub(super) fn combined(basis: &[DMatrix<f64>], x: &DVector<f64>) -> DMatrix<f64>
     basis.iter().zip(x.iter()).fold(zero, |sum, (e, x)| sum + e * *x)
 }
 
-/// `exp X` as a series, or `(1 − X/2)⁻¹(1 + X/2)`.
+/// `exp X` as a series.
+pub(super) fn exponential(x: &DMatrix<f64>) -> DMatrix<f64> {
+    let one = DMatrix::identity(x.nrows(), x.nrows());
+    let (mut sum, mut term) = (one.clone(), one);
+    for k in 1..80_u32 {
+        term = &term * x / f64::from(k);
+        sum += &term;
+    }
+    sum
+}
+
+/// `exp X`, or `(1 − X/2)⁻¹(1 + X/2)`.
 pub(super) fn function(map: Map, x: &DMatrix<f64>) -> Found<DMatrix<f64>> {
     let one = DMatrix::identity(x.nrows(), x.nrows());
     match map {
-        Map::Exponential => {
-            let (mut sum, mut term) = (one.clone(), one);
-            for k in 1..80_u32 {
-                term = &term * x / f64::from(k);
-                sum += &term;
-            }
-            Ok(sum)
-        }
+        Map::Exponential => Ok(exponential(x)),
         Map::Cayley => (&one - x * 0.5).lu().solve(&(&one + x * 0.5)).ok_or(Degenerate),
         Map::SecondKind => Err(Degenerate),
     }

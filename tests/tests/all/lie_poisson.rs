@@ -43,7 +43,7 @@ impl<'a> Subject<'a> {
         let momentum: Vec<Symbol> = system.factors.iter().flat_map(of).collect();
         Self {
             system,
-            matrices: ProductMatrices::new(system.factors.iter().map(|factor| &factor.algebra)),
+            matrices: ProductMatrices::new(&system.group),
             point: random_point(system, seed),
             velocity: gradient(system.energy(), &momentum),
             momentum,
@@ -221,8 +221,10 @@ fn steps_solve_their_definition() {
             &dual(&eta.scale(&late)).scale(&late) + &dual(&eta.scale(&-s)).scale(s)
         };
         // the group's part of η is what the configuration moves by; the advected part of m̄ depends on it alone, and gives that of η
+        let whole = moved_by(&solved, &member.step.increments);
+        let places = subject.system.group.places().into_iter();
         let y: Vec<Column> =
-            member.step.increments.iter().map(|increments| moved_by(&solved, increments)).collect();
+            places.map(|place| whole.part(place.algebra.start, place.algebra.len())).collect();
         let eta_with = |advected: &Column| {
             let parts = matrices.split_all(advected).into_iter().zip(&y);
             let parts =
@@ -237,8 +239,9 @@ fn steps_solve_their_definition() {
         let moved = matrices.coadjoint(*retraction, &eta.scale(&late), &carried(&eta));
         residuals.agree("m' = Ad*_{τ((1−s)η)} m⁻", &member.momentum(&next), &moved, EXACT);
 
-        for (factor, y) in subject.system.factors.iter().zip(&y) {
-            let alone = Semidirect { group: factor.algebra.group, spaces: Vec::new() };
+        let factors = subject.system.factors.iter().zip(&subject.system.group.factors);
+        for ((factor, algebra), y) in factors.zip(&y) {
+            let alone = Semidirect { group: algebra.group, spaces: Vec::new() };
             let (matrices, realization) = (SemidirectMatrices::new(&alone), realization(alone.group));
             let configuration = factor.configuration.symbols();
             let g = realization.matrix(&subject.point.get(&configuration));
@@ -252,7 +255,7 @@ fn steps_solve_their_definition() {
     });
 }
 
-/// The sum of what a configuration is moved by.
+/// The sum of what the configuration is moved by.
 fn moved_by(solved: &Point, increments: &[Increment<'_>]) -> Column {
     let by = increments.iter().map(|increment| solved.vector(&increment.by));
     by.reduce(|sum, by| &sum + &by).expect("a configuration moves")
@@ -276,8 +279,9 @@ fn steps_without_a_potential_keep_the_momentum_in_space() {
         let (m, arena) = (member.subject.start(), Arena::new());
         let next = member.next(&tenth(), &m);
         let Subject { system, point, .. } = member.subject;
-        for factor in system.factors.iter().filter(|factor| factor.advected.is_empty()) {
-            let (group, configuration) = (factor.algebra.group, factor.configuration.symbols());
+        let factors = system.factors.iter().zip(&system.group.factors);
+        for (factor, algebra) in factors.filter(|(factor, _)| factor.advected.is_empty()) {
+            let (group, configuration) = (algebra.group, factor.configuration.symbols());
             let dimensions = [configuration.len(), group.dimension()];
             let to_space = Formula::new(&arena, dimensions, |[g, m]| group.to_space(&g, &m));
             let momentum = factor.momentum.symbols();

@@ -28,12 +28,11 @@ fn moved(group: &dyn Group, g: &Column, x: &Column) -> Column {
 
 /// The parts of a state, in the order of storage: symbols, and the group of those that are a configuration.
 fn parts<'a>(system: &System<'a>) -> Vec<(Vec<Symbol>, Option<&'static dyn Group>)> {
-    let state = system.state();
     let group = |slot| match slot {
-        Slot::Configuration(factor) => Some(system.factors[factor].algebra.group),
+        Slot::Configuration(factor) => Some(system.group.factors[factor].group),
         Slot::Momentum(_) | Slot::Advected { .. } => None,
     };
-    system.slots().into_iter().map(|slot| (slot.of(&state).symbols(), group(slot))).collect()
+    system.slots().into_iter().map(|slot| (system.part(slot).symbols(), group(slot))).collect()
 }
 
 /// The state at a point, changed by something in tangent coordinates.

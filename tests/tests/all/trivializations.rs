@@ -75,8 +75,7 @@ impl Taken {
         let state = system.state_symbols();
         let next = point.with(&state, &solver.next(&solved));
         let factor = &system.factors[0];
-        let by: Vec<Column> =
-            step.increments[0].iter().map(|increment| solved.vector(&increment.by)).collect();
+        let by: Vec<Column> = step.increments.iter().map(|increment| solved.vector(&increment.by)).collect();
         let velocity = by.into_iter().reduce(|sum, by| &sum + &by).expect("a configuration moves");
         let stored = [&point, &next].map(|at| at.get(&factor.configuration.symbols()));
         let on_side = [&point, &next].map(|at| at.get(&factor.momentum.symbols()));
@@ -154,7 +153,7 @@ fn which_trivializations_are_one_map() {
     for description in all_kinds().iter().filter(|description| names.contains(&description.name)) {
         let arena = Arena::new();
         let system = description.system(&arena);
-        let alone = Semidirect { group: system.factors[0].algebra.group, spaces: Vec::new() };
+        let alone = Semidirect { group: system.group.factors[0].group, spaces: Vec::new() };
         let matrices = SemidirectMatrices::new(&alone);
         for retraction in Retraction::ALL {
             for (n, d) in [(0, 1), (1, 4), (1, 2), (3, 4), (1, 1)] {

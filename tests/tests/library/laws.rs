@@ -3,11 +3,11 @@
 #![allow(clippy::unwrap_used)]
 
 use coadjoint::__private::{Geometry, Map, Scalar};
-use coadjoint::assert_group_laws;
 use coadjoint::certify::{CertifyError, Verdict, group_laws};
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
 use coadjoint::system::{Generated, Schemes, Visitor};
+use coadjoint::{SecondKind, assert_group_laws};
 
 use crate::faulty::{Fault, Faulty, FaultyKernel};
 
@@ -34,6 +34,9 @@ fn families_and_the_catalogue_obey_their_laws() {
     assert_group_laws!(Heisenberg);
     assert_group_laws!(SO3, advected(gamma: R3));
     assert_group_laws!(SE3);
+    assert_group_laws!(SE3, retractions(SecondKind));
+    assert_group_laws!(SO3, advected(gamma: R3), retractions(SecondKind), invariance = right);
+    assert_group_laws!(SU2, advected(m: coadjoint), retractions(SecondKind));
     assert_group_laws!(SU2);
     assert_group_laws!(R2);
 }
@@ -73,7 +76,11 @@ impl<F: Fault> Schemes for Faulty<Drop, F> {
 /// The laws that do not hold for a drop that is bent.
 fn broken<F: Fault>(bend: impl FnOnce(Faulty<Drop, F>) -> Faulty<Drop, F>) -> Vec<String> {
     let (drop, state) = drop();
-    let laws = group_laws(&bend(Faulty::new(drop)), &state).unwrap();
+    broken_of(&bend(Faulty::new(drop)), &state)
+}
+
+fn broken_of<S: Geometry<Scalar = f64> + Schemes>(system: &S, state: &S::State) -> Vec<String> {
+    let laws = group_laws(system, state).unwrap();
     println!("{laws}\n");
     assert_eq!(laws.passed(), laws.failures().next().is_none());
     laws.failures().map(|law| law.name.clone()).collect()
@@ -118,6 +125,46 @@ fn a_wrong_closed_form_is_found() {
     assert_eq!(
         swapped,
         ["Cayley: definition", "Cayley: derivative", "Cayley: coadjoint action", "Cayley: spaces"]
+    );
+}
+
+/// A body that turns about its axes one after the other.
+#[lie_poisson_system(group = SO3, advected(gamma: R3), retractions(SecondKind))]
+struct Turning {
+    #[inertia]
+    inertia: Vector3<f64>,
+}
+
+impl<F: Fault> Generated<SymplecticEulerA<SecondKind>> for Faulty<Turning, F> {
+    type Kernel<T: Scalar> = FaultyKernel<<Turning as Generated<SymplecticEulerA<SecondKind>>>::Kernel<T>, F>;
+}
+
+impl<F: Fault> Schemes for Faulty<Turning, F> {
+    fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output> {
+        let is_there = (map, rule) == (Map::SecondKind, Rule::Member(0, 1));
+        is_there.then(|| visitor.visit::<SymplecticEulerA<SecondKind>>())
+    }
+}
+
+#[test]
+fn wrong_coordinates_of_the_second_kind_are_found() {
+    fn bent<F: Fault>(bend: impl FnOnce(Faulty<Turning, F>) -> Faulty<Turning, F>) -> Vec<String> {
+        let turning = Turning { inertia: vector![1.0, 2.0, 2.5] };
+        let attitude = UnitQuaternion::from_scaled_axis(vector![0.3, -0.2, 0.5]);
+        let state =
+            TurningState { attitude, momentum: vector![0.1, 0.5, -0.5], gamma: vector![0.3, 0.1, 0.9] };
+        broken_of(&bend(Faulty::new(turning)), &state)
+    }
+    assert!(bent::<()>(|turning| turning).is_empty());
+    let swapped = bent::<()>(|turning| {
+        turning.with_displacement(|turning, state, _, by| turning.displace(state, Map::Exponential, by))
+    });
+    let laws = ["definition", "derivative", "coadjoint action", "spaces"];
+    assert_eq!(swapped, laws.map(|law| format!("second kind: {law}")));
+    assert_eq!(bent::<Right>(|turning| turning), ["second kind: derivative"]);
+    assert_eq!(
+        bent::<Momentum>(|turning| turning),
+        ["second kind: coadjoint action", "second kind: Casimirs"]
     );
 }
 

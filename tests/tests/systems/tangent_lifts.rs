@@ -5,7 +5,7 @@
 use coadjoint_codegen::expr::{Arena, Vector, gradient};
 use coadjoint_codegen::group::{Group, Retraction, Side};
 use coadjoint_codegen::method::{Step, tangent_lift};
-use coadjoint_codegen::model::{Energy, Factor, System};
+use coadjoint_codegen::model::{Energy, System};
 use coadjoint_codegen::scheme::Member;
 use coadjoint_support::precise::definition::{self, ProductMatrices, realization};
 use coadjoint_support::precise::descriptions::{all_kinds, random_point};
@@ -49,7 +49,7 @@ impl<'s, 'a> Mechanics<'s, 'a> {
             Energy::Lagrangian(l) => (-*l, gradient(*l, &system.velocity_symbols().symbols())),
             _ => (system.energy(), gradient(system.energy(), &momentum)),
         };
-        let matrices = ProductMatrices::new(system.factors.iter().map(|factor| &factor.algebra));
+        let matrices = ProductMatrices::new(&system.group);
         Self { system, matrices, energy, fibre }
     }
 
@@ -79,16 +79,16 @@ impl<'s, 'a> Mechanics<'s, 'a> {
         solved(point.get(&momenta), velocity, of)
     }
 
-    /// The configuration moved by an element of the algebra along the exponential, in stored coordinates.
-    fn displaced(&self, factor: &Factor<'_>, g: &Column, by: &Column) -> Column {
-        moved(factor.algebra.group, self.system.side, Retraction::Exponential, g, by)
+    /// The configuration of a factor moved by an element of the algebra along the exponential, in stored coordinates.
+    fn displaced(&self, group: &dyn Group, g: &Column, by: &Column) -> Column {
+        moved(group, self.system.side, Retraction::Exponential, g, by)
     }
 
     /// `μ' = ad*_ξ μ − ∂h/∂g + F` and `a'` at a point that has a velocity and the momentum that belongs to it.
     fn change(&self, point: &Point) -> Vec<Column> {
         let sign = Real::from(self.system.side.sign());
         let (mut xi, mut m, mut kicks) = (Vec::new(), Vec::new(), Vec::new());
-        for factor in &self.system.factors {
+        for (factor, algebra) in self.system.factors.iter().zip(&self.system.group.factors) {
             xi.push(point.get(&factor.velocity.symbols()));
             m.push(point.get(&factor.momentum.symbols()));
             for advected in &factor.advected {
@@ -99,10 +99,10 @@ impl<'s, 'a> Mechanics<'s, 'a> {
             let configuration = factor.configuration.symbols();
             let g = point.get(&configuration);
             let energy = |by: &Column| {
-                let there = point.with(&configuration, &self.displaced(factor, &g, by));
+                let there = point.with(&configuration, &self.displaced(algebra.group, &g, by));
                 Column(vec![there.scalar(self.energy)])
             };
-            let n = factor.algebra.group.dimension();
+            let n = algebra.group.dimension();
             let by_configuration = jacobian(&Column::zeros(n), energy).transpose().column(0);
             let force = factor.force.as_ref().map_or_else(|| Column::zeros(n), |force| point.vector(force));
             kicks.push(&force - &by_configuration);
@@ -123,10 +123,11 @@ impl<'s, 'a> Mechanics<'s, 'a> {
         let along = |by: &Column| {
             let by = &by[0];
             let (mut there, mut changes) = (point.clone(), change.iter());
-            for factor in &self.system.factors {
+            for (factor, algebra) in self.system.factors.iter().zip(&self.system.group.factors) {
                 let velocity = point.get(&factor.velocity.symbols()).scale(by);
                 let configuration = factor.configuration.symbols();
-                there.set(&configuration, &self.displaced(factor, &point.get(&configuration), &velocity));
+                let g = self.displaced(algebra.group, &point.get(&configuration), &velocity);
+                there.set(&configuration, &g);
                 let values =
                     std::iter::once(&factor.momentum).chain(factor.advected.iter().map(|a| &a.value));
                 for (value, change) in values.zip(changes.by_ref()) {
@@ -164,14 +165,13 @@ fn product(side: Side, g: &Matrix, x: &Matrix) -> Matrix {
 
 /// The velocity of `D^1` or `D^2` of a point that moves: `ḡ exp(εη) τ(share t(η + ε ξ'))` at `ε = 0`, and where it is.
 fn prolonged(
-    factor: &Factor<'_>,
+    group: &dyn Group,
     side: Side,
     retraction: Retraction,
     g: &Matrix,
     [eta, acceleration]: [&Column; 2],
     share: &Real,
 ) -> (Matrix, Column) {
-    let group = factor.algebra.group;
     let at = |by: &Column| {
         let by = &by[0];
         let start = product(side, g, &retract(group, Retraction::Exponential, &eta.scale(by)));
@@ -211,20 +211,23 @@ fn check(
     end.set(&time, &(&start.get(&time) + &Column(vec![t.clone()])));
 
     // the intermediate point, from what the configurations move by
-    let y = step.increments.iter().map(|increments| {
-        let by = increments.iter().map(|increment| solution.vector(&increment.by));
-        by.reduce(|sum, by| &sum + &by).expect("a configuration moves")
-    });
-    let y: Vec<Column> = y.collect();
+    let by = step.increments.iter().map(|increment| solution.vector(&increment.by));
+    let whole = by.reduce(|sum, by| &sum + &by).expect("the configuration moves");
+    let split = |column: &Column| {
+        let places = system.group.places().into_iter();
+        places.map(|place| column.part(place.algebra.start, place.algebra.len())).collect::<Vec<_>>()
+    };
+    let y = split(&whole);
     let late = (Real::from(1) - &share) * &t;
     let early = &share * &t;
     let mut middle = start.clone();
     middle.set(&time, &(&start.get(&time) + &Column(vec![early.clone()])));
-    for (factor, y) in system.factors.iter().zip(&y) {
+    let factors = || system.factors.iter().zip(&system.group.factors);
+    for ((factor, algebra), y) in factors().zip(&y) {
         let configuration = factor.configuration.symbols();
         let by = y.scale(&share);
         let (g, back) = (start.get(&configuration), retraction.reversed());
-        let g = moved(factor.algebra.group, system.side, back, &g, &by);
+        let g = moved(algebra.group, system.side, back, &g, &by);
         middle.set(&configuration, &g);
         middle.set(&factor.velocity.symbols(), &y.scale(&(Real::from(1) / &t)));
     }
@@ -259,22 +262,13 @@ fn check(
     let acceleration = mechanics.acceleration(&middle);
 
     let (mut first, mut last) = (Vec::new(), Vec::new());
-    let split = |column: &Column| {
-        let mut from = 0;
-        let part = |factor: &Factor<'_>| {
-            from += factor.momentum.len();
-            column.part(from - factor.momentum.len(), factor.momentum.len())
-        };
-        system.factors.iter().map(part).collect::<Vec<_>>()
-    };
-    for (factor, (eta, change)) in system.factors.iter().zip(split(&eta).iter().zip(&split(&acceleration))) {
-        let matrix = |point: &Point| {
-            realization(factor.algebra.group).matrix(&point.get(&factor.configuration.symbols()))
-        };
+    for ((factor, algebra), (eta, change)) in factors().zip(split(&eta).iter().zip(&split(&acceleration))) {
+        let matrix =
+            |point: &Point| realization(algebra.group).matrix(&point.get(&factor.configuration.symbols()));
         let ends = [(-early.clone(), &start, &mut first), (late.clone(), &end, &mut last)];
         for (share, at, velocities) in ends {
             let (g, velocity) =
-                prolonged(factor, system.side, retraction, &matrix(&middle), [eta, change], &share);
+                prolonged(algebra.group, system.side, retraction, &matrix(&middle), [eta, change], &share);
             residuals.agree("D(ḡ, tη) = (g_k, g_{k+1})", &g.entries(), &matrix(at).entries(), EXACT);
             velocities.push(velocity);
         }

@@ -4,7 +4,9 @@
 use std::sync::OnceLock;
 
 use coadjoint_codegen::group::Basis as LieBasis;
-use coadjoint_codegen::group::{Dual, Group, MatrixGroup, Representation, Retraction, Semidirect, family};
+use coadjoint_codegen::group::{
+    self, Dual, Group, MatrixGroup, Representation, Retraction, Semidirect, family,
+};
 
 use super::matrix::{Column, Matrix, jacobian};
 use super::real::Real;
@@ -707,9 +709,9 @@ impl<'s> SemidirectMatrices<'s> {
 pub struct ProductMatrices<'s>(Vec<SemidirectMatrices<'s>>);
 
 impl<'s> ProductMatrices<'s> {
-    /// The product of these.
-    pub fn new(algebras: impl IntoIterator<Item = &'s Semidirect>) -> Self {
-        Self(algebras.into_iter().map(SemidirectMatrices::new).collect())
+    /// Of this product.
+    pub fn new(group: &'s group::Product) -> Self {
+        Self(group.factors.iter().map(SemidirectMatrices::new).collect())
     }
 
     /// What a column has for each factor.

@@ -278,8 +278,8 @@ pub fn random_point(system: &System<'_>, seed: u64) -> Point {
     for field in &system.inertias {
         positive_definite(&mut point, field);
     }
-    for factor in &system.factors {
-        let group = factor.algebra.group;
+    for (factor, algebra) in system.factors.iter().zip(&system.group.factors) {
+        let group = algebra.group;
         let arena = Arena::new();
         let retract = Formula::new(&arena, [group.dimension()], |[x]| group.retract(Retraction::Cayley, &x));
         let g = retract.at([&Column::random(group.dimension(), random)]);
