@@ -172,6 +172,16 @@ fn they_read_as_in_textbooks() {
     assert!(product.keys().all(|monomial| monomial[0] < 3 && monomial[1] >= 3));
 }
 
+/// One of degree 4 is the shortest that is left when the square of one of degree 2 may be taken off it.
+#[test]
+fn those_of_degree_four_are_short() {
+    let galilei = [with_columns(3, 2), vec![matrix(5, &[(3, 4, 1)])]].concat();
+    for (name, basis, terms) in [("sp(4)", sp(2), 17), ("sgal(3)", galilei, 9)] {
+        let quartic = found(&basis).found.pop().expect("two");
+        assert_eq!(quartic.len(), terms, "{name}");
+    }
+}
+
 /// Of vectors in the plane, `a·b` and `a × b` are both kept, but `(a·b)² + (a × b)² = |a|²|b|²`: as people list them, inner products.
 #[test]
 fn those_that_depend_on_others_are_left_out() {

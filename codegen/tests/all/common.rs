@@ -30,13 +30,16 @@ pub(crate) fn told(diagnostics: Diagnostics) -> Vec<(String, String)> {
     errors.map(|error| (error.span().source_text().unwrap_or_default(), error.to_string())).collect()
 }
 
-/// Asserts what is underlined and how the messages begin.
+/// Asserts what is underlined and how the messages begin; or all of one, where what is expected ends with `$`.
 #[track_caller]
 pub(crate) fn compare(text: &str, problems: &[(String, String)], expected: &[(&str, &str)]) {
     assert_eq!(problems.len(), expected.len(), "{text}: {problems:#?}");
     for ((place, message), (expected_place, beginning)) in problems.iter().zip(expected) {
         assert_eq!(place, expected_place, "{text}: {message}");
-        assert!(message.starts_with(beginning), "{text}: {message}");
+        match beginning.strip_suffix('$') {
+            Some(whole) => assert_eq!(message, whole, "{text}"),
+            None => assert!(message.starts_with(beginning), "{text}: {message}"),
+        }
     }
 }
 

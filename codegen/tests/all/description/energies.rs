@@ -159,7 +159,11 @@ fn equal_factors_share_an_inertia() {
     breaks(
         "group(a: SO3, b: R3)",
         &pair("Vector3<f64>"),
-        &[("Vector3<f64>", "`SO3` and `R3` together have dimension 6")],
+        &[(
+            "Vector3<f64>",
+            "`SO3` and `R3` together have dimension 6, so its inertia is a vector of 6 (a diagonal), a 6×6 matrix or a \
+            scalar, but this is a vector of 3$",
+        )],
     );
     breaks(
         "group(a: SO3, b: R1, c: SO3)",

@@ -73,6 +73,11 @@ fn parts_of_momenta() {
         )],
     );
     breaks(
+        "group = SE3, force = (vector![j, j], linear_velocity)",
+        body,
+        &[("(vector![j, j], linear_velocity)", "this force must be a vector of 6, or its parts")],
+    );
+    breaks(
         "group = SE2, force = angular_velocity",
         body,
         &[(
