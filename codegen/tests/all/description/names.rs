@@ -73,9 +73,9 @@ fn parts_of_momenta() {
         )],
     );
     breaks(
-        "group = SE3, force = (vector![j, j], linear_velocity)",
+        "group = SE3, force = (vector![j, j], vector![j, j, j, j])",
         body,
-        &[("(vector![j, j], linear_velocity)", "this force must be a vector of 6, or its parts")],
+        &[("(vector![j, j], vector![j, j, j, j])", "this force must be a vector of 6, or its parts")],
     );
     breaks(
         "group = SE2, force = angular_velocity",
