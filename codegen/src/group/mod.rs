@@ -61,8 +61,18 @@ pub trait Group: Sync {
     fn coordinates(&self) -> &'static [&'static str];
     /// The type an element of the dual of the algebra is stored as.
     fn momentum_type(&self) -> StorageType;
-    /// The equations of motion of a left-invariant system, for generated documentation.
-    fn equations(&self, names: &EquationNames<'_>) -> Equations;
+    /// The equations of motion of a left-invariant system, for generated documentation: Lie–Poisson, with the coadjoint action, unless they read
+    /// better otherwise.
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, momentum, velocity, advected } = names;
+        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
+        terms.extend(advected.iter().map(|a| format!("{a} ⋄ ∂V/∂{a}")));
+        Equations {
+            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
+            momentum: terms,
+            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
+        }
+    }
     /// Dimension of the algebra.
     fn dimension(&self) -> usize;
     /// The lengths of the blocks of coordinates of the algebra that have a unit in common: angles, then lengths.

@@ -7,8 +7,7 @@
 use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Semidirect, StorageType,
+    Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect, StorageType,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -46,17 +45,6 @@ impl Group for SE2 {
 
     fn momentum_type(&self) -> StorageType {
         StorageType::Vector(3)
-    }
-
-    fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, momentum, velocity, advected } = names;
-        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
-        terms.extend(advected.iter().map(|a| format!("{a} × ∂V/∂{a}")));
-        Equations {
-            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
-            momentum: terms,
-            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
-        }
     }
 
     fn dimension(&self) -> usize {

@@ -7,8 +7,8 @@
 use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    Semidirect, StorageType, Translation,
+    Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect, StorageType,
+    Translation,
 };
 use crate::expr::{Expr, Vector};
 
@@ -46,17 +46,6 @@ impl Group for SE3 {
 
     fn momentum_type(&self) -> StorageType {
         StorageType::Vector(6)
-    }
-
-    fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, momentum, velocity, advected } = names;
-        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
-        terms.extend(advected.iter().map(|a| format!("{a} × ∂V/∂{a}")));
-        Equations {
-            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
-            momentum: terms,
-            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
-        }
     }
 
     fn dimension(&self) -> usize {

@@ -28,7 +28,7 @@ pub use spaces::{Linear, LinearError};
 use std::sync::{Arc, OnceLock};
 
 use super::calculus::transposed;
-use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, Side, StorageType};
+use super::{Group, MatrixFunction, Representation, Retraction, Side, StorageType};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use algebra::{Algebra, symbolic};
 use cayley::Cayley;
@@ -206,17 +206,6 @@ impl Group for MatrixGroup {
 
     fn momentum_type(&self) -> StorageType {
         StorageType::Vector(self.dimension())
-    }
-
-    fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, momentum, velocity, advected } = names;
-        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
-        terms.extend(advected.iter().map(|a| format!("{a} ⋄ ∂V/∂{a}")));
-        Equations {
-            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
-            momentum: terms,
-            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
-        }
     }
 
     fn dimension(&self) -> usize {
