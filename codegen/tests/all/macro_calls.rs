@@ -1,7 +1,7 @@
 //! The macro as rustc calls it, and what is derived by what is asked for.
 
 use coadjoint_codegen::program::{Program, Role};
-use coadjoint_codegen::{expand, lie_poisson_system, program};
+use coadjoint_codegen::{expand, lie_group, lie_poisson_system, lie_poisson_system_with, program};
 
 use crate::common::tokens;
 
@@ -30,6 +30,86 @@ fn problems_are_compile_errors_beside_the_names_that_users_write() {
     assert!(whole.contains("BodyState"), "{whole}");
     assert!(expand(tokens("group = SO3, potential = wieght"), tokens(BODY)).is_err());
     assert!(program(tokens("group = S4"), tokens(BODY)).is_err());
+}
+
+/// Where nothing can be derived, all names that users write stand for what rustc takes without further complaint.
+#[test]
+fn what_cannot_be_derived_has_a_stand_in() {
+    let of = |attribute: &str, item: &str| lie_poisson_system(tokens(attribute), tokens(item)).to_string();
+    let whole = of("group = S4, control(torque: R3), derivatives", BODY);
+    let names = ["type Body = __Body <", "type BodyState", "type BodyControl", "type BodyIndices"];
+    for part in names.into_iter().chain(["const ERROR", "compile_error"]) {
+        assert!(whole.contains(part), "`{part}` in {whole}");
+    }
+    assert!(!of("group = S4", BODY).contains("BodyControl"));
+    // what has parameters of its own is left as it is
+    let generic = of("group = S4", "struct Body<T> { #[inertia] inertia: T }");
+    assert!(generic.contains("struct Body < T >") && !generic.contains("BodyState"), "{generic}");
+}
+
+/// A group's macro hands its tokens on, and a system asks for those that it does not know.
+#[test]
+fn groups_are_handed_on_by_macros() {
+    let areas = "matrices { h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }";
+    let one = lie_group(tokens(&format!("/// Maps.\npub Areas = {areas}; Others = SO3"))).to_string();
+    let rules = syn::parse_str::<syn::File>(&one).expect("items").items;
+    let macros = rules.iter().filter_map(|item| match item {
+        syn::Item::Macro(rules) => rules.ident.as_ref().map(ToString::to_string),
+        _ => None,
+    });
+    assert_eq!(macros.collect::<Vec<_>>(), ["__group_Areas", "__group_Others"]);
+    let names = rules.iter().filter_map(|item| match item {
+        syn::Item::Use(name) => Some((matches!(name.vis, syn::Visibility::Public(_)), name.attrs.len())),
+        _ => None,
+    });
+    // with the documentation, and the allowance not to be used
+    assert_eq!(names.collect::<Vec<_>>(), [(true, 2), (false, 1)]);
+    let exported = one.matches("macro_export").count();
+    assert_eq!(exported, 1, "{one}");
+
+    let (attribute, item) = ("group = Areas !", "struct Drop { # [inertia] j : f64 }");
+    let asked = lie_poisson_system(tokens(attribute), tokens(item)).to_string();
+    assert!(asked.starts_with("Areas ! {") && asked.contains("lie_poisson_system_with"), "{asked}");
+    let known = format!("\"Areas\" => Areas = {areas};");
+    let answer = format!("{{ {known} }} {{ {attribute} }} {{ {item} }}");
+    let whole = lie_poisson_system_with(tokens(&answer)).to_string();
+    let same = lie_poisson_system(tokens(&format!("group = {areas}")), tokens(item)).to_string();
+    let size = |text: &str| syn::parse_str::<syn::File>(text).expect("items").items.len();
+    assert_eq!(size(&whole), size(&same));
+    assert!(whole.contains("DropState"), "{whole}");
+}
+
+/// Of a retraction that is not odd the first member is not symmetric: a bare one stands for the step of Störmer and Verlet.
+#[test]
+fn a_bare_retraction_stands_for_a_symmetric_step() {
+    let scheme = |retraction: &str| {
+        let attribute = format!("group = SO3, retractions({retraction})");
+        let text = expand(tokens(&attribute), tokens(BODY)).expect("no problem").into_tokens().to_string();
+        let (_, after) =
+            text.split_once(&format!("Retracted < :: coadjoint :: {retraction} > for Body")).expect("one");
+        after.split(';').next().expect("a type").to_owned()
+    };
+    assert!(scheme("SecondKind").contains("StormerVerlet"), "{}", scheme("SecondKind"));
+    assert!(scheme("Cayley").contains("Standard"), "{}", scheme("Cayley"));
+}
+
+/// As it is written: a number, a vector, or parts.
+#[test]
+fn a_force_has_the_type_that_it_is_written_with() {
+    let result = |attribute: &str| {
+        let text =
+            expand(tokens(attribute), tokens("struct Body { #[inertia] j: f64 }")).expect("no problem");
+        let text = text.into_tokens().to_string();
+        let (_, after) = text.split_once("fn force").expect("a force");
+        let (_, after) = after.split_once("->").expect("a result");
+        let whole = after.split('{').next().expect("a type").replace(' ', "");
+        whole.replace("::core::primitive::", "").replace("::coadjoint::__private::nalgebra::", "")
+    };
+    let parts = "force = (-j * angular_velocity, -linear_velocity)";
+    assert_eq!(result(&format!("group = SE2, {parts}")), "(f64,SVector<f64,2>)");
+    assert_eq!(result(&format!("group = SE3, {parts}")), "(SVector<f64,3>,SVector<f64,3>)");
+    assert_eq!(result("group = R1, force = -j"), "f64");
+    assert_eq!(result("group = SO3, force = -momentum"), "Vector3<f64>");
 }
 
 /// Each derivative brings its functions, and those that composed steps need.

@@ -78,6 +78,11 @@ fn parts_of_momenta() {
         &[("(vector![j, j], vector![j, j, j, j])", "this force must be a vector of 6, or its parts")],
     );
     breaks(
+        "group = SO3, force = [momentum, momentum]",
+        body,
+        &[("[momentum, momentum]", "this force must be a vector of 3, but this is an array of 2")],
+    );
+    breaks(
         "group = SE2, force = angular_velocity",
         body,
         &[(
