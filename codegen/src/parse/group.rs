@@ -1,5 +1,6 @@
 //! Groups, and the spaces on which they act, as they are written.
 
+use quote::format_ident;
 use syn::ext::IdentExt;
 use syn::parse::ParseStream;
 use syn::{Ident, LitInt, Token, braced, bracketed, parenthesized, token};
@@ -225,7 +226,7 @@ fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
     match content.parse::<LitInt>() {
         // syn takes a sign for a part of the literal
         Ok(size) if content.is_empty() && size.suffix().is_empty() && size.base10_parse::<u32>().is_ok() => {
-            Ok(Ident::new(&format!("{name}{}", size.base10_digits()), name.span()))
+            Ok(format_ident!("{}{}", name, size.base10_digits(), span = name.span()))
         }
         _ => Err(syn::Error::new_spanned(
             &name,

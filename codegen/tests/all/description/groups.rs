@@ -113,6 +113,7 @@ fn factors() {
     let pair = "struct Pair { #[inertia(first)] j: Vector3<f64>, #[inertia(second)] m: f64 }";
     breaks("group(first: SO3, second: R3)", pair, &[]);
     breaks("group(first: SO3, second: R(3))", pair, &[]);
+    breaks("group(first: SO3, second: r#turn(2))", pair, &[("r#turn", "there is no group `turn2`")]);
     breaks("group(first: SO3, second: R3)", "struct Pair { #[inertia] j: SMatrix<f64, 6, 6> }", &[]);
     breaks(
         "group(first: SO3, second: R3)",
