@@ -11,6 +11,7 @@ mod linear;
 mod macro_calls;
 mod meaning;
 mod modules;
+mod numbers;
 mod oracle;
 mod problems;
 mod program;
