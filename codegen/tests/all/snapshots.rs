@@ -137,6 +137,37 @@ pub struct Point {
     assert_snapshot("driven_point", &beside(input, &pretty(all)));
 }
 
+/// Arrays of factors, fields and controls, forces as parts, advected parameters of two kinds, coordinates of the second kind: what users see.
+#[test]
+fn two_carts_and_a_lamp() {
+    let input = "\
+/// Two carts on a plane that springs hold, one with an arrow, and a lamp.
+#[lie_poisson_system(
+    group(carts: [SE2; 2], lamp: SU2),
+    advected(arrow: carts[0]::R2, field: lamp::coadjoint),
+    control(pushes: [f64; 2]),
+    potential = carts.iter().map(|cart| cart.translation.vector.norm_squared()).sum::<f64>() * stiffness[0] / 2.0
+        + arrow.x * stiffness[1] + field.z,
+    force(
+        carts = [
+            (-carts_angular_momentum[0], pushes[0] * carts_linear_velocity[1]),
+            (-carts_angular_momentum[1], pushes[1] * carts_linear_velocity[0]),
+        ],
+    ),
+    invariance = left,
+    retractions(SecondKind),
+)]
+pub(crate) struct Carts {
+    #[inertia(carts)]
+    masses: [Vector3<f64>; 2],
+    #[inertia(lamp)]
+    inertia: Matrix3<f64>,
+    stiffness: [f64; 2],
+}";
+    let Expansion { state, expressions, schemes, .. } = expansion(input);
+    assert_snapshot("carts", &beside(input, &pretty(quote! { #state #expressions #schemes })));
+}
+
 /// The intermediate representation of a small step: shorter to review than code.
 #[test]
 fn the_kernel_of_the_free_rigid_body() {
