@@ -3,9 +3,8 @@
 use core::marker::PhantomData;
 
 use crate::double::Double;
-use crate::kernel::Components;
 use crate::method::{Advanced, Failure, Method, Outcome};
-use crate::scalar::{Batch, Mask, Scalar};
+use crate::scalar::{Batch, Components, Mask, Scalar};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` in compensated arithmetic, for very long runs.

@@ -207,7 +207,7 @@ pub(crate) fn name(coefficients: &str, base: &str) -> std::string::String {
     ];
     match orders.iter().find(|(own, _)| *own == coefficients) {
         Some((_, order)) => std::format!("{order}<{base}>"),
-        None => std::format!("Composed<{}, {base}>", crate::certify::without_paths(coefficients)),
+        None => std::format!("Composed<{}, {base}>", crate::scheme::without_paths(coefficients)),
     }
 }
 

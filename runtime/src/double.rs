@@ -5,8 +5,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::scalar::{Batch, FUSED, Mask, Real, Scalar, Work};
-use crate::stumpff;
+use crate::scalar::{Batch, FUSED, Mask, Real, Scalar, Work, stumpff};
 
 /// `high + low`, where `low` is at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]

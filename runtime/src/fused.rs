@@ -3,9 +3,8 @@
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::kernel::Components;
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
-use crate::scalar::{Batch, LongWork, Scalar, Work};
+use crate::scalar::{Batch, Components, LongWork, Scalar, Work};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums rounded once, for speed.
@@ -208,7 +207,7 @@ impl<T: Batch> Scalar for FusedScalar<T> {
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
-        if let Some(family) = crate::stumpff::near(self) {
+        if let Some(family) = crate::scalar::stumpff::near(self) {
             return family;
         }
         self.0.stumpff::<N>().map(Self)

@@ -2,8 +2,7 @@
 
 use thiserror::Error;
 
-use crate::kernel::Components;
-use crate::scalar::Real;
+use crate::scalar::{Components, Real};
 
 /// There is no momentum that belongs to a velocity, or no velocity that belongs to a momentum: `∂²l/∂ξ²` or `∂²h/∂μ²` is singular there, none
 /// was found, or what is given is not finite.

@@ -74,9 +74,10 @@ pub mod ensemble;
 pub mod erased;
 pub mod error;
 #[cfg(feature = "std")]
+mod flat;
+#[cfg(feature = "std")]
 mod fused;
 pub mod generic;
-mod geometry;
 #[cfg(feature = "std")]
 pub mod guide;
 mod inertia;
@@ -91,11 +92,9 @@ pub mod run;
 mod scalar;
 pub mod scheme;
 mod serialization;
-mod simd;
 mod snapshot;
 mod solve;
 pub mod stepper;
-mod stumpff;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
@@ -191,17 +190,18 @@ pub mod __private {
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
     pub use crate::fused::FusedScalar;
-    pub use crate::geometry::{Geometry, Isolated, Map};
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
-    pub use crate::kernel::{Components, Evaluation, Kernel, Program};
+    pub use crate::kernel::{Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
-    pub use crate::scalar::{Batch, Scalar};
+    pub use crate::retraction::Map;
+    pub use crate::scalar::stumpff::family;
+    pub use crate::scalar::{Batch, Components, Scalar};
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
     pub use crate::solve::one_step::OneStep;
-    pub use crate::stumpff::family;
     pub use crate::system::{
-        Control, Generated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored, System, Visitor,
+        Control, Generated, Geometry, Isolated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored,
+        System, Visitor,
     };
     pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;

@@ -3,11 +3,8 @@
 //! Over one number or over several side by side: what fails then fails in its lane, and the others go on.
 
 use crate::error::StepError;
-use crate::geometry::Isolated;
-use crate::kernel::Components;
-use crate::scalar::{Batch, Real, Scalar, Work};
+use crate::scalar::{Batch, Components, Real, Scalar, Work};
 use crate::snapshot::visit_flag;
-use crate::solve::{self, Convergence};
 
 /// A discretization of one system with one step size, on flat arrays.
 pub trait Method: Clone + Send + Sync {
@@ -100,17 +97,17 @@ pub struct StepsReport<T: Batch> {
 impl<T: Batch> StepsReport<T> {
     /// Counts so many steps that were taken alike.
     #[inline(always)]
-    pub(crate) fn count(&mut self, steps: u64, each: &Convergence<T>) {
+    pub(crate) fn count(&mut self, steps: u64, each: &T::Each<u32>, residual: T) {
         if steps == 0 {
             return;
         }
         let counts = self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut());
-        for ((all, most), iterations) in counts.zip(each.iterations.as_ref()) {
+        for ((all, most), iterations) in counts.zip(each.as_ref()) {
             *all += steps * u64::from(*iterations);
             *most = (*most).max(*iterations);
         }
-        let larger = self.max_residual.lt(each.residual);
-        self.max_residual = T::select(larger, each.residual, self.max_residual);
+        let larger = self.max_residual.lt(residual);
+        self.max_residual = T::select(larger, residual, self.max_residual);
     }
 }
 
@@ -229,7 +226,7 @@ impl<T: Batch> StageAccumulator<T> {
 
     #[inline(always)]
     fn add(&mut self, iterations: T::Each<u32>, residual: T) {
-        self.iterations = solve::sum::<T>(self.iterations, iterations);
+        self.iterations = sum::<T>(self.iterations, iterations);
         let larger = self.residual.lt(residual);
         self.residual = T::select(larger, residual, self.residual);
     }
@@ -314,58 +311,13 @@ where
     }
 }
 
-/// A method that carries from step to step the momentum that is constant.
-pub struct ConservedMomentum<S: Isolated, B: Method> {
-    pub(crate) base: B,
-    /// Whether there was a step.
-    has_stepped: bool,
-    /// The momentum since then.
-    conserved: S::Conserved<B::Scalar>,
-}
-
-impl<S: Isolated, B: Method> Clone for ConservedMomentum<S, B> {
-    fn clone(&self) -> Self {
-        Self { base: self.base.clone(), has_stepped: self.has_stepped, conserved: self.conserved }
+/// What is counted in each lane, together.
+#[inline(always)]
+pub(crate) fn sum<T: Batch>(mut a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
+    for (a, b) in a.as_mut().iter_mut().zip(b.as_ref()) {
+        *a += *b;
     }
-}
-
-impl<S, B> Method for ConservedMomentum<S, B>
-where
-    S: Isolated,
-    B: Method,
-    B: Method<State = S::StateComponents<<B as Method>::Scalar>>,
-{
-    type Home = B::Home;
-    type Scalar = B::Scalar;
-    type Parameters = B::Parameters;
-    type State = B::State;
-    type Control = B::Control;
-
-    fn new(parameters: &B::Parameters, step: B::Scalar) -> Self {
-        let nothing = S::Conserved::splat(B::Scalar::of(0.0));
-        Self { base: B::new(parameters, step), has_stepped: false, conserved: nothing }
-    }
-
-    #[inline(always)]
-    fn advance(
-        &mut self,
-        state: &B::State,
-        time: B::Scalar,
-        control: &B::Control,
-        known: bool,
-    ) -> Outcome<B::Scalar, B::State> {
-        let conserved = if known && self.has_stepped { self.conserved } else { S::conserved(state) };
-        let mut accumulator = StageAccumulator::new();
-        let next = accumulator.stage(&mut self.base, state, time, control, known)?;
-        (self.has_stepped, self.conserved) = (true, conserved);
-        accumulator.end(S::with_conserved(&next, &conserved))
-    }
-
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
-        visit_flag(&mut self.has_stepped, visit);
-        visit(self.conserved.as_mut());
-        self.base.memory(visit);
-    }
+    a
 }
 
 #[cfg(all(test, feature = "std"))]

@@ -4,7 +4,27 @@
 //! All satisfy `τ(0) = e` and `τ'(0) = id`. [`Exponential`] and [`Cayley`] are functions of one matrix: `τ(−ξ) = τ(ξ)⁻¹`, and
 //! `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. [`SecondKind`] has neither property, nor have steps what follows from them.
 
-use crate::geometry::Map;
+/// A retraction as a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Map {
+    /// [`Exponential`](Exponential)
+    Exponential,
+    /// [`Cayley`](Cayley)
+    Cayley,
+    /// [`SecondKind`](SecondKind)
+    SecondKind,
+}
+
+impl Map {
+    /// All of them.
+    pub const ALL: [Map; 3] = [Map::Exponential, Map::Cayley, Map::SecondKind];
+
+    /// Whether it is a function of one matrix: then it is odd, `τ(−ξ) = τ(ξ)⁻¹`, and `Ad`-equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. Other
+    /// maps are neither, but on commutative groups.
+    pub const fn is_matrix_function(self) -> bool {
+        matches!(self, Self::Exponential | Self::Cayley)
+    }
+}
 
 /// A retraction of the catalogue.
 pub trait Retraction {

@@ -40,165 +40,14 @@
 use core::fmt;
 use core::ops::ControlFlow;
 
-use thiserror::Error;
-
 use crate::error::StepError;
+pub use crate::observe::Tick;
 use crate::observe::{Each, Every, Observer, Until};
 #[cfg(doc)]
 use crate::stepper::Stepper;
+pub use crate::stepper::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping};
 use crate::system::System;
-
-/// One moment of a run: the initial state, or the state after a step.
-#[non_exhaustive]
-pub struct Tick<'a, S: System> {
-    /// Steps taken so far; 0 for the initial state.
-    pub index: u64,
-    /// The run's start plus `index` steps, in f64 whatever the scalar: not accumulated, so that it does not drift.
-    pub time: f64,
-    /// The system that moves.
-    pub system: &'a S,
-    /// Its state at this time.
-    pub state: &'a S::State,
-    /// How the step that led here went; none for the initial state.
-    pub report: Option<StepReport>,
-    /// The control held over the step that led here; none for the initial state.
-    pub control: Option<&'a S::Control>,
-    #[cfg(feature = "std")]
-    memory: Option<&'a dyn Fn() -> std::vec::Vec<f64>>,
-}
-
-impl<'a, S: System> Tick<'a, S> {
-    /// A moment that no run led to: an observer can be tested with it alone.
-    ///
-    /// ```
-    /// use coadjoint::prelude::*;
-    /// use coadjoint::{Invariants, Observer, Tick};
-    ///
-    /// #[lie_poisson_system(group = SO3)]
-    /// struct Body {
-    ///     #[inertia]
-    ///     inertia: Vector3<f64>,
-    /// }
-    ///
-    /// let body = Body { inertia: vector![1.0, 2.0, 2.5] };
-    /// let mut state = BodyState { attitude: UnitQuaternion::identity(), momentum: vector![1.0, 0.0, 0.0] };
-    /// let mut invariants = Invariants::new();
-    /// invariants.observe(&Tick::new(&body, 0, 0.0, &state));
-    /// state.momentum.x = 2.0;
-    /// invariants.observe(&Tick::new(&body, 1, 0.1, &state));
-    /// assert_eq!(invariants.energy_error(), 1.5);
-    /// ```
-    pub fn new(system: &'a S, index: u64, time: f64, state: &'a S::State) -> Self {
-        let (report, control) = (None, None);
-        Self {
-            index,
-            time,
-            system,
-            state,
-            report,
-            control,
-            #[cfg(feature = "std")]
-            memory: None,
-        }
-    }
-}
-
-#[cfg(feature = "std")]
-impl<S: System> Tick<'_, S> {
-    /// What the stepper carries at this moment: written down with the state, the run can go on from here later, to the last bit the same.
-    /// See [`Stepper::snapshot`]. Empty if no run led here.
-    pub fn snapshot(&self) -> std::vec::Vec<f64> {
-        self.memory.map_or_else(std::vec::Vec::new, |memory| memory())
-    }
-}
-
-impl<S: System> fmt::Debug for Tick<'_, S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Tick")
-            .field("index", &self.index)
-            .field("time", &self.time)
-            .field("state", self.state)
-            .field("report", &self.report)
-            .finish_non_exhaustive()
-    }
-}
-
-impl<S: System> Clone for Tick<'_, S> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<S: System> Copy for Tick<'_, S> {}
-
-/// How a run went.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub struct RunReport {
-    /// Steps taken.
-    pub steps: u64,
-    /// Whether an observer ended the run, be it at its last step.
-    pub stopped: bool,
-    /// Iterations of all steps together, fixed-point updates and Newton corrections alike.
-    pub iterations: u64,
-    /// The most iterations that one step took.
-    pub max_iterations: u32,
-    /// The largest residual left in a step's equation, relative to its terms.
-    pub max_residual: f64,
-}
-
-impl RunReport {
-    /// Iterations per step, on average; 0 if no step was taken.
-    pub fn iterations_per_step(&self) -> f64 {
-        if self.steps == 0 { 0.0 } else { self.iterations as f64 / self.steps as f64 }
-    }
-
-    #[inline(always)]
-    pub(crate) fn count(&mut self, step: &StepReport) {
-        self.add(&Self {
-            steps: 1,
-            stopped: false,
-            iterations: u64::from(step.iterations),
-            max_iterations: step.iterations,
-            max_residual: step.residual,
-        });
-    }
-
-    /// Counts the steps of another report, too.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, more: &Self) {
-        self.steps += more.steps;
-        self.iterations += more.iterations;
-        self.max_iterations = self.max_iterations.max(more.max_iterations);
-        if more.max_residual > self.max_residual {
-            self.max_residual = more.max_residual;
-        }
-    }
-}
-
-/// A run that ended at a step which could not be taken. The state is the last one that was reached.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("step {step}, from time {time}, could not be taken: {cause}")]
-#[non_exhaustive]
-pub struct RunError {
-    /// The step that failed, counted from 1.
-    pub step: u64,
-    /// The time it started from: that of the state as it is now.
-    pub time: f64,
-    /// How the run went until then.
-    pub report: RunReport,
-    /// What went wrong.
-    pub cause: StepError,
-}
-
-impl RunError {
-    /// The error of a run of one's own making: the step that failed, counted from 1, the time it started from, how the run went until then, and
-    /// what went wrong.
-    pub fn new(step: u64, time: f64, report: RunReport, cause: StepError) -> Self {
-        Self { step, time, report, cause }
-    }
-}
 
 /// Chooses the control of each step of a run; closures do, by [`Run::controlled_by`].
 pub trait Controller<S: System> {
@@ -482,8 +331,7 @@ mod tests {
     use super::*;
     use crate::composition::Order4;
     use crate::observe::{Invariants, Record};
-    use crate::retraction::Cayley;
-    use crate::retraction::Exponential;
+    use crate::retraction::{Cayley, Exponential};
     use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};
     use std::vec::Vec;

@@ -28,8 +28,7 @@
 
 use core::marker::PhantomData;
 
-use crate::geometry::Map;
-use crate::retraction::{Exponential, Retraction};
+use crate::retraction::{Exponential, Map, Retraction};
 
 /// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
 ///
@@ -80,7 +79,7 @@ pub struct TangentLift<R = Exponential, const N: u32 = 0, const D: u32 = 1>(Phan
 pub type TangentMidpoint<R = Exponential> = TangentLift<R, 1, 2>;
 
 /// The scheme `M` carrying the momentum in space coordinates, (6.6) and (6.9) of the paper, for systems on which nothing
-/// [acts](crate::geometry::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it. Where
+/// [acts](crate::system::Isolated): the spatial momentum is constant bit for bit, and the body momentum is what belongs to it. Where
 /// `invariance = right` it is the other way round: the momentum in the body is constant and carried, that in space belongs to it.
 ///
 /// The map is that of `M` up to roundoff, a Poisson map as it is. The stepper carries the momentum for as long as the states it is
@@ -120,4 +119,35 @@ impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, 
 impl<R: Retraction + 'static, const N: u32, const D: u32> Base for TangentLift<R, N, D> {
     const MAP: Map = R::MAP;
     const RULE: Rule = Rule::TangentLift(N, D);
+}
+
+/// `Family<Cayley, 1, 2>` of `coadjoint::scheme::Family<coadjoint::retraction::Cayley, 1, 2>`.
+#[cfg(feature = "std")]
+pub(crate) fn without_paths(name: &str) -> std::string::String {
+    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let mut short = std::string::String::new();
+    let mut rest = name;
+    while let Some(next) = rest.chars().next() {
+        let end = rest.find(|c| is_path(c) != is_path(next)).unwrap_or(rest.len());
+        let (token, others) = rest.split_at(end);
+        short.push_str(token.rsplit("::").next().unwrap_or(token));
+        rest = others;
+    }
+    short
+}
+
+/// A step that a scheme is made of and that was not generated.
+#[cfg(feature = "std")]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
+)]
+#[non_exhaustive]
+pub struct NotGenerated {
+    /// The scheme.
+    pub scheme: std::string::String,
+    /// The system's name.
+    pub system: &'static str,
+    /// The key of the description that asks for it: `methods`, or `retractions` where it names another one.
+    pub key: &'static str,
 }

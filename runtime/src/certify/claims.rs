@@ -3,10 +3,12 @@
 use super::definition::Walk;
 use super::probe::Probe;
 use crate::composition::{self, Coefficients, Composed};
-use crate::geometry::{Geometry, Map};
-use crate::retraction::{Cayley, Exponential, Retraction, SecondKind};
-use crate::scheme::{Family, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
-use crate::system::{Generated, Retracted};
+use crate::erased::{Composed as ErasedComposition, Description, Scheme};
+use crate::retraction::{Cayley, Exponential, Map, Retraction, SecondKind};
+use crate::scheme::{
+    Family, RightLift, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift, without_paths,
+};
+use crate::system::{Generated, Geometry, Retracted};
 
 /// Which of a system's Casimirs a step keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -213,16 +215,21 @@ fn on<R>(scheme: &str) -> String {
     format!("{scheme}<{}>", without_paths(core::any::type_name::<R>()))
 }
 
-/// `Family<Cayley, 1, 2>` of `coadjoint::scheme::Family<coadjoint::retraction::Cayley, 1, 2>`.
-pub(crate) fn without_paths(name: &str) -> String {
-    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    let mut short = String::new();
-    let mut rest = name;
-    while let Some(next) = rest.chars().next() {
-        let end = rest.find(|c| is_path(c) != is_path(next)).unwrap_or(rest.len());
-        let (token, others) = rest.split_at(end);
-        short.push_str(token.rsplit("::").next().unwrap_or(token));
-        rest = others;
+impl Scheme {
+    /// What it claims of its steps of a system.
+    pub fn claim(&self, description: &Description) -> Claim {
+        let family = |map, numerator, denominator| {
+            Claim::family(map, description.invariant, description.forced, numerator, denominator)
+        };
+        match self.resolved(description.invariant) {
+            Self::Step(map, Rule::Member(numerator, denominator)) => family(map, numerator, denominator),
+            Self::Step(_, Rule::TangentLift(numerator, denominator)) => {
+                Claim::tangent_lift(numerator, denominator)
+            }
+            Self::Composed(ErasedComposition { order, base, .. }) => base.claim(description).composed(order),
+            Self::StormerVerlet(map) | Self::Standard(map) => {
+                Claim { order: 2, symmetric: true, ..family(map, 0, 1) }
+            }
+        }
     }
-    short
 }

@@ -1,13 +1,15 @@
 //! The family's step from its definition, for any system, by fixed-point iteration.
 //!
-//! Of the generated code it takes what [`Geometry`](crate::geometry::Geometry) has, and none of a step's closed forms: the exponential's
+//! Of the generated code it takes what [`Geometry`](crate::system::Geometry) has, and none of a step's closed forms: the exponential's
 //! logarithmic derivative is the power series of the Poisson structure's `ad*`, Cayley's is measured on the displacements. Coordinates of
 //! the second kind are exponentials along the axes, one after the other: of displacements, and of `ad*`.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::Frame;
-use crate::geometry::Map;
+use crate::erased::Scheme;
+use crate::retraction::Map;
+use crate::scheme::Rule;
 
 /// A state on its way through steps taken from their definition.
 pub struct Walk<'a> {
@@ -192,4 +194,18 @@ pub(super) fn series(a: &DMatrix<f64>, m: &DVector<f64>) -> Option<DVector<f64>>
     }
     // as for arguments so large that the series has no digits left
     None
+}
+
+impl Scheme {
+    /// Takes the same step from its definition; `false` if there is none to compare with.
+    pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
+        let mut is_defined = true;
+        self.parts(invariant, step, &mut |map, rule, step| match rule {
+            Rule::Member(numerator, denominator) => {
+                walk.family(map, f64::from(numerator) / f64::from(denominator), step);
+            }
+            Rule::TangentLift(..) => is_defined = false,
+        });
+        is_defined
+    }
 }

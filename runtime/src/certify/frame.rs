@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::erased::Geometry;
-use crate::geometry::Map;
+use crate::retraction::Map;
 
 /// The larger of two numbers; not-a-number if one is.
 pub(super) fn larger(a: f64, b: f64) -> f64 {

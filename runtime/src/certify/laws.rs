@@ -14,9 +14,9 @@ use super::definition::series;
 use super::frame::larger;
 use super::report::{Bound, Certificate, Verdict, table};
 use crate::erased::array;
-use crate::geometry::{Geometry, Map};
+use crate::retraction::Map;
 use crate::scheme::Rule;
-use crate::system::{Control, Role, Schemes, State, System};
+use crate::system::{Control, Geometry, Role, Schemes, State, System};
 
 /// What differences leave of a law.
 const DIFFERENCES: Bound = Bound::AtMost(1e-10);

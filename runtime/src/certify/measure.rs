@@ -10,8 +10,8 @@ use super::probe::Probe;
 use super::report::{Bound, Certificate, Report, Verdict};
 use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
 use crate::error::{ParameterError, StepError};
-use crate::geometry::Map;
 use crate::method::Clock;
+use crate::retraction::Map;
 use crate::stepper::{check_state, check_step};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.

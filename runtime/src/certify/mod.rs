@@ -73,7 +73,6 @@ mod warm;
 
 use thiserror::Error;
 
-pub(crate) use claims::without_paths;
 pub use claims::{Claim, Claims, Kept};
 #[doc(hidden)]
 pub use definition::Walk;
@@ -86,8 +85,7 @@ pub use report::{Bound, Certificate, Report, Verdict};
 
 use crate::erased::{self, Flat, NotGenerated};
 use crate::error::{ParameterError, StepError};
-use crate::geometry::Geometry;
-use crate::system::{Control, Discretized, State};
+use crate::system::{Control, Discretized, Geometry, State};
 use measure::{Scheme, Subject};
 
 /// Certifies the steps that the scheme `M` takes of a system, at sample states; with all controls zero and from the time 0. For other

@@ -6,8 +6,8 @@ use super::frame::larger;
 use super::measure::{Figure, STEP, Sample, Trouble};
 use super::probe::Probe;
 use crate::erased::Method;
-use crate::geometry::Map;
 use crate::method::Clock;
+use crate::retraction::Map;
 use crate::stepper::check_step;
 
 /// Steps of ordinary motion: so many that the solver looks three times, ever more rarely, at how it predicts and when it may stop, and then

@@ -5,11 +5,10 @@ use super::{
     StatePerturbation, add, no_columns, zeros,
 };
 use crate::composition::{Coefficients, Composition};
-use crate::geometry::Isolated;
-use crate::method::{AdjointPair, ConservedMomentum, Method};
+use crate::method::{AdjointPair, Method};
 use crate::scalar::{Batch, Scalar};
 use crate::solve::one_step::OneStep;
-use crate::system::{MethodOf, System};
+use crate::system::{ConservedMomentum, Isolated, MethodOf, System};
 
 /// Which of the derivatives are selected.
 pub trait DerivativeSelection {

@@ -56,6 +56,7 @@ mod blocks;
 mod method;
 #[cfg(feature = "std")]
 mod run;
+mod stepper;
 
 use core::fmt;
 
@@ -69,8 +70,8 @@ pub use method::{HasDerivative, Linearizable};
 #[cfg(feature = "std")]
 pub use run::{AdjointStep, CheckpointedTape};
 
-use crate::kernel::{Components, Kernel};
-use crate::scalar::Scalar;
+use crate::kernel::Kernel;
+use crate::scalar::{Components, Scalar};
 use crate::system::{Discretized, MethodOf, System};
 
 /// A system whose steps have derivatives, and the spaces that these act between.
@@ -235,7 +236,7 @@ pub fn add_product<T: Scalar, const N: usize, const K: usize>(
             (coefficients as &dyn Any).downcast_ref::<[f64; K]>(),
         );
         if let (Some(sum), Some(columns), Some(coefficients)) = doubles {
-            return crate::simd::lanes::add_product(sum, columns, coefficients);
+            return crate::scalar::simd::lanes::add_product(sum, columns, coefficients);
         }
     }
     for (column, coefficient) in columns.iter().zip(coefficients) {

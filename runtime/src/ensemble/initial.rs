@@ -2,8 +2,9 @@
 
 use core::fmt;
 
-use crate::geometry::{Geometry, Map};
+use crate::retraction::Map;
 use crate::scalar::Scalar;
+use crate::system::Geometry;
 
 /// Random states about a given one, to start an ensemble from: an iterator without end.
 ///

@@ -5,15 +5,15 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::Failed;
-use crate::erased::{MemberLaw, Method};
 use crate::error::StepError;
+use crate::flat::Method;
 use crate::method::Clock;
-use crate::scalar::{Batch, Real, Scalar};
-use crate::simd::lanes::Lanes;
+use crate::scalar::simd::lanes::Lanes;
 #[cfg(not(target_arch = "x86_64"))]
-use crate::simd::lanes::Portable;
+use crate::scalar::simd::lanes::Portable;
 #[cfg(target_arch = "x86_64")]
-use crate::simd::processor::{Avx2, Avx512};
+use crate::scalar::simd::processor::{Avx2, Avx512};
+use crate::scalar::{Batch, Real, Scalar};
 
 /// Parameters and initial state of a member.
 #[derive(Clone, Debug)]
@@ -173,6 +173,9 @@ impl Members {
         self.blocks[member / self.width].set_control(member % self.width, control);
     }
 }
+
+/// Writes the control to be held over the step of a member, by its number, from a state at a time to numbers that are zero.
+pub type MemberLaw<'a> = dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync + 'a;
 
 /// Chooses the controls of the members, as many numbers as there are.
 pub(crate) struct Law<'a> {

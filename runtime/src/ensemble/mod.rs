@@ -49,10 +49,10 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use crate::erased::{Flat, Method, NotGenerated};
 use crate::error::{ParameterError, StepError};
-use crate::kernel::Components;
-use crate::scalar::{Batch, Real, Scalar};
+use crate::flat::{Flat, Method};
+use crate::scalar::{Batch, Components, Real, Scalar};
+use crate::scheme::NotGenerated;
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use distribution::{Distribution, Spread};

@@ -3,7 +3,7 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::method::Method;
+use crate::flat::Method;
 use crate::method::{Clock, Counted, StageAccumulator, StepsReport};
 use crate::scalar::Batch;
 use crate::snapshot::visit_flag;

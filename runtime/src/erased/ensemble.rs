@@ -4,15 +4,12 @@ use core::fmt;
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::scheme::NotGenerated;
 use super::system::{System, check_length, length};
-use crate::ensemble::members::{Law, Member, Members};
+use crate::ensemble::members::{Law, Member, MemberLaw, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
+use crate::scheme::NotGenerated;
 use crate::stepper::check_state;
-
-/// Writes the control to be held over the step of a member, by its number, from a state at a time to numbers that are zero.
-pub type MemberLaw<'a> = dyn Fn(usize, &[f64], f64, &mut [f64]) + Sync + 'a;
 
 /// Many states of one system that move at the same time, each with parameters of its own, by the system's standard step on the Cayley map:
 /// [`Ensemble`](crate::Ensemble) with its types erased.

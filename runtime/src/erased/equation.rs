@@ -3,9 +3,9 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::method::array;
 use super::system::At;
 use crate::bytecode::{Machine, Wide};
+use crate::flat::array;
 use crate::kernel::{AtState, Corrected, Evaluation, Kernel, Program};
 use crate::solve::Solver;
 

@@ -4,11 +4,11 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::method::Method;
 use super::system::Geometry;
 use crate::error::StepError;
-use crate::geometry::Map;
+use crate::flat::Method;
 use crate::method::{Clock, Counted, StepsReport};
+use crate::retraction::Map;
 use crate::system::Role;
 
 /// How far a configuration is moved along a direction that turns it, in radians: differences of order 8 then miss about as much as rounding.

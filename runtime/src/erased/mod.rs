@@ -32,26 +32,26 @@ mod composition;
 mod ensemble;
 mod equation;
 mod field;
-mod method;
 mod scheme;
 mod stepper;
 mod system;
 
-pub use crate::geometry::Map;
-pub use crate::scheme::Rule;
-pub use ensemble::{Ensemble, MemberLaw};
+pub use crate::ensemble::members::MemberLaw;
+#[doc(hidden)]
+pub use crate::flat::{Flat, Method};
+pub use crate::retraction::Map;
+pub use crate::scheme::{NotGenerated, Rule};
+pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;
 #[doc(hidden)]
 pub use field::by_hand;
-#[doc(hidden)]
-pub use method::{Flat, Method};
-pub use scheme::{Composed, NotGenerated, Scheme};
+pub use scheme::{Composed, Scheme};
 pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run};
 #[doc(hidden)]
 pub use system::At;
 pub use system::{Description, System};
 
+pub(crate) use crate::flat::{array, of_only_lane};
 pub(crate) use equation::{converged, equation};
-pub(crate) use method::{array, of_only_lane};
 pub(crate) use system::{Geometry, check_length, length};

@@ -3,16 +3,13 @@
 use std::boxed::Box;
 use std::string::String;
 
-use thiserror::Error;
-
 use super::composition::Composition;
-use super::method::Method;
 use super::system::{Description, System};
-use crate::certify::{Claim, Walk};
 use crate::composition::{self, Coefficients, checked};
-use crate::geometry::Map;
+use crate::flat::Method;
+use crate::retraction::Map;
 use crate::scalar::Batch;
-use crate::scheme::Rule;
+use crate::scheme::{NotGenerated, Rule};
 
 /// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,24 +30,9 @@ pub enum Scheme {
 pub struct Composed {
     /// The type of the coefficients.
     coefficients: &'static str,
-    order: u32,
+    pub(crate) order: u32,
     gamma: &'static [f64],
-    base: Box<Scheme>,
-}
-
-/// A step that a scheme is made of and that was not generated.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error(
-    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
-)]
-#[non_exhaustive]
-pub struct NotGenerated {
-    /// The scheme.
-    pub scheme: String,
-    /// The system's name.
-    pub system: &'static str,
-    /// The key of the description that asks for it: `methods`, or `retractions` where it names another one.
-    pub key: &'static str,
+    pub(crate) base: Box<Scheme>,
 }
 
 impl Scheme {
@@ -115,35 +97,6 @@ impl Scheme {
                 Ok(Box::new(Composition::new(&[0.5, 0.5], step, part)?))
             }
         }
-    }
-
-    /// What it claims of its steps of a system.
-    pub fn claim(&self, description: &Description) -> Claim {
-        let family = |map, numerator, denominator| {
-            Claim::family(map, description.invariant, description.forced, numerator, denominator)
-        };
-        match self.resolved(description.invariant) {
-            Self::Step(map, Rule::Member(numerator, denominator)) => family(map, numerator, denominator),
-            Self::Step(_, Rule::TangentLift(numerator, denominator)) => {
-                Claim::tangent_lift(numerator, denominator)
-            }
-            Self::Composed(Composed { order, base, .. }) => base.claim(description).composed(order),
-            Self::StormerVerlet(map) | Self::Standard(map) => {
-                Claim { order: 2, symmetric: true, ..family(map, 0, 1) }
-            }
-        }
-    }
-
-    /// Takes the same step from its definition; `false` if there is none to compare with.
-    pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
-        let mut is_defined = true;
-        self.parts(invariant, step, &mut |map, rule, step| match rule {
-            Rule::Member(numerator, denominator) => {
-                walk.family(map, f64::from(numerator) / f64::from(denominator), step);
-            }
-            Rule::TangentLift(..) => is_defined = false,
-        });
-        is_defined
     }
 
     /// The generated steps that it is made of, and how long each one is.

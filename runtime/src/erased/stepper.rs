@@ -7,14 +7,14 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use super::method::{Method, of_only_lane};
-use super::scheme::{NotGenerated, Scheme};
+use super::scheme::Scheme;
 use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
+use crate::flat::{Method, of_only_lane};
 use crate::method::{Clock, Counted};
-use crate::run::{RunError, RunReport};
+use crate::scheme::NotGenerated;
 use crate::snapshot::{self, visit_flag};
-use crate::stepper::{StepReport, check_deviation, check_step};
+use crate::stepper::{RunError, RunReport, StepReport, check_deviation, check_step};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 pub struct Stepper<'s> {

@@ -5,12 +5,12 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::equation::{Equation, equation};
-use super::method::{Flat, Method, array};
 use super::scheme::Scheme;
 use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::{ParameterError, StepError};
-use crate::geometry::{self, Map};
+use crate::flat::{Flat, Method, array};
+use crate::retraction::Map;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
 use crate::solve::one_step::OneStep;
@@ -64,7 +64,7 @@ pub(crate) fn check_length(state: &[f64], expected: usize) -> Result<(), StepErr
     if state.len() == expected { Ok(()) } else { Err(StepError::Length { expected }) }
 }
 
-/// A system with its parameters and its geometry, on slices; any [`geometry::Geometry`] over `f64` is one. Not to be imported from outside: the
+/// A system with its parameters and its geometry, on slices; any [`system::Geometry`] over `f64` is one. Not to be imported from outside: the
 /// calls of [`system::System`] would be ambiguous.
 ///
 /// Slices have the lengths of the system's arrays: what is missing counts as zero, what is too much does not count.
@@ -84,15 +84,15 @@ pub trait Geometry {
     fn energy(&self, state: &[f64], time: f64) -> f64;
     /// [`System::casimirs`](crate::System::casimirs)
     fn casimirs(&self, state: &[f64]) -> Vec<f64>;
-    /// [`geometry::Geometry::displace`]
+    /// [`system::Geometry::displace`]
     fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64>;
-    /// [`geometry::Geometry::differential`]
+    /// [`system::Geometry::differential`]
     fn differential(&self, state: &[f64], time: f64) -> Vec<f64>;
-    /// [`geometry::Geometry::hamiltonian_vector`]
+    /// [`system::Geometry::hamiltonian_vector`]
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64>;
-    /// [`geometry::Geometry::force`]
+    /// [`system::Geometry::force`]
     fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
-    /// [`geometry::Geometry::motion`]
+    /// [`system::Geometry::motion`]
     fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
     /// The motion as the derivative of the state's numbers, as they are stored, by time: what a method wants that takes them for coordinates of
     /// a vector space. Of a rotation it is `½ q ω` where the quaternion is of unit length, and continued smoothly where it is not.
@@ -103,7 +103,7 @@ fn state_of<S: system::System<Scalar = f64>>(state: &[f64]) -> S::State {
     S::State::from_components(&array(state))
 }
 
-impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
+impl<S: system::Geometry<Scalar = f64>> Geometry for S {
     fn description(&self) -> Description {
         Description::of::<S>()
     }
@@ -129,27 +129,27 @@ impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
     }
 
     fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64> {
-        let displaced = geometry::Geometry::displace(self, &state_of::<S>(state), map, &array(by));
+        let displaced = system::Geometry::displace(self, &state_of::<S>(state), map, &array(by));
         displaced.to_components().as_ref().to_vec()
     }
 
     fn differential(&self, state: &[f64], time: f64) -> Vec<f64> {
-        geometry::Geometry::differential(self, &state_of::<S>(state), time).as_ref().to_vec()
+        system::Geometry::differential(self, &state_of::<S>(state), time).as_ref().to_vec()
     }
 
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64> {
         let state = state_of::<S>(state);
-        geometry::Geometry::hamiltonian_vector(self, &state, &array(covector)).as_ref().to_vec()
+        system::Geometry::hamiltonian_vector(self, &state, &array(covector)).as_ref().to_vec()
     }
 
     fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
         let control = S::Control::from_components(&array(control));
-        geometry::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
+        system::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
     fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
         let control = S::Control::from_components(&array(control));
-        geometry::Geometry::motion(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
+        system::Geometry::motion(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
     fn vector_field(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
@@ -159,7 +159,7 @@ impl<S: geometry::Geometry<Scalar = f64>> Geometry for S {
 
 /// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 ///
-/// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`geometry::Geometry`] have them on states:
+/// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`system::Geometry`] have them on states:
 /// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time)`, `casimirs(state)`, `displace(state, map, by)`,
 /// `differential(state, time)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
 /// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
@@ -192,11 +192,11 @@ pub struct At<'a> {
 
 impl<S> System for S
 where
-    S: Schemes + geometry::Geometry<Scalar = f64> + Send + Sync + 'static,
+    S: Schemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
 {
     fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System> {
         let mut own = self.to_parameters();
-        super::method::copy(own.as_mut(), parameters);
+        crate::flat::copy(own.as_mut(), parameters);
         Box::new(S::from_parameters(&own))
     }
 

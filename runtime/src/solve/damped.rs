@@ -3,8 +3,8 @@
 use super::newton::STAGNATION;
 use super::stopping::{ROUNDOFF, relative, select};
 use super::{Convergence, Solution, count};
-use crate::kernel::{Components, Corrected, Equation};
-use crate::scalar::{Batch, Mask, Work};
+use crate::kernel::{Corrected, Equation};
+use crate::scalar::{Batch, Components, Mask, Work};
 
 /// More evaluations than any solvable step takes: convergence is quadratic once near, and a step that is not near after this many is too
 /// large.

@@ -2,8 +2,8 @@
 
 use super::stopping::{change, is_within, select};
 use super::{Convergence, LAST_CHANGE, QUICK, ROUNDOFF, SAFETY, SECOND, STRONG, Solver, count, tolerance};
-use crate::kernel::{Components, Evaluation, Kernel};
-use crate::scalar::{Batch, Mask};
+use crate::kernel::{Evaluation, Kernel};
+use crate::scalar::{Batch, Components, Mask};
 
 /// The most iterations of a step: where more are needed Newton's iteration is faster.
 const MOST: u32 = 8;

@@ -12,11 +12,11 @@ mod newton;
 pub(crate) mod one_step;
 pub(crate) mod predictor;
 pub(crate) mod stopping;
-pub(crate) mod terms;
 
-use crate::kernel::{Components, Evaluation, Kernel};
-use crate::scalar::{Batch, Mask, Real, Work};
-use crate::simd::lanes::Processor;
+use crate::kernel::{Evaluation, Kernel};
+use crate::method::sum;
+use crate::scalar::simd::lanes::Processor;
+use crate::scalar::{Batch, Components, Mask, Real, Work};
 pub(crate) use fixed_point::Open;
 use fixed_point::{Iterated, SHARP};
 use predictor::Predictor;
@@ -421,15 +421,6 @@ pub(crate) fn less<T: Batch, U: Components<T>>(a: &U, b: &U) -> U {
 fn clamped<T: Batch>(x: T, [least, most]: [f64; 2]) -> T {
     let x = T::select(T::of(most).lt(x), T::of(most), x);
     T::select(x.lt(T::of(least)), T::of(least), x)
-}
-
-/// What is counted in each lane, together.
-#[inline(always)]
-pub(crate) fn sum<T: Batch>(mut a: T::Each<u32>, b: T::Each<u32>) -> T::Each<u32> {
-    for (a, b) in a.as_mut().iter_mut().zip(b.as_ref()) {
-        *a += *b;
-    }
-    a
 }
 
 /// Counts one more in the lanes where the mask is true.

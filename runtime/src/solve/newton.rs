@@ -3,8 +3,8 @@
 use super::damped::{self, Damped};
 use super::stopping::{ROUNDOFF, relative};
 use super::{Convergence, Solution, SolutionOf, count};
-use crate::kernel::{AtState, Components, Corrected, Equation, Kernel};
-use crate::scalar::{Batch, Mask, Work};
+use crate::kernel::{AtState, Corrected, Equation, Kernel};
+use crate::scalar::{Batch, Components, Mask, Work};
 
 /// A residual up to here may be roundoff, in units of epsilon, where the last correction says that no more is left.
 pub(super) const STAGNATION: f64 = 256.0;

@@ -3,10 +3,10 @@
 use super::stopping::{is_within, select};
 use super::{Convergence, Open, QUICK, SECOND, Solution, SolutionOf, Solver, less, newton};
 use crate::error::StepError;
-use crate::kernel::{Components, Evaluation, Kernel};
+use crate::kernel::{Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
-use crate::scalar::{Batch, LongWork, Mask, Real, Work};
-use crate::simd::lanes::{Portable, Processor};
+use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::{Batch, Components, LongWork, Mask, Real, Work};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
 #[derive(Clone, Copy)]
@@ -210,8 +210,10 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {
                     method.solver.took(steps);
                 }
-                report.count(steps - twice, &method.solver.on_fast_path(1));
-                report.count(twice, &method.solver.on_fast_path(QUICK));
+                for (steps, iterations) in [(steps - twice, 1), (twice, QUICK)] {
+                    let Convergence { iterations, residual, .. } = method.solver.on_fast_path(iterations);
+                    report.count(steps, &iterations, residual);
+                }
                 if done {
                     continue;
                 }
@@ -228,8 +230,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                         let Advanced { iterations, residual, .. } = advanced;
                         (now, known) = (advanced.state, true);
                         report.steps += 1;
-                        report
-                            .count(1, &Convergence { iterations, residual, ..method.solver.on_fast_path(1) });
+                        report.count(1, &iterations, residual);
                     }
                     Err(failure) => {
                         if let Some(failed) = failed {

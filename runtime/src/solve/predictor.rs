@@ -13,11 +13,10 @@
 //! twice the tenth difference. That is what a polynomial near to twice as many solutions does, with half of the memory.
 
 use super::stopping::{select, weighted};
-use super::terms::{Formula, Piece, Term, computed};
 use super::{added, less};
-use crate::kernel::Components;
-use crate::scalar::{Batch, Mask, Real};
-use crate::simd::lanes::{Portable, Processor};
+use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::terms::{Formula, Piece, Term, computed};
+use crate::scalar::{Batch, Components, Mask, Real};
 
 /// How many differences are kept.
 pub(crate) const DIFFERENCES: usize = 10;

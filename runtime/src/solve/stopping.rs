@@ -3,8 +3,7 @@
 //! Unknowns come in blocks of one unit each, angles and lengths, say. What changes is compared block by block with the block's size as it is
 //! now, and the ratios are added: another unit of a block changes nothing, and a block that dies out is solved to as many digits as ever.
 
-use crate::kernel::Components;
-use crate::scalar::{Batch, Mask};
+use crate::scalar::{Batch, Components, Mask};
 
 /// The least change of an unknown that is more than roundoff, in units of epsilon.
 pub(super) const ROUNDOFF: f64 = 2.0;

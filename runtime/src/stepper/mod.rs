@@ -1,21 +1,20 @@
 //! The stepper: a method with its step, for people to call.
 
+mod report;
 mod stepping;
 mod trajectory;
 
 use core::fmt;
 use core::marker::PhantomData;
 
-use crate::derivative::{
-    DerivativeOf, Differentiable, HasDerivative, JacobianBlocksOf, Linearizable, StepDerivative, StepJacobian,
-};
 use crate::error::{ParameterError, StepError};
-use crate::kernel::Components;
 use crate::method::{Advanced, Clock};
-use crate::run::{RunError, RunReport};
-use crate::scalar::{Batch, Real, Scalar, Work};
+use crate::scalar::{Components, Real, Scalar};
 use crate::snapshot::{self, visit_flag};
-use crate::system::{Control, Discretized, MethodOf, State, System};
+pub use crate::system::Stepper;
+pub(crate) use crate::system::check_step;
+use crate::system::{Control, MethodOf, State, System};
+pub use report::{RunError, RunReport};
 pub use stepping::Stepping;
 pub use trajectory::Trajectory;
 
@@ -30,44 +29,11 @@ pub struct StepReport {
     pub residual: f64,
 }
 
-/// Takes steps of one size through the motion of one system, with the scheme `M`.
-///
-/// Built by [`System::stepper`]. The result of a step depends on the state, the time and the control alone, up to roundoff: the
-/// stepper only remembers where the last solutions were, to start the next one where they point. It counts the time from 0, or from where
-/// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice. The method `D` follows from system and scheme.
-///
-/// Its size is that of ten earlier solutions and a little more: 0.6 to 0.8 kB with three unknowns, and 1.2 kB where a step solves two equations,
-/// as [`StormerVerlet`](crate::StormerVerlet) does on most groups. A composition has one for each of its
-/// steps.
-pub struct Stepper<S: System, M, D = <S as Discretized<M>>::Method<<S as System>::Scalar>> {
-    system: S,
-    method: D,
-    scheme: PhantomData<fn() -> M>,
-    step: S::Scalar,
-    /// The time before the steps counted by `taken`.
-    start: f64,
-    /// Steps since `start`, all of this size.
-    taken: u64,
-    /// Steps before these, of other sizes.
-    before: u64,
-    /// The state that the last step led to.
-    left: Option<S::StateComponents<S::Scalar>>,
-}
-
 /// How far a state's configuration may be off its group when it is handed in: more than files of few digits leave, and so little
 /// that the first step puts it back.
 const LARGEST_DEVIATION: f64 = 1e-3;
 
 impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
-    pub(crate) fn new(system: &S, step: S::Scalar) -> Result<Self, ParameterError> {
-        system.validate()?;
-        check_step(step.to_f64())?;
-        let parameters = system.to_parameters();
-        let system = S::from_parameters(&parameters);
-        let method = D::new(&parameters, step);
-        Ok(Self { system, method, scheme: PhantomData, step, start: 0.0, taken: 0, before: 0, left: None })
-    }
-
     /// The system, as it was when the stepper was built.
     pub fn system(&self) -> &S {
         &self.system
@@ -356,109 +322,10 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     }
 }
 
-/// The derivatives of the last step, which started so.
-struct JacobianWork<'a, S: System, M, D, B> {
-    stepper: &'a Stepper<S, M, D>,
-    state: &'a S::StateComponents<S::Scalar>,
-    time: S::Scalar,
-    control: &'a S::ControlComponents<S::Scalar>,
-    blocks: PhantomData<B>,
-}
-
-impl<S: System, M, D: MethodOf<S>, B: JacobianBlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
-    type Home = D::Home;
-    type Result = B::Jacobian;
-
-    #[inline(always)]
-    fn done(self) -> B::Jacobian {
-        let Self { stepper: Stepper { system, method, step, .. }, state, time, control, .. } = self;
-        B::matrices(method, &system.to_parameters(), *step, state, time, control)
-    }
-}
-
-// what derivatives need is asked for by each function, in one word, so that the compiler says what is missing where it is, and once
-impl<S: Discretized<M>, M> Stepper<S, M> {
-    /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
-    ///
-    /// # Errors
-    /// As [`step_with`](Self::step_with).
-    #[inline]
-    pub fn step_with_derivative(
-        &mut self,
-        state: &mut S::State,
-        control: &S::Control,
-    ) -> Result<(DerivativeOf<S, M>, StepReport), StepError>
-    where
-        S::Method<S::Scalar>: HasDerivative<S>,
-    {
-        let (components, time) = (state.to_components(), self.time());
-        let report = self.step_with(state, control)?;
-        let (parameters, control) = (self.system.to_parameters(), control.to_components());
-        let derivative = self.method.last_derivative(&parameters, self.step, &components, time, &control);
-        Ok((StepDerivative::new(derivative), report))
-    }
-
-    /// Takes one step with `control` held from its start to its end, and gives the derivatives of the next state that are asked for:
-    /// [`WrtState`](crate::derivative::WrtState), [`WrtControl`](crate::derivative::WrtControl),
-    /// [`WrtParameters`](crate::derivative::WrtParameters), or several of them, `(WrtState, WrtControl)`. In [left-trivialized
-    /// coordinates](crate::derivative#coordinates).
-    ///
-    /// # Errors
-    /// As [`step_with`](Self::step_with).
-    #[inline]
-    pub fn step_with_jacobian<B>(
-        &mut self,
-        state: &mut S::State,
-        control: &S::Control,
-        _: B,
-    ) -> Result<StepJacobian<B::Jacobian>, StepError>
-    where
-        B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
-    {
-        let (components, time) = (state.to_components(), self.time());
-        let report = self.step_with(state, control)?;
-        let work = JacobianWork::<S, M, S::Method<S::Scalar>, B> {
-            stepper: self,
-            state: &components,
-            time,
-            control: &control.to_components(),
-            blocks: PhantomData,
-        };
-        // for wide registers where there are some: what comes of it is the same, the operations are
-        Ok(StepJacobian { jacobian: S::Scalar::dispatch_fused(work), report })
-    }
-}
-
-impl<S: Differentiable, M, D: MethodOf<S> + Linearizable<S>> Stepper<S, M, D> {
-    /// The solutions of the last step's equations.
-    #[cfg(feature = "std")]
-    pub(crate) fn trace(&self) -> D::Trace {
-        self.method.trace()
-    }
-
-    /// The derivative of a step of this size.
-    #[inline(always)]
-    #[cfg(feature = "std")]
-    pub(crate) fn derivative(
-        &self,
-        state: &S::StateComponents<S::Scalar>,
-        time: S::Scalar,
-        control: &S::ControlComponents<S::Scalar>,
-        trace: &D::Trace,
-    ) -> D::Derivative {
-        self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
-    }
-}
-
 /// Whether all numbers are the same, without a branch.
 #[inline(always)]
 pub(crate) fn is_same<T: Real>(a: &[T], b: &[T]) -> bool {
     a.iter().zip(b).fold(true, |same, (a, b)| same & a.is_same(*b))
-}
-
-/// A step leads somewhere.
-pub(crate) fn check_step(step: f64) -> Result<(), ParameterError> {
-    if step.is_finite() && step != 0.0 { Ok(()) } else { Err(ParameterError::Step { step }) }
 }
 
 /// A state from elsewhere is on its group, more or less.
@@ -505,6 +372,7 @@ mod tests {
     use crate::composition::Order6;
     use crate::retraction::{Cayley, Exponential};
     use crate::scheme::{StormerVerlet, SymplecticEulerA};
+    use crate::system::Discretized;
     use crate::system::{NoControl, System};
     use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};

@@ -1,8 +1,8 @@
 //! What takes steps, whatever the scheme.
 
+use super::{RunError, RunReport};
 use super::{StepReport, Stepper};
 use crate::error::{ParameterError, StepError};
-use crate::run::{RunError, RunReport};
 use crate::scalar::{Real, Scalar};
 use crate::system::{MethodOf, System};
 

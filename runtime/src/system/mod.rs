@@ -1,5 +1,9 @@
 //! The traits that generated code implements.
 
+mod geometry;
+mod right_lift;
+mod stepper;
+
 use core::fmt;
 use core::marker::PhantomData;
 
@@ -9,18 +13,17 @@ use nalgebra::{
 };
 
 use crate::error::ParameterError;
-use crate::geometry::Map;
-pub use crate::geometry::{Geometry, Isolated};
-use crate::kernel::{Components, Kernel};
+use crate::kernel::Kernel;
 use crate::legendre::LegendreError;
-use crate::method::{AdjointPair, ConservedMomentum, Method};
-use crate::retraction::{Cayley, Exponential, SecondKind};
-use crate::scalar::{Batch, Real, Scalar};
-use crate::scheme::{
-    Base, Family, RightLift, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
-};
+use crate::method::{AdjointPair, Method};
+use crate::retraction::{Cayley, Exponential, Map, SecondKind};
+use crate::scalar::{Batch, Components, Real, Scalar};
+use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
 use crate::solve::one_step::OneStep;
-use crate::stepper::Stepper;
+pub use geometry::{Geometry, Isolated};
+pub(crate) use right_lift::ConservedMomentum;
+pub use stepper::Stepper;
+pub(crate) use stepper::check_step;
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -359,14 +362,6 @@ impl<S: Generated<TangentLift<R, N, D>>, R, const N: u32, const D: u32> Discreti
     for S
 {
     type Method<T: Batch> = OneStep<T, S::Kernel<T>>;
-}
-
-#[diagnostic::do_not_recommend]
-impl<S, M> Discretized<RightLift<M>> for S
-where
-    S: Isolated + Discretized<M>,
-{
-    type Method<T: Batch> = ConservedMomentum<S, <S as Discretized<M>>::Method<T>>;
 }
 
 /// The bare retractions.

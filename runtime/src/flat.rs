@@ -4,9 +4,8 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use crate::error::StepError;
-use crate::kernel::Components;
 use crate::method::{self, Advanced, Clock, Counted, Outcome, StepsReport};
-use crate::scalar::{Batch, Scalar, Work};
+use crate::scalar::{Batch, Components, Scalar, Work};
 
 /// What takes a step of one system with one scheme, on slices: [`method::Method`] with its type erased.
 ///

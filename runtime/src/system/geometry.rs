@@ -6,31 +6,9 @@
 //! Integrators that know nothing of the structure, certificates and linearizations work with these; a
 //! [stepper](crate::stepper::Stepper) needs none of them.
 
-use crate::kernel::Components;
-use crate::scalar::Scalar;
-use crate::system::System;
-
-/// A retraction as a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Map {
-    /// [`Exponential`](crate::retraction::Exponential)
-    Exponential,
-    /// [`Cayley`](crate::retraction::Cayley)
-    Cayley,
-    /// [`SecondKind`](crate::retraction::SecondKind)
-    SecondKind,
-}
-
-impl Map {
-    /// All of them.
-    pub const ALL: [Map; 3] = [Map::Exponential, Map::Cayley, Map::SecondKind];
-
-    /// Whether it is a function of one matrix: then it is odd, `τ(−ξ) = τ(ξ)⁻¹`, and `Ad`-equivariant, `τ(Ad_g ξ) = g τ(ξ) g⁻¹`. Other
-    /// maps are neither, but on commutative groups.
-    pub const fn is_matrix_function(self) -> bool {
-        matches!(self, Self::Exponential | Self::Cayley)
-    }
-}
+use super::System;
+use crate::retraction::Map;
+use crate::scalar::{Components, Scalar};
 
 /// The local coordinates and the Poisson structure of a system's states. Implemented by the macro.
 pub trait Geometry: System {

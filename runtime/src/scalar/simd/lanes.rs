@@ -7,8 +7,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 use crate::scalar::OutOfLine;
-use crate::scalar::{Batch, Mask, Real, Scalar, Work};
-use crate::stumpff;
+use crate::scalar::{Batch, Mask, Real, Scalar, Work, stumpff};
 
 /// `N` numbers side by side, for code that is compiled for `P`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -429,7 +428,7 @@ impl<const N: usize> Not for LaneMask<N> {
 mod tests {
     use super::*;
     #[cfg(target_arch = "x86_64")]
-    use crate::simd::processor::{Avx2, Avx512};
+    use crate::scalar::simd::processor::{Avx2, Avx512};
 
     /// Every operation does in each lane what it does to the number alone, not-a-number, infinities and zeros included.
     fn do_in_each_lane_as_alone<const N: usize, P: Processor>() {

@@ -4,7 +4,13 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
-use crate::simd::lanes::{Portable, Processor};
+mod components;
+pub(crate) mod simd;
+pub(crate) mod stumpff;
+pub(crate) mod terms;
+
+pub use components::Components;
+use simd::lanes::{Portable, Processor};
 
 /// Whether the program is built for processors that multiply and add in one instruction, with one rounding, as by
 /// `-C target-cpu=native` on most. Not looked for at run time: what a program computes does not depend on the machine that it runs on.
@@ -111,7 +117,7 @@ impl<T: RealField + Copy> Scalar for T {
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
-        crate::stumpff::family(self)
+        stumpff::family(self)
     }
 }
 
@@ -347,12 +353,12 @@ macro_rules! real {
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
             fn dispatch_fused<W: Work>(work: W) -> W::Result {
-                crate::simd::processor::dispatch_fused(work)
+                simd::processor::dispatch_fused(work)
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]
             fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
-                crate::simd::processor::dispatch_wide(work)
+                simd::processor::dispatch_wide(work)
             }
         })*
     };

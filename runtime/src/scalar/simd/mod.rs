@@ -1,6 +1,6 @@
 //! Numbers side by side, and the instructions for them: the only code that is not checked.
 //!
-//! What it relies on is sealed: [`Batch`](crate::scalar::Batch) numbers, arrays as [`Components`](crate::kernel::Components), and processors
+//! What it relies on is sealed: [`Batch`](crate::scalar::Batch) numbers, arrays as [`Components`](crate::scalar::Components), and processors
 //! that are named nowhere but where it was looked whether the program runs on one.
 
 #[cfg_attr(

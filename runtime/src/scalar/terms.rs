@@ -1,11 +1,10 @@
 //! What is computed component by component of several arrays that are kept: as many components at a time as the processor has instructions
 //! for, and the same, bit for bit, as one by one.
 
-use crate::kernel::Components;
-use crate::scalar::Batch;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 use crate::scalar::FUSED;
-use crate::simd::lanes::Processor;
+use crate::scalar::simd::lanes::Processor;
+use crate::scalar::{Batch, Components};
 
 /// Components that are kept.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +74,7 @@ pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>>(
     let mut done = 0;
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     if const { T::PAIRS && (P::FOURS || T::IS_FUSED == FUSED) } {
-        done = crate::simd::processor::compute::<P, T>(formula, components);
+        done = crate::scalar::simd::processor::compute::<P, T>(formula, components);
     }
     while done < components.len() {
         components[done] = formula.at(done);

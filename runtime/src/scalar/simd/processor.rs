@@ -8,10 +8,9 @@
 use core::arch::x86_64::*;
 use core::mem::transmute;
 
-use crate::kernel::Components;
-use crate::scalar::{Batch, FUSED, LongWork, On, OutOfLine, Real, Work};
-use crate::simd::lanes::{Portable, Processor};
-use crate::solve::terms::{Formula, Piece, Term};
+use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::terms::{Formula, Piece, Term};
+use crate::scalar::{Batch, Components, FUSED, LongWork, On, OutOfLine, Real, Work};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
 macro_rules! operations {
@@ -310,9 +309,9 @@ mod tests {
     use crate::fused::FusedScalar;
     use crate::method::{Clock, Method};
     use crate::scalar::Mask;
-    use crate::simd::lanes::Portable;
+    use crate::scalar::simd::lanes::Portable;
+    use crate::scalar::terms::computed;
     use crate::solve::one_step::{AdvanceN, OneStep};
-    use crate::solve::terms::computed;
     use crate::test_system::Midpoint;
     use std::vec::Vec;
 

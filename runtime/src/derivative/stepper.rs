@@ -1,0 +1,105 @@
+//! Steps with their derivatives.
+
+use core::marker::PhantomData;
+
+use super::{
+    DerivativeOf, Differentiable, HasDerivative, JacobianBlocksOf, Linearizable, StepDerivative, StepJacobian,
+};
+use crate::error::StepError;
+use crate::scalar::{Batch, Work};
+use crate::stepper::{StepReport, Stepper};
+use crate::system::{Control, Discretized, MethodOf, State, System};
+
+/// The derivatives of the last step, which started so.
+struct JacobianWork<'a, S: System, M, D, B> {
+    stepper: &'a Stepper<S, M, D>,
+    state: &'a S::StateComponents<S::Scalar>,
+    time: S::Scalar,
+    control: &'a S::ControlComponents<S::Scalar>,
+    blocks: PhantomData<B>,
+}
+
+impl<S: System, M, D: MethodOf<S>, B: JacobianBlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
+    type Home = D::Home;
+    type Result = B::Jacobian;
+
+    #[inline(always)]
+    fn done(self) -> B::Jacobian {
+        let Self { stepper: Stepper { system, method, step, .. }, state, time, control, .. } = self;
+        B::matrices(method, &system.to_parameters(), *step, state, time, control)
+    }
+}
+
+// what derivatives need is asked for by each function, in one word, so that the compiler says what is missing where it is, and once
+impl<S: Discretized<M>, M> Stepper<S, M> {
+    /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with).
+    #[inline]
+    pub fn step_with_derivative(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+    ) -> Result<(DerivativeOf<S, M>, StepReport), StepError>
+    where
+        S::Method<S::Scalar>: HasDerivative<S>,
+    {
+        let (components, time) = (state.to_components(), self.time());
+        let report = self.step_with(state, control)?;
+        let (parameters, control) = (self.system.to_parameters(), control.to_components());
+        let derivative = self.method.last_derivative(&parameters, self.step, &components, time, &control);
+        Ok((StepDerivative::new(derivative), report))
+    }
+
+    /// Takes one step with `control` held from its start to its end, and gives the derivatives of the next state that are asked for:
+    /// [`WrtState`](crate::derivative::WrtState), [`WrtControl`](crate::derivative::WrtControl),
+    /// [`WrtParameters`](crate::derivative::WrtParameters), or several of them, `(WrtState, WrtControl)`. In [left-trivialized
+    /// coordinates](crate::derivative#coordinates).
+    ///
+    /// # Errors
+    /// As [`step_with`](Self::step_with).
+    #[inline]
+    pub fn step_with_jacobian<B>(
+        &mut self,
+        state: &mut S::State,
+        control: &S::Control,
+        _: B,
+    ) -> Result<StepJacobian<B::Jacobian>, StepError>
+    where
+        B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
+    {
+        let (components, time) = (state.to_components(), self.time());
+        let report = self.step_with(state, control)?;
+        let work = JacobianWork::<S, M, S::Method<S::Scalar>, B> {
+            stepper: self,
+            state: &components,
+            time,
+            control: &control.to_components(),
+            blocks: PhantomData,
+        };
+        // for wide registers where there are some: what comes of it is the same, the operations are
+        Ok(StepJacobian { jacobian: S::Scalar::dispatch_fused(work), report })
+    }
+}
+
+impl<S: Differentiable, M, D: MethodOf<S> + Linearizable<S>> Stepper<S, M, D> {
+    /// The solutions of the last step's equations.
+    #[cfg(feature = "std")]
+    pub(crate) fn trace(&self) -> D::Trace {
+        self.method.trace()
+    }
+
+    /// The derivative of a step of this size.
+    #[inline(always)]
+    #[cfg(feature = "std")]
+    pub(crate) fn derivative(
+        &self,
+        state: &S::StateComponents<S::Scalar>,
+        time: S::Scalar,
+        control: &S::ControlComponents<S::Scalar>,
+        trace: &D::Trace,
+    ) -> D::Derivative {
+        self.method.derivative(&self.system.to_parameters(), self.step, state, time, control, trace)
+    }
+}
