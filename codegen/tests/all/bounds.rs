@@ -259,6 +259,9 @@ fn many_parts() {
 
 #[test]
 fn large_numbers() {
+    // as many characters as there may be
+    let longest = format!("group = R1, potential = 0.{} * position.x", "3".repeat(998));
+    answer(longest, "struct A { #[inertia] inertia: f64 }".to_owned()).expect("a long number");
     let (at, message) = problem(&format!("0.{} * gamma.x", "3".repeat(40_000)));
     assert_eq!((at.len(), message.as_str()), (40_002, "a name or number may have 1000 characters at most"));
     let family = |s: &str| {

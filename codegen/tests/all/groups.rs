@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 
 use coadjoint_codegen::expr::{Arena, Stage, Vector};
 use coadjoint_codegen::group::{
-    Basis, BasisError, Group, MatrixFunction, MatrixGroup, Retraction, Side, StorageType, Translation, family,
+    Basis, BasisError, Group, MatrixFunction, MatrixGroup, Retraction, Side, StorageType, Translation,
+    catalogue, family,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -308,6 +309,37 @@ fn logarithmic_derivatives_are_those_of_the_retraction() {
         let expected = Column::from_fn(n, |j, _| m.dot(&vee(group, &moved(&basis[j])).0));
         assert_close(&found, &expected, f_name(f), group);
     });
+}
+
+/// Of the groups with closed forms of their own, by the stored coordinates: `τ(x + εy) τ(x)⁻¹` leaves the unit as `τ(ε dR τ_x y)` does.
+#[test]
+fn logarithmic_derivatives_of_the_catalogue_are_those_of_the_retraction() {
+    /// How `τ(at + ε direction) τ(at)⁻¹` leaves the unit.
+    fn leaves<'a>(
+        group: &dyn Group,
+        f: MatrixFunction,
+        at: &Vector<'a>,
+        direction: &Vector<'a>,
+    ) -> Vector<'a> {
+        let arena = direction.0[0].arena();
+        let symbol = |i| arena.symbol(format!("p{i}"), Stage::Step);
+        let p = Vector((0..direction.len()).map(symbol).collect());
+        let near = group.compose(&group.closed_form(f, &p), &group.inverse(&group.closed_form(f, at)));
+        let there: Vec<_> = p.symbols().into_iter().zip(at.iter()).collect();
+        near.derivative_along(&p.symbols(), direction).substitute(&there)
+    }
+    for group in catalogue() {
+        let n = group.dimension();
+        let (x, y) = (random(n, 31, 1.0), random(n, 32, 1.0));
+        for f in [MatrixFunction::Exponential, MatrixFunction::Cayley] {
+            let expected = value([&x, &y], |[x, y]| leaves(*group, f, &x, &y));
+            let found = value([&x, &y], |[x, y]| {
+                let zero = x.map(|component| component - component);
+                leaves(*group, f, &zero, &group.closed_d_right(f, &x, &y))
+            });
+            assert!((&found - &expected).amax() < 1e-13, "{}, {f:?}: {found} {expected}", group.name());
+        }
+    }
 }
 
 /// The derivative of `(dR τ_x)* m` by `x` and `m`, whether it is differentiated or known in closed form; of arguments that are not symbols

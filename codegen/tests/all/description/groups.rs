@@ -67,6 +67,9 @@ fn bases_of_groups() {
     );
     let few = "there is no group `SO40`; of `SO(n)` there are those of at most 16 coordinates and 7 rows";
     breaks("group = SO(40)", body, &[("SO", few)]);
+    // few coordinates and many rows, and none at all
+    breaks("group = SU(4)", body, &[("SU", "there is no group `SU4`; of `SU(n)`")]);
+    breaks("group = SO(1)", body, &[("SO", "there is no group `SO1`; of `SO(n)`")]);
     let known = "there is no group `Banana`; known: `R1`, `R2`, `R3`, `R4`, `R5`, `R6`, `SO2`, `SO3`, `SE2`, `SE3` and `SU2`; \
         families: `SO(n)`, `SL(n)`, `GL(n)`, `SP(2n)`";
     breaks("group = Banana", body, &[("Banana", known)]);
