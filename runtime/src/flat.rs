@@ -1,7 +1,10 @@
 //! Methods on slices.
 
 use std::boxed::Box;
+use std::string::String;
 use std::vec::Vec;
+
+use thiserror::Error;
 
 use crate::error::StepError;
 use crate::method::{self, Advanced, Clock, Counted, Outcome, StepsReport};
@@ -153,4 +156,19 @@ impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0]
     fn memory(&mut self, visit: &mut dyn FnMut(&mut [M::Scalar])) {
         self.1.0.memory(visit);
     }
+}
+
+/// A step that a scheme is made of and that was not generated.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
+)]
+#[non_exhaustive]
+pub struct NotGenerated {
+    /// The scheme.
+    pub scheme: String,
+    /// The system's name.
+    pub system: &'static str,
+    /// The key of the description that asks for it: `methods`, or `retractions` where it names another one.
+    pub key: &'static str,
 }

@@ -98,6 +98,7 @@ pub mod stepper;
 pub mod system;
 #[cfg(all(test, feature = "std"))]
 mod test_system;
+mod tick;
 
 /// The front page: its code is compiled and run as a test.
 #[cfg(all(doctest, feature = "std"))]

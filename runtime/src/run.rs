@@ -41,13 +41,13 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::error::StepError;
-pub use crate::observe::Tick;
 use crate::observe::{Each, Every, Observer, Until};
 #[cfg(doc)]
 use crate::stepper::Stepper;
-pub use crate::stepper::{RunError, RunReport};
+pub use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping};
 use crate::system::System;
+pub use crate::tick::Tick;
 
 /// Chooses the control of each step of a run; closures do, by [`Run::controlled_by`].
 pub trait Controller<S: System> {

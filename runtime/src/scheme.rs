@@ -135,19 +135,3 @@ pub(crate) fn without_paths(name: &str) -> std::string::String {
     }
     short
 }
-
-/// A step that a scheme is made of and that was not generated.
-#[cfg(feature = "std")]
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "no step of the scheme `{scheme}` was generated for `{system}`; `{key}(…)` in its description asks for it"
-)]
-#[non_exhaustive]
-pub struct NotGenerated {
-    /// The scheme.
-    pub scheme: std::string::String,
-    /// The system's name.
-    pub system: &'static str,
-    /// The key of the description that asks for it: `methods`, or `retractions` where it names another one.
-    pub key: &'static str,
-}

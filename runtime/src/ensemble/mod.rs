@@ -50,9 +50,9 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
+use crate::flat::NotGenerated;
 use crate::flat::{Flat, Method};
 use crate::scalar::{Batch, Components, Real, Scalar};
-use crate::scheme::NotGenerated;
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};
 pub use distribution::{Distribution, Spread};

@@ -8,7 +8,7 @@ use super::system::{System, check_length, length};
 use crate::ensemble::members::{Law, Member, MemberLaw, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
-use crate::scheme::NotGenerated;
+use crate::flat::NotGenerated;
 use crate::stepper::check_state;
 
 /// Many states of one system that move at the same time, each with parameters of its own, by the system's standard step on the Cayley map:

@@ -37,10 +37,11 @@ mod stepper;
 mod system;
 
 pub use crate::ensemble::members::MemberLaw;
+pub use crate::flat::NotGenerated;
 #[doc(hidden)]
 pub use crate::flat::{Flat, Method};
 pub use crate::retraction::Map;
-pub use crate::scheme::{NotGenerated, Rule};
+pub use crate::scheme::Rule;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;

@@ -7,9 +7,10 @@ use super::composition::Composition;
 use super::system::{Description, System};
 use crate::composition::{self, Coefficients, checked};
 use crate::flat::Method;
+use crate::flat::NotGenerated;
 use crate::retraction::Map;
 use crate::scalar::Batch;
-use crate::scheme::{NotGenerated, Rule};
+use crate::scheme::Rule;
 
 /// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
 #[derive(Clone, Debug, PartialEq)]

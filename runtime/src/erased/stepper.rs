@@ -10,11 +10,12 @@ use thiserror::Error;
 use super::scheme::Scheme;
 use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
+use crate::flat::NotGenerated;
 use crate::flat::{Method, of_only_lane};
 use crate::method::{Clock, Counted};
-use crate::scheme::NotGenerated;
 use crate::snapshot::{self, visit_flag};
-use crate::stepper::{RunError, RunReport, StepReport, check_deviation, check_step};
+use crate::stepper::report::{RunError, RunReport};
+use crate::stepper::{StepReport, check_deviation, check_step};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 pub struct Stepper<'s> {

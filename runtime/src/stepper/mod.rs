@@ -1,6 +1,6 @@
 //! The stepper: a method with its step, for people to call.
 
-mod report;
+pub(crate) mod report;
 mod stepping;
 mod trajectory;
 
@@ -11,10 +11,10 @@ use crate::error::{ParameterError, StepError};
 use crate::method::{Advanced, Clock};
 use crate::scalar::{Components, Real, Scalar};
 use crate::snapshot::{self, visit_flag};
-pub use crate::system::Stepper;
-pub(crate) use crate::system::check_step;
+pub use crate::system::stepper::Stepper;
+pub(crate) use crate::system::stepper::check_step;
 use crate::system::{Control, MethodOf, State, System};
-pub use report::{RunError, RunReport};
+use report::{RunError, RunReport};
 pub use stepping::Stepping;
 pub use trajectory::Trajectory;
 

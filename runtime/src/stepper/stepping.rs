@@ -1,6 +1,6 @@
 //! What takes steps, whatever the scheme.
 
-use super::{RunError, RunReport};
+use super::report::{RunError, RunReport};
 use super::{StepReport, Stepper};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::{Real, Scalar};

@@ -2,7 +2,7 @@
 
 mod geometry;
 mod right_lift;
-mod stepper;
+pub(crate) mod stepper;
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -22,8 +22,7 @@ use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, Symplec
 use crate::solve::one_step::OneStep;
 pub use geometry::{Geometry, Isolated};
 pub(crate) use right_lift::ConservedMomentum;
-pub use stepper::Stepper;
-pub(crate) use stepper::check_step;
+use stepper::Stepper;
 
 /// A named quantity of one or more components: a parameter, a part of the state or a control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,6 @@
 //! What users of the crate `coadjoint` can name, line by line: whatever changes it has to change a snapshot too.
 //!
-//! Sources are read, not compiled: the items of public modules, what is exported again, members, and the traits that types implement where
-//! they are defined. Left out are tests and what `#[doc(hidden)]` hides; what a macro defines is shown as the macro's call.
+//! Sources are read, not compiled: the items of public modules, what is exported again, members, and the traits that types implement. Left out are tests and what `#[doc(hidden)]` hides; what a macro defines is shown as the macro's call.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -76,6 +75,28 @@ fn shown(tokens: &impl ToTokens) -> Option<String> {
     Some(text)
 }
 
+/// The module that a path within another one leads to.
+fn resolved(path: &[String], module: &str) -> String {
+    path.iter().fold(module.to_owned(), |home, step| match step.as_str() {
+        "crate" => "crate".to_owned(),
+        "super" => home.rsplit_once("::").map_or(home.clone(), |(parent, _)| parent.to_owned()),
+        step => format!("{home}::{step}"),
+    })
+}
+
+/// The path to what `use` gives this name.
+fn leaf(tree: &UseTree, mut path: Vec<String>, name: &str) -> Option<Vec<String>> {
+    match tree {
+        UseTree::Path(tree) => {
+            path.push(tree.ident.to_string());
+            leaf(&tree.tree, path, name)
+        }
+        UseTree::Group(group) => group.items.iter().find_map(|tree| leaf(tree, path.clone(), name)),
+        UseTree::Name(tree) => (tree.ident == name).then_some(path),
+        UseTree::Rename(_) | UseTree::Glob(_) => None,
+    }
+}
+
 struct Surface {
     /// Every module's items by its path, `crate::run`.
     modules: BTreeMap<String, Vec<Item>>,
@@ -141,10 +162,7 @@ impl Surface {
             UseTree::Rename(tree) => (tree.ident.to_string(), tree.rename.to_string()),
             UseTree::Glob(_) => panic!("{module} exports what cannot be seen"),
         };
-        let home = path.iter().fold(module.to_owned(), |home, step| match step.as_str() {
-            "crate" => "crate".to_owned(),
-            step => format!("{home}::{step}"),
-        });
+        let home = resolved(&path, module);
         self.lines
             .insert(format!("{public}::{name} | use {}", [path, vec![last.clone()]].concat().join("::")));
         let items =
@@ -187,18 +205,46 @@ impl Surface {
             }
             _ => return,
         }
-        for block in self.modules[module].clone() {
-            let (Item::Impl(block), Some((name, _))) = (block, head(item)) else { continue };
-            let Type::Path(of) = &*block.self_ty else { continue };
-            match of.path.segments.last() {
-                Some(last) if last.ident == name && block.trait_.is_some() => self.line(path, &block),
-                Some(last) if last.ident == name => block.items.iter().for_each(|member| match member {
-                    ImplItem::Fn(member) if is_public(&member.vis) => self.line(path, member),
-                    ImplItem::Const(member) if is_public(&member.vis) => self.line(path, member),
-                    _ => {}
-                }),
-                _ => {}
+        let Some((name, _)) = head(item) else { return };
+        for block in self.blocks(module, &name) {
+            if block.trait_.is_some() {
+                self.line(path, &block);
+                continue;
             }
+            block.items.iter().for_each(|member| match member {
+                ImplItem::Fn(member) if is_public(&member.vis) => self.line(path, member),
+                ImplItem::Const(member) if is_public(&member.vis) => self.line(path, member),
+                _ => {}
+            });
         }
+    }
+
+    /// The `impl` blocks of a type that is defined in a module, wherever they stand.
+    fn blocks(&self, module: &str, name: &str) -> Vec<syn::ItemImpl> {
+        let all = self.modules.iter().flat_map(|(place, items)| items.iter().map(move |item| (place, item)));
+        let of_it = all.filter_map(|(place, item)| {
+            let Item::Impl(block) = item else { return None };
+            let Type::Path(of) = &*block.self_ty else { return None };
+            let is_named = of.path.segments.last().is_some_and(|last| last.ident == name);
+            (is_named && self.home(place, name).as_deref() == Some(module)).then(|| block.clone())
+        });
+        of_it.collect()
+    }
+
+    /// Where what a module calls by this name is defined.
+    fn home(&self, module: &str, name: &str) -> Option<String> {
+        let items = self.modules.get(module)?;
+        let is_here = |item: &Item| {
+            !matches!(item, Item::Mod(_) | Item::Use(_)) && head(item).is_some_and(|(found, _)| found == name)
+        };
+        if items.iter().any(is_here) {
+            return Some(module.to_owned());
+        }
+        let path = items.iter().find_map(|item| match item {
+            Item::Use(item) => leaf(&item.tree, Vec::new(), name),
+            _ => None,
+        })?;
+        let next = resolved(&path, module);
+        if next == module { None } else { self.home(&next, name) }
     }
 }
