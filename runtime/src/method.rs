@@ -1,4 +1,4 @@
-//! What takes a step: [one solved equation](crate::one_step), or several steps composed.
+//! What takes a step: [one solved equation](crate::solve), or several steps composed.
 //!
 //! Over one number or over several side by side: what fails then fails in its lane, and the others go on.
 

@@ -12,7 +12,7 @@ use super::{
 use crate::expr::{Expr, Vector};
 
 /// A product of groups.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct Product {
     /// The factors, each with its spaces.
     pub factors: Vec<Semidirect>,

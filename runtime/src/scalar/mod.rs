@@ -1,4 +1,4 @@
-//! The scalars that generated code is generic over.
+//! Numbers: the scalars that generated code is generic over, several of them side by side, and arrays of them.
 
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
