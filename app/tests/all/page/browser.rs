@@ -45,7 +45,7 @@ impl Browser {
     pub(super) fn ask(&self, name: &str, size: (u32, u32), expression: &str) -> Value {
         // a machine that is busy may be asked before the page is drawn
         let mut answer = self.ask_once(name, size, expression);
-        for _ in 0..2 {
+        for _ in 0..5 {
             if answer["errors"] != Value::Array(Vec::new()) {
                 answer = self.ask_once(name, size, expression);
             }
@@ -57,13 +57,19 @@ impl Browser {
     fn ask_once(&self, name: &str, (width, height): (u32, u32), expression: &str) -> Value {
         let page = std::fs::read_to_string(self.path(name)).expect("a page");
         assert!(page.contains("</body>") && page.contains("default-src 'none'"), "{name}");
-        // a canvas has its size only after the first layout
+        // a canvas has its size only after the first layout, and shows nothing that could be asked about before
         let question = format!(
             "<script>(function ask(tries) {{
-               const drawn = coadjoint.scene().runs.every(({{ bodies }}) => bodies.every(({{ screen }}) => screen));
+               const sized = [...document.querySelectorAll('canvas')].every(canvas =>
+                 canvas.width === Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio)));
+               const drawn = sized
+                 && coadjoint.scene().runs.every(({{ bodies }}) => bodies.every(({{ screen }}) => screen));
                if (!drawn && tries > 0) return setTimeout(ask, 50, tries - 1);
                let answer;
-               try {{ answer = {{ value: {expression}, errors: coadjoint.errors }}; }}
+               try {{
+                 if (!drawn) throw new Error('the page is not drawn yet');
+                 answer = {{ value: {expression}, errors: coadjoint.errors }};
+               }}
                catch (error) {{ answer = {{ errors: [String(error.stack)] }}; }}
                const text = JSON.stringify(answer).replace(/[<>&]/g, c => '\\\\u00' + c.charCodeAt().toString(16));
                document.body.append(Object.assign(document.createElement('pre'), {{ id: 'answer', textContent: text }}));
