@@ -188,11 +188,8 @@ fn named(name: &Ident, diagnostics: &mut Diagnostics) -> Option<&'static dyn Gro
         let text = name.to_string();
         let guess = suggestion(&text, &names);
         let help = match group::family_meant(&text) {
-            Some(family) => format!(
-                "; of `{family}` there are those of at most {} coordinates and {} rows",
-                group::LARGEST_BASIS,
-                group::LARGEST
-            ),
+            // bounds are not the reason of every size that is not there
+            Some(family) => format!("; of `{family}` there are {}", list(group::sizes(family))),
             // what is near is meant; what is not may be somebody's own
             None if guess.ends_with('?') => guess,
             None => {

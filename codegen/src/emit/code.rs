@@ -82,8 +82,34 @@ fn argument_name(input: Input) -> Ident {
 /// What a function needs of its arguments, and what it computes. `constants` is the struct that holds a step's constants.
 pub(super) fn body(module: &Module, function: &Function, constants: Option<&Ident>) -> TokenStream {
     let unpacked = function.arguments.iter().map(|argument| unpacked(module, argument, constants));
+    if function.statements.len() > MANY {
+        let statements = function.statements.chunks(TOGETHER).map(|lines| declared_together(module, lines));
+        return quote! { #(#unpacked)* #(#statements)* };
+    }
     let statements = function.statements.iter().map(|line| statement(module, line));
     quote! { #(#unpacked)* #(#statements)* }
+}
+
+/// More statements than a function may have for each to declare its variable: every `let` is a scope within the one before, and rustc goes into
+/// scopes by recursion when it writes debug information. Ten thousand are too many for its stack.
+const MANY: usize = 1_500;
+/// So many are then declared by one `let`.
+const TOGETHER: usize = 250;
+
+/// `let (x, y, …,); x = …; y = …; …`
+fn declared_together(module: &Module, lines: &[Statement]) -> TokenStream {
+    let names = lines.iter().filter_map(|line| match line {
+        Statement::Let { value, .. } => Some(ident(module, *value)),
+        Statement::Stumpff { .. } => None,
+    });
+    let statements = lines.iter().map(|line| match line {
+        Statement::Let { value, term: value_of } => {
+            let (name, value) = (ident(module, *value), term(module, value_of));
+            quote! { #name = #value; }
+        }
+        Statement::Stumpff { .. } => statement(module, line),
+    });
+    quote! { let (#(#names,)*); #(#statements)* }
 }
 
 /// `let [_, momentum_x, ..] = *state;`, `let Step { s, .. } = *step;`, `let h = step;` with the names that are used.

@@ -4,14 +4,17 @@
 //! Degree by degree, they are the common kernel of the derivations `{·, m_j}` on the polynomials of that degree: of one derivation after the
 //! other, as the kernel of the first ones is small. The number of independent ones is that of the columns of `{m_i, m_j}` less its rank at a
 //! generic point; the search ends there, or behind the largest degree. Elimination is modulo a prime; what is found has small coefficients,
-//! which are read back as fractions, and checked exactly.
+//! which are read back as fractions, and checked exactly. Where the constants of a basis are many or large, the coefficients are too: the search
+//! is in a simpler basis then, and what it finds is expanded.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use num_rational::Ratio;
+use num_traits::Signed;
 
-use super::Structure;
+use super::exact::Fraction;
+use super::{Semidirect, Structure};
 
 /// The largest degree that is searched.
 const DEGREE: usize = 4;
@@ -34,7 +37,7 @@ pub type Polynomial = BTreeMap<Monomial, i64>;
 pub struct Casimirs {
     /// Independent ones, those of a lower degree first.
     pub found: Vec<Polynomial>,
-    /// How many more there are, of a higher degree or no polynomials at all.
+    /// How many more there are: of a higher degree, with large coefficients, or no polynomials at all.
     pub missing: usize,
 }
 
@@ -69,6 +72,62 @@ pub fn casimirs(structure: &Structure, blocks: &[Range<usize>]) -> Casimirs {
     }
     let missing = all - found.len();
     Casimirs { found: found.into_iter().map(|(_, polynomial)| polynomial).collect(), missing }
+}
+
+/// The same of a semidirect algebra, whose constants are these if they are exact: in a simpler basis of the group's algebra if there is one.
+pub fn casimirs_of(algebra: &Semidirect, blocks: &[Range<usize>]) -> Option<Casimirs> {
+    let structure = Structure::of(algebra)?;
+    let simple = algebra.group.simple_basis().and_then(|basis| Some((structure.in_basis(&basis)?, basis)));
+    // what is found in another basis reads less well, so that this one has to be much simpler
+    let Some((simple, basis)) = simple.filter(|(simple, _)| 2 * simple.digits() < structure.digits()) else {
+        return Some(casimirs(&structure, blocks));
+    };
+    let Casimirs { found, missing } = casimirs(&simple, blocks);
+    let all = found.len() + missing;
+    let found: Vec<Polynomial> = found.iter().filter_map(|casimir| expanded(casimir, &basis)).collect();
+    Some(Casimirs { missing: all - found.len(), found })
+}
+
+/// The polynomial with a sum of the first variables instead of each of these, its row; none if coefficients grow too large.
+fn expanded(polynomial: &Polynomial, rows: &[Vec<Ratio<i64>>]) -> Option<Polynomial> {
+    let sum = |variable: usize| -> Vec<(usize, Fraction)> {
+        let Some(row) = rows.get(variable) else { return vec![(variable, Fraction::one())] };
+        row.iter().map(|&x| Fraction::from(x)).enumerate().filter(|(_, x)| !x.is_zero()).collect()
+    };
+    let mut terms: BTreeMap<Monomial, Fraction> = BTreeMap::new();
+    for (monomial, &coefficient) in polynomial {
+        let mut product = BTreeMap::from([(Monomial::new(), Fraction::from(i128::from(coefficient)))]);
+        for &variable in monomial {
+            let mut longer: BTreeMap<Monomial, Fraction> = BTreeMap::new();
+            for (monomial, coefficient) in product {
+                for (variable, factor) in sum(variable) {
+                    let mut monomial = monomial.clone();
+                    monomial.insert(monomial.partition_point(|&other| other < variable), variable);
+                    let entry = longer.entry(monomial).or_insert_with(Fraction::zero);
+                    *entry = *entry + coefficient * factor;
+                }
+            }
+            product = longer;
+        }
+        for (monomial, coefficient) in product {
+            let entry = terms.entry(monomial).or_insert_with(Fraction::zero);
+            *entry = *entry + coefficient;
+        }
+    }
+    terms.retain(|_, coefficient| !coefficient.is_zero());
+    let parts: Vec<(i128, i128)> = terms.values().map(Fraction::parts).collect::<Option<_>>()?;
+    // of the numerators the divisor, of the denominators the multiple, with the sign of the last one
+    let divisor =
+        parts.iter().fold(0, |divisor, &(numerator, _)| greatest_common_divisor(divisor, numerator));
+    let multiple = parts.iter().try_fold(1_i128, |multiple, &(_, denominator)| {
+        multiple.checked_mul(denominator / greatest_common_divisor(multiple, denominator))
+    })?;
+    let sign = parts.last()?.0.signum();
+    let whole = parts.iter().map(|(numerator, denominator)| {
+        let whole = (sign * numerator / divisor).checked_mul(multiple / denominator)?;
+        i64::try_from(whole).ok()
+    });
+    terms.into_keys().zip(whole).map(|(monomial, x)| Some((monomial, x?))).collect()
 }
 
 /// Numbers modulo the prime at which no polynomial of low degree vanishes by chance, the same each time.
@@ -345,8 +404,8 @@ fn exact(polynomial: &Sparse<Monomial>) -> Option<Polynomial> {
     )
 }
 
-fn greatest_common_divisor(mut a: i64, mut b: i64) -> i64 {
-    while b != 0 {
+fn greatest_common_divisor<T: Signed + Copy>(mut a: T, mut b: T) -> T {
+    while !b.is_zero() {
         (a, b) = (b, a % b);
     }
     a.abs()

@@ -50,6 +50,12 @@ impl Fraction {
         self.0.map(|ratio| (*ratio.numer(), *ratio.denom()))
     }
 
+    /// The same with smaller numbers, if it is known and they are small enough.
+    pub(super) fn ratio(&self) -> Option<Ratio<i64>> {
+        let (numerator, denominator) = self.parts()?;
+        Some(Ratio::new(i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?))
+    }
+
     /// The result of an operation; whole numbers, as most are, need no common divisor.
     fn with(
         self,
@@ -68,6 +74,12 @@ impl Fraction {
 impl From<i128> for Fraction {
     fn from(number: i128) -> Self {
         Self::of(Some(Ratio::from_integer(number)))
+    }
+}
+
+impl From<Ratio<i64>> for Fraction {
+    fn from(ratio: Ratio<i64>) -> Self {
+        Self::new((*ratio.numer()).into(), (*ratio.denom()).into())
     }
 }
 
@@ -253,9 +265,12 @@ impl Exact {
         self.clone().reduce()
     }
 
-    /// The inverse; none if there is none.
+    /// The inverse; none if there is none, as where there are more rows than columns or fewer.
     pub(super) fn inverse(&self) -> Option<Self> {
         let n = self.rows;
+        if self.columns != n {
+            return None;
+        }
         let mut both = Self::from_fn(n, 2 * n, |i, j| match j.checked_sub(n) {
             None => self.at(i, j),
             Some(j) if i == j => Fraction::one(),
@@ -317,6 +332,8 @@ mod tests {
         assert_eq!(m.times(&inverse), matrix([[1, 0, 0], [0, 1, 0], [0, 0, 1]]));
         let singular = matrix([[1, 2, 3], [2, 4, 6], [1, 0, 1]]);
         assert_eq!(singular.inverse(), None);
+        assert_eq!(Exact::zero(3, 2).inverse(), None);
+        assert_eq!(Exact::zero(2, 3).inverse(), None);
         assert_eq!(singular.independent_columns(), [0, 1]);
         let kernel = singular.kernel();
         assert_eq!(kernel.len(), 1);

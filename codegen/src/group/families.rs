@@ -1,7 +1,7 @@
 //! Families of groups by name: `SO(4)`, `SL(2)`, `SE2(3)`, …, each from its basis.
 
 use super::matrix::TERMS;
-use super::{Basis, MatrixGroup, NamedMatrix};
+use super::{Basis, LARGEST_BASIS, MatrixGroup, NamedMatrix};
 
 /// The largest matrices: beyond, code would take minutes to compile.
 pub const LARGEST: usize = 7;
@@ -27,6 +27,14 @@ pub fn family_meant(name: &str) -> Option<&'static str> {
         let size = family.split_once('(').and_then(|(stem, _)| name.strip_prefix(stem));
         size.is_some_and(|size| !size.is_empty() && size.bytes().all(|byte| byte.is_ascii_digit()))
     })
+}
+
+/// The groups of a family of many sizes, as people write them.
+pub fn sizes(family: &str) -> Vec<String> {
+    let stem = family.split_once('(').map_or(family, |(stem, _)| stem);
+    let is_small = |basis: Basis| basis.dimension() <= LARGEST_BASIS;
+    let known = (1..=LARGEST).filter(|n| basis(&format!("{stem}{n}")).is_some_and(is_small));
+    known.map(|n| format!("{stem}({n})")).collect()
 }
 
 /// The group of a family, of this size; none if there is no such family, or none of this size.

@@ -27,7 +27,7 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
-pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms};
+pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
 pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};
@@ -41,6 +41,8 @@ pub use so2::SO2;
 pub use so3::SO3;
 pub use structure::Structure;
 pub use su2::SU2;
+
+use num_rational::Ratio;
 
 use crate::expr::{Expr, Vector};
 
@@ -85,6 +87,10 @@ pub trait Group: Sync {
     }
     /// Suffixes of the algebra's coordinates.
     fn axes(&self) -> &'static [&'static str];
+    /// The coordinates of a basis that may have simpler constants, a row for each of its elements; none if no other one is known.
+    fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
+        None
+    }
     /// The bracket `[x, y]`.
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a>;
     /// `f(x)`
@@ -149,7 +155,7 @@ pub trait Group: Sync {
         let mut spaces = self.representations().iter();
         spaces.find(|space| space.coordinates().len() == v.len())?.act(g, v)
     }
-    /// Its algebra as one of matrices, with the same axes.
+    /// Its algebra as one of matrices, with the same axes: that of the family of its name, unless that has others.
     fn basis(&self) -> Option<Basis> {
         families::basis(self.name())
     }

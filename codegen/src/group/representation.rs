@@ -65,13 +65,23 @@ pub struct Translation<'a> {
 
 /// The matrices of a representation, one for each axis of the algebra; none if they are not exact.
 pub(super) fn matrices_of(space: &dyn Representation) -> Option<Vec<Exact>> {
+    matrices_of_action(space.algebra_dimension(), space.coordinates().len(), |x, v| {
+        space.act_infinitesimally(x, v)
+    })
+}
+
+/// The matrices of a map that is linear in each of its two vectors, one for each coordinate of the first; none if they are not exact.
+pub(super) fn matrices_of_action(
+    dimension: usize,
+    n: usize,
+    action: impl for<'a> Fn(&Vector<'a>, &Vector<'a>) -> Vector<'a>,
+) -> Option<Vec<Exact>> {
     let arena = Arena::new();
     let symbols = |name: &str, dimension: usize| {
         Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Step)).collect())
     };
-    let n = space.coordinates().len();
-    let (x, v) = (symbols("x", space.algebra_dimension()), symbols("v", n));
-    let image = space.act_infinitesimally(&x, &v);
+    let (x, v) = (symbols("x", dimension), symbols("v", n));
+    let image = action(&x, &v);
     let entry = |axis: usize, k: usize| {
         let (x, v) = (x.0[axis].as_symbol()?, v.0[k % n].as_symbol()?);
         let (numerator, denominator) = image.0[k / n].derivative(x).derivative(v).as_number()?.fraction()?;

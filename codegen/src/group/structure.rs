@@ -3,6 +3,7 @@
 use num_rational::Ratio;
 
 use super::Semidirect;
+use super::exact::{Exact, Fraction};
 use crate::expr::{Arena, Stage, Vector};
 
 /// `[E_i, E_j] = Σ_k c_ij^k E_k`, exact.
@@ -71,5 +72,40 @@ impl Structure {
     /// The `k` with the `c_ij^k` that are not zero.
     pub fn bracket(&self, i: usize, j: usize) -> &[(usize, Ratio<i64>)] {
         &self.constants[i * self.dimension + j]
+    }
+
+    /// The same algebra with the combinations of `E_1, …` that these rows are instead of as many; the others stay. None if numbers grow too large.
+    pub(super) fn in_basis(&self, rows: &[Vec<Ratio<i64>>]) -> Option<Self> {
+        let (d, n) = (rows.len(), self.dimension);
+        let basis = Exact::from_fn(d, d, |i, j| rows[i][j].into()).beside(&Exact::identity(n - d));
+        let inverse = basis.inverse()?;
+        let filled = |row: &[Fraction]| -> Vec<(usize, Fraction)> {
+            row.iter().copied().enumerate().filter(|(_, x)| !x.is_zero()).collect()
+        };
+        let vectors: Vec<_> = (0..n).map(|i| filled(basis.row(i))).collect();
+        let mut structure = Self { dimension: n, constants: vec![Vec::new(); n * n] };
+        for i in 0..n {
+            for j in 0..n {
+                let mut bracket = Exact::zero(1, n);
+                for &(a, x) in &vectors[i] {
+                    for &(b, y) in &vectors[j] {
+                        for &(k, constant) in self.bracket(a, b) {
+                            bracket.entries[k] = bracket.entries[k] + x * y * constant.into();
+                        }
+                    }
+                }
+                for (k, constant) in filled(bracket.times(&inverse).row(0)) {
+                    structure.add(i, j, k, constant.ratio()?);
+                }
+            }
+        }
+        Some(structure)
+    }
+
+    /// How many binary digits its constants have.
+    pub(super) fn digits(&self) -> u32 {
+        let digits = |part: &i64| part.unsigned_abs().checked_ilog2().unwrap_or(0);
+        let constants = self.constants.iter().flatten();
+        constants.map(|(_, constant)| 1 + digits(constant.numer()) + digits(constant.denom())).sum()
     }
 }

@@ -8,7 +8,8 @@
 
 use super::so3::SO3;
 use super::{
-    Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, StorageType,
+    Basis, Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
+    StorageType,
 };
 use crate::expr::{Expr, Number, Vector};
 
@@ -126,6 +127,15 @@ impl Group for SU2 {
     /// As the rotations that they cover.
     fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
         SO3.act(g, v)
+    }
+
+    /// As `x/2` multiplies quaternions from the left: the axes of the family of this name are others, and of another length.
+    fn basis(&self) -> Option<Basis> {
+        Basis::of_action(self.axes(), self.coordinates().len(), |x, q| {
+            let mut pure = vec![x.0[0].arena().zero()];
+            pure.extend(x.iter().map(|component| component / 2));
+            self.compose(&Vector(pure), q)
+        })
     }
 
     fn components(&self) -> &'static [Component] {

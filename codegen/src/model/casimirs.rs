@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use super::{Factor, System};
 use crate::expr::{Expr, Number, Vector};
-use crate::group::casimirs::{Polynomial, casimirs};
-use crate::group::{Group, Semidirect, Structure, part_name};
+use crate::group::casimirs::{Polynomial, casimirs_of};
+use crate::group::{Group, Semidirect, part_name};
 use crate::identifiers::plain;
 
 /// What a system's bracket keeps.
@@ -42,7 +42,6 @@ impl<'a> System<'a> {
 }
 
 fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> Casimirs<'a> {
-    let Some(structure) = Structure::of(algebra) else { return Casimirs::default() };
     let mut blocks = momenta(factor, algebra.group);
     let momenta = blocks.len();
     let spaces = factor.advected.iter().zip(&algebra.spaces);
@@ -61,7 +60,7 @@ fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> C
     };
     let ranges: Vec<Range<usize>> = lengths.map(range).collect();
     let variables = if is_moved { &ranges[1..] } else { &ranges[..] };
-    let found = casimirs(&structure, variables);
+    let Some(found) = casimirs_of(algebra, variables) else { return Casimirs::default() };
     let named = found.found.iter().map(|polynomial| named(polynomial, &blocks));
     Casimirs { found: named.collect(), missing: found.missing }
 }

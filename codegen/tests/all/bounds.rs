@@ -300,3 +300,35 @@ fn names_of_groups_have_no_sign() {
         ("R", "write the name of the group in one word, such as `R3`")
     );
 }
+
+/// How many `let`s there are in a block at most.
+fn most_lets(stream: TokenStream) -> usize {
+    let (mut here, mut within) = (0, 0);
+    for tree in stream {
+        match tree {
+            TokenTree::Ident(word) if word == "let" => here += 1,
+            TokenTree::Group(group) => within = within.max(most_lets(group.stream())),
+            _ => {}
+        }
+    }
+    within.max(here)
+}
+
+/// Each is a scope within the one before, which rustc goes into by recursion: ten thousand are too many.
+#[test]
+fn no_function_has_more_scopes_than_rustc_can_go_into() {
+    let expanded = |attribute: &str, item: &str| {
+        let [attribute, item] = [attribute, item].map(|text| text.parse().expect("tokens"));
+        expand(attribute, item).expect("a valid description").into_tokens()
+    };
+    let large = expanded(
+        "group = SU(3), retractions(Exponential), derivatives(state)",
+        "struct Body { #[inertia] inertia: SVector<f64, 8> }",
+    );
+    let lets = most_lets(large);
+    assert!((200..2_000).contains(&lets), "{lets}");
+    // of what is smaller, each value has a `let` of its own
+    let small =
+        expanded("group = SO3, derivatives(state)", "struct Body { #[inertia] inertia: Vector3<f64> }");
+    assert!(most_lets(small) > 20);
+}

@@ -3,9 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use coadjoint_codegen::group::casimirs::{Casimirs, Polynomial, casimirs};
-use coadjoint_codegen::group::{Semidirect, Structure, catalogue};
+use coadjoint_codegen::group::casimirs::{Casimirs, Polynomial, casimirs, casimirs_of};
+use coadjoint_codegen::group::{Basis, MatrixGroup, Semidirect, Structure, catalogue};
 use num_rational::Ratio;
+
+use crate::common::Random;
 
 type Fraction = Ratio<i64>;
 /// Rows of a square matrix.
@@ -170,6 +172,47 @@ fn they_read_as_in_textbooks() {
     assert_eq!(lengths, polynomial(&[(&[3, 3], 1), (&[4, 4], 1), (&[5, 5], 1)]));
     assert_eq!(product.len(), 3);
     assert!(product.keys().all(|monomial| monomial[0] < 3 && monomial[1] >= 3));
+}
+
+/// They do not depend on the basis that a group is given by, however large its entries are and however many of them there are.
+#[test]
+fn of_any_basis_they_are_found() {
+    let flat = |matrix: &Matrix| matrix.concat();
+    let group_of = |basis: &[Matrix]| {
+        let named: Vec<_> = basis.iter().enumerate().map(|(i, e)| (format!("e{i}"), flat(e))).collect();
+        MatrixGroup::new("matrices", &Basis::new(basis[0].len(), &named).expect("a basis")).expect("a group")
+    };
+    let casimirs_of = |basis: &[Matrix]| {
+        let algebra = Semidirect { group: group_of(basis), spaces: Vec::new() };
+        casimirs_of(&algebra, std::slice::from_ref(&(0..basis.len()))).expect("exact constants")
+    };
+    // h² + 40000 e f
+    let steep = [matrix(2, &[(0, 0, 100), (1, 1, -100)]), matrix(2, &[(0, 1, 1)]), matrix(2, &[(1, 0, 1)])];
+    let expected = Polynomial::from([(vec![0, 0], 1), (vec![1, 2], 40_000)]);
+    let Casimirs { found, missing } = casimirs_of(&steep);
+    assert_eq!((found, missing), (vec![expected], 0));
+    // sums of all with coefficients up to 2 or 1
+    let mut random = Random(11);
+    let galilei = [with_columns(3, 2), vec![matrix(5, &[(3, 4, 1)])]].concat();
+    for (name, basis, largest, degrees) in
+        [("so(4)", so(4), 2, [2, 2]), ("sl(3)", sl(3), 1, [2, 3]), ("sgal(3)", galilei, 1, [2, 4])]
+    {
+        let n = basis[0].len();
+        let mut sum = |_| {
+            let mut sum = matrix(n, &[]);
+            for e in &basis {
+                let factor = i64::try_from(random.below(2 * largest + 1)).expect("small");
+                let factor = factor - i64::try_from(largest).expect("small");
+                (0..n * n).for_each(|k| sum[k / n][k % n] += factor * e[k / n][k % n]);
+            }
+            sum
+        };
+        let dense: Vec<Matrix> = (0..basis.len()).map(&mut sum).collect();
+        let Casimirs { found, missing } = casimirs_of(&dense);
+        let degree = |casimir: &Polynomial| casimir.keys().next().map_or(0, Vec::len);
+        assert_eq!(found.iter().map(degree).collect::<Vec<_>>(), degrees, "{name}");
+        assert_eq!(missing, 0, "{name}");
+    }
 }
 
 /// One of degree 4 is the shortest that is left when the square of one of degree 2 may be taken off it.

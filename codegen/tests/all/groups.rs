@@ -61,6 +61,16 @@ fn bases() -> Vec<(usize, Vec<Named>)> {
             ],
         ),
         (2, vec![("a", vec![3, 0, 0, -3]), ("b", vec![1, 2, 0, -1]), ("c", vec![0, 1, 5, 0])]),
+        // its ideals have an eigenvalue of the centroid that is not looked for
+        (
+            2,
+            vec![
+                ("a", vec![1, 0, 0, 5]),
+                ("b", vec![0, 1, 0, 0]),
+                ("c", vec![0, 0, 1, 0]),
+                ("d", vec![1, 0, 0, 0]),
+            ],
+        ),
         (2, vec![("turn", vec![0, 1, -2, 0])]),
         (2, vec![("boost", vec![0, 1, 1, 0])]),
         (2, vec![("spiral", vec![1, -1, 1, 1])]),
@@ -342,6 +352,25 @@ fn logarithmic_derivatives_of_the_catalogue_are_those_of_the_retraction() {
     }
 }
 
+/// What is made of a group of the catalogue, and what acts beside it, goes by its basis: that has the axes of the group itself.
+#[test]
+fn bases_of_the_catalogue_have_its_brackets() {
+    for group in catalogue() {
+        let basis = group.basis().unwrap_or_else(|| panic!("{} has a basis", group.name()));
+        let derived = MatrixGroup::new("derived", &basis).expect("a basis");
+        let n = group.dimension();
+        assert_eq!((derived.dimension(), derived.blocks()), (n, group.blocks()), "{}", group.name());
+        let (x, y) = (random(n, 41, 1.0), random(n, 42, 1.0));
+        let expected = value([&x, &y], |[x, y]| group.bracket(&x, &y));
+        let found = value([&x, &y], |[x, y]| derived.bracket(&x, &y));
+        assert!((&found - &expected).amax() < 1e-15, "{}: {found} {expected}", group.name());
+        // the bracket of plane rotations is zero for an axis of any length, their retraction is not
+        let expected = value([&x, &y], |[x, y]| group.closed_d_right(MatrixFunction::Cayley, &x, &y));
+        let found = value([&x, &y], |[x, y]| derived.closed_d_right(MatrixFunction::Cayley, &x, &y));
+        assert!((&found - &expected).amax() < 5e-15, "{}: {found} {expected}", group.name());
+    }
+}
+
 /// The derivative of `(dR τ_x)* m` by `x` and `m`, whether it is differentiated or known in closed form; of arguments that are not symbols
 /// themselves, and of those that are put in their places later.
 #[test]
@@ -411,6 +440,38 @@ fn normalization_takes_small_errors_away() {
         let defect = defect(name, &back);
         assert!(defect < 1e-10, "{name}: {defect}");
         assert!((&back - &g).norm() < 1e-4, "{name}");
+    }
+}
+
+/// Elements whose products are off by their rounding are the same after a step that does not move them, to the last bit.
+#[test]
+fn what_is_at_rest_stays() {
+    for name in ["SO4", "SO21", "SL2", "SL3", "SP4", "SU3", "SE23"] {
+        let (group, arena) = (of(name), Arena::new());
+        let symbols = |name: &str, n: usize| {
+            Vector((0..n).map(|k| arena.symbol(format!("{name}{k}"), Stage::Step)).collect())
+        };
+        let (g, x) = (symbols("g", group.coordinates().len()), symbols("x", group.dimension()));
+        let (places, normalized) = (g.symbols(), group.normalize(&g));
+        let retraction =
+            if group.has(Retraction::Cayley) { Retraction::Cayley } else { Retraction::Exponential };
+        for side in [Side::Left, Side::Right] {
+            let next = group.moved(side, retraction, &g, &x).next;
+            let mut corrected = 0;
+            for seed in 50..90 {
+                let size = f64::from(u32::try_from(seed % 4).expect("small")) * 0.5 + 0.5;
+                let start = by_rows(&series(&hat(group, &random(group.dimension(), seed, size)), 0));
+                let there = |vector: &Vector<'_>, element: &[f64]| {
+                    let entry = |symbol| places.iter().position(|place| *place == symbol);
+                    vector.evaluate(&|symbol| entry(symbol).map_or(0.0, |k| element[k]))
+                };
+                let start = there(&normalized, start.as_slice());
+                assert_eq!(there(&next, &start), start, "{name}, {seed}");
+                corrected += usize::from(there(&normalized, &start) != start);
+            }
+            // there is something to correct
+            assert!(corrected > 5, "{name}: {corrected}");
+        }
     }
 }
 
@@ -516,6 +577,24 @@ fn spaces_are_columns_that_matrices_act_on() {
         };
         assert_close(&shift, &expected, "the way of a translation", group);
     });
+}
+
+/// The ideals of GL(2) are told by eigenvalues that depend on the basis.
+#[test]
+fn any_basis_makes_a_group() {
+    // one of two is enough to tell both, and each has a closed exponential
+    let one_is_found = [("a", vec![1, 0, 0, 5]), ("b", vec![0, 1, 0, 0]), ("c", vec![0, 0, 1, 0])];
+    let all = [&one_is_found[..], &[("d", vec![1, 0, 0, 0])]].concat();
+    assert!(!group(2, &all).expect("a basis").is_summed(Retraction::Exponential));
+    let mut random = Random(5);
+    for _ in 0..40 {
+        let mut entry = |_| i64::try_from(random.below(13)).expect("small") - 6;
+        let matrices = ["a", "b", "c", "d"].map(|name| (name, (0..4).map(&mut entry).collect()));
+        match group(2, &matrices) {
+            Ok(group) => assert_eq!(group.dimension(), 4),
+            Err(error) => assert!(matches!(error, BasisError::Dependent(_)), "{matrices:?}: {error:?}"),
+        }
+    }
 }
 
 #[test]

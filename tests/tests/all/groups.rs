@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use coadjoint_codegen::expr::{Arena, Stage, Vector};
 use coadjoint_codegen::group::{
-    Basis as LieBasis, Group, MatrixGroup, Retraction, Semidirect, Side, catalogue, family, family_with_terms,
+    Group, MatrixGroup, Retraction, Semidirect, Side, catalogue, family, family_with_terms,
 };
 use coadjoint_support::precise::definition::{
     Realization, SemidirectMatrices, TERMS, composed, realization, retract,
@@ -500,28 +500,17 @@ fn of_catalogue(name: &str) -> &'static dyn Group {
 
 #[test]
 fn closed_forms_are_those_that_follow_from_the_basis() {
-    for name in ["SO2", "SO3", "SE2", "SE3", "R1", "R2", "R3", "R4", "R5", "R6"] {
-        let (closed, derived) = (of_catalogue(name), family(name).expect("a family"));
+    for &closed in catalogue() {
+        let basis = closed.basis().expect("each has one");
+        let derived = MatrixGroup::new(closed.name(), &basis).expect("a group");
         agrees((closed, derived), &Real::from(1), |g| realization(closed).matrix(g));
     }
 }
 
-/// SU(2) by quaternions that multiply from the left, of which its algebra has the halves `i/2`, `j/2`, `k/2`, and by matrices of two complex
-/// rows, of which it has `−iσ/2`.
+/// SU(2) also by matrices of two complex rows, of which its algebra has `−iσ/2`, and the family of its name `iσ`.
 #[test]
-fn spins_are_those_that_follow_from_their_bases() {
+fn spins_are_those_that_follow_from_the_family() {
     let spins = of_catalogue("SU2");
-    let quaternions = [
-        ("x", [0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0]),
-        ("y", [0, 0, -1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 0, -1, 0, 0]),
-        ("z", [0, 0, 0, -1, 0, 0, -1, 0, 0, 1, 0, 0, 1, 0, 0, 0]),
-    ];
-    let quaternions = quaternions.map(|(name, rows)| (name.to_owned(), rows.to_vec()));
-    let basis = LieBasis::new(4, &quaternions).expect("a basis");
-    let derived = MatrixGroup::new("quaternions", &basis).expect("a group");
-    agrees((spins, derived), &Real::ratio(1, 2), |q| realization(spins).matrix(q));
-
-    // the family's axes are iσ
     let derived = family("SU2").expect("a family");
     agrees((spins, derived), &Real::ratio(-1, 2), |q| {
         let [w, x, y, z] = std::array::from_fn(|i| q[i].clone());

@@ -1,5 +1,7 @@
 //! Lie algebras of matrices: which sets of matrices are the basis of one, and the coordinates of its elements.
 
+use num_rational::Ratio;
+
 use crate::expr::{Arena, Expr, Matrix, Number, Vector};
 use crate::group::Structure;
 use crate::group::exact::{Exact, Fraction};
@@ -53,6 +55,13 @@ impl Algebra {
     /// Rows and columns of the matrices.
     pub(super) fn size(&self) -> usize {
         self.basis[0].rows
+    }
+
+    /// The coordinates of the basis in reduced echelon form, which is the same whatever basis the algebra is given by: of most algebras its
+    /// matrices have few entries. None if numbers grow too large.
+    pub(super) fn echelon(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
+        let inverse = &self.readout.inverse;
+        (0..inverse.columns).map(|k| inverse.column(k).iter().map(Fraction::ratio).collect()).collect()
     }
 
     /// The matrices of `ad_{E_1}, …`
@@ -148,9 +157,7 @@ fn structure(basis: &[Exact], readout: &Readout) -> Result<Structure, BasisError
             let coordinates = readout.coordinates(basis, &bracket)?.ok_or(BasisError::NotClosed(i, j))?;
             let mut row = Vec::new();
             for (k, c) in coordinates.into_iter().enumerate().filter(|(_, c)| !c.is_zero()) {
-                let part = |part: i128| i64::try_from(part).map_err(|_| BasisError::TooLarge);
-                let (numerator, denominator) = c.parts().ok_or(BasisError::TooLarge)?;
-                row.push((k, num_rational::Ratio::new(part(numerator)?, part(denominator)?)));
+                row.push((k, c.ratio().ok_or(BasisError::TooLarge)?));
             }
             constants.push(row);
         }

@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use super::algebra::BasisError;
 use super::{LARGEST_BASIS, LARGEST_MATRIX};
+use crate::expr::Vector;
 use crate::group::Representation;
 use crate::group::exact::{Exact, Fraction};
-use crate::group::representation::matrices_of;
+use crate::group::representation::{matrices_of, matrices_of_action};
 
 /// A matrix by rows, with the name of its coordinate.
 pub type NamedMatrix = (String, Vec<i64>);
@@ -43,6 +44,17 @@ impl Basis {
             blocks: vec![matrices.len()],
             parts: Vec::new(),
         })
+    }
+
+    /// The matrices by which an algebra with these axes acts on columns of so many numbers; none if they are not exact.
+    pub(in crate::group) fn of_action(
+        axes: &[&str],
+        rows: usize,
+        action: impl for<'a> Fn(&Vector<'a>, &Vector<'a>) -> Vector<'a>,
+    ) -> Option<Self> {
+        let matrices = matrices_of_action(axes.len(), rows, action)?;
+        let axes: Vec<String> = axes.iter().map(|&axis| axis.to_owned()).collect();
+        Some(Self { blocks: vec![axes.len()], axes, matrices, parts: Vec::new() })
     }
 
     /// The same with blocks of these lengths, each with a unit of its own.

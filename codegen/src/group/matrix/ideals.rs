@@ -114,9 +114,8 @@ fn split(adjoint: &[Exact]) -> Vec<Vec<Vec<Fraction>>> {
     for map in centroid(adjoint) {
         let spaces = eigenspaces(&map);
         let all: Vec<Vec<Fraction>> = spaces.concat();
-        let Some(inverse) = Exact::from_columns(&all).inverse().filter(|_| spaces.len() > 1) else {
-            continue;
-        };
+        let inverse = Exact::from_columns(&all).inverse().filter(Exact::is_known);
+        let Some(inverse) = inverse.filter(|_| spaces.len() > 1) else { continue };
         let mut from = 0;
         let mut ideals = Vec::new();
         for space in spaces {
@@ -146,7 +145,7 @@ fn centroid(adjoint: &[Exact]) -> Vec<Exact> {
     })
 }
 
-/// Bases of the generalized eigenspaces of the eigenvalues that are small whole numbers or their quotients.
+/// Bases of the generalized eigenspaces of the eigenvalues that are small whole numbers or their quotients, and of what all others make up.
 fn eigenspaces(map: &Exact) -> Vec<Vec<Vec<Fraction>>> {
     const LARGEST: i128 = 4;
     let d = map.rows;
@@ -158,14 +157,20 @@ fn eigenspaces(map: &Exact) -> Vec<Vec<Vec<Fraction>>> {
             values.push(value);
         }
     }
-    let spaces = values.into_iter().map(|value| {
+    let mut others = Exact::identity(d);
+    let mut spaces = Vec::new();
+    for value in values {
         let shifted = map.plus(&Exact::identity(d), -value);
         let mut power = shifted.clone();
         if power.kernel().is_empty() {
-            return Vec::new();
+            continue;
         }
         (1..d).for_each(|_| power = power.times(&shifted));
-        power.kernel()
-    });
-    spaces.filter(|space| !space.is_empty()).collect()
+        spaces.push(power.kernel());
+        others = others.times(&power);
+    }
+    // Fitting's lemma: the image of these powers is the sum of the eigenspaces that were not found
+    spaces.push(others.independent_columns().into_iter().map(|j| others.column(j)).collect());
+    spaces.retain(|space: &Vec<Vec<Fraction>>| !space.is_empty());
+    spaces
 }

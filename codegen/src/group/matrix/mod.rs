@@ -27,8 +27,10 @@ pub use spaces::{Linear, LinearError};
 
 use std::sync::{Arc, OnceLock};
 
+use num_rational::Ratio;
+
 use super::calculus::transposed;
-use super::{Group, MatrixFunction, Representation, Retraction, Side, StorageType};
+use super::{Group, MatrixFunction, Moved, Representation, Retraction, Side, StorageType};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use algebra::{Algebra, symbolic};
 use cayley::Cayley;
@@ -170,6 +172,23 @@ impl MatrixGroup {
             }
         }
     }
+
+    /// `g` with this share of one Newton step of `g J gᵀ = J` on what `J` acts on, or of `det g = 1`.
+    fn normalized<'a>(&self, g: &Vector<'a>, share: Expr<'a>) -> Vector<'a> {
+        let (arena, matrix) = (share.arena(), self.hull.matrix(g));
+        if self.is_special {
+            let correction = (matrix.determinant() - 1).scale(Number::ratio(-1, self.size() as i128));
+            return g + &g.scale(share * correction);
+        }
+        let Some(form) = &self.form else { return Vector(matrix.entries) };
+        let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
+        let defect = matrix.times_matrix(&j).times_matrix(&matrix.transpose()).zip(&j, |a, b| a - b);
+        let acted_on = matrix.times_matrix(&j).times_matrix(&back);
+        let correction = defect.times_matrix(&back).times_matrix(&acted_on);
+        let half = share / 2;
+        let next = matrix.zip(&correction, |g, correction| g - half * correction);
+        Vector(self.hull.matrix(&Vector(next.entries)).entries)
+    }
 }
 
 /// `11`, `12`, …: row and column, from 1 on.
@@ -218,6 +237,10 @@ impl Group for MatrixGroup {
 
     fn parts(&self) -> &'static [&'static str] {
         self.parts
+    }
+
+    fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
+        self.algebra.echelon()
     }
 
     fn axes(&self) -> &'static [&'static str] {
@@ -310,18 +333,17 @@ impl Group for MatrixGroup {
 
     /// One Newton step of `g J gᵀ = J` on what `J` acts on, or of `det g = 1`.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
-        let (arena, matrix) = (g.0[0].arena(), self.hull.matrix(g));
-        if self.is_special {
-            let correction = (matrix.determinant() - 1).scale(Number::ratio(-1, self.size() as i128));
-            return g + &g.scale(correction);
-        }
-        let Some(form) = &self.form else { return Vector(matrix.entries) };
-        let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
-        let defect = matrix.times_matrix(&j).times_matrix(&matrix.transpose()).zip(&j, |a, b| a - b);
-        let acted_on = matrix.times_matrix(&j).times_matrix(&back);
-        let correction = defect.times_matrix(&back).times_matrix(&acted_on);
-        let next = matrix.zip(&correction, |g, correction| g - correction / 2);
-        Vector(self.hull.matrix(&Vector(next.entries)).entries)
+        self.normalized(g, g.0[0].arena().one())
+    }
+
+    /// What does not move is not normalized either. Products of its entries are off by their rounding, so that each step would make another
+    /// element of it: `|x|²/(|x|² + ε)` is 0 at rest, and 1 where it moves by more than rounding.
+    fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
+        let increment = self.retract(retraction, x).hold();
+        let moved = side.compose(self, g, &increment).hold();
+        let (size, small) = (x.squared_norm().hold(), x.0[0].arena().number(Number::ratio(1, 1 << 120)));
+        let next = self.normalized(&moved, (size / (size + small)).hold());
+        Moved { increment, moved, next }
     }
 
     fn deviation<'a>(&self, g: &Vector<'a>) -> Option<Vector<'a>> {

@@ -16,6 +16,8 @@ fn bases_of_groups() {
         "group = semidirect(turn: SL(2), v: R2, w: dual(R2)), advected(m: coadjoint)",
         "group = tangent(product(a: SE(2), b: R(2),)), advected(m: adjoint)",
         "group = SL(2), advected(q: matrices { h1: [2, 0, 0; 0, 0, 0; 0, 0, -2], e12: [0, 1, 0; 0, 0, 2; 0, 0, 0], e21: [0, 0, 0; 2, 0, 0; 0, 1, 0] })",
+        "group = SU2, advected(g: matrices { x: [0, 0, 0; 0, 0, -1; 0, 1, 0], y: [0, 0, 1; 0, 0, 0; -1, 0, 0], z: [0, -1, 0; 1, 0, 0; 0, 0, 0] })",
+        "group = product(a: SU2, b: SO2), retractions(Exponential)",
     ] {
         breaks(sound, body, &[]);
     }
@@ -28,6 +30,11 @@ fn bases_of_groups() {
         "group = matrices { a: [0, 1, 0; 0, 0, 0; 0, 0, 0], b: [0, 0, 0; 0, 0, 1; 0, 0, 0] }",
         body,
         &[("a", "the commutator [a, b] = a b − b a is no combination of the basis")],
+    );
+    breaks(
+        "group = SU2, advected(g: matrices { x: [0, 0, 0; 0, 0, -2; 0, 2, 0], y: [0, 0, 2; 0, 0, 0; -2, 0, 0], z: [0, -2, 0; 2, 0, 0; 0, 0, 0] })",
+        body,
+        &[("x", "`x` and `y` do not commute as the axes of SU2 do")],
     );
     breaks(
         "group = matrices { a: [0, 1; 0, 0], b: [1, 0] }",
@@ -65,11 +72,22 @@ fn bases_of_groups() {
         body,
         &[("matrices", "a basis has up to 16 matrices of 1 to 12 rows, of small whole numbers")],
     );
-    let few = "there is no group `SO40`; of `SO(n)` there are those of at most 16 coordinates and 7 rows";
+    let few =
+        "there is no group `SO40`; of `SO(n)` there are `SO(2)`, `SO(3)`, `SO(4)`, `SO(5)` and `SO(6)`$";
     breaks("group = SO(40)", body, &[("SO", few)]);
     // few coordinates and many rows, and none at all
     breaks("group = SU(4)", body, &[("SU", "there is no group `SU4`; of `SU(n)`")]);
     breaks("group = SO(1)", body, &[("SO", "there is no group `SO1`; of `SO(n)`")]);
+    breaks(
+        "group = SP(3)",
+        body,
+        &[("SP", "there is no group `SP3`; of `SP(2n)` there are `SP(2)` and `SP(4)`$")],
+    );
+    breaks(
+        "group = SO4, advected(p: adjont)",
+        body,
+        &[("adjont", "`SO4` does not act on a space `adjont`; did you mean `adjoint`?$")],
+    );
     let known = "there is no group `Banana`; known: `R1`, `R2`, `R3`, `R4`, `R5`, `R6`, `SO2`, `SO3`, `SE2`, `SE3` and `SU2`; \
         families: `SO(n)`, `SL(n)`, `GL(n)`, `SP(2n)`";
     breaks("group = Banana", body, &[("Banana", known)]);
