@@ -165,7 +165,7 @@ pub fn run(
     loop {
         if taken == steps || taken.is_multiple_of(every) {
             for (spreads, &observable) in spreads.iter_mut().zip(observables) {
-                spreads.push(moving.spread(observable, taken as f64 * step));
+                spreads.push(moving.spread(observable, taken as f64 * step, (entry, &laws)));
             }
             if progress(taken).is_break() {
                 break;
@@ -203,7 +203,7 @@ struct Member<'s> {
 fn one_by_one<'s>(
     entry: &Entry,
     job: &Job,
-    systems: &'s [Box<dyn erased::System>],
+    systems: &'s [Box<dyn erased::EnsembleSystem>],
     states: Vec<Vec<f64>>,
 ) -> Result<Vec<Member<'s>>, SimulationError> {
     let member = |member: usize, system: &'s dyn erased::System, state: Vec<f64>| {
@@ -251,18 +251,18 @@ impl Moving<'_> {
     }
 
     /// How a quantity is distributed over the members now.
-    fn spread(&self, observable: Observable, time: f64) -> Spread {
-        let value = |system: &dyn erased::System, state: &[f64]| match observable {
-            Observable::Energy => system.energy(state, time),
+    fn spread(&self, observable: Observable, time: f64, (entry, laws): (&Entry, &[ControlLaw])) -> Spread {
+        let value = |index: usize, system: &dyn erased::System, state: &[f64]| match observable {
+            Observable::Energy => entry.energy(system, laws.get(index), (state, time)),
             Observable::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
         };
         let mut values: Vec<f64> = match self {
             Self::SideBySide(ensemble) => {
-                ensemble.members().map(|(_, system, state)| value(system, &state)).collect()
+                ensemble.members().map(|(index, system, state)| value(index, system, &state)).collect()
             }
             Self::OneByOne(members) => {
-                let alive = members.iter().filter(|member| member.failure.is_none());
-                alive.map(|member| value(member.stepper.system(), &member.state)).collect()
+                let alive = members.iter().enumerate().filter(|(_, member)| member.failure.is_none());
+                alive.map(|(index, member)| value(index, member.stepper.system(), &member.state)).collect()
             }
         };
         values.retain(|value| !value.is_nan());

@@ -32,7 +32,7 @@ pub struct Entry {
     /// The example's parameters and initial state.
     pub example: Setup,
     units: &'static [(&'static str, &'static str)],
-    build: fn(&[f64]) -> Box<dyn erased::System>,
+    build: fn(&[f64]) -> Box<dyn erased::EnsembleSystem>,
     /// Its own control law with these parameters. None if it has no controls.
     pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
     /// What takes its steps with the momentum carried in space, with these parameters, of this size. None if something acts on it.
@@ -56,7 +56,8 @@ impl Entry {
     pub fn of<S: Example>() -> Self {
         let description = Description::of::<S>();
         let example = flat(&S::example());
-        let build = |parameters: &[f64]| -> Box<dyn erased::System> { Box::new(system::<S>(parameters)) };
+        let build =
+            |parameters: &[f64]| -> Box<dyn erased::EnsembleSystem> { Box::new(system::<S>(parameters)) };
         Self {
             name: snake_case(S::NAME).leak(),
             about: S::ABOUT,
@@ -107,7 +108,7 @@ impl Entry {
     }
 
     /// The system with these parameters; what is missing is as in the example.
-    pub fn system(&self, parameters: &[f64]) -> Box<dyn erased::System> {
+    pub fn system(&self, parameters: &[f64]) -> Box<dyn erased::EnsembleSystem> {
         (self.build)(parameters)
     }
 

@@ -38,8 +38,10 @@ impl RunSummary {
     pub fn conclusions(&self, entry: &Entry) -> Vec<String> {
         let mut lines = Vec::new();
         let energy = &self.conservation.energy;
-        lines.push(if entry.description.autonomous {
+        lines.push(if entry.conserves_energy() {
             format!("energy: {}", describe(energy, self.conservation.steps, entry.unit("energy")))
+        } else if entry.description.autonomous {
+            "energy: conserved only while the controls are the same".to_owned()
         } else {
             "energy: not conserved by this system".to_owned()
         });
@@ -119,10 +121,10 @@ impl<'a> Table<'a> {
                 format!("{:.4}", Figures(run.conservation.energy.initial + 0.0))
             }),
             row(
-                &if self.entry.description.autonomous {
+                &if self.entry.conserves_energy() {
                     of("largest energy error")
                 } else {
-                    // forces act, or the time has a part in it
+                    // forces act, or time or controls have a part in it
                     of("largest change of energy") + " (it is not conserved)"
                 },
                 &|run| magnitude(run.conservation.energy.error),

@@ -201,8 +201,7 @@ impl RunPlot {
             }
         }
         // where energy is not conserved, its value is shown
-        let shown =
-            if entry.description.autonomous { (sample.energy - *energy).abs() } else { sample.energy };
+        let shown = if entry.conserves_energy() { (sample.energy - *energy).abs() } else { sample.energy };
         self.energy.push(sample.index, sample.time, shown);
         for ((envelope, now), initially) in self.casimirs.iter_mut().zip(sample.casimirs).zip(casimirs) {
             envelope.push(sample.index, sample.time, (now - *initially).abs());
@@ -220,7 +219,7 @@ impl RunPlot {
         }
         let mut add = |axis: Axis, series| panels.push(Panel::new(Axis::linear(TIME), axis, series));
         let energy = entry.unit("energy");
-        if entry.description.autonomous {
+        if entry.conserves_energy() {
             let line = Series::line("", Color::X, self.energy.upper());
             add(Axis::logarithmic(with_unit("energy error", energy)), vec![line]);
         } else {

@@ -227,6 +227,29 @@ impl Entry {
         }))
     }
 
+    /// The energy of a system of this kind at a time, with the controls that a law chooses there.
+    pub(crate) fn energy(
+        &self,
+        system: &dyn erased::System,
+        law: Option<&ControlLaw>,
+        (state, time): (&[f64], f64),
+    ) -> f64 {
+        let control = law.map(|law| self.chosen(law, (state, time)));
+        system.energy(state, time, &control.unwrap_or_default())
+    }
+
+    /// The controls that a law chooses.
+    pub(crate) fn chosen(&self, law: &ControlLaw, (state, time): (&[f64], f64)) -> Vec<f64> {
+        let mut controls = vec![0.0; self.example.controls.len()];
+        law(state, time, &mut controls);
+        controls
+    }
+
+    /// Whether its energy is an invariant of the motion: no force acts, and neither time nor controls have a part in it.
+    pub fn conserves_energy(&self) -> bool {
+        self.description.autonomous && self.description.controls.is_empty()
+    }
+
     /// What takes the steps of a run.
     ///
     /// # Errors

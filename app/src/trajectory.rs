@@ -63,21 +63,22 @@ struct Moment {
 }
 
 impl Trajectory {
-    /// The states of a system at these times, s, with a word on what computed them.
+    /// The states of a system at these times, s, with a word on what computed them. The energy is that with the controls of the system's own law.
     pub fn new<S: Example>(
         system: &S,
         scheme: &str,
         moments: impl IntoIterator<Item = (f64, S::State)>,
     ) -> Self {
         let erased: &dyn coadjoint::erased::System = system;
-        let moment = |(time, state): (f64, S::State)| {
-            let state = state.to_components().as_ref().to_vec();
-            let (energy, casimirs) = (erased.energy(&state, time), erased.casimirs(&state));
-            Moment { time, state, energy, casimirs }
-        };
-        let moments: Vec<Moment> = moments.into_iter().map(moment).collect();
         let entries = Catalogue::new([Entry::of::<S>()]).entries();
         let entry = &entries[0];
+        let law = entry.law(&Setup { parameters: erased.parameters(), ..entry.example.clone() });
+        let moment = |(time, state): (f64, S::State)| {
+            let state = state.to_components().as_ref().to_vec();
+            let energy = entry.energy(erased, law.as_ref(), (&state, time));
+            Moment { time, energy, casimirs: erased.casimirs(&state), state }
+        };
+        let moments: Vec<Moment> = moments.into_iter().map(moment).collect();
         let state = moments.first().map_or_else(|| entry.example.state.clone(), |first| first.state.clone());
         let setup = Setup { parameters: erased.parameters(), state, ..entry.example.clone() };
         Self { entry, setup, scheme: scheme.to_owned(), moments }

@@ -66,7 +66,7 @@ fn interface(system: &System<'_>) -> Interface {
         dimension: system.dimension(),
         is_autonomous: system.is_autonomous(),
         is_left_invariant: system.is_left_invariant(),
-        is_forced: system.factors.iter().any(|factor| factor.force.is_some()),
+        is_forced: system.is_forced(),
         documentation: Documentation {
             coordinates: coordinates(system),
             equations: system.equations(),
@@ -143,18 +143,18 @@ fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
     let velocity = system.velocity_symbols().symbols();
     let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
     functions.extend(match system.velocity_relation() {
-        Relation::Explicit(value) => Some(kernel::function(arena, Role::Velocity, value, inputs())),
+        Relation::Explicit(value) => Some(function(arena, system, Role::Velocity, value, inputs())),
         Relation::Implicit(residual) => {
             let newton = newton(residual, &velocity);
-            Some(kernel::function(arena, Role::VelocityNewton, &newton, with_velocity()))
+            Some(function(arena, system, Role::VelocityNewton, &newton, with_velocity()))
         }
         Relation::Singular => None,
     });
     functions.extend(match system.momentum_relation() {
-        Relation::Explicit(value) => Some(kernel::function(arena, Role::Momentum, &value, with_velocity())),
+        Relation::Explicit(value) => Some(function(arena, system, Role::Momentum, &value, with_velocity())),
         Relation::Implicit(residual) => {
             let newton = newton(&residual, &system.momentum().symbols());
-            Some(kernel::function(arena, Role::MomentumNewton, &newton, with_velocity()))
+            Some(function(arena, system, Role::MomentumNewton, &newton, with_velocity()))
         }
         Relation::Singular => None,
     });
@@ -167,7 +167,7 @@ fn newton<'a>(residual: &Vector<'a>, unknown: &[Symbol]) -> Vector<'a> {
     Vector::concat([residual, &jacobian.solve(residual)])
 }
 
-/// A function of the state, which is given the velocity too if it needs it and there is no closed form of it.
+/// A function of the state, which is given the controls if it needs them, and the velocity if it needs it and there is no closed form of it.
 fn function<'a>(
     arena: &'a Arena,
     system: &System<'a>,
@@ -175,9 +175,12 @@ fn function<'a>(
     value: &Vector<'a>,
     inputs: Inputs,
 ) -> Module {
-    let velocity = system.velocity_symbols().symbols();
-    let needed = value.depends_on(&velocity);
-    let inputs = if needed { inputs.with(Input::Velocity, velocity) } else { inputs };
+    let others =
+        [(Input::Control, system.control_symbols()), (Input::Velocity, system.velocity_symbols().symbols())];
+    let needed = others.into_iter().filter(|(input, symbols)| {
+        inputs.symbols(*input).is_empty() && !symbols.is_empty() && value.depends_on(symbols)
+    });
+    let inputs = needed.fold(inputs.clone(), |all, (input, symbols)| all.with(input, symbols));
     kernel::function(arena, role, value, inputs)
 }
 

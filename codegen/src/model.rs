@@ -287,7 +287,7 @@ impl<'a> System<'a> {
 
     /// The body force on the momentum, if there is any.
     pub fn force(&self) -> Option<Vector<'a>> {
-        self.factors.iter().any(|factor| factor.force.is_some()).then(|| {
+        self.is_forced().then(|| {
             let zeros = |factor: &Factor<'a>| Vector::zeros(self.time.arena(), factor.momentum.len());
             let force = |factor: &Factor<'a>| factor.force.clone().unwrap_or_else(|| zeros(factor));
             Vector::concat(&self.factors.iter().map(force).collect::<Vec<_>>())
@@ -310,15 +310,20 @@ impl<'a> System<'a> {
         self.kick.get_or_init(work_out).as_ref()
     }
 
-    /// Whether the energy is an invariant of the motion: no force acts and the time has no part in it.
-    pub fn is_autonomous(&self) -> bool {
-        let free = self.factors.iter().all(|factor| factor.force.is_none());
-        free && !self.potential().depends_on(&self.time_symbol())
+    /// Whether a force acts.
+    pub fn is_forced(&self) -> bool {
+        self.factors.iter().any(|factor| factor.force.is_some())
     }
 
-    /// Whether the system is left-invariant: nothing but momentum and advected parameters has a part in its motion.
+    /// Whether the energy is an invariant of the motion as long as the controls are the same: no force acts and the time has no part in it.
+    pub fn is_autonomous(&self) -> bool {
+        !self.is_forced() && !self.potential().depends_on(&self.time_symbol())
+    }
+
+    /// Whether the system is left-invariant: nothing but momentum, advected parameters and controls, which are constant during a step, has a
+    /// part in its motion.
     pub fn is_left_invariant(&self) -> bool {
-        self.is_autonomous() && !self.factors.iter().any(|factor| self.depends_on_configuration(factor))
+        self.is_autonomous() && !self.potential().depends_on(&self.configuration().symbols())
     }
 }
 

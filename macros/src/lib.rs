@@ -17,7 +17,7 @@ use proc_macro::TokenStream;
 /// | `force = moment`, `force(attitude = moment)` | forces and torques; of rigid motions also a pair, `(moment, push)`; on one of an array, `force(spins[0] = moment)`, or on all |
 /// | `invariance = right` | momentum and velocity in space, in place of the body |
 /// | `methods(Midpoint, Family(1, 4), TangentLift, TangentLift(1, 4))` | schemes to generate beside the standard ones |
-/// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two |
+/// | `retractions(Cayley)` | the retractions to generate steps with: `Exponential`, `Cayley`, `SecondKind`; without it the first two, on some groups of matrices one of them |
 /// | `derivatives`, `derivatives(state, controls, parameters, tangent, adjoint)` | the derivatives of steps to generate, all or those named |
 /// | `crate = path::to::coadjoint` | where `coadjoint` is, if renamed or re-exported |
 ///
@@ -27,8 +27,8 @@ use proc_macro::TokenStream;
 /// Beside `hamiltonian` or `lagrangian` it is a parameter that is checked to be positive definite.
 ///
 /// Expressions are ordinary Rust in the fields, the configuration (`attitude`, `position`, `angle`, `pose`, `spin`, or the names of factors), the
-/// momentum (`momentum`, `attitude_momentum`; of rigid motions `angular_momentum` and `linear_momentum`), advected parameters and the time `t`; in
-/// forces also velocities and controls; in a Lagrangian velocities in place of momenta. `coadjoint::guide::language` lists everything they may contain.
+/// momentum (`momentum`, `attitude_momentum`; of rigid motions `angular_momentum` and `linear_momentum`), advected parameters, controls and the time `t`; in
+/// forces also velocities; in a Lagrangian velocities in place of momenta. `coadjoint::guide::language` lists everything they may contain.
 ///
 /// Beside the struct there are then its state, `…State`, its controls, `…Control`, indices of components for derivatives, `…Indices`, methods for
 /// your expressions, `potential`, `hamiltonian`, `lagrangian` and `force`, and implementations of `coadjoint`'s traits, with `stepper`, `energy`, `casimirs` and

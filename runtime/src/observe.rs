@@ -137,8 +137,8 @@ fn next_multiple(index: u64, interval: u64) -> u64 {
 
 /// Measures how well energy and Casimirs are kept, against the first state it sees.
 ///
-/// Energy is that of the tick's time. Only where the system is [`AUTONOMOUS`](System::AUTONOMOUS) is its change an error of the
-/// scheme; elsewhere it is part of the motion.
+/// Energy is that of the tick's time, with all controls zero. Only where the system is [`AUTONOMOUS`](System::AUTONOMOUS), and no energy names a
+/// control, is its change an error of the scheme; elsewhere it is part of the motion.
 ///
 /// Shown a second run, it goes on with the same reference: a long run may be made in pieces.
 pub struct Invariants<S: System> {
@@ -181,7 +181,7 @@ impl<S: System> Invariants<S> {
 
 impl<S: System> Observer<S> for Invariants<S> {
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
-        let energy = tick.system.energy_at(tick.state, S::Scalar::of(tick.time));
+        let energy = tick.system.energy_at(tick.state, S::Scalar::of(tick.time), &S::Control::default());
         let casimirs = tick.system.casimirs(tick.state);
         let reference = self.reference.get_or_insert_with(|| {
             let mut drifts = casimirs;

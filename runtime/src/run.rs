@@ -596,14 +596,17 @@ mod tests {
         let mut largest = 0.0_f64;
         let mut invariants = Invariants::new();
         let begin = OscillatorState { position: 1.0, momentum: 0.0 };
-        let initially = DRIVEN.energy_at(&begin, 2.0);
+        let initially = DRIVEN.energy_at(&begin, 2.0, &OscillatorControl::default());
         let mut state = begin;
         let mut stepper = DRIVEN.stepper::<Exponential>(0.1).expect("valid");
         Run::new(&mut stepper, &mut state)
             .starting_at(2.0)
             .observe(&mut invariants)
             .each(|tick| {
-                largest = largest.max((DRIVEN.energy_at(tick.state, tick.time) - initially).abs());
+                largest = largest.max(
+                    (DRIVEN.energy_at(tick.state, tick.time, &OscillatorControl::default()) - initially)
+                        .abs(),
+                );
             })
             .steps(50)
             .expect("explicit");

@@ -84,11 +84,11 @@ impl System for Body {
         require_positive_definite("inertia", &self.to_parameters())
     }
 
-    fn energy_at(&self, state: &BodyState, _: f64) -> f64 {
+    fn energy_at(&self, state: &BodyState, _: f64, _: &NoControl<f64>) -> f64 {
         0.5 * state.momentum.dot(&state.momentum.component_div(&self.inertia))
     }
 
-    fn velocity_at(&self, state: &BodyState, _: f64) -> Vector3<f64> {
+    fn velocity_at(&self, state: &BodyState, _: f64, _: &NoControl<f64>) -> Vector3<f64> {
         state.momentum.component_div(&self.inertia)
     }
 
@@ -105,6 +105,7 @@ impl System for Body {
         velocity: &Vector3<f64>,
         _: &BodyState,
         _: f64,
+        _: &NoControl<f64>,
     ) -> Result<Vector3<f64>, LegendreError> {
         Ok(velocity.component_mul(&self.inertia))
     }
@@ -114,6 +115,7 @@ impl System for Body {
         momentum: &Vector3<f64>,
         _: &BodyState,
         _: f64,
+        _: &NoControl<f64>,
     ) -> Result<Vector3<f64>, LegendreError> {
         Ok(momentum.component_div(&self.inertia))
     }
@@ -344,12 +346,17 @@ impl System for Oscillator {
         require_positive_definite("mass", &[self.mass])
     }
 
-    fn energy_at(&self, &OscillatorState { position, momentum }: &OscillatorState, time: f64) -> f64 {
+    fn energy_at(
+        &self,
+        &OscillatorState { position, momentum }: &OscillatorState,
+        time: f64,
+        _: &OscillatorControl,
+    ) -> f64 {
         0.5 * momentum * momentum / self.mass + 0.5 * self.stiffness * position * position
             - self.drive * time.sin() * position
     }
 
-    fn velocity_at(&self, state: &OscillatorState, _: f64) -> f64 {
+    fn velocity_at(&self, state: &OscillatorState, _: f64, _: &OscillatorControl) -> f64 {
         state.momentum / self.mass
     }
 
@@ -361,11 +368,23 @@ impl System for Oscillator {
         OscillatorState { momentum, ..state.clone() }
     }
 
-    fn momentum_of(&self, velocity: &f64, _: &OscillatorState, _: f64) -> Result<f64, LegendreError> {
+    fn momentum_of(
+        &self,
+        velocity: &f64,
+        _: &OscillatorState,
+        _: f64,
+        _: &OscillatorControl,
+    ) -> Result<f64, LegendreError> {
         Ok(velocity * self.mass)
     }
 
-    fn velocity_of(&self, momentum: &f64, _: &OscillatorState, _: f64) -> Result<f64, LegendreError> {
+    fn velocity_of(
+        &self,
+        momentum: &f64,
+        _: &OscillatorState,
+        _: f64,
+        _: &OscillatorControl,
+    ) -> Result<f64, LegendreError> {
         Ok(momentum / self.mass)
     }
 

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 /// A vehicle that finds its way by a gyroscope and an accelerometer, and the paths that are likeliest if their readings are not exact.
 ///
 /// Its attitude `R`, velocity `v` and position `p` are an element of `SE₂(3)`. What turns and moves it is kinematics: `Ṙ = R ω^`, `v̇ = R f + g`,
-/// `ṗ = v`, with the angular velocity `ω` and the specific force `f` in its own axes and the gravity `g`. The sensors read `ω_m` and `f_m`, with white noise
-/// of the densities `q_ω` and `q_f`. Of all paths between what is known now and what is known later the likeliest has the least
+/// `ṗ = v`, with the angular velocity `ω` and the specific force `f` in its own axes and the gravity `g`. The sensors, controls here, read `ω_m` and `f_m`,
+/// held over each step, with white noise of the densities `q_ω` and `q_f`. Of all paths between what is known now and what is known later the likeliest has the least
 /// `∫ |ω − ω_m|²/2q_ω + |f − f_m|²/2q_f dt`. Such paths are Hamiltonian (L. S. Pontryagin), with a costate `λ` for each of `R`, `v` and `p`, in the axes of
 /// the vehicle:
 ///
@@ -20,14 +20,13 @@ use serde::{Deserialize, Serialize};
 /// Motion: that of the vehicle with `ω = ω_m + q_ω λ_R`, `f = f_m + q_f λ_v`; in space, `R λ_p` is constant and `R λ_v` changes by `−R λ_p`. Without a costate
 /// this is dead reckoning: the path that the sensors tell. A later fix says what the costate is.
 ///
-/// Readings are parameters, held over a step: a flight changes them from step to step with [`set_system`](coadjoint::Stepper::set_system).
-///
 /// Invariants: `H` as long as the readings are the same, and `R λ_p`.
 ///
 /// The state is that of A. Barrau and S. Bonnabel, *The invariant extended Kalman filter as a stable observer* (2017); paths of least noise are those of
 /// R. E. Mortensen, *Maximum-likelihood recursive nonlinear filtering* (1968).
 #[lie_poisson_system(
     group = SE2(3),
+    control(gyroscope: R3, accelerometer: R3),
     hamiltonian = {
         let attitude = element.fixed_view::<3, 3>(0, 0);
         let velocity = element.fixed_view::<3, 1>(0, 3);
@@ -44,10 +43,6 @@ use serde::{Deserialize, Serialize};
 )]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Navigation {
-    /// What the gyroscope reads, rad/s.
-    pub gyroscope: Vector3<f64>,
-    /// What the accelerometer reads, m/s².
-    pub accelerometer: Vector3<f64>,
     /// Gravitational acceleration in space, m/s².
     pub gravity: Vector3<f64>,
     /// Density of the gyroscope's noise, rad²/s.
@@ -57,6 +52,11 @@ pub struct Navigation {
 }
 
 impl Navigation {
+    /// What the sensors of a car read in a bend of 200 m at 20 m/s.
+    pub fn bend() -> NavigationControl {
+        NavigationControl { gyroscope: vector![0.0, 0.0, 0.1], accelerometer: vector![0.0, 2.0, 9.81] }
+    }
+
     /// The state of this attitude, velocity, m/s, and position, m, where nothing is known better: dead reckoning.
     pub fn start(
         attitude: UnitQuaternion<f64>,
@@ -110,8 +110,6 @@ impl Example for Navigation {
     /// dead reckoning says. The costate is that of the likeliest path there, with any velocity and attitude at its end, found by shooting.
     fn example() -> (Self, NavigationState) {
         let navigation = Navigation {
-            gyroscope: vector![0.0, 0.0, 0.1],
-            accelerometer: vector![0.0, 2.0, 9.81],
             gravity: vector![0.0, 0.0, -9.81],
             gyroscope_noise: 3e-6,
             accelerometer_noise: 1e-4,
@@ -129,6 +127,10 @@ impl Example for Navigation {
             0.259_612_957_343,
         ];
         (navigation, NavigationState { momentum: momentum.into(), ..start })
+    }
+
+    fn control(&self, _: &NavigationState, _: f64) -> NavigationControl {
+        Self::bend()
     }
 
     fn scene(&self, _: Scene) -> Scene {

@@ -119,7 +119,7 @@ fn conserved<N: From<&'static str>>(
     entry: &Entry,
     casimirs: impl Iterator<Item = (N, &'static str)>,
 ) -> Vec<(N, &'static str)> {
-    let energy = entry.description.autonomous.then(|| ("energy".into(), entry.unit("energy")));
+    let energy = entry.conserves_energy().then(|| ("energy".into(), entry.unit("energy")));
     energy.into_iter().chain(casimirs).collect()
 }
 

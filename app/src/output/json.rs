@@ -47,7 +47,7 @@ impl Json {
 
 /// The conservation of the invariants.
 pub(crate) fn invariants(entry: &Entry, conservation: &ConservationReport) -> Value {
-    let energy = entry.description.autonomous.then_some(("energy", &conservation.energy));
+    let energy = entry.conserves_energy().then_some(("energy", &conservation.energy));
     let casimirs = entry.description.casimirs.iter().copied().zip(&conservation.casimirs);
     let invariants = energy.into_iter().chain(casimirs).map(|(name, stats)| {
         let stats_json =

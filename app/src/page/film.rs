@@ -6,7 +6,7 @@ use coadjoint::system::{Quantity, Role};
 use super::format::{
     self, Detail, DetailValue, End, Frame, Page, Plot, Run, Scale, Series, Space, Track, Trail,
 };
-use super::recording::{HtmlPlayer, Moment, Moments};
+use super::recording::{HtmlPlayer, Moments};
 use super::scenery;
 use crate::casimir;
 use crate::entry::{ControlLaw, Entry, component_name};
@@ -94,14 +94,8 @@ struct Film<'a> {
 }
 
 fn controls(entry: &Entry, heading: &Heading<'_>, moments: &Moments<'_>) -> Vec<Vec<f64>> {
-    let count = entry.description.controls.iter().map(|quantity| quantity.components.len()).sum();
     let Some(law) = &heading.law else { return Vec::new() };
-    let of = |moment: &&Moment| {
-        let mut controls = vec![0.0; count];
-        law(&moment.state, moment.time, &mut controls);
-        controls
-    };
-    moments.kept.iter().map(of).collect()
+    moments.kept.iter().map(|moment| entry.chosen(law, (&moment.state, moment.time))).collect()
 }
 
 /// What is shown of the state at each moment; quaternions go on without a jump.
@@ -322,7 +316,7 @@ impl Film<'_> {
         };
         let errors = |of: &dyn Fn(usize) -> f64| (0..kept.len()).map(|k| rounded(of(k) - of(0))).collect();
         let unit = self.entry.unit("energy");
-        let mut plots = vec![if self.entry.description.autonomous {
+        let mut plots = vec![if self.entry.conserves_energy() {
             plot("error of energy".to_owned(), unit, Scale::Log, "c6", errors(&|k| kept[k].energy))
         } else {
             let energies = kept.iter().map(|moment| rounded(moment.energy)).collect();

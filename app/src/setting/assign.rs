@@ -92,7 +92,8 @@ impl<'e> Changes<'e> {
         notes.extend(entry.check(&setup)?);
         notes.extend(turn_along(entry, &mut setup, &given));
         notes.extend(other_casimirs(entry, &setup));
-        let energy = entry.system(&setup.parameters).energy(&setup.state, 0.0);
+        let law = entry.law(&setup);
+        let energy = entry.energy(&*entry.system(&setup.parameters), law.as_ref(), (&setup.state, 0.0));
         if !energy.is_finite() {
             return Err(Error::Input(format!(
                 "the energy of the initial state is {energy}: no motion of `{}` starts there",

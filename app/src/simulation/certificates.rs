@@ -27,13 +27,7 @@ impl Entry {
         let scheme = scheme(method, retraction, Order::Two)?;
         let (states, _) = self.states_in_motion(setup)?;
         let law = self.law(setup);
-        let chosen = |state: &Vec<f64>| {
-            let mut control = vec![0.0; setup.controls.len()];
-            law.as_ref().map(|law| {
-                law(state, 0.0, &mut control);
-                control
-            })
-        };
+        let chosen = |state: &Vec<f64>| law.as_ref().map(|law| self.chosen(law, (state, 0.0)));
         let controls: Vec<Vec<f64>> = states.iter().filter_map(chosen).collect();
         let system = self.system(&setup.parameters);
         Ok(certify_erased(&*system, &scheme, &states, &controls, self.certified_step)?)
@@ -63,16 +57,24 @@ impl Entry {
         if rests {
             let system = self.system(&setup.parameters);
             let mut random = Random::new(1, 0);
+            let control =
+                self.law(setup).map(|law| self.chosen(&law, (&setup.state, 0.0))).unwrap_or_default();
             states = (0..3)
-                .map(|_| in_motion(&*system, &setup.state, 10.0 / self.duration, &mut random))
+                .map(|_| in_motion(&*system, &control, &setup.state, 10.0 / self.duration, &mut random))
                 .collect();
         }
         Ok((states, rests))
     }
 }
 
-/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each.
-fn in_motion(system: &dyn erased::System, state: &[f64], rate: f64, random: &mut Random) -> Vec<f64> {
+/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each under these controls.
+fn in_motion(
+    system: &dyn erased::System,
+    control: &[f64],
+    state: &[f64],
+    rate: f64,
+    random: &mut Random,
+) -> Vec<f64> {
     let places: Vec<_> = tangent_places(system.description().state).collect();
     let of = |role| places.iter().filter(move |place| place.0 == role).flat_map(|place| place.1.clone());
     let (turns, momenta) =
@@ -83,7 +85,8 @@ fn in_motion(system: &dyn erased::System, state: &[f64], rate: f64, random: &mut
     let displaced = system.displace(state, Map::Exponential, &by);
     // the momentum of a velocity: where the energy is quadratic in it, `∂h/∂μ` is a linear map
     let velocity = |by: &[f64]| -> Vec<f64> {
-        let differential = system.differential(&system.displace(&displaced, Map::Exponential, by), 0.0);
+        let there = system.displace(&displaced, Map::Exponential, by);
+        let differential = system.differential(&there, 0.0, control);
         momenta.iter().map(|&place| differential[place]).collect()
     };
     let at_rest = velocity(&vec![0.0; length]);

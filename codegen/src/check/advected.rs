@@ -114,6 +114,8 @@ pub(super) fn nothing_acts(groups: &[&'static dyn Group], space: &str) -> String
         groups.iter().flat_map(|group| group.representations().iter().map(|space| space.name())).collect();
     known.sort_unstable();
     known.dedup();
+    // every group acts on its algebra and on the dual of that
+    known.extend(["adjoint", "coadjoint"]);
     let rest = suggestion(space, &known);
     match groups.len() {
         1 => format!("{names} does not act on a space `{space}`{rest}"),

@@ -10,7 +10,7 @@ use super::state::part_type;
 use super::{Names, docs};
 use crate::identifiers::{plain, velocity_name};
 use crate::model::{
-    Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Source, StoredAs, System, parts,
+    Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Relation, Source, StoredAs, System, parts,
 };
 use crate::parse::Shape;
 
@@ -22,7 +22,10 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
         if let Some(Source { value, has_meaning }) = source {
             let result = quote! { #scalar };
             let has_meaning = *has_meaning;
-            let energy = Method { doc, name, value, result, has_meaning, has_velocity, has_controls: false };
+            let controls = wholes(system.controls.iter().map(|part| &part.name));
+            let has_controls =
+                controls.iter().any(|name| mentioned(value.to_token_stream(), &name.to_string()).is_some());
+            let energy = Method { doc, name, value, result, has_meaning, has_velocity, has_controls };
             methods.push(method(system, names, energy));
         }
     };
@@ -96,32 +99,48 @@ struct Method<'m> {
     has_meaning: bool,
     /// Whether it may use velocities.
     has_velocity: bool,
-    /// Whether it may use controls.
+    /// Whether it is given the controls, if there are any.
     has_controls: bool,
 }
 
-/// One expression as a method of the state, the controls if it may use them, and the time if it does.
+/// One expression as a method of the state, the controls if it has them, and the time if it uses it.
 fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream {
     let Method { doc, name, value: expression, result, has_meaning, has_velocity, has_controls } = method;
     let Names { private, scalar, visibility, state: state_type, control: control_type, .. } = names;
     // names of the method's own, which no name of the user's can be
     let own = |name: &str| Ident::new(name, Span::mixed_site());
-    let (state, control) = (own("state"), own("control"));
+    let (state, control, velocity) = (own("state"), own("control"), own("velocity"));
     let name = format_ident!("{name}");
     let doc = docs::line(doc);
 
-    let state_parts = system.parts();
-    let state_parts = wholes(state_parts.iter().map(|part| &part.name));
-    let fields = wholes(system.parameters.iter().map(|field| &field.name));
-    let controls = wholes(system.controls.iter().map(|part| &part.name));
-    let controlled = has_controls && !controls.is_empty();
+    let controlled = has_controls && !system.controls.is_empty();
     let control_argument = controlled.then(|| quote! { #control: &#control_type, });
-    let control_values = controlled.then(|| quote! { let #control_type { #(#controls,)* } = *#control; });
-    let timed = mentions(expression.to_token_stream(), "t");
-    let time_argument = timed.then(|| quote! { t: #scalar, });
-
-    let velocities = has_velocity.then(|| velocities(system, expression, timed, &state, private));
+    // the momentum, if a part of it is named
     let momentum_parts = momentum_parts(system, expression);
+    let named = quote! { #momentum_parts #expression };
+    let parts = system.parts();
+    let state_parts = fields(quote! { #state_type }, &state, parts.iter().map(|part| &part.name), &named);
+    let controls = system.controls.iter().map(|part| &part.name).filter(|_| controlled);
+    let controls = fields(quote! { #control_type }, &control, controls, &named);
+    let parameters = system.parameters.iter().map(|field| &field.name);
+    let parameters = fields(quote! { Self }, &Ident::new("self", Span::call_site()), parameters, &named);
+
+    let velocities =
+        if has_velocity { velocities(system, expression, &velocity) } else { TokenStream::new() };
+    let moves = !velocities.is_empty();
+    let named = mentioned(expression.to_token_stream(), "t");
+    let time = named.or_else(|| (moves && velocity_is_timed(system)).then(|| format_ident!("t")));
+    let (time, time_argument) = match time {
+        Some(t) => (quote! { #t }, quote! { #t: #scalar, }),
+        None => (quote! { 0.0 }, TokenStream::new()),
+    };
+    let velocity = moves.then(|| {
+        let control = match controlled {
+            true => quote! { #control },
+            false => quote! { &::core::default::Default::default() },
+        };
+        quote! { let #velocity = #private::System::velocity_at(self, #state, #time, #control); }
+    });
     // as a statement, so that syn puts parentheses around a block in front of an operator
     let value = syn::Stmt::Expr(expression.clone(), None);
     let value = if has_meaning {
@@ -136,14 +155,36 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
             // the elementary functions of floats, where there is no std
             #[allow(unused_imports)]
             use #private::nalgebra::{ComplexField as _, RealField as _};
+            #velocity
             #velocities
-            let #state_type { #(#state_parts,)* } = *#state;
+            #state_parts
             #momentum_parts
-            #control_values
-            let Self { #(#fields,)* } = *self;
+            #controls
+            #parameters
             #value
         }
     }
+}
+
+/// Whether the velocity at a state depends on time.
+fn velocity_is_timed(system: &System<'_>) -> bool {
+    match system.velocity_relation() {
+        Relation::Explicit(value) | Relation::Implicit(value) => value.depends_on(&system.time_symbol()),
+        Relation::Singular => false,
+    }
+}
+
+/// Variables for the fields of a struct, of an array one, that are named.
+fn fields<'n>(
+    of: TokenStream,
+    whole: &Ident,
+    names: impl Iterator<Item = &'n Name>,
+    named: &TokenStream,
+) -> Option<TokenStream> {
+    let variables =
+        wholes(names).into_iter().filter_map(|field| mentioned(named.clone(), &field.to_string()));
+    let variables: Vec<Ident> = variables.collect();
+    (!variables.is_empty()).then(|| quote! { let #of { #(#variables,)* .. } = *#whole; })
 }
 
 /// The names of fields, of an array once.
@@ -157,20 +198,8 @@ fn declared<'s, 'a>(system: &'s System<'a>) -> impl Iterator<Item = Range<usize>
     first.map(|(start, factor)| start..start + factor.name.place.map_or(1, |place| place.length))
 }
 
-/// Variables for the velocities, and for their parts, that an expression names.
-fn velocities(
-    system: &System<'_>,
-    expression: &syn::Expr,
-    timed: bool,
-    state: &Ident,
-    private: &TokenStream,
-) -> TokenStream {
-    let time = if timed {
-        quote! { t }
-    } else {
-        quote! { 0.0 }
-    };
-    let all = quote! { #private::System::velocity_at(self, #state, #time) };
+/// Variables for the velocities, and for their parts, that an expression names; `all` is the variable of all of them.
+fn velocities(system: &System<'_>, expression: &syn::Expr, all: &Ident) -> TokenStream {
     let mut variables = TokenStream::new();
     let places = system.group.places();
     for factors in declared(system) {
@@ -179,7 +208,7 @@ fn velocities(
         let whole = |rows: Range<usize>, is_number: bool| {
             let of = |factor: usize| {
                 let start = places[factor].algebra.start;
-                rows_of(&all, start + rows.start..start + rows.end, is_number)
+                rows_of(&quote! { #all }, start + rows.start..start + rows.end, is_number)
             };
             gathered(first, factors.clone().map(of).collect())
         };
@@ -227,10 +256,8 @@ fn gathered(first: &Factor<'_>, values: Vec<TokenStream>) -> TokenStream {
 
 /// `let angular_momentum = …;` where the name is used.
 fn binding(name: &str, expression: &syn::Expr, value: impl FnOnce() -> TokenStream) -> Option<TokenStream> {
-    if !mentions(expression.to_token_stream(), name) {
-        return None;
-    }
-    let (name, value) = (format_ident!("{name}"), value());
+    let name = mentioned(expression.to_token_stream(), name)?;
+    let value = value();
     Some(quote! { let #name = #value; })
 }
 
@@ -244,11 +271,11 @@ fn rows_of(whole: &TokenStream, rows: Range<usize>, is_number: bool) -> TokenStr
     }
 }
 
-/// Whether a name occurs.
-fn mentions(tokens: TokenStream, name: &str) -> bool {
-    tokens.into_iter().any(|token| match token {
-        TokenTree::Ident(ident) => ident == name,
-        TokenTree::Group(group) => mentions(group.stream(), name),
-        _ => false,
+/// A name where it occurs first: a variable that is to be seen there has its hygiene.
+fn mentioned(tokens: TokenStream, name: &str) -> Option<Ident> {
+    tokens.into_iter().find_map(|token| match token {
+        TokenTree::Ident(ident) if ident == name => Some(ident),
+        TokenTree::Group(group) => mentioned(group.stream(), name),
+        _ => None,
     })
 }

@@ -51,7 +51,12 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
                     #private::State::from_components(&moved)
                 }
 
-                fn differential(&self, state: &#state, time: #scalar) -> [#scalar; #count] {
+                fn differential(
+                    &self,
+                    state: &#state,
+                    time: #scalar,
+                    control: &<Self as #private::System>::Control,
+                ) -> [#scalar; #count] {
                     #differential
                 }
 

@@ -225,7 +225,9 @@ fn call(
         Input::Control => quote! { &#private::Control::to_components(control) },
         Input::Velocity => {
             let length = code::size(length);
-            quote! { &#private::Stored::<_, #length>::to_array(&#private::System::velocity_at(self, state, time)) }
+            quote! {
+                &#private::Stored::<_, #length>::to_array(&#private::System::velocity_at(self, state, time, control))
+            }
         }
         Input::Time => quote! { time },
         _ => quote! { by },
@@ -292,17 +294,23 @@ fn description(program: &Program, names: &Names) -> TokenStream {
 
 /// What the motion keeps, as a paragraph; nothing if it keeps nothing that is known.
 fn invariants(interface: &Interface) -> Vec<String> {
-    let Interface { casimirs, missing_casimirs, is_autonomous, .. } = interface;
+    let Interface { casimirs, missing_casimirs, is_autonomous, controls, .. } = interface;
     let mut invariants = Vec::new();
     if !casimirs.is_empty() {
         invariants.push(format!("{}, the Casimirs, up to accumulated rounding", list(casimirs)));
     }
     if *missing_casimirs > 0 {
-        let which = if casimirs.is_empty() { "Casimirs" } else { "more Casimirs" };
-        invariants.push(format!("{missing_casimirs} {which} that are no polynomials of a low degree"));
+        let more = if casimirs.is_empty() { "" } else { "more " };
+        // one may be such a polynomial whose coefficients were too large to be told
+        let which = match missing_casimirs {
+            1 => "Casimir that is no polynomial",
+            _ => "Casimirs that are no polynomials",
+        };
+        invariants.push(format!("{missing_casimirs} {more}{which} of a low degree with small coefficients"));
     }
     if *is_autonomous {
-        invariants.push("the energy, up to a bounded error of the scheme's order in the step".to_owned());
+        let held = if controls.is_empty() { "" } else { " as long as the controls are the same" };
+        invariants.push(format!("the energy{held}, up to a bounded error of the scheme's order in the step"));
     }
     match invariants.is_empty() {
         true => Vec::new(),

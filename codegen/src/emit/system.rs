@@ -158,7 +158,7 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let spatial_momentum = at_any_time(Role::SpatialMomentum, "spatial_momentum");
     let legendre = legendre(program, names);
     quote! {
-        fn energy_at(&self, state: &#state, time: #scalar) -> #scalar {
+        fn energy_at(&self, state: &#state, time: #scalar, control: &Self::Control) -> #scalar {
             let [energy] = #energy;
             energy
         }
@@ -206,7 +206,12 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
     };
     let momenta = momenta(&program.interface, names);
     quote! {
-        fn velocity_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Momentum {
+        fn velocity_at(
+            &self,
+            state: &Self::State,
+            time: Self::Scalar,
+            control: &Self::Control,
+        ) -> Self::Momentum {
             __Stored::from_array(#velocity_of_momentum)
         }
 
@@ -215,6 +220,7 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
             velocity: &Self::Momentum,
             state: &Self::State,
             time: Self::Scalar,
+            control: &Self::Control,
         ) -> ::core::result::Result<Self::Momentum, #coadjoint::LegendreError> {
             #private::finite(#momentum_of_velocity).map(__Stored::from_array)
         }
@@ -224,6 +230,7 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
             momentum: &Self::Momentum,
             state: &Self::State,
             time: Self::Scalar,
+            control: &Self::Control,
         ) -> ::core::result::Result<Self::Momentum, #coadjoint::LegendreError> {
             let state = &#private::System::with_momentum(self, state, momentum);
             #private::finite(#velocity_of_momentum).map(__Stored::from_array)

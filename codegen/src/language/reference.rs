@@ -190,7 +190,7 @@ fn components(group: &dyn Group) -> Option<String> {
 fn expressions() -> String {
     format!(
         "# Expressions\n\n\
-         * Names: fields, factors, momenta, velocities (in forces), advected parameters, controls (in forces), the time `t`, and constants of \
+         * Names: fields, factors, momenta, velocities (in forces), advected parameters, controls, the time `t`, and constants of \
          your own, `GRAVITY` or `std::f64::consts::PI`.\n\
          * `+ - * /`, signs, parentheses, references, blocks with `let`, `integer as f64`, `f64::from(integer)`; of integers `%` and `as i32` too.\n\
          * Components: `v.x`, `v[0]`, `m.m12`, `m[(0, 1)]`; a matrix is indexed by rows and columns, with one index by columns.\n\

@@ -37,11 +37,8 @@ impl<'a> System<'a> {
         let groups = groups.map(|declared| Semidirect { group: declared.group, spaces: Vec::new() });
         let mut group = Product { factors: groups.collect() };
         let advected = advected(arena, description, (&mut group, &mut factors), &mut scope);
-        let controls = description
-            .controls
-            .iter()
-            .flat_map(|declared| control(arena, declared, &mut scope, &mut forbidden))
-            .collect();
+        let controls =
+            description.controls.iter().flat_map(|declared| control(arena, declared, &mut scope)).collect();
         let time = arena.symbol("t", Stage::Step);
         scope.define("t", Value::Scalar(time));
 
@@ -128,7 +125,6 @@ struct Forbidden {
     momenta: Vec<String>,
     /// With the momenta in which an energy is to be written instead.
     velocities: Vec<(String, String)>,
-    controls: Vec<String>,
 }
 
 impl Forbidden {
@@ -137,7 +133,7 @@ impl Forbidden {
             let message = format!("an energy is a function of the momentum; write it in `{momentum}`");
             (velocity.clone(), message)
         });
-        self.to_controls().into_iter().chain(velocities).collect()
+        velocities.collect()
     }
 
     fn to_lagrangians(&self) -> Vec<(String, String)> {
@@ -145,12 +141,7 @@ impl Forbidden {
             let message = format!("a Lagrangian is a function of the velocity; write it in `{velocity}`");
             (momentum.clone(), message)
         });
-        momenta.chain(self.to_controls()).collect()
-    }
-
-    fn to_controls(&self) -> Vec<(String, String)> {
-        let message = "an energy does not depend on controls; they act through `force`";
-        self.controls.iter().map(|name| (name.clone(), message.to_owned())).collect()
+        momenta.collect()
     }
 
     fn to_potentials(&self) -> Vec<(String, String)> {
@@ -163,8 +154,7 @@ impl Forbidden {
             .velocities
             .iter()
             .map(|(velocity, _)| (velocity.clone(), message("velocity", "lagrangian = …")));
-        // the first word on a name counts
-        momenta.chain(velocities).chain(self.to_hamiltonians()).collect()
+        momenta.chain(velocities).collect()
     }
 }
 
@@ -252,12 +242,7 @@ fn advected<'a>(
 }
 
 /// A control, or each of an array.
-fn control<'a>(
-    arena: &'a Arena,
-    control: &Control,
-    scope: &mut Scope<'a>,
-    forbidden: &mut Forbidden,
-) -> Vec<Part<'a>> {
+fn control<'a>(arena: &'a Arena, control: &Control, scope: &mut Scope<'a>) -> Vec<Part<'a>> {
     let whole = plain(&control.name);
     let elements = Name::all(&control.name, control.length).into_iter().map(|name| {
         let Named { value, symbols, names } = named(arena, &name, control.shape, Stage::Step);
@@ -272,9 +257,7 @@ fn control<'a>(
             name,
         }
     });
-    let parts = elements.collect();
-    forbidden.controls.push(whole);
-    parts
+    elements.collect()
 }
 
 /// What the user's energies mean; zero for one that is not there or has no meaning.
@@ -420,7 +403,7 @@ fn warn_of_unused(description: &Description<'_>, scope: &Scope<'_>, diagnostics:
     }
     for control in description.controls {
         if !scope.is_used(&plain(&control.name)) {
-            let message = format!("the control `{}` is in no force", control.name);
+            let message = format!("the control `{}` is in no energy and no force", control.name);
             diagnostics.warn(&control.name, "CONTROL_WITHOUT_EFFECT", message, description.lints.to_vec());
         }
     }

@@ -59,7 +59,7 @@ impl<'a> Walk<'a> {
         let Self { frame, state, control, .. } = self;
         let time = self.time + s * step;
         let m = frame.linear_part(state);
-        let mut eta = frame.linear_of(&frame.differential(state, time)) * step;
+        let mut eta = frame.linear_of(&frame.differential(state, time, control)) * step;
         let mut mean = state.clone();
         let mut last = f64::INFINITY;
         for _ in 0..ITERATIONS {
@@ -70,7 +70,7 @@ impl<'a> Walk<'a> {
             // of the energy and the forces at the last approximation of the intermediate point
             let there = frame.with_linear_part(&g_bar, &frame.linear_part(&mean));
             let mut kick = frame.linear_of(&frame.force(&there, time, control));
-            let gradient = frame.configuration_of(&frame.differential(&there, time));
+            let gradient = frame.configuration_of(&frame.differential(&there, time, control));
             for (kick, gradient) in kick.iter_mut().zip(gradient.iter()) {
                 *kick -= gradient;
             }
@@ -78,7 +78,7 @@ impl<'a> Walk<'a> {
 
             let behind = self.carried(map, Half::Behind, &late, &m_plus)?;
             mean = frame.with_linear_part(&g_bar, &(behind.mean * (1.0 - s) + before.mean * s));
-            let next = frame.linear_of(&frame.differential(&mean, time)) * step;
+            let next = frame.linear_of(&frame.differential(&mean, time, control)) * step;
             let change =
                 frame.distance(&mean, &there).max((&next - &eta).amax() / next.amax().max(f64::MIN_POSITIVE));
             if !change.is_finite() {

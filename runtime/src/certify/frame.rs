@@ -63,7 +63,7 @@ impl<'a> Frame<'a> {
     /// What the components are is found by trying: a configuration and its momentum are the pairs whose bracket is 1 everywhere.
     /// `None` if there are no such pairs, or parts of the state that are neither.
     pub(super) fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
-        let n = system.differential(first, time).len();
+        let n = system.differential(first, time, control).len();
         let mut frame = Self {
             system,
             configuration: Vec::new(),
@@ -195,8 +195,8 @@ impl<'a> Frame<'a> {
         self.system.hamiltonian_vector(state, covector).into()
     }
 
-    pub(super) fn differential(&self, state: &[f64], time: f64) -> DVector<f64> {
-        self.system.differential(state, time).into()
+    pub(super) fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
+        self.system.differential(state, time, control).into()
     }
 
     pub(super) fn force(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
@@ -204,7 +204,7 @@ impl<'a> Frame<'a> {
     }
 
     pub(super) fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> DVector<f64> {
-        self.hamiltonian_vector(state, self.differential(state, time).as_slice())
+        self.hamiltonian_vector(state, self.differential(state, time, control).as_slice())
             + self.force(state, time, control)
     }
 

@@ -360,14 +360,16 @@ impl Sample<'_> {
 
     /// The energies along a run.
     fn energies(&self, step: f64, count: usize) -> Result<Vec<f64>, Trouble> {
-        let mut energies = vec![self.system.energy(self.state, self.time)];
-        self.run(step, count, &mut |state| energies.push(self.system.energy(state, self.time)))?;
+        let mut energies = vec![self.system.energy(self.state, self.time, self.control)];
+        self.run(step, count, &mut |state| {
+            energies.push(self.system.energy(state, self.time, self.control))
+        })?;
         Ok(energies)
     }
 
     /// What errors of the energy count relative to.
     fn energy_size(&self) -> f64 {
-        let differential = self.frame.differential(self.state, self.time);
+        let differential = self.frame.differential(self.state, self.time, self.control);
         let parts = differential.iter().zip(&self.frame.scale).map(|(x, scale)| (x * scale).abs());
         parts.fold(f64::MIN_POSITIVE, f64::max)
     }
@@ -445,19 +447,19 @@ impl Sample<'_> {
 
     fn differential(&self) -> Figure {
         let frame = &self.frame;
-        let differential = frame.differential(self.state, self.time);
+        let differential = frame.differential(self.state, self.time, self.control);
         let mut error = 0.0;
         for (i, scale) in frame.scale.iter().enumerate() {
             for map in Map::ALL {
                 let change = slope(1e-2 * scale, &|at| {
                     let there = frame.displace(self.state, map, &frame.unit(i, at));
-                    DVector::from_element(1, self.system.energy(&there, self.time))
+                    DVector::from_element(1, self.system.energy(&there, self.time, self.control))
                 });
                 error = larger(error, (change[0] - differential[i]).abs() * scale);
             }
         }
         // where all forces vanish, what the energy itself is counts
-        let size = self.energy_size().max(self.system.energy(self.state, self.time).abs());
+        let size = self.energy_size().max(self.system.energy(self.state, self.time, self.control).abs());
         Ok(Some(error / size))
     }
 

@@ -93,6 +93,11 @@ impl<'a> Probe<'a> {
 /// The difference between an equation's Newton correction and the one that a Jacobian of differences makes, at a point off the solution.
 fn compare(equation: &dyn Equation) -> Option<f64> {
     let mut unknown = equation.start();
+    if unknown.iter().all(|x| *x == 0.0) {
+        // at rest, or where no closed form gives the velocity: nearer to the solution, if it is elsewhere
+        let [_, correction] = equation.correction(&unknown, None);
+        unknown.iter_mut().zip(&correction).for_each(|(x, correction)| *x -= correction);
+    }
     let largest = unknown.iter().fold(0.0, |x: f64, y| x.max(y.abs()));
     // a component that is small may be so by chance; turns, which stand beside momenta of any size, count in radians
     let floor = if largest > 0.0 { (1e-3 * largest).min(1.0) } else { 0.1 };

@@ -277,7 +277,7 @@ impl Sample<'_> {
         }
         let mut other = self.control.to_vec();
         other[index] += 1.0;
-        let [with, without] = [&other[..], self.control].map(|c| self.frame.force(self.state, self.time, c));
+        let [with, without] = [&other[..], self.control].map(|c| self.frame.motion(self.state, self.time, c));
         let strongest =
             (with - without).iter().zip(&self.frame.scale).fold(0.0, |strongest, (force, scale)| {
                 larger(strongest, (force / (scale * self.frame.rate)).abs())

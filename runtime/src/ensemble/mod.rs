@@ -50,8 +50,7 @@ use std::vec::Vec;
 use thiserror::Error;
 
 use crate::error::{ParameterError, StepError};
-use crate::flat::NotGenerated;
-use crate::flat::{Flat, Method};
+use crate::flat::{Flat, Method, NotGenerated};
 use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::stepper::{check_state, check_step};
 use crate::system::{Control, Discretized, State, System};

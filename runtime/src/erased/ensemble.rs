@@ -4,7 +4,7 @@ use core::fmt;
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::system::{System, check_length, length};
+use super::system::{EnsembleSystem, System, check_length, length};
 use crate::ensemble::members::{Law, Member, MemberLaw, Members};
 use crate::ensemble::{EnsembleError, Failed, Instructions, check_member};
 use crate::error::ParameterError;
@@ -28,7 +28,7 @@ impl Ensemble {
     /// If a list of parameters or a state has not as many numbers as the system's, the parameters, the step or a state are not what a stepper
     /// takes, or there is no standard step on the Cayley map.
     pub fn new(
-        system: &dyn System,
+        system: &dyn EnsembleSystem,
         members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
         step: f64,
     ) -> Result<Self, EnsembleError> {

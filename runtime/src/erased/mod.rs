@@ -20,11 +20,11 @@
 //! assert_eq!(body.parameters(), [1.0, 2.0, 2.5]);
 //! // attitude (w, x, y, z) and momentum
 //! let mut state = [1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
-//! let energy = body.energy(&state, 0.0);
+//! let energy = body.energy(&state, 0.0, &[]);
 //! let mut stepper = erased::Stepper::new(&*body, &Scheme::Standard(Map::Cayley), 0.01)?;
 //! let report = stepper.steps(&mut state, &[], 10_000)?;
 //! assert_eq!((report.steps, stepper.time()), (10_000, 100.0));
-//! assert!((body.energy(&state, 0.0) - energy).abs() < 1e-4);
+//! assert!((body.energy(&state, 0.0, &[]) - energy).abs() < 1e-4);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -51,7 +51,7 @@ pub use scheme::{Composed, Scheme};
 pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run};
 #[doc(hidden)]
 pub use system::At;
-pub use system::{Description, System};
+pub use system::{Description, EnsembleSystem, System};
 
 pub(crate) use crate::flat::{array, of_only_lane};
 pub(crate) use equation::{converged, equation};

@@ -10,8 +10,7 @@ use thiserror::Error;
 use super::scheme::Scheme;
 use super::system::{System, check_length, length};
 use crate::error::{ParameterError, StepError};
-use crate::flat::NotGenerated;
-use crate::flat::{Method, of_only_lane};
+use crate::flat::{Method, NotGenerated, of_only_lane};
 use crate::method::{Clock, Counted};
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
@@ -268,7 +267,7 @@ pub struct Sample<'a> {
     pub time: f64,
     /// The state.
     pub state: &'a [f64],
-    /// The energy.
+    /// The energy, with the controls of the step that starts here.
     pub energy: f64,
     /// The Casimirs.
     pub casimirs: &'a [f64],
@@ -369,6 +368,10 @@ pub fn run(
     observer: &mut dyn FnMut(&Sample<'_>) -> ControlFlow<()>,
 ) -> Result<RunReport, RunError> {
     let mut report = RunReport::default();
+    // no law is asked about a state of another system
+    if let Err(cause) = check_length(state, stepper.left.len()) {
+        return Err(RunError { step: stepper.taken + 1, time: stepper.time(), report, cause });
+    }
     let mut acting = match run.controls {
         Controls::Held(control) => Acting::Held(control),
         Controls::Chosen(law) => {
@@ -382,7 +385,7 @@ pub fn run(
         report.stopped = observer(&Sample {
             index,
             time,
-            energy: system.energy(state, time),
+            energy: system.energy(state, time, acting.control(state, time)),
             casimirs: &system.casimirs(state),
             state,
             memory: core::cell::RefCell::new(&mut memory),

@@ -81,13 +81,13 @@ pub trait Geometry {
     /// [`State::deviation`](crate::State::deviation)
     fn deviation(&self, state: &[f64]) -> f64;
     /// [`System::energy_at`](crate::System::energy_at)
-    fn energy(&self, state: &[f64], time: f64) -> f64;
+    fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64;
     /// [`System::casimirs`](crate::System::casimirs)
     fn casimirs(&self, state: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::displace`]
     fn displace(&self, state: &[f64], map: Map, by: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::differential`]
-    fn differential(&self, state: &[f64], time: f64) -> Vec<f64>;
+    fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::hamiltonian_vector`]
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64>;
     /// [`system::Geometry::force`]
@@ -101,6 +101,10 @@ pub trait Geometry {
 
 fn state_of<S: system::System<Scalar = f64>>(state: &[f64]) -> S::State {
     S::State::from_components(&array(state))
+}
+
+fn control_of<S: system::System<Scalar = f64>>(control: &[f64]) -> S::Control {
+    S::Control::from_components(&array(control))
 }
 
 impl<S: system::Geometry<Scalar = f64>> Geometry for S {
@@ -120,8 +124,8 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         state_of::<S>(state).deviation()
     }
 
-    fn energy(&self, state: &[f64], time: f64) -> f64 {
-        self.energy_at(&state_of::<S>(state), time)
+    fn energy(&self, state: &[f64], time: f64, control: &[f64]) -> f64 {
+        self.energy_at(&state_of::<S>(state), time, &control_of::<S>(control))
     }
 
     fn casimirs(&self, state: &[f64]) -> Vec<f64> {
@@ -133,8 +137,9 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
         displaced.to_components().as_ref().to_vec()
     }
 
-    fn differential(&self, state: &[f64], time: f64) -> Vec<f64> {
-        system::Geometry::differential(self, &state_of::<S>(state), time).as_ref().to_vec()
+    fn differential(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
+        let control = control_of::<S>(control);
+        system::Geometry::differential(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
     fn hamiltonian_vector(&self, state: &[f64], covector: &[f64]) -> Vec<f64> {
@@ -143,12 +148,12 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
     }
 
     fn force(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = S::Control::from_components(&array(control));
+        let control = control_of::<S>(control);
         system::Geometry::force(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
     fn motion(&self, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
-        let control = S::Control::from_components(&array(control));
+        let control = control_of::<S>(control);
         system::Geometry::motion(self, &state_of::<S>(state), time, &control).as_ref().to_vec()
     }
 
@@ -160,8 +165,8 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
 /// A system with all that was generated for it, its type erased; any system over `f64` that the macro made is one, and nothing else can be.
 ///
 /// A `&dyn System` has, without an import, these calls on slices too, as [`system::System`] and [`system::Geometry`] have them on states:
-/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time)`, `casimirs(state)`, `displace(state, map, by)`,
-/// `differential(state, time)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
+/// `description()`, `parameters()`, `validate()`, `deviation(state)`, `energy(state, time, control)`, `casimirs(state)`, `displace(state, map, by)`,
+/// `differential(state, time, control)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
 /// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
 /// is missing counts as zero, what is too much does not count.
 pub trait System: Geometry + Send + Sync {
@@ -172,13 +177,18 @@ pub trait System: Geometry + Send + Sync {
     #[doc(hidden)]
     fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
 
-    /// Members side by side, with the standard step on the Cayley map; none if it was not generated.
-    #[doc(hidden)]
-    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members>;
-
     /// The equation of a generated step; none if it was not generated.
     #[doc(hidden)]
     fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>>;
+}
+
+/// A [`System`] of which there are [ensembles](super::Ensemble); any system over `f64` that the macro made is one too.
+///
+/// Steps of many states side by side are compiled for each kind of processor. Only where a system becomes a `dyn EnsembleSystem` does that happen.
+pub trait EnsembleSystem: System {
+    /// Members side by side, with the standard step on the Cayley map; none if it was not generated.
+    #[doc(hidden)]
+    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members>;
 }
 
 /// Where a step's equation is looked at.
@@ -204,18 +214,29 @@ where
         S::visit(map, rule, OfNumbers { parameters: self.to_parameters().as_ref(), step })
     }
 
-    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members> {
-        Members::new::<f64, _>(instructions, members, step, &Standard::<S>(PhantomData)).ok()
-    }
-
     fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>> {
         S::visit(map, rule, OfEquations { parameters: self.to_parameters().as_ref(), at })
+    }
+}
+
+impl<S> EnsembleSystem for S
+where
+    S: Schemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
+{
+    fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members> {
+        Members::new::<f64, _>(instructions, members, step, &Standard::<S>(PhantomData)).ok()
     }
 }
 
 /// Whether a step is the system's standard one, or a part of it.
 const fn is_standard<S: system::System>(rule: Rule) -> bool {
     matches!(rule, Rule::Member(0, 1)) || !S::INVARIANT && matches!(rule, Rule::Member(1, 1))
+}
+
+/// Whether a step of one state is compiled for the widest registers too, so as to be taken together with others: where it is the standard one by
+/// itself. The others are rarely taken for long, and each would be compiled twice more.
+const fn is_taken_together<S: system::System>(map: Map, rule: Rule) -> bool {
+    S::INVARIANT && map.is_matrix_function() && is_standard::<S>(rule)
 }
 
 /// Steps of one state.
@@ -231,9 +252,7 @@ impl<S: system::System> Visitor<S> for OfNumbers<'_> {
     where
         S: Generated<M>,
     {
-        // Compiled for the widest registers, so as to be taken together, where a step is the standard one by itself: the others are rarely
-        // taken for long, and each would be compiled twice more.
-        if const { S::INVARIANT && M::MAP.is_matrix_function() && is_standard::<S>(M::RULE) } {
+        if const { is_taken_together::<S>(M::MAP, M::RULE) } {
             Flat::<OneStep<f64, S::Kernel<f64>>, true>::boxed(self.parameters, self.step)
         } else {
             Flat::<OneStep<f64, S::Kernel<f64>>, false>::boxed(self.parameters, self.step)
@@ -268,10 +287,14 @@ impl<T: Batch, S: system::System> Visitor<S> for OfLanes<'_, T> {
         S: Generated<M>,
     {
         // what is not asked for is not compiled
-        if const { matches!(M::MAP, Map::Cayley) && is_standard::<S>(M::RULE) } {
+        if const { !(matches!(M::MAP, Map::Cayley) && is_standard::<S>(M::RULE)) } {
+            return None;
+        }
+        // one by one, the same that a stepper takes
+        if const { T::LANES > 1 || is_taken_together::<S>(M::MAP, M::RULE) } {
             Some(Flat::<OneStep<T, S::Kernel<T>>, true>::boxed(self.parameters, self.step))
         } else {
-            None
+            Some(Flat::<OneStep<T, S::Kernel<T>>, false>::boxed(self.parameters, self.step))
         }
     }
 }

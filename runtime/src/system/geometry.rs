@@ -18,8 +18,9 @@ pub trait Geometry: System {
     /// The state displaced by a tangent vector.
     fn displace(&self, state: &Self::State, map: Map, by: &Self::Tangent) -> Self::State;
 
-    /// The differential `dh` of the energy at a time: its derivative along each component of a tangent vector.
-    fn differential(&self, state: &Self::State, time: Self::Scalar) -> Self::Tangent;
+    /// The differential `dh` of the energy at a time and with controls: its derivative along each component of a tangent vector.
+    fn differential(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control)
+    -> Self::Tangent;
 
     /// The Hamiltonian vector `P(x) α` of a covector `α`: with `α = dh` the motion that the energy `h` makes,
     /// `g' = g ξ`, `(μ, a)' = ad*_(ξ, w) (μ, a) − (∂h/∂g, 0)`, `ξ = ∂h/∂μ`, `w = ∂h/∂a`.
@@ -30,7 +31,7 @@ pub trait Geometry: System {
 
     /// The motion: the Hamiltonian vector of the energy, and the forces.
     fn motion(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control) -> Self::Tangent {
-        let mut motion = self.hamiltonian_vector(state, &self.differential(state, time));
+        let mut motion = self.hamiltonian_vector(state, &self.differential(state, time, control));
         let force = self.force(state, time, control);
         for (component, force) in motion.as_mut().iter_mut().zip(force.as_ref()) {
             *component = *component + *force;

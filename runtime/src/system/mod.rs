@@ -166,10 +166,11 @@ pub trait System: Sized {
     const PARAMETERS: &'static [Quantity];
     /// The names of the Casimirs: functions of the state that every Hamiltonian with this bracket keeps.
     const CASIMIRS: &'static [&'static str];
-    /// Whether the Hamiltonian does not depend on time and no force acts: then energy is an invariant of the motion.
+    /// Whether the Hamiltonian does not depend on time and no force acts: then energy is an invariant of the motion, if an energy names controls
+    /// as long as these are the same.
     const AUTONOMOUS: bool;
-    /// Whether momentum and advected parameters alone have a part in the motion: no force acts, and the Hamiltonian depends neither
-    /// on the configuration nor on time.
+    /// Whether momentum, advected parameters and controls alone have a part in the motion: no force acts, and the Hamiltonian depends
+    /// neither on the configuration nor on time.
     const INVARIANT: bool;
     /// Whether a force acts: then neither the motion nor a step is symplectic.
     const FORCED: bool;
@@ -184,18 +185,19 @@ pub trait System: Sized {
     /// If one is not finite, or an inertia not symmetric positive definite.
     fn validate(&self) -> Result<(), ParameterError>;
 
-    /// The Hamiltonian at `time`: kinetic plus potential energy.
-    fn energy_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Scalar;
-    /// The Hamiltonian at time 0; the same at all times unless the description names `t`.
+    /// The Hamiltonian at a time and with controls: kinetic plus potential energy.
+    fn energy_at(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control) -> Self::Scalar;
+    /// The Hamiltonian at time 0 with all controls zero; the same at all times and with all controls unless an energy names them.
     fn energy(&self, state: &Self::State) -> Self::Scalar {
-        self.energy_at(state, Self::Scalar::of(0.0))
+        self.energy_at(state, Self::Scalar::of(0.0), &Self::Control::default())
     }
-    /// The body velocity `∂h/∂μ` at a time, of all factors one after the other: `𝕀⁻¹ μ` for a mechanical system. Not a number if there is none:
-    /// see [`velocity_of`](Self::velocity_of).
-    fn velocity_at(&self, state: &Self::State, time: Self::Scalar) -> Self::Momentum;
-    /// The body velocity at time 0; the same at all times unless the description names the time `t`.
+    /// The body velocity `∂h/∂μ` at a time and with controls, of all factors one after the other: `𝕀⁻¹ μ` for a mechanical system. Not a number
+    /// if there is none: see [`velocity_of`](Self::velocity_of).
+    fn velocity_at(&self, state: &Self::State, time: Self::Scalar, control: &Self::Control)
+    -> Self::Momentum;
+    /// The body velocity at time 0 with all controls zero; the same at all times and with all controls unless an energy names them.
     fn velocity(&self, state: &Self::State) -> Self::Momentum {
-        self.velocity_at(state, Self::Scalar::of(0.0))
+        self.velocity_at(state, Self::Scalar::of(0.0), &Self::Control::default())
     }
     /// The momentum of a state, of all factors one after the other.
     fn momentum(&self, state: &Self::State) -> Self::Momentum;
@@ -211,6 +213,7 @@ pub trait System: Sized {
         velocity: &Self::Momentum,
         state: &Self::State,
         time: Self::Scalar,
+        control: &Self::Control,
     ) -> Result<Self::Momentum, LegendreError>;
     /// The velocity that belongs to a momentum, where configuration and advected parameters are those of the state.
     ///
@@ -221,8 +224,9 @@ pub trait System: Sized {
         momentum: &Self::Momentum,
         state: &Self::State,
         time: Self::Scalar,
+        control: &Self::Control,
     ) -> Result<Self::Momentum, LegendreError>;
-    /// The state with the momentum that belongs to a velocity: an initial state by its velocity.
+    /// The state with the momentum that belongs to a velocity at time 0 with all controls zero: an initial state by its velocity.
     ///
     /// # Errors
     /// If there is none.
@@ -230,9 +234,9 @@ pub trait System: Sized {
         &self,
         state: &Self::State,
         velocity: &Self::Momentum,
-        time: Self::Scalar,
     ) -> Result<Self::State, LegendreError> {
-        Ok(self.with_momentum(state, &self.momentum_of(velocity, state, time)?))
+        let momentum = self.momentum_of(velocity, state, Self::Scalar::of(0.0), &Self::Control::default())?;
+        Ok(self.with_momentum(state, &momentum))
     }
     /// The Casimirs, in the order of [`CASIMIRS`](Self::CASIMIRS).
     fn casimirs(&self, state: &Self::State) -> Self::Casimirs;
@@ -255,7 +259,7 @@ pub trait System: Sized {
 /// [composition](crate::composition) of steps.
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
+    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`, on some groups of matrices with one of the two; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
     note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
 pub trait Discretized<M>: System {
@@ -294,7 +298,7 @@ impl<S: System, D> MethodOf<S> for D where
 /// [family](Family).
 #[diagnostic::on_unimplemented(
     message = "there is no step of the scheme `{M}` for `{Self}`",
-    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
+    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`, on some groups of matrices with one of the two; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
     note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
 pub trait Generated<M>: System {
@@ -310,7 +314,7 @@ pub trait Generated<M>: System {
 /// A system whose steps were generated with the retraction `R`. Implemented by the macro.
 #[diagnostic::on_unimplemented(
     message = "there are no steps with the retraction `{R}` for `{Self}`",
-    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`"
+    note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`, on some groups of matrices with one of the two"
 )]
 #[doc(hidden)]
 pub trait Retracted<R>: System {
@@ -557,6 +561,6 @@ mod tests {
         let system = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
         let state = OscillatorState { position: 1.0, momentum: 3.0 };
         assert_eq!(system.energy(&state), 5.0);
-        assert_eq!(system.energy_at(&state, 2.0), 5.0 - 0.7 * 2.0_f64.sin());
+        assert_eq!(system.energy_at(&state, 2.0, &Default::default()), 5.0 - 0.7 * 2.0_f64.sin());
     }
 }

@@ -173,7 +173,7 @@ fn implicit_midpoint_keeps_quadratic_invariants_in_stored_numbers() {
     let system = entry.system(&setup.parameters);
     for classical in [Classical::ImplicitMidpoint, Classical::Gauss4] {
         let state = end(entry, &setup, Method::Classical(classical), (0.1, 300));
-        let energy = (system.energy(&state, 0.0) - system.energy(&setup.state, 0.0)).abs();
+        let energy = (system.energy(&state, 0.0, &[]) - system.energy(&setup.state, 0.0, &[])).abs();
         assert!(system.deviation(&state) < 1e-13 && energy < 1e-13, "{}: {energy:e}", classical.name());
     }
 }

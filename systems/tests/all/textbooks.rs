@@ -10,7 +10,7 @@ use coadjoint_app::Example;
 use coadjoint_app::simulation::{Method, Order, Retraction, scheme};
 use coadjoint_systems::affine_body::{AffineBody, AffineBodyState};
 use coadjoint_systems::four_dimensional_body::{FourDimensionalBody, FourDimensionalBodyState};
-use coadjoint_systems::navigation::{Navigation, NavigationState};
+use coadjoint_systems::navigation::{Navigation, NavigationControl, NavigationState};
 use coadjoint_systems::satellite_with_wheels::{
     SatelliteWithWheels, SatelliteWithWheelsControl, SatelliteWithWheelsState,
 };
@@ -271,6 +271,7 @@ const SCALES: [f64; 5] = [20.0, 200.0, 300.0, 15.0, 0.25];
 #[test]
 fn the_likeliest_path_is_that_of_pontryagins_equations() {
     let (navigation, start) = Navigation::example();
+    let NavigationControl { gyroscope, accelerometer } = Navigation::bend();
     let read = |_: &Navigation, state: &NavigationState| {
         let [turning, moving, placing] = costates(state);
         let [v, p, a, b, c] = SCALES;
@@ -290,25 +291,19 @@ fn the_likeliest_path_is_that_of_pontryagins_equations() {
         let attitude = Matrix3::from_column_slice(&x.as_slice()[..9]);
         let (velocity, turning, moving, placing) = (part(9) * v, part(15) * a, part(18) * b, part(21) * c);
         let seen = attitude.tr_mul(&moving);
-        let turned = navigation.gyroscope + turning * navigation.gyroscope_noise;
-        let force = navigation.accelerometer + seen * navigation.accelerometer_noise;
+        let turned = gyroscope + turning * navigation.gyroscope_noise;
+        let force = accelerometer + seen * navigation.accelerometer_noise;
         numbers([
             (attitude * hat(turned.as_slice())).as_slice(),
             ((attitude * force + navigation.gravity) / v).as_slice(),
             (velocity / p).as_slice(),
-            ((turning.cross(&turned) + seen.cross(&navigation.accelerometer)) / a).as_slice(),
+            ((turning.cross(&turned) + seen.cross(&accelerometer)) / a).as_slice(),
             (-placing / b).as_slice(),
             &[0.0; 3],
         ])
     };
-    let beside = Beside {
-        system: &navigation,
-        start: &start,
-        control: NoControl::default(),
-        read,
-        rate: &rate,
-        time: 20.0,
-    };
+    let control = Navigation::bend();
+    let beside = Beside { system: &navigation, start: &start, control, read, rate: &rate, time: 20.0 };
     beside.orders::<Cayley>(&beside.exact(1_000), [80, 4]);
 }
 
@@ -367,13 +362,11 @@ fn dead_reckoning_follows_a_flight_whose_readings_change() {
         let mut stepper = navigation.stepper::<Cayley>(h).expect("valid");
         for k in 0..steps {
             let (_, rate) = angle(h * (f64::from(k) + 0.5));
-            let reading = Navigation {
+            let readings = NavigationControl {
                 gyroscope: vector![0.0, 0.0, rate],
                 accelerometer: vector![0.4, 100.0 * rate * rate, 9.81],
-                ..navigation.clone()
             };
-            stepper.set_system(&reading).expect("valid");
-            stepper.step(&mut state).expect("solvable");
+            stepper.step_with(&mut state, &readings).expect("solvable");
         }
         (state.element - true_state(30.0).element).norm()
     };

@@ -263,7 +263,7 @@ fn calls_of_a_system_are_its_own() {
     use erased::System as _;
     let (system, state) = top();
     let numbers = state.to_components().to_vec();
-    let (energy, other) = (system.energy(&state), erased(&system).energy(&numbers, 0.0));
+    let (energy, other) = (system.energy(&state), erased(&system).energy(&numbers, 0.0, &[]));
     assert_eq!(energy, other);
     assert_eq!(system.casimirs(&state).to_vec(), erased(&system).casimirs(&numbers));
     assert!(system.validate().is_ok());

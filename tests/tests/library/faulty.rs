@@ -164,11 +164,11 @@ impl<S: Geometry<Scalar = f64>, F> System for Faulty<S, F> {
     fn validate(&self) -> Result<(), ParameterError> {
         self.system.validate()
     }
-    fn energy_at(&self, state: &S::State, time: f64) -> f64 {
-        self.system.energy_at(state, time) * (1.0 + self.energy)
+    fn energy_at(&self, state: &S::State, time: f64, control: &S::Control) -> f64 {
+        self.system.energy_at(state, time, control) * (1.0 + self.energy)
     }
-    fn velocity_at(&self, state: &S::State, time: f64) -> S::Momentum {
-        self.system.velocity_at(state, time)
+    fn velocity_at(&self, state: &S::State, time: f64, control: &S::Control) -> S::Momentum {
+        self.system.velocity_at(state, time, control)
     }
     fn momentum(&self, state: &S::State) -> S::Momentum {
         self.system.momentum(state)
@@ -181,16 +181,18 @@ impl<S: Geometry<Scalar = f64>, F> System for Faulty<S, F> {
         velocity: &S::Momentum,
         state: &S::State,
         time: f64,
+        control: &S::Control,
     ) -> Result<S::Momentum, LegendreError> {
-        self.system.momentum_of(velocity, state, time)
+        self.system.momentum_of(velocity, state, time, control)
     }
     fn velocity_of(
         &self,
         momentum: &S::Momentum,
         state: &S::State,
         time: f64,
+        control: &S::Control,
     ) -> Result<S::Momentum, LegendreError> {
-        self.system.velocity_of(momentum, state, time)
+        self.system.velocity_of(momentum, state, time, control)
     }
     fn casimirs(&self, state: &S::State) -> S::Casimirs {
         (self.casimirs)(&self.system, state)
@@ -206,8 +208,8 @@ impl<S: Geometry<Scalar = f64>, F> Geometry for Faulty<S, F> {
     fn displace(&self, state: &S::State, map: Map, by: &S::Tangent) -> S::State {
         (self.displace)(&self.system, state, map, by)
     }
-    fn differential(&self, state: &S::State, time: f64) -> S::Tangent {
-        self.system.differential(state, time)
+    fn differential(&self, state: &S::State, time: f64, control: &S::Control) -> S::Tangent {
+        self.system.differential(state, time, control)
     }
     fn hamiltonian_vector(&self, state: &S::State, covector: &S::Tangent) -> S::Tangent {
         (self.vector)(&self.system, state, covector)

@@ -149,7 +149,10 @@ fn an_array_moves_as_factors_with_names() {
         assert_same(&a.to_components(), &b.to_components());
     }
     assert_ne!(a, bodies().1);
-    assert_same(&[array.energy_at(&a, 0.7)], &[other.energy_at(&b, 0.7)]);
+    assert_same(
+        &[array.energy_at(&a, 0.7, &Default::default())],
+        &[other.energy_at(&b, 0.7, &Default::default())],
+    );
     assert_same(&array.casimirs(&a), &other.casimirs(&b));
     assert_same(array.velocity(&a).as_slice(), other.velocity(&b).as_slice());
     assert_same(array.spatial_momentum(&a).as_slice(), other.spatial_momentum(&b).as_slice());

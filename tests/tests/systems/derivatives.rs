@@ -50,7 +50,7 @@ macro_rules! examples {
                 let state = <Self as System>::State::from_components(&start.to_components());
                 // it is the same system
                 assert_eq!(<Self as System>::State::QUANTITIES.len(), start.quantities().len());
-                assert_eq!(system.energy_at(&state, 0.3), known.energy_at(&start, 0.3));
+                assert_eq!(system.energy_at(&state, 0.3, &Default::default()), known.energy_at(&start, 0.3, &Default::default()));
                 assert_eq!(system.casimirs(&state), known.casimirs(&start));
                 (system, state, Control::from_components(&control.to_components()))
             }
@@ -175,7 +175,7 @@ fn sample<S: Example>(random: &mut Random) -> (S, S::State, S::Control) {
     let system = S::from_parameters(&parameters);
     system.validate().expect("valid parameters");
 
-    let zero = system.differential(&start, 0.0);
+    let zero = system.differential(&start, 0.0, &Default::default());
     // momenta and advected parameters change in proportion: few moments are as large along all axes
     let (components, mut sizes, mut stored) = (start.to_components(), Vec::new(), 0);
     for quantity in S::State::QUANTITIES {

@@ -272,7 +272,7 @@ fn a_body_with_a_moving_mass_obeys_newton_and_euler() {
         slider_momentum: Vector1::zeros(),
     };
     let velocity = vector![0.4, 1.1, -0.7, 0.5];
-    let start = shaker.with_velocity(&rest, &velocity, 0.0).expect("a momentum");
+    let start = shaker.with_velocity(&rest, &velocity).expect("a momentum");
     assert!((shaker.velocity(&start) - velocity).norm() < 1e-14);
 
     // Π = 𝓘ω + m r × (ω × r) in the body, and the mass on its rod by Newton's law along it: m (s'' − s |ω × d|²) = −k s
@@ -328,7 +328,7 @@ fn a_spherical_double_pendulum_obeys_newton_and_euler() {
         second_momentum: Vector3::zeros(),
     };
     let velocity = vector![0.3, -0.5, 0.8, 0.4, 0.9, -0.2];
-    let start = rods.with_velocity(&rest, &velocity, 0.0).expect("a momentum");
+    let start = rods.with_velocity(&rest, &velocity).expect("a momentum");
 
     // each rod by Euler's law, and the force F of the joint on the first one by the second one's centre of mass
     let field = |y: &SVector<f64, 14>| {
@@ -403,18 +403,23 @@ fn velocities_without_a_closed_form_are_found() {
     let point = Relativistic { mass: 2.0, stiffness: 1.0 };
     let rest = RelativisticState { position: vector![0.3, -0.1], momentum: vector![0.0, 0.0] };
     for velocity in [vector![0.0, 0.0], vector![1e-9, 0.0], vector![0.3, -0.6], vector![0.9, 0.43]] {
-        let state = point.with_velocity(&rest, &velocity, 0.0).expect("slower than light");
+        let state = point.with_velocity(&rest, &velocity).expect("slower than light");
         let gamma = 1.0 / (1.0 - velocity.norm_squared()).sqrt();
         assert!((state.momentum - velocity * (2.0 * gamma)).norm() <= 1e-14 * state.momentum.norm());
-        let back = point.velocity_of(&state.momentum, &rest, 0.0).expect("every momentum has one");
+        let back = point
+            .velocity_of(&state.momentum, &rest, 0.0, &Default::default())
+            .expect("every momentum has one");
         assert!((back - velocity).norm() <= 1e-14 * velocity.norm(), "{velocity}: {back}");
         let energy = 2.0 * gamma + rest.position.norm_squared() / 2.0;
         assert!((point.energy(&state) - energy).abs() < 1e-14 * energy);
     }
-    assert!(matches!(point.momentum_of(&vector![1.0, 0.0], &rest, 0.0), Err(LegendreError { .. })));
+    assert!(matches!(
+        point.momentum_of(&vector![1.0, 0.0], &rest, 0.0, &Default::default()),
+        Err(LegendreError { .. })
+    ));
 
     // the energy is kept over many steps near the speed of light, and the fixed-point iteration has no part in it
-    let mut state = point.with_velocity(&rest, &vector![0.0, 0.99], 0.0).expect("slower than light");
+    let mut state = point.with_velocity(&rest, &vector![0.0, 0.99]).expect("slower than light");
     let before = point.energy(&state);
     let mut stepper = point.stepper::<Order6<Exponential>>(0.05).expect("a stepper");
     for _ in 0..20_000 {
@@ -427,16 +432,19 @@ fn velocities_without_a_closed_form_are_found() {
 fn a_singular_transform_is_an_error() {
     let (growing, momentum) = (Growing {}, vector![1.0]);
     let state = GrowingState { position: vector![0.0], momentum };
-    assert!(matches!(growing.velocity_of(&momentum, &state, 0.0), Err(LegendreError { .. })));
+    assert!(matches!(
+        growing.velocity_of(&momentum, &state, 0.0, &Default::default()),
+        Err(LegendreError { .. })
+    ));
     let kept = state;
     let mut state = state;
     let mut stepper = growing.stepper::<Cayley>(0.1).expect("a stepper");
     assert!(stepper.step(&mut state).is_err());
     assert_eq!(state, kept);
     // a momentum for the velocity is there, and elsewhere all is well
-    assert_eq!(growing.momentum_of(&momentum, &state, 0.0), Ok(vector![0.0]));
+    assert_eq!(growing.momentum_of(&momentum, &state, 0.0, &Default::default()), Ok(vector![0.0]));
     let state = GrowingState { position: vector![2.0], momentum };
-    assert_eq!(growing.velocity_of(&momentum, &state, 0.0), Ok(vector![0.5]));
+    assert_eq!(growing.velocity_of(&momentum, &state, 0.0, &Default::default()), Ok(vector![0.5]));
 }
 
 /// Momenta of six components in one piece, and a state by its velocity.
@@ -459,7 +467,7 @@ fn velocities_and_momenta_have_the_order_of_the_factors() {
     };
     assert_eq!(rods.momentum(&state), Vector6::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0));
     assert_eq!(rods.velocity(&state), Vector6::repeat(1.0));
-    let twice = rods.with_velocity(&state, &Vector6::repeat(2.0), 0.0).expect("a momentum");
+    let twice = rods.with_velocity(&state, &Vector6::repeat(2.0)).expect("a momentum");
     assert_eq!(
         twice,
         RodsState {

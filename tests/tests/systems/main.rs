@@ -2,6 +2,7 @@
 
 mod arrays;
 mod bases;
+mod controlled;
 mod derivatives;
 mod families;
 mod lagrangian;

@@ -286,9 +286,9 @@ fn names() {
         &[("spins_momentum", "a potential does not depend on the momentum")],
     );
     breaks(
-        "group(spins: [SO3; 2]), hamiltonian = k * u[0], control(u: [f64; 2])",
+        "group(spins: [SO3; 2]), hamiltonian = k * u[0] * spins_momentum[1].x, control(u: [f64; 2])",
         "struct S { k: f64 }",
-        &[("u", "an energy does not depend on controls")],
+        &[],
     );
 }
 

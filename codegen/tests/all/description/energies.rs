@@ -41,8 +41,14 @@ fn energies_forces_and_controls() {
         &[
             ("momentum", "a potential does not depend on the momentum; an energy that does is written"),
             ("velocity", "a potential does not depend on the velocity"),
-            ("u", "an energy does not depend on controls; they act through `force`"),
         ],
+    );
+    breaks("group = SO3, potential = j * u * (attitude * Vector3::z()).z, control(u: f64)", body, &[]);
+    breaks("group = SO3, hamiltonian = (momentum - u).norm_squared() / j, control(u: R3)", bare, &[]);
+    breaks(
+        "group = SO3, lagrangian = (velocity - u).norm_squared() * j, control(u: R3), methods(TangentLift(1, 4))",
+        bare,
+        &[],
     );
     breaks(
         "group = SO3, hamiltonian = velocity.x",
@@ -86,13 +92,7 @@ fn energies_forces_and_controls() {
     breaks(
         "group = SE3, lagrangian = j * linear_velocity.x + angular_momentum.y + u, control(u: f64)",
         bare,
-        &[
-            (
-                "angular_momentum",
-                "a Lagrangian is a function of the velocity; write it in `angular_velocity`",
-            ),
-            ("u", "an energy does not depend on controls"),
-        ],
+        &[("angular_momentum", "a Lagrangian is a function of the velocity; write it in `angular_velocity`")],
     );
     attribute("control(u: String)", &[("String", "`u` cannot be of this type; a control is a number")]);
     attribute(

@@ -25,7 +25,14 @@ fn what_has_no_effect_is_warned_of() {
     assert_eq!(warned("group = R3, potential = mass * position.dot(&arm)"), [""; 0]);
     assert_eq!(
         warned("group = R3, control(push: R3, pull: f64), force = push * mass"),
-        ["arm: the parameter `arm` is in no energy and no force", "pull: the control `pull` is in no force"]
+        [
+            "arm: the parameter `arm` is in no energy and no force",
+            "pull: the control `pull` is in no energy and no force",
+        ]
+    );
+    assert_eq!(
+        warned("group = R3, control(push: R3), potential = mass * position.dot(&(arm - push))"),
+        [""; 0]
     );
     assert_eq!(
         warned("group = R3, hamiltonian = momentum.dot(&arm) / mass"),
