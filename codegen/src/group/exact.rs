@@ -56,6 +56,13 @@ impl Fraction {
         Some(Ratio::new(i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?))
     }
 
+    /// The root of the square of a fraction; none of other numbers.
+    pub(super) fn square_root(&self) -> Option<Self> {
+        let root = |square: i128| square.checked_isqrt().filter(|root| *root * *root == square);
+        let (numerator, denominator) = self.parts()?;
+        Some(Self::new(root(numerator)?, root(denominator)?))
+    }
+
     /// The result of an operation; whole numbers, as most are, need no common divisor.
     fn with(
         self,

@@ -443,6 +443,80 @@ fn normalization_takes_small_errors_away() {
     }
 }
 
+/// A basis, its matrices carried over to other coordinates.
+fn conjugated(basis: &[Matrix], by: &Matrix) -> Vec<Matrix> {
+    basis.iter().map(|e| by * e * inverse(by)).collect()
+}
+
+/// The group of these matrices, which are of whole numbers.
+fn of_matrices(basis: &[Matrix]) -> &'static MatrixGroup {
+    let named: Vec<(String, Vec<i64>)> = (0..basis.len())
+        .map(|k| (format!("e{k}"), by_rows(&basis[k]).iter().map(|&x| x.round() as i64).collect()))
+        .collect();
+    let basis = Basis::new(basis[0].nrows(), &named).expect("a basis");
+    MatrixGroup::new("matrices", &basis).expect("a group")
+}
+
+/// A block on the diagonal of a larger matrix.
+fn placed(block: &Matrix, from: usize, size: usize) -> Matrix {
+    let mut whole = Matrix::zeros(size, size);
+    whole.view_mut((from, from), block.shape()).copy_from(block);
+    whole
+}
+
+/// A determinant that is 1, be it of a block or of complex numbers, is told where it is not, and comes back to 1: what is multiplied by
+/// `1 + ε c`, for each `c` by which it would change.
+#[test]
+fn determinants_are_told_and_corrected() {
+    let unit = |n: usize, i: usize, j: usize| Matrix::from_fn(n, n, |r, c| f64::from((r, c) == (i, j)));
+    let (sl3, so3, su3) = (basis(of("SL3")), basis(of("SO3")), basis(of("SU3")));
+    let i = Matrix::from_fn(6, 6, |r, c| match (r / 2 == c / 2, r % 2, c % 2) {
+        (true, 1, 0) => 1.0,
+        (true, 0, 1) => -1.0,
+        _ => 0.0,
+    });
+    let padded = |basis: &[Matrix], from: usize, size: usize| -> Vec<Matrix> {
+        basis.iter().map(|e| placed(e, from, size)).collect()
+    };
+    let triangular = [&sl3[..2], &[unit(3, 0, 1), unit(3, 0, 2), unit(3, 1, 2)]].concat();
+    let translations = [unit(4, 0, 3), unit(4, 1, 3), unit(4, 2, 3)];
+    let affine = [padded(&sl3, 0, 4), translations.to_vec()].concat();
+    let both = [padded(&so3, 0, 6), padded(&sl3, 3, 6)].concat();
+    let complex = [su3.clone(), su3.iter().map(|e| e * &i).collect()].concat();
+    let mut sheared = one(6);
+    (sheared[(0, 3)], sheared[(4, 1)], sheared[(5, 0)]) = (1.0, 2.0, -1.0);
+    let turned = &sheared * &i * inverse(&sheared);
+    let cases = [
+        (triangular, vec![one(3)]),
+        (affine, vec![placed(&one(3), 0, 4)]),
+        (both, vec![placed(&one(3), 3, 6)]),
+        (complex, vec![one(6), i.clone()]),
+        (conjugated(&su3, &sheared), vec![turned]),
+        (su3, vec![i]),
+    ];
+    for (basis, directions) in cases {
+        let (group, n) = (of_matrices(&basis), basis[0].nrows());
+        let stored = |g: &Matrix| by_rows(g);
+        let deviation = |g: &Matrix| value([&stored(g)], |[g]| group.deviation(&g).expect("bounded")).norm();
+        let g = series(&hat(group, &random(basis.len(), 8, 0.3)), 0);
+        assert!(deviation(&g) < 1e-14, "{group:?}: {:e}", deviation(&g));
+        assert_close(&value([&stored(&g)], |[g]| group.normalize(&g)), &stored(&g), "on the group", group);
+        for direction in directions {
+            let off = (one(n) + &direction * 1e-6) * &g;
+            assert!(deviation(&off) > 1e-6, "{group:?}: {:e}", deviation(&off));
+            let back = value([&stored(&off)], |[g]| group.normalize(&g));
+            let error = (&back - stored(&g)).norm();
+            assert!(error < 2e-11, "{group:?}: {error:e}");
+        }
+    }
+    // as far off as can be
+    let deviation = |name: &str, g: &Matrix| {
+        value([&by_rows(g)], |[g]| of(name).deviation(&g).expect("it has one")).norm()
+    };
+    assert!(deviation("SU3", &-one(6)) > 1.0);
+    assert!(deviation("SO4", &Matrix::from_diagonal(&Column::from_vec(vec![-1.0, 1.0, 1.0, 1.0]))) > 1.0);
+}
+
 /// Elements whose products are off by their rounding are the same after a step that does not move them, to the last bit.
 #[test]
 fn what_is_at_rest_stays() {

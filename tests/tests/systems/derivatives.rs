@@ -80,7 +80,7 @@ examples! {
     free_rigid_body::FreeRigidBody, full_rigid_body::FullRigidBody,
     heavy_top::HeavyTop, magnetic_top::MagneticTop, quadrotor::Quadrotor,
     rigid_body_in_space::RigidBodyInSpace, gyrostat::Gyrostat, coupled_bodies::CoupledBodies,
-    kirchhoff::Kirchhoff,
+    kirchhoff::Kirchhoff, satellite_with_wheels::SatelliteWithWheels,
 }
 
 /// A sledge that is pushed and steered on a slope, with a wind that comes and goes.
@@ -109,6 +109,16 @@ impl Example for Sledge {
         let state = SledgeState { pose, momentum: vector![0.5, -0.4, 0.8] };
         let sledge = Self { inertia, weight: 1.5, wind: 0.4, drag: 0.3 };
         (sledge, state, SledgeControl { push: 0.6, steer: -0.2 })
+    }
+}
+
+impl Example for described::SpinChain {
+    const STEP: f64 = <spin_chain::SpinChain as coadjoint_app::Example>::STEP;
+    const IS_LEFT: bool = false;
+    fn example() -> (Self, Self::State, Self::Control) {
+        let (known, start) = <spin_chain::SpinChain as coadjoint_app::Example>::example();
+        let state = <Self as System>::State::from_components(&start.to_components());
+        (Self::from_parameters(&known.to_parameters()), state, Default::default())
     }
 }
 
@@ -357,6 +367,8 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
         Flow,
         Spin,
     );
+    check::<described::SatelliteWithWheels, Midpoint<Exponential>>(&mut worst);
+    check::<described::SpinChain, Midpoint<Cayley>>(&mut worst);
     // and the other way round where factors, bodies and spaces differ most
     check::<described::HeavyTop, Midpoint<Exponential>>(&mut worst);
     check::<described::HeavyTop, StormerVerlet<Cayley>>(&mut worst);
@@ -370,6 +382,128 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
     check::<described::Quadrotor, Order4<StormerVerlet<Cayley>>>(&mut worst);
     check::<described::HeavyTop, Order10<SymplecticEulerA<Cayley>>>(&mut worst);
     println!("largest relative error {worst:e}");
+}
+
+/// A step and its derivative along random directions of state, control and parameters, on groups of matrices: against differences of steps, to the sixth
+/// order, of states that are displaced.
+fn agrees_with_differences<S, M>(
+    (system, start, control): (S, S::State, S::Control),
+    (time, step): (f64, f64),
+    displaced: impl Fn(&S, &S::State, &[f64]) -> S::State,
+) where
+    S: System<Scalar = f64>
+        + Derives<WrtState>
+        + Derives<WrtControl>
+        + Derives<WrtParameters>
+        + Discretized<M>,
+    <S as Discretized<M>>::Method<f64>: Linearizable<S>,
+{
+    let mut random = Random::new(11);
+    let numbers = |x: &dyn AsRef<[f64]>| DVector::from_column_slice(x.as_ref());
+    let stepped = |system: &S, mut state: S::State, control: &S::Control| {
+        let mut stepper = system.stepper::<M>(step).expect("valid");
+        stepper.set_time(time);
+        stepper.step_with(&mut state, control).expect("solvable");
+        state
+    };
+    let mut after = start.clone();
+    let mut stepper = system.stepper::<M>(step).expect("valid");
+    stepper.set_time(time);
+    let blocks = (WrtState, WrtControl, WrtParameters);
+    let taken = stepper.step_with_jacobian(&mut after, &control, blocks).expect("solvable");
+    let (wrt_state, wrt_control, wrt_parameters) = taken.jacobian;
+    let n = wrt_state.as_slice().len().isqrt();
+    let (parameters, controls) = (system.to_parameters(), control.to_components());
+    // per 1, of each by its own size
+    let mut along =
+        |sizes: &[f64]| DVector::from_fn(sizes.len(), |i, _| sizes[i] * random.between(-1.0, 1.0));
+    let momentum = numbers(&start.to_components());
+    let momentum = momentum.rows(momentum.len() - n / 2, n / 2);
+    let sizes: Vec<f64> =
+        vec![1.0; n / 2].into_iter().chain(momentum.iter().map(|m| m.abs().max(1e-3))).collect();
+    let of_state = along(&sizes);
+    let of_control = along(&controls.as_ref().iter().map(|x| x.abs().max(1.0)).collect::<Vec<_>>());
+    // constants that the energies name come behind the fields
+    let fields = wrt_parameters.as_slice().len() / n;
+    let of_parameters = along(&parameters.as_ref()[..fields]);
+    let changed = |share: f64| {
+        let by = &of_state * share;
+        let state = displaced(&system, &start, by.as_slice());
+        stepped(&system, state, &control)
+    };
+    let with_control = |share: f64| {
+        let components = array(|i| controls.as_ref()[i] + share * of_control[i]);
+        stepped(&system, start.clone(), &S::Control::from_components(&components))
+    };
+    let with_parameters = |share: f64| {
+        let parameters = array(|i| parameters.as_ref()[i] + share * of_parameters.get(i).unwrap_or(&0.0));
+        stepped(&S::from_parameters(&parameters), start.clone(), &control)
+    };
+    // of the order 6, with the same differences of what the derivative says
+    let slope = |state: &dyn Fn(f64) -> S::State| {
+        let difference = |k: f64| {
+            let share = 2e-3 * k;
+            let [up, down] = [share, -share].map(|share| numbers(&state(share).to_components()));
+            (up - down) / (2.0 * share)
+        };
+        (difference(1.0) * 15.0 - difference(2.0) * 6.0 + difference(3.0)) / 10.0
+    };
+    let cases: [(&str, &dyn Fn(f64) -> S::State, DVector<f64>); 3] = [
+        ("state", &changed, matrix(&wrt_state, n) * &of_state),
+        ("control", &with_control, matrix(&wrt_control, n) * &of_control),
+        ("parameters", &with_parameters, matrix(&wrt_parameters, n) * &of_parameters),
+    ];
+    for (name, state, derivative) in cases {
+        let said = |share: f64| displaced(&system, &after, (&derivative * share).as_slice());
+        let (found, said) = (slope(state), slope(&said));
+        // configuration and momentum each in its own size, or that of the rounding of differences
+        let at = found.len() - n / 2;
+        let after = numbers(&after.to_components());
+        for (from, rows) in [(0, at), (at, n / 2)] {
+            let [found, said, after] = [&found, &said, &after].map(|x| x.rows(from, rows).into_owned());
+            let error = (&found - said).amax() / found.amax().max(0.01 * after.amax());
+            println!("{} {name}: {error:.1e}", S::NAME);
+            assert!(error < 5e-11, "{} {name}: {error:e}", S::NAME);
+        }
+    }
+}
+
+/// The systems of the catalogue whose elements are matrices.
+#[test]
+fn groups_of_matrices_have_derivatives_too() {
+    fn known<S: System<Scalar = f64>, T: coadjoint_app::Example<Scalar = f64>>() -> (S, S::State, S::Control)
+    {
+        let (known, start) = T::example();
+        let control = coadjoint_app::Example::control(&known, &start, 0.0);
+        let system = S::from_parameters(&array(|i| known.to_parameters().as_ref()[i]));
+        let state = S::State::from_components(&array(|i| start.to_components().as_ref()[i]));
+        (system, state, S::Control::from_components(&array(|i| control.to_components().as_ref()[i])))
+    }
+    fn displaced<S: Geometry<Scalar = f64>>(system: &S, state: &S::State, by: &[f64]) -> S::State {
+        system.displace(state, Map::Exponential, &array(|i| by[i]))
+    }
+    use described::{AffineBody, FourDimensionalBody, Navigation, ThreeLevelAtom};
+    let (body, start, control) = known::<FourDimensionalBody, four_dimensional_body::FourDimensionalBody>();
+    agrees_with_differences::<_, SymplecticEulerA<Cayley>>((body, start, control), (0.0, 0.1), displaced);
+    let (body, start, control) = known::<AffineBody, affine_body::AffineBody>();
+    agrees_with_differences::<_, StormerVerlet<Cayley>>((body, start, control), (0.0, 5e-4), displaced);
+    let (vehicle, start, control) = known::<Navigation, navigation::Navigation>();
+    agrees_with_differences::<_, StormerVerlet<Cayley>>((vehicle, start, control), (0.0, 0.05), displaced);
+    // derivatives are with respect to `g exp δ` of right-invariant systems too
+    let basis = super::families::of_family("SU3", 8);
+    let (atom, start, control) = known::<ThreeLevelAtom, three_level_atom::ThreeLevelAtom>();
+    // between the pulses
+    let atom = ThreeLevelAtom { detuning: 1e7, two_photon_detuning: 3e6, ..atom };
+    let at = (0.9e-6, 3e-9);
+    agrees_with_differences::<_, StormerVerlet<Exponential>>((atom, start, control), at, |_, state, by| {
+        let x = basis.iter().zip(by).fold(DMatrix::zeros(6, 6), |sum, (e, x)| sum + e * *x);
+        let element = DMatrix::from_column_slice(6, 6, state.element.as_slice()) * x.exp();
+        let momentum = state.momentum + coadjoint::nalgebra::SVector::<f64, 8>::from_column_slice(&by[8..]);
+        described::ThreeLevelAtomState {
+            element: coadjoint::nalgebra::SMatrix::from_column_slice(element.as_slice()),
+            momentum,
+        }
+    });
 }
 
 /// A run of a quadrotor with controls that change, and with its derivative on the way.

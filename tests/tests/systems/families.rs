@@ -83,6 +83,17 @@ body!(
     [1.0, 2.5, 1.9, 1.3, 2.8, 2.2, 1.6, 1.0, 2.5, 1.9],
     [-0.07, 0.23, 0.03, -0.17, 0.13, -0.07, 0.23, 0.03, -0.17, 0.13]
 );
+body!(Area, AreaState, (SL(2)), Cayley, 2, 3, [1.0, 2.5, 1.9], [0.02, 0.3, -0.25]);
+body!(
+    Vehicle,
+    VehicleState,
+    (SE2(3)),
+    Cayley,
+    5,
+    9,
+    [1.0, 2.5, 1.9, 1.3, 2.8, 2.2, 1.6, 1.0, 2.5],
+    [-0.07, 0.23, 0.03, -0.17, 0.13, -0.07, 0.23, 0.03, -0.17]
+);
 body!(Heisenberg, HeisenbergState, (Heisenberg), Cayley, 3, 3, [1.0, 2.5, 1.9], [-0.07, 0.23, 0.13]);
 body!(Affine, AffineState, (Aff(1)), Exponential, 2, 2, [1.0, 2.5], [-0.07, 0.23]);
 body!(Linear, LinearState, (GL(2)), Exponential, 2, 4, [1.0, 2.5, 1.9, 1.3], [-0.07, 0.23, 0.03, -0.17]);
@@ -111,7 +122,7 @@ fn matrices(group: &MatrixGroup, dimension: usize) -> Vec<DMatrix<f64>> {
     (0..dimension).map(|axis| DMatrix::from_fn(n, n, |i, j| entry(axis, i, j))).collect()
 }
 
-fn of_family(name: &str, dimension: usize) -> Vec<DMatrix<f64>> {
+pub(super) fn of_family(name: &str, dimension: usize) -> Vec<DMatrix<f64>> {
     matrices(family(name).expect("there is one"), dimension)
 }
 
@@ -186,7 +197,7 @@ fn integrated(basis: &[DMatrix<f64>], inertia: &[f64], state: &[f64], time: f64)
     &fine + (&fine - coarse) / 15.0
 }
 
-/// What certificates say of it. Of groups of eight and more dimensions, whose batches take the compiler minutes, the rest of the tests has to do.
+/// What certificates say of it.
 fn certified<S>()
 where
     S: Example + coadjoint::__private::Geometry<Scalar = f64> + Discretized<S::Retraction> + 'static,
@@ -262,26 +273,44 @@ fn rotations_and_boosts_of_the_plane() {
 
 #[test]
 fn maps_that_keep_volume() {
+    certified::<Volume3>();
     holds::<Volume3>(&of_family("SL3", 8), |body| body.inertia.as_slice().to_vec());
     keeps::<Volume3>(0.01, 2);
 }
 
 #[test]
 fn symplectic_maps() {
+    certified::<Symplectic>();
     holds::<Symplectic>(&of_family("SP4", 10), |body| body.inertia.as_slice().to_vec());
     keeps::<Symplectic>(0.01, 2);
 }
 
 #[test]
 fn unitary_maps() {
+    certified::<Unitary>();
     holds::<Unitary>(&of_family("SU3", 8), |body| body.inertia.as_slice().to_vec());
     keeps::<Unitary>(0.1, 2);
 }
 
 #[test]
 fn changes_of_inertial_frame() {
+    certified::<Galilei>();
     holds::<Galilei>(&of_family("SGal3", 10), |body| body.inertia.as_slice().to_vec());
     keeps::<Galilei>(1e-4, 2);
+}
+
+#[test]
+fn maps_that_keep_areas() {
+    certified::<Area>();
+    holds::<Area>(&of_family("SL2", 3), |body| body.inertia.as_slice().to_vec());
+    keeps::<Area>(0.01, 1);
+}
+
+#[test]
+fn attitudes_velocities_and_positions() {
+    certified::<Vehicle>();
+    holds::<Vehicle>(&of_family("SE23", 9), |body| body.inertia.as_slice().to_vec());
+    keeps::<Vehicle>(1e-3, 3);
 }
 
 #[test]
@@ -323,4 +352,139 @@ fn a_semidirect_product() {
     certified::<Planes>();
     holds::<Planes>(&planes(), |body| body.inertia.as_slice().to_vec());
     keeps::<Planes>(1e-5, 1);
+}
+
+/// The same body on a group of the catalogue and on that of its basis: what they are called, the second one's basis, retraction and dimension.
+macro_rules! same {
+    ($closed:ident on $group:ident, $derived:ident on { $($basis:tt)* }, $retraction:ident, $dimension:literal) => {
+        #[lie_poisson_system(group = $group, retractions($retraction))]
+        struct $closed {
+            #[inertia]
+            inertia: SMatrix<f64, $dimension, $dimension>,
+        }
+
+        #[lie_poisson_system(group = matrices { $($basis)* }, retractions($retraction))]
+        struct $derived {
+            #[inertia]
+            inertia: SMatrix<f64, $dimension, $dimension>,
+        }
+    };
+}
+
+same!(ClosedTurn on SO3, DerivedTurn on {
+    x: [0, 0, 0; 0, 0, -1; 0, 1, 0], y: [0, 0, 1; 0, 0, 0; -1, 0, 0], z: [0, -1, 0; 1, 0, 0; 0, 0, 0]
+}, Cayley, 3);
+same!(ClosedPlane on SE2, DerivedPlane on {
+    turn: [0, -1, 0; 1, 0, 0; 0, 0, 0], x: [0, 0, 1; 0, 0, 0; 0, 0, 0], y: [0, 0, 0; 0, 0, 1; 0, 0, 0]
+}, Exponential, 3);
+same!(ClosedSpace on SE3, DerivedSpace on {
+    x: [0, 0, 0, 0; 0, 0, -1, 0; 0, 1, 0, 0; 0, 0, 0, 0],
+    y: [0, 0, 1, 0; 0, 0, 0, 0; -1, 0, 0, 0; 0, 0, 0, 0],
+    z: [0, -1, 0, 0; 1, 0, 0, 0; 0, 0, 0, 0; 0, 0, 0, 0],
+    a: [0, 0, 0, 1; 0, 0, 0, 0; 0, 0, 0, 0; 0, 0, 0, 0],
+    b: [0, 0, 0, 0; 0, 0, 0, 1; 0, 0, 0, 0; 0, 0, 0, 0],
+    c: [0, 0, 0, 0; 0, 0, 0, 0; 0, 0, 0, 1; 0, 0, 0, 0]
+}, Exponential, 6);
+// the units i, j, k: twice the axes of the catalogue
+same!(ClosedSpin on SU2, DerivedSpin on {
+    i: [0, -1, 0, 0; 1, 0, 0, 0; 0, 0, 0, -1; 0, 0, 1, 0],
+    j: [0, 0, -1, 0; 0, 0, 0, 1; 1, 0, 0, 0; 0, -1, 0, 0],
+    k: [0, 0, 0, -1; 0, 0, -1, 0; 0, 1, 0, 0; 1, 0, 0, 0]
+}, Exponential, 3);
+same!(ClosedPoint on R3, DerivedPoint on {
+    x: [0, 0, 0, 1; 0, 0, 0, 0; 0, 0, 0, 0; 0, 0, 0, 0],
+    y: [0, 0, 0, 0; 0, 0, 0, 1; 0, 0, 0, 0; 0, 0, 0, 0],
+    z: [0, 0, 0, 0; 0, 0, 0, 0; 0, 0, 0, 1; 0, 0, 0, 0]
+}, Exponential, 3);
+
+/// Both after 200 steps of a tenth of a second: the element as a matrix, and the momentum in the axes of the catalogue.
+fn same<C, D, M>(
+    (closed, mut of_closed): (C, C::State),
+    (derived, mut of_derived): (D, D::State),
+    matrix: impl Fn(&C::State) -> DMatrix<f64>,
+    axes: f64,
+) where
+    C: Discretized<M> + System<Scalar = f64>,
+    D: Discretized<M> + System<Scalar = f64>,
+{
+    let mut of = (closed.stepper::<M>(0.1).expect("valid"), derived.stepper::<M>(0.1).expect("valid"));
+    let mut moved = 0.0_f64;
+    for _ in 0..200 {
+        of.0.step(&mut of_closed).expect("a step");
+        of.1.step(&mut of_derived).expect("a step");
+        let (components, expected) = (of_derived.to_components(), matrix(&of_closed));
+        let (element, momentum) = components.as_ref().split_at(expected.len());
+        let element = DMatrix::from_row_slice(expected.nrows(), expected.ncols(), element);
+        let expected_momentum = of_closed.to_components();
+        let expected_momentum = expected_momentum.as_ref();
+        let expected_momentum = &expected_momentum[expected_momentum.len() - momentum.len()..];
+        let error = (&element - &expected).amax() / expected.amax();
+        assert!(error < 1e-13, "{}: {error:e}", C::NAME);
+        for (found, expected) in momentum.iter().zip(expected_momentum) {
+            assert!((found / axes - expected).abs() < 1e-13, "{}: {found} {expected}", C::NAME);
+        }
+        moved = moved.max((expected - DMatrix::identity(element.nrows(), element.ncols())).amax());
+    }
+    assert!(moved > 0.5, "{}: {moved}", C::NAME);
+}
+
+#[test]
+fn bases_give_the_steps_of_closed_forms() {
+    fn inertia<const N: usize>() -> SMatrix<f64, N, N> {
+        SMatrix::from_fn(|i, j| if i == j { 1.0 + 0.3 * i as f64 } else { 0.1 / (1 + i + j) as f64 })
+    }
+    let momentum = SVector::from([0.5, -0.4, 0.7]);
+    let identity = SMatrix::<f64, 3, 3>::identity();
+    let large = SMatrix::<f64, 4, 4>::identity();
+    same::<_, _, Cayley>(
+        (
+            ClosedTurn { inertia: inertia() },
+            ClosedTurnState { attitude: UnitQuaternion::identity(), momentum },
+        ),
+        (DerivedTurn { inertia: inertia() }, DerivedTurnState { element: identity, momentum }),
+        |state| DMatrix::from_column_slice(3, 3, state.attitude.to_rotation_matrix().matrix().as_slice()),
+        1.0,
+    );
+    same::<_, _, Exponential>(
+        (ClosedPlane { inertia: inertia() }, ClosedPlaneState { pose: Isometry2::identity(), momentum }),
+        (DerivedPlane { inertia: inertia() }, DerivedPlaneState { element: identity, momentum }),
+        |state| DMatrix::from_column_slice(3, 3, state.pose.to_homogeneous().as_slice()),
+        1.0,
+    );
+    let wrench = SVector::from([0.5, -0.4, 0.7, 0.1, 0.6, -0.2]);
+    same::<_, _, Exponential>(
+        (
+            ClosedSpace { inertia: inertia() },
+            ClosedSpaceState { pose: Isometry3::identity(), momentum: wrench },
+        ),
+        (DerivedSpace { inertia: inertia() }, DerivedSpaceState { element: large, momentum: wrench }),
+        |state| DMatrix::from_column_slice(4, 4, state.pose.to_homogeneous().as_slice()),
+        1.0,
+    );
+    same::<_, _, Exponential>(
+        (ClosedSpin { inertia: inertia() }, ClosedSpinState { spin: UnitQuaternion::identity(), momentum }),
+        (
+            DerivedSpin { inertia: inertia() * 4.0 },
+            DerivedSpinState { element: large, momentum: momentum * 2.0 },
+        ),
+        |state| {
+            let q = state.spin;
+            DMatrix::from_row_slice(
+                4,
+                4,
+                &[q.w, -q.i, -q.j, -q.k, q.i, q.w, -q.k, q.j, q.j, q.k, q.w, -q.i, q.k, -q.j, q.i, q.w],
+            )
+        },
+        2.0,
+    );
+    same::<_, _, Exponential>(
+        (ClosedPoint { inertia: inertia() }, ClosedPointState { position: Vector3::zeros(), momentum }),
+        (DerivedPoint { inertia: inertia() }, DerivedPointState { element: large, momentum }),
+        |state| {
+            let mut element = DMatrix::identity(4, 4);
+            element.view_mut((0, 3), (3, 1)).copy_from(&state.position);
+            element
+        },
+        1.0,
+    );
 }

@@ -41,6 +41,16 @@ impl Hull {
         }
     }
 
+    /// Whether it is a sum of products of the basis.
+    pub(super) fn contains(&self, matrix: &Exact) -> bool {
+        let mut rest = matrix.entries.clone();
+        for (pivot, row) in &self.rows {
+            let factor = rest[*pivot];
+            rest.iter_mut().zip(row).for_each(|(entry, &x)| *entry -= factor * x);
+        }
+        rest.iter().all(Fraction::is_zero)
+    }
+
     pub(super) fn is_known(&self) -> bool {
         self.rows.iter().all(|(_, row)| row.iter().all(Fraction::is_known))
     }

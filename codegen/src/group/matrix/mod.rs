@@ -10,12 +10,13 @@
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
 //! * Most groups keep a [form](Form), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
-//!   away.
+//!   away, and one of `det g = 1` where that does not follow from it.
 
 mod algebra;
 mod basis;
 mod cayley;
 mod constraints;
+mod determinants;
 mod ideals;
 mod powers;
 mod spaces;
@@ -35,6 +36,7 @@ use crate::expr::{Expr, Matrix, Number, Vector};
 use algebra::{Algebra, symbolic};
 use cayley::Cayley;
 use constraints::{Form, Hull};
+use determinants::Determinant;
 use ideals::Ideal;
 use powers::{FEW_TERMS, LinearMatrix};
 
@@ -59,8 +61,8 @@ pub struct MatrixGroup {
     ideals: Vec<Ideal>,
     hull: Hull,
     form: Option<Form>,
-    /// Whether all elements have determinant 1, and no form says so.
-    is_special: bool,
+    /// Those that are 1.
+    determinants: Vec<Determinant>,
     has_cayley: bool,
     cayley: Arc<Cayley>,
     /// Set when it is [leaked](Self::leaked).
@@ -102,7 +104,6 @@ impl MatrixGroup {
         if !is_known {
             return Err(BasisError::TooLarge);
         }
-        let is_traceless = algebra.basis.iter().all(|matrix| matrix.trace().is_zero());
         let group = Self {
             // names live as long as the groups that they are of, which is as long as the process
             name: name.to_owned().leak(),
@@ -110,7 +111,7 @@ impl MatrixGroup {
             axes: leaked(basis.axes.iter().cloned()),
             blocks: basis.blocks.clone(),
             parts: leaked(basis.parts.iter().cloned()),
-            is_special: form.is_none() && is_traceless && hull.rows.len() == size * size,
+            determinants: Determinant::all(&algebra.basis, &hull, form.as_ref()),
             has_cayley: algebra.has_cayley(),
             cayley: Arc::new(Cayley::new(&algebra, form.as_ref())),
             algebra,
@@ -173,20 +174,23 @@ impl MatrixGroup {
         }
     }
 
-    /// `g` with this share of one Newton step of `g J gᵀ = J` on what `J` acts on, or of `det g = 1`.
+    /// `g` with this share of one Newton step of `g J gᵀ = J` on what `J` acts on, and of `det g = 1` where no form says so.
     fn normalized<'a>(&self, g: &Vector<'a>, share: Expr<'a>) -> Vector<'a> {
         let (arena, matrix) = (share.arena(), self.hull.matrix(g));
-        if self.is_special {
-            let correction = (matrix.determinant() - 1).scale(Number::ratio(-1, self.size() as i128));
-            return g + &g.scale(share * correction);
+        let mut next = matrix.clone();
+        if let Some(form) = &self.form {
+            let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
+            let defect = matrix.times_matrix(&j).times_matrix(&matrix.transpose()).zip(&j, |a, b| a - b);
+            let acted_on = matrix.times_matrix(&j).times_matrix(&back);
+            let correction = defect.times_matrix(&back).times_matrix(&acted_on);
+            let half = share / 2;
+            next = next.zip(&correction, |g, correction| g - half * correction);
         }
-        let Some(form) = &self.form else { return Vector(matrix.entries) };
-        let (j, back) = (symbolic(arena, &form.matrix), symbolic(arena, &form.inverse));
-        let defect = matrix.times_matrix(&j).times_matrix(&matrix.transpose()).zip(&j, |a, b| a - b);
-        let acted_on = matrix.times_matrix(&j).times_matrix(&back);
-        let correction = defect.times_matrix(&back).times_matrix(&acted_on);
-        let half = share / 2;
-        let next = matrix.zip(&correction, |g, correction| g - half * correction);
+        for determinant in self.determinants.iter().filter(|determinant| determinant.is_free()) {
+            let correction = determinant.correction(&matrix, share);
+            next.entries =
+                next.entries.iter().zip(correction).map(|(&g, correction)| g + correction).collect();
+        }
         Vector(self.hull.matrix(&Vector(next.entries)).entries)
     }
 }
@@ -331,7 +335,7 @@ impl Group for MatrixGroup {
         Vector(self.hull.matrix(&Vector(inverse.entries)).entries)
     }
 
-    /// One Newton step of `g J gᵀ = J` on what `J` acts on, or of `det g = 1`.
+    /// One Newton step of `g J gᵀ = J` on what `J` acts on, and of `det g = 1` where no form says so.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
         self.normalized(g, g.0[0].arena().one())
     }
@@ -347,8 +351,9 @@ impl Group for MatrixGroup {
     }
 
     fn deviation<'a>(&self, g: &Vector<'a>) -> Option<Vector<'a>> {
-        let deviation = &self.normalize(g) - g;
-        let parts: Vec<Expr<'a>> = deviation.iter().filter(|part| !part.is_zero()).collect();
+        let (next, matrix) = (&self.normalize(g) - g, self.hull.matrix(g));
+        let determinants = self.determinants.iter().flat_map(|determinant| determinant.deviation(&matrix));
+        let parts: Vec<Expr<'a>> = next.iter().chain(determinants).filter(|part| !part.is_zero()).collect();
         (!parts.is_empty()).then_some(Vector(parts))
     }
 

@@ -1,0 +1,195 @@
+//! Determinants that are 1 for all elements of a group, of blocks of their rows, real or complex.
+
+use super::algebra::symbolic;
+use super::constraints::{Form, Hull};
+use crate::expr::{Expr, Matrix, Number};
+use crate::group::exact::{Exact, Fraction};
+
+/// The most rows: the operations double with each.
+const LARGEST: usize = 8;
+
+/// The determinant of a block of rows and columns.
+#[derive(Clone, Debug)]
+pub(super) struct Determinant {
+    rows: Vec<usize>,
+    /// If the elements commute with it on these rows, the determinant is that of half as many complex ones.
+    imaginary_unit: Option<ImaginaryUnit>,
+    /// Whether no form says what its modulus is, and its phase.
+    has_free_modulus: bool,
+    has_free_phase: bool,
+}
+
+/// A matrix `J` with `J² = −1`.
+#[derive(Clone, Debug)]
+struct ImaginaryUnit {
+    matrix: Exact,
+    /// Columns `v`, `J v` that span all, and the inverse.
+    basis: Exact,
+    inverse: Exact,
+}
+
+impl Determinant {
+    /// Of each set of rows that the others do not act on, or that do not act on the others.
+    pub(super) fn all(basis: &[Exact], hull: &Hull, form: Option<&Form>) -> Vec<Self> {
+        let has_form =
+            |&i: &usize| form.is_some_and(|form| !form.matrix.row(i).iter().all(Fraction::is_zero));
+        let moves = |&i: &usize| basis.iter().any(|e| !e.row(i).iter().all(Fraction::is_zero));
+        let parts = coupled(basis).into_iter().flat_map(|rows| {
+            let (kept, free): (Vec<usize>, Vec<usize>) = rows.into_iter().filter(moves).partition(has_form);
+            [kept, free]
+        });
+        parts.filter_map(|rows| Self::of(rows, basis, hull, form)).collect()
+    }
+
+    fn of(rows: Vec<usize>, basis: &[Exact], hull: &Hull, form: Option<&Form>) -> Option<Self> {
+        let n = basis[0].rows;
+        let unit = Exact::from_fn(n, n, |i, j| i128::from(i == j && rows.contains(&i)).into());
+        let others: Vec<usize> = (0..n).filter(|i| !rows.contains(i)).collect();
+        let is_zero = |from: &[usize], to: &[usize]| {
+            basis.iter().all(|e| from.iter().all(|&j| to.iter().all(|&i| e.at(i, j).is_zero())))
+        };
+        let is_invariant = is_zero(&rows, &others) || is_zero(&others, &rows);
+        let is_traceless = |unit: &Exact| basis.iter().all(|e| unit.times(e).trace().is_zero());
+        let fits = (1..=LARGEST).contains(&rows.len()) && is_invariant && hull.contains(&unit);
+        if !fits || !is_traceless(&unit) {
+            return None;
+        }
+        // what changes a form cannot be done by what keeps it
+        let is_free = |unit: &Exact| {
+            form.is_none_or(|Form { matrix, .. }| {
+                unit.times(matrix).plus(&matrix.times(&unit.transpose()), Fraction::one()).is_zero()
+            })
+        };
+        let imaginary_unit = ImaginaryUnit::of(&rows, &unit, basis, hull);
+        let imaginary_unit = imaginary_unit.filter(|ImaginaryUnit { matrix, .. }| is_traceless(matrix));
+        let has_free_phase = imaginary_unit.as_ref().is_some_and(|imaginary| is_free(&imaginary.matrix));
+        Some(Self { has_free_modulus: is_free(&unit), has_free_phase, imaginary_unit, rows })
+    }
+
+    /// The determinant less 1, as one number or as real and imaginary part.
+    pub(super) fn deviation<'a>(&self, g: &Matrix<'a>) -> Vec<Expr<'a>> {
+        let n = self.rows.len();
+        let block = Matrix::new(
+            n,
+            n,
+            self.rows.iter().flat_map(|&i| self.rows.iter().map(move |&j| g.at(i, j))).collect(),
+        );
+        let Some(ImaginaryUnit { basis, inverse, .. }) = &self.imaginary_unit else {
+            return vec![block.determinant() - 1];
+        };
+        let arena = g.entries[0].arena();
+        let block = symbolic(arena, inverse).times_matrix(&block).times_matrix(&symbolic(arena, basis));
+        let all: Vec<usize> = (0..n / 2).collect();
+        let (re, im) = complex_determinant(&block, &all, &all);
+        vec![re - 1, im]
+    }
+
+    /// What a Newton step adds to an element, by which its determinant becomes 1.
+    pub(super) fn correction<'a>(&self, g: &Matrix<'a>, share: Expr<'a>) -> Vec<Expr<'a>> {
+        let (n, arena) = (g.rows, share.arena());
+        let mut correction = vec![arena.zero(); n * n];
+        let deviation = self.deviation(g);
+        let rows = self.rows.len() / deviation.len();
+        let factor = |part: Expr<'a>| share * part.scale(Number::ratio(-1, rows as i128));
+        if self.has_free_modulus {
+            let factor = factor(deviation[0]);
+            for k in self.rows.iter().flat_map(|&i| i * n..(i + 1) * n) {
+                correction[k] = correction[k] + g.entries[k] * factor;
+            }
+        }
+        if let (true, Some(unit)) = (self.has_free_phase, &self.imaginary_unit) {
+            let (turned, factor) = (symbolic(arena, &unit.matrix).times_matrix(g), factor(deviation[1]));
+            for (sum, entry) in correction.iter_mut().zip(turned.entries) {
+                *sum = *sum + entry * factor;
+            }
+        }
+        correction
+    }
+
+    /// Whether there is something that a form does not do.
+    pub(super) fn is_free(&self) -> bool {
+        self.has_free_modulus || self.has_free_phase
+    }
+}
+
+impl ImaginaryUnit {
+    /// The one that commutes with all matrices of a basis on some rows and is zero elsewhere, if elements of the group may be multiplied by it;
+    /// none if there is none, or more.
+    fn of(rows: &[usize], unit: &Exact, basis: &[Exact], hull: &Hull) -> Option<Self> {
+        let (n, size) = (unit.rows, rows.len());
+        if size % 2 != 0 || hull.rows.len() > n * n - size * size / 2 {
+            return None;
+        }
+        let elements: Vec<Exact> =
+            hull.rows.iter().map(|(_, row)| Exact { rows: n, columns: n, entries: row.clone() }).collect();
+        let outside = |&(i, j): &(usize, usize)| unit.at(i, i).is_zero() || unit.at(j, j).is_zero();
+        let (outside, inside): (Vec<_>, Vec<_>) = (0..n * n).map(|k| (k / n, k % n)).partition(outside);
+        let equations = elements.iter().map(|element| {
+            let mut column: Vec<Fraction> = outside.iter().map(|&(i, j)| element.at(i, j)).collect();
+            for e in basis {
+                let commutator = element.commutator(e);
+                column.extend(inside.iter().map(|&(i, j)| commutator.at(i, j)));
+            }
+            column
+        });
+        let solutions = Exact::from_columns(&equations.collect::<Vec<_>>()).kernel();
+        let centre = solutions.iter().map(|solution| {
+            let terms = elements.iter().zip(solution);
+            terms.fold(Exact::zero(n, n), |sum, (element, &factor)| sum.plus(element, factor))
+        });
+        let without_trace = centre.map(|element| {
+            let share = element.trace() / (size as i128).into();
+            element.plus(unit, -share)
+        });
+        let mut others: Vec<Exact> = without_trace.filter(|element| !element.is_zero()).collect();
+        let [_, _] = solutions.as_slice() else { return None };
+        let other = others.pop()?;
+        let square = other.times(&other).at(rows[0], rows[0]);
+        let root = (-square).square_root()?;
+        let matrix = Exact::zero(n, n).plus(&other, Fraction::one() / root);
+        let is_root = matrix.times(&matrix).plus(unit, Fraction::one()).is_zero();
+        let block = Exact::from_fn(size, size, |i, j| matrix.at(rows[i], rows[j]));
+        let mut columns: Vec<Vec<Fraction>> = Vec::new();
+        for k in 0..size {
+            let mut more = columns.clone();
+            more.extend([Exact::identity(size).column(k), block.column(k)]);
+            if Exact::from_columns(&more).independent_columns().len() == more.len() {
+                columns = more;
+            }
+        }
+        let basis = Exact::from_columns(&columns);
+        let inverse = basis.inverse().filter(|inverse| is_root && inverse.is_known())?;
+        Some(Self { matrix, basis, inverse })
+    }
+}
+
+/// The determinant of rows and columns of complex numbers, `a + ib` as the first column of `[[a, −b], [b, a]]`: real and imaginary part.
+fn complex_determinant<'a>(matrix: &Matrix<'a>, rows: &[usize], columns: &[usize]) -> (Expr<'a>, Expr<'a>) {
+    let arena = matrix.entries[0].arena();
+    let Some((&row, others)) = rows.split_first() else { return (arena.one(), arena.zero()) };
+    columns.iter().enumerate().fold((arena.zero(), arena.zero()), |(re, im), (k, &column)| {
+        let rest: Vec<usize> = columns.iter().copied().filter(|&other| other != column).collect();
+        let (a, b) = (matrix.at(2 * row, 2 * column), matrix.at(2 * row + 1, 2 * column));
+        let (c, d) = complex_determinant(matrix, others, &rest);
+        let (x, y) = (a * c - b * d, a * d + b * c);
+        if k % 2 == 0 { (re + x, im + y) } else { (re - x, im - y) }
+    })
+}
+
+/// Sets of rows that no matrix couples.
+fn coupled(basis: &[Exact]) -> Vec<Vec<usize>> {
+    let are_coupled =
+        |i: usize, j: usize| basis.iter().any(|e| !e.at(i, j).is_zero() || !e.at(j, i).is_zero());
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for i in 0..basis[0].rows {
+        let (touched, apart): (Vec<_>, Vec<_>) =
+            sets.into_iter().partition(|set: &Vec<usize>| set.iter().any(|&j| are_coupled(i, j)));
+        let mut set = touched.concat();
+        set.push(i);
+        sets = apart;
+        sets.push(set);
+    }
+    sets.iter_mut().for_each(|set| set.sort_unstable());
+    sets.sort_unstable();
+    sets
+}
