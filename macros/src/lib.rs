@@ -61,7 +61,7 @@ pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStr
 /// * `semidirect(name: group, name: space, …)`: the group with vectors that it moves, `(g, v)(h, w) = (g h, v + g w)`.
 /// * `tangent(group)`: the group of its positions and velocities, `TG`.
 ///
-/// A name stands for a macro: `Areas!` is the group, visible from there on, `pub` groups to other crates too. Elements are stored as matrices, of which
+/// A name stands for a macro: `Areas!` is the group, elsewhere `groups::Areas!` by its path, and in other crates if it is `pub`. Elements are stored as matrices, of which
 /// the rows of a product's factors are blocks. Mistakes in a basis are errors at its matrices. `coadjoint::assert_group_laws!(Areas!)` in a test holds what is
 /// generated on the group to its laws.
 #[proc_macro]

@@ -17,9 +17,14 @@ pub const FAMILIES: [&str; 11] = [
     "SE(n)",
     "SGal(n)",
     "Aff(1)",
-    "SO21",
+    "SO(2, 1)",
     "Heisenberg",
 ];
+
+/// A group's name in one word: `SO21` of `SO(2, 1)`.
+pub fn one_word(name: &str) -> String {
+    name.replace(['(', ',', ' ', ')'], "")
+}
 
 /// The family of many sizes that a name with a size means, whether or not there is a group of this size.
 pub fn family_meant(name: &str) -> Option<&'static str> {
@@ -40,7 +45,7 @@ pub fn sizes(family: &str) -> Vec<String> {
 /// The group of a family, of this size; none if there is no such family, or none of this size.
 ///
 /// `SO(n)` rotations, `SL(n)` matrices of determinant 1, `GL(n)` all that can be inverted, `SP(2n)` symplectic ones, `SU(n)` as real matrices of
-/// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGal(3)` Galilei's group, `SO21` Lorentz's group of the
+/// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGal(3)` Galilei's group, `SO21` or `SO(2, 1)` Lorentz's group of the
 /// plane, `Heisenberg` and `Aff(1)`.
 pub fn family(name: &str) -> Option<&'static MatrixGroup> {
     family_with_terms(name, TERMS)

@@ -27,7 +27,7 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use euclidean::R;
-pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, sizes};
+pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
 pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};

@@ -3,7 +3,7 @@
 use super::construct::{CONSTRUCTORS, POINTS};
 use super::methods::{self, NOT_SMOOTH};
 use super::sequence::{ARRAY_METHODS, ITERATOR_METHODS};
-use crate::group::{Group, Retraction, catalogue, family, part_name};
+use crate::group::{Group, Retraction, catalogue, family, one_word, part_name};
 use crate::limits::RANGE;
 use crate::parse::KEYS;
 
@@ -55,7 +55,7 @@ const FAMILIES: [(&str, &str); 11] = [
     ("SU(3)", "unitary matrices of determinant 1, a complex number as two rows and columns"),
     ("SE2(3)", "a rotation with two vectors that it turns: attitude, velocity and position"),
     ("SGal(3)", "Galilei's group: rotation, velocity, position and time"),
-    ("SO21", "Lorentz's group of the plane"),
+    ("SO(2, 1)", "Lorentz's group of the plane"),
     ("Heisenberg", "upper triangular matrices with ones on the diagonal"),
     ("Aff(1)", "scalings and translations of the line"),
 ];
@@ -63,7 +63,7 @@ const FAMILIES: [(&str, &str); 11] = [
 /// Groups that are derived from a basis.
 fn matrix_groups() -> String {
     let row = |(name, about): (&str, &str)| {
-        let group = family(&name.replace(['(', ')'], ""))?;
+        let group = family(&one_word(name))?;
         let retractions = Retraction::DEFAULT.into_iter().filter(|&retraction| group.has(retraction));
         Some(format!(
             "| `{name}` | {about} | {} × {1} | {2} | {3} |\n",

@@ -2,8 +2,10 @@
 
 use quote::format_ident;
 use syn::ext::IdentExt;
-use syn::parse::ParseStream;
+use syn::parse::{Parse, ParseStream};
 use syn::{Ident, LitInt, Token, braced, bracketed, parenthesized, token};
+
+use crate::group::{FAMILIES, one_word};
 
 /// A group.
 #[derive(Debug)]
@@ -219,20 +221,34 @@ fn basis_matrix(input: ParseStream<'_>) -> syn::Result<BasisMatrix> {
     Ok(BasisMatrix { name, rows })
 }
 
-/// `R(3)` is another way to write `R3`.
+/// `R(3)` is another way to write `R3`, `SO(2, 1)` to write `SO21`.
 fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
     let content;
     parenthesized!(content in input);
-    match content.parse::<LitInt>() {
-        // syn takes a sign for a part of the literal
-        Ok(size) if content.is_empty() && size.suffix().is_empty() && size.base10_parse::<u32>().is_ok() => {
-            Ok(format_ident!("{}{}", name, size.base10_digits(), span = name.span()))
+    let sizes = content.parse_terminated(<LitInt as Parse>::parse, Token![,]);
+    // syn takes a sign for a part of the literal
+    let is_size = |size: &LitInt| size.suffix().is_empty() && size.base10_parse::<u32>().is_ok();
+    match sizes {
+        Ok(sizes) if !sizes.is_empty() && !sizes.trailing_punct() && sizes.iter().all(is_size) => {
+            let digits: Vec<&str> = sizes.iter().map(LitInt::base10_digits).collect();
+            let whole = format_ident!("{}{}", name, digits.concat(), span = name.span());
+            // of two numbers, not of one of two digits
+            if digits.len() == 1 && is_of_two_numbers(&whole) {
+                let message = format!("there is no group `{name}({})`", digits[0]);
+                return Err(syn::Error::new_spanned(&name, message));
+            }
+            Ok(whole)
         }
         _ => Err(syn::Error::new_spanned(
             &name,
             format!("write the name of the group in one word, such as `{name}3`"),
         )),
     }
+}
+
+/// Whether this is the name of a group that two numbers tell, as `SO(2, 1)`.
+fn is_of_two_numbers(name: &Ident) -> bool {
+    FAMILIES.iter().any(|family| family.contains(',') && *name == one_word(family))
 }
 
 /// The name in front of a colon.

@@ -41,7 +41,7 @@ body!(
     [1.0, 2.5, 1.9, 1.3, 2.8, 2.2],
     [-0.07, 0.23, 0.03, -0.17, 0.13, -0.07]
 );
-body!(Lorentz, LorentzState, (SO21), Exponential, 3, 3, [1.0, 2.5, 1.9], [0.4, 0.05, -0.07]);
+body!(Lorentz, LorentzState, (SO(2, 1)), Exponential, 3, 3, [1.0, 2.5, 1.9], [0.4, 0.05, -0.07]);
 // near rotations: free motions of maps that stretch leave the numbers of a double
 body!(
     Volume3,

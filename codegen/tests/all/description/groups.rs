@@ -1,6 +1,6 @@
 //! Groups: several factors, bases and families.
 
-use super::{attribute, breaks};
+use super::{attribute, breaks, expands};
 
 #[test]
 fn bases_of_groups() {
@@ -109,6 +109,9 @@ fn groups_of_absurd_sizes() {
         let message = format!("there is no group `{name}{size}`");
         breaks(&format!("group = {name}({size})"), body, &[(name, &message)]);
     }
+    breaks("group = SO(2, 1)", "struct Body { #[inertia] j: Vector3<f64> }", &[]);
+    expands("group = SO(21)", body, &[("SO", "there is no group `SO(21)`")]);
+    breaks("group = SO(3, 1)", body, &[("SO", "there is no group `SO31`")]);
     for name in ["SO", "GL", "Aff"] {
         breaks(&format!("group = {name}"), body, &[(name, &format!("there is no group `{name}`"))]);
     }
