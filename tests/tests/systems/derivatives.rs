@@ -448,8 +448,9 @@ fn agrees_with_differences<S, M>(
         };
         (difference(1.0) * 15.0 - difference(2.0) * 6.0 + difference(3.0)) / 10.0
     };
-    let cases: [(&str, &dyn Fn(f64) -> S::State, DVector<f64>); 3] = [
-        ("state", &changed, matrix(&wrt_state, n) * &of_state),
+    let changed: &dyn Fn(f64) -> S::State = &changed;
+    let cases = [
+        ("state", changed, matrix(&wrt_state, n) * &of_state),
         ("control", &with_control, matrix(&wrt_control, n) * &of_control),
         ("parameters", &with_parameters, matrix(&wrt_parameters, n) * &of_parameters),
     ];
