@@ -347,12 +347,9 @@ impl<T: Batch, K: Kernel<T>> Trial<T, K> {
         (time, control): (T, &K::Control),
         solution: &SolutionOf<T, K>,
     ) -> Self {
-        let Solution { unknown, evaluation, convergence, unsolved } = solution;
-        let next = kernel.finish(state, step, unknown, evaluation);
-        let inside = is_inside(kernel, state, step, unknown, evaluation);
-        // a component that is not finite before the step is not finite after it
-        let good = !*unsolved & inside & finite(&next) & finite(control) & time.is_finite();
-        Self { next, unknown: *unknown, convergence: *convergence, good, unsolved: *unsolved, inside }
+        let conclusion = Conclusion { kernel, state, step, time, control, solution };
+        // in lanes it is long, and comes rarely: once for all that needs it
+        if const { T::LANES > 1 } { T::dispatch(conclusion) } else { conclusion.done() }
     }
 
     /// This where it went well, else the same step taken in another way.
@@ -369,6 +366,32 @@ impl<T: Batch, K: Kernel<T>> Trial<T, K> {
         let Convergence { iterations, residual, .. } = self.convergence;
         solver.learn(&self.unknown, K::BLOCKS, &self.convergence);
         Advanced { state: self.next, iterations, residual }
+    }
+}
+
+/// The end of a step, from the solution of its equation.
+struct Conclusion<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    time: T,
+    control: &'a K::Control,
+    solution: &'a SolutionOf<T, K>,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Conclusion<'_, T, K> {
+    type Home = K;
+    type Result = Trial<T, K>;
+
+    #[inline(always)]
+    fn done(self) -> Trial<T, K> {
+        let Self { kernel, state, step, time, control, solution } = self;
+        let Solution { unknown, evaluation, convergence, unsolved } = solution;
+        let next = kernel.finish(state, step, unknown, evaluation);
+        let inside = is_inside(kernel, state, step, unknown, evaluation);
+        // a component that is not finite before the step is not finite after it
+        let good = !*unsolved & inside & finite(&next) & finite(control) & time.is_finite();
+        Trial { next, unknown: *unknown, convergence: *convergence, good, unsolved: *unsolved, inside }
     }
 }
 
