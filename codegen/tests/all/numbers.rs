@@ -130,3 +130,23 @@ fn numbers_read_as_they_are_written() {
         assert_eq!(number.to_string(), text);
     }
 }
+
+/// What multiplies without rounding: 2, 4, 8, …, and 1/2, 1/4, 1/8, …
+#[test]
+fn powers_of_two_scale_exactly() {
+    for (numerator, denominator, is_power) in [
+        (2, 1, true),
+        (8, 1, true),
+        (1, 4, true),
+        (1, 1, false),
+        (0, 1, false),
+        (-2, 1, false),
+        (3, 1, false),
+        (6, 1, false),
+        (3, 4, false),
+        (2, 3, false),
+    ] {
+        assert_eq!(ratio(numerator, denominator).scales_exactly(), is_power, "{numerator}/{denominator}");
+    }
+    assert!(!parsed("1e-17").scales_exactly());
+}

@@ -60,7 +60,7 @@ impl Determinant {
                 unit.times(matrix).plus(&matrix.times(&unit.transpose()), Fraction::one()).is_zero()
             })
         };
-        let imaginary_unit = ImaginaryUnit::of(&rows, &unit, basis, hull);
+        let imaginary_unit = ImaginaryUnit::of(&rows, basis, hull);
         let imaginary_unit = imaginary_unit.filter(|ImaginaryUnit { matrix, .. }| is_traceless(matrix));
         let has_free_phase = imaginary_unit.as_ref().is_some_and(|imaginary| is_free(&imaginary.matrix));
         Some(Self { has_free_modulus: is_free(&unit), has_free_phase, imaginary_unit, rows })
@@ -113,52 +113,55 @@ impl Determinant {
 }
 
 impl ImaginaryUnit {
-    /// The one that commutes with all matrices of a basis on some rows and is zero elsewhere, if elements of the group may be multiplied by it;
-    /// none if there is none, or more.
-    fn of(rows: &[usize], unit: &Exact, basis: &[Exact], hull: &Hull) -> Option<Self> {
-        let (n, size) = (unit.rows, rows.len());
-        if size % 2 != 0 || hull.rows.len() > n * n - size * size / 2 {
+    /// The one that commutes with these rows of all matrices of a basis and is zero elsewhere, if elements of the group may be multiplied by it;
+    /// none if there is none, or more. Multiples of 1 on these rows are in the hull.
+    fn of(rows: &[usize], basis: &[Exact], hull: &Hull) -> Option<Self> {
+        let (n, size) = (basis[0].rows, rows.len());
+        let mut blocks = Exact::from_fn(hull.rows.len(), size * size, |r, k| {
+            hull.rows[r].1[rows[k / size] * n + rows[k % size]]
+        });
+        let count = blocks.reduce().len();
+        // complex matrices are half of all
+        if size % 2 != 0 || 2 * count > size * size {
             return None;
         }
-        let elements: Vec<Exact> =
-            hull.rows.iter().map(|(_, row)| Exact { rows: n, columns: n, entries: row.clone() }).collect();
-        let outside = |&(i, j): &(usize, usize)| unit.at(i, i).is_zero() || unit.at(j, j).is_zero();
-        let (outside, inside): (Vec<_>, Vec<_>) = (0..n * n).map(|k| (k / n, k % n)).partition(outside);
-        let equations = elements.iter().map(|element| {
-            let mut column: Vec<Fraction> = outside.iter().map(|&(i, j)| element.at(i, j)).collect();
-            for e in basis {
-                let commutator = element.commutator(e);
-                column.extend(inside.iter().map(|&(i, j)| commutator.at(i, j)));
-            }
-            column
-        });
-        let solutions = Exact::from_columns(&equations.collect::<Vec<_>>()).kernel();
-        let centre = solutions.iter().map(|solution| {
+        let element = |r: usize| Exact { rows: size, columns: size, entries: blocks.row(r).to_vec() };
+        let elements: Vec<Exact> = (0..count).map(element).collect();
+        let block = |e: &Exact| Exact::from_fn(size, size, |i, j| e.at(rows[i], rows[j]));
+        let of_basis: Vec<Exact> = basis.iter().map(block).collect();
+        let commutators =
+            |element: &Exact| of_basis.iter().flat_map(|e| element.commutator(e).entries).collect();
+        let centre = Exact::from_columns(&elements.iter().map(commutators).collect::<Vec<_>>()).kernel();
+        // 1 and the unit, or a sum of both
+        let [first, second] = centre.as_slice() else { return None };
+        let without_trace = |solution: &Vec<Fraction>| {
             let terms = elements.iter().zip(solution);
-            terms.fold(Exact::zero(n, n), |sum, (element, &factor)| sum.plus(element, factor))
-        });
-        let without_trace = centre.map(|element| {
+            let element =
+                terms.fold(Exact::zero(size, size), |sum, (element, &factor)| sum.plus(element, factor));
             let share = element.trace() / (size as i128).into();
-            element.plus(unit, -share)
-        });
-        let mut others: Vec<Exact> = without_trace.filter(|element| !element.is_zero()).collect();
-        let [_, _] = solutions.as_slice() else { return None };
-        let other = others.pop()?;
-        let square = other.times(&other).at(rows[0], rows[0]);
-        let root = (-square).square_root()?;
-        let matrix = Exact::zero(n, n).plus(&other, Fraction::one() / root);
-        let is_root = matrix.times(&matrix).plus(unit, Fraction::one()).is_zero();
-        let block = Exact::from_fn(size, size, |i, j| matrix.at(rows[i], rows[j]));
+            element.plus(&Exact::identity(size), -share)
+        };
+        let multiple = [first, second].map(without_trace).into_iter().find(|element| !element.is_zero())?;
+        let root = (-multiple.times(&multiple).at(0, 0)).square_root()?;
+        let unit = Exact::zero(size, size).plus(&multiple, Fraction::one() / root);
+        if !unit.times(&unit).plus(&Exact::identity(size), Fraction::one()).is_zero() {
+            return None;
+        }
         let mut columns: Vec<Vec<Fraction>> = Vec::new();
         for k in 0..size {
             let mut more = columns.clone();
-            more.extend([Exact::identity(size).column(k), block.column(k)]);
+            more.extend([Exact::identity(size).column(k), unit.column(k)]);
             if Exact::from_columns(&more).independent_columns().len() == more.len() {
                 columns = more;
             }
         }
+        let place = |i: usize| rows.iter().position(|&row| row == i);
+        let matrix = Exact::from_fn(n, n, |i, j| match (place(i), place(j)) {
+            (Some(i), Some(j)) => unit.at(i, j),
+            _ => Fraction::zero(),
+        });
         let basis = Exact::from_columns(&columns);
-        let inverse = basis.inverse().filter(|inverse| is_root && inverse.is_known())?;
+        let inverse = basis.inverse().filter(Exact::is_known)?;
         Some(Self { matrix, basis, inverse })
     }
 }
