@@ -67,9 +67,11 @@ pub enum StepError {
         /// How many numbers a state has.
         expected: usize,
     },
-    /// The configuration handed in is not on its group: a rotation whose quaternion or complex number is not of unit length.
-    /// (nalgebra's `new_unchecked` and its deserializer do not look.)
-    #[error("a rotation of the state is not of unit length: its length differs from 1 by {deviation:e}")]
+    /// The configuration handed in is not on its group: a rotation whose quaternion or complex number is not of unit length
+    /// (nalgebra's `new_unchecked` and its deserializer do not look), or a matrix that is no element.
+    #[error(
+        "the configuration is off its group by {deviation:.1e}: quaternions have unit length, matrices keep what their group keeps"
+    )]
     NotOnGroup {
         /// How far off it is.
         deviation: f64,

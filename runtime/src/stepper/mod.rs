@@ -493,7 +493,7 @@ mod tests {
         assert_eq!(stepper.time(), 0.0);
         assert_eq!(
             std::format!("{error}"),
-            "a rotation of the state is not of unit length: its length differs from 1 by 5e-1"
+            "the configuration is off its group by 5.0e-1: quaternions have unit length, matrices keep what their group keeps"
         );
     }
 
