@@ -46,7 +46,7 @@ const FUNCTIONS: [Elementary; 12] = [
 ];
 
 /// The functions that lead from one state to the next, each in bytes.
-pub(super) fn functions(module: &Module) -> impl Iterator<Item = Vec<u8>> {
+pub fn functions(module: &Module) -> impl Iterator<Item = Vec<u8>> {
     ROLES.iter().map(|role| module.function(*role).map(function).unwrap_or_default())
 }
 

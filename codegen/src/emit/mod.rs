@@ -1,6 +1,6 @@
 //! Emission of programs as Rust: words for what was derived, which is not looked at again.
 
-mod bytecode;
+pub mod bytecode;
 mod code;
 mod derivative;
 mod docs;

@@ -1,6 +1,7 @@
 //! The tests of the generator from outside, in one binary: it is linked once.
 
 mod bounds;
+mod bytes;
 mod calculus;
 mod casimirs;
 mod common;

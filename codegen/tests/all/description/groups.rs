@@ -123,7 +123,8 @@ fn groups_of_absurd_sizes() {
     let too_large = "this group is too large: a basis has up to 16 matrices";
     breaks(&format!("group = product({})", many("SU(3)")), body, &[("product", too_large)]);
     breaks(&format!("group = semidirect(a: SO3, {})", many("R3")), body, &[("semidirect", too_large)]);
-    let vectors = "group = semidirect(a: SO3, p: R3, q: R3, r: R3, s: R3), hamiltonian = momentum.norm_squared()";
+    let vectors =
+        "group = semidirect(a: SO3, p: R3, q: R3, r: R3, s: R3), hamiltonian = momentum.norm_squared()";
     breaks(vectors, "struct Body {}", &[]);
     breaks("group = tangent(tangent(SE3))", body, &[("tangent", too_large)]);
     let bound = "a system may have dimension 64 at most";
