@@ -70,7 +70,7 @@ pub enum StepError {
     /// The configuration handed in is not on its group: a rotation whose quaternion or complex number is not of unit length
     /// (nalgebra's `new_unchecked` and its deserializer do not look), or a matrix that is no element.
     #[error(
-        "the configuration is off its group by {deviation:.1e}: quaternions have unit length, matrices keep what their group keeps"
+        "the configuration is off its group by {deviation:.1e}: rotations have unit length, matrices satisfy the equations of their group"
     )]
     NotOnGroup {
         /// How far off it is.

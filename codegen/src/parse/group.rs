@@ -5,7 +5,7 @@ use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream};
 use syn::{Ident, LitInt, Token, braced, bracketed, parenthesized, token};
 
-use crate::group::{FAMILIES, one_word};
+use crate::group::{FAMILIES, family_meant, one_word};
 
 /// A group.
 #[derive(Debug)]
@@ -232,10 +232,9 @@ fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
         Ok(sizes) if !sizes.is_empty() && !sizes.trailing_punct() && sizes.iter().all(is_size) => {
             let digits: Vec<&str> = sizes.iter().map(LitInt::base10_digits).collect();
             let whole = format_ident!("{}{}", name, digits.concat(), span = name.span());
-            // of two numbers, not of one of two digits
-            if digits.len() == 1 && is_of_two_numbers(&whole) {
-                let message = format!("there is no group `{name}({})`", digits[0]);
-                return Err(syn::Error::new_spanned(&name, message));
+            let written = format!("{name}({})", digits.join(", "));
+            if !is_meant(&name, &digits, &written) {
+                return Err(syn::Error::new_spanned(&name, format!("there is no group `{written}`")));
             }
             Ok(whole)
         }
@@ -246,9 +245,15 @@ fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
     }
 }
 
-/// Whether this is the name of a group that two numbers tell, as `SO(2, 1)`.
-fn is_of_two_numbers(name: &Ident) -> bool {
-    FAMILIES.iter().any(|family| family.contains(',') && *name == one_word(family))
+/// Whether these numbers, one behind the other, are not those of another family: `SO(21)` is not `SO(2, 1)`, nor `SE(23)` or `SE(2, 3)` `SE2(3)`.
+fn is_meant(name: &Ident, digits: &[&str], written: &str) -> bool {
+    if digits.len() > 1 {
+        return FAMILIES.contains(&written);
+    }
+    let whole = format!("{name}{}", digits.concat());
+    let is_other = |family: &str| family.contains(',') && whole == one_word(family);
+    let stem = family_meant(&whole).and_then(|family| family.split_once('('));
+    !FAMILIES.into_iter().any(is_other) && stem.is_none_or(|(stem, _)| name == stem)
 }
 
 /// The name in front of a colon.

@@ -493,7 +493,7 @@ mod tests {
         assert_eq!(stepper.time(), 0.0);
         assert_eq!(
             std::format!("{error}"),
-            "the configuration is off its group by 5.0e-1: quaternions have unit length, matrices keep what their group keeps"
+            "the configuration is off its group by 5.0e-1: rotations have unit length, matrices satisfy the equations of their group"
         );
     }
 

@@ -1,20 +1,20 @@
-//! Determinants that are 1 for all elements of a group, of blocks of their rows, real or complex.
+//! Determinants of blocks of rows, real or complex, that are 1 for all elements of a group: of blocks that are found easily, not of all.
 
 use super::algebra::symbolic;
 use super::constraints::{Form, Hull};
 use crate::expr::{Expr, Matrix, Number};
 use crate::group::exact::{Exact, Fraction};
 
-/// The most rows: the operations double with each.
-const LARGEST: usize = 8;
+/// The most rows: a determinant is expanded row by row.
+const LARGEST: usize = 6;
 
 /// The determinant of a block of rows and columns.
 #[derive(Clone, Debug)]
 pub(super) struct Determinant {
     rows: Vec<usize>,
-    /// If the elements commute with it on these rows, the determinant is that of half as many complex ones.
+    /// `J` with `J² = −1` that commutes with all elements on these rows, if there is one: the determinant is that of half as many complex rows.
     imaginary_unit: Option<ImaginaryUnit>,
-    /// Whether no form says what its modulus is, and its phase.
+    /// Whether the form lets its modulus change, and its phase.
     has_free_modulus: bool,
     has_free_phase: bool,
 }
@@ -29,7 +29,7 @@ struct ImaginaryUnit {
 }
 
 impl Determinant {
-    /// Of each set of rows that the others do not act on, or that do not act on the others.
+    /// Of each set of rows that the others do not act on, or that do not act on the others; rows of a form and rows without one are apart.
     pub(super) fn all(basis: &[Exact], hull: &Hull, form: Option<&Form>) -> Vec<Self> {
         let has_form =
             |&i: &usize| form.is_some_and(|form| !form.matrix.row(i).iter().all(Fraction::is_zero));
@@ -54,7 +54,7 @@ impl Determinant {
         if !fits || !is_traceless(&unit) {
             return None;
         }
-        // what changes a form cannot be done by what keeps it
+        // a multiple of the block is free if it keeps the form
         let is_free = |unit: &Exact| {
             form.is_none_or(|Form { matrix, .. }| {
                 unit.times(matrix).plus(&matrix.times(&unit.transpose()), Fraction::one()).is_zero()
@@ -62,8 +62,14 @@ impl Determinant {
         };
         let imaginary_unit = ImaginaryUnit::of(&rows, basis, hull);
         let imaginary_unit = imaginary_unit.filter(|ImaginaryUnit { matrix, .. }| is_traceless(matrix));
+        // of what no multiple changes, only a symmetric form of this block leaves open the sign
+        let is_reflected = form.is_some_and(|Form { matrix, .. }| {
+            let of_block = unit.times(matrix);
+            of_block == matrix.times(&unit) && of_block == of_block.transpose()
+        });
         let has_free_phase = imaginary_unit.as_ref().is_some_and(|imaginary| is_free(&imaginary.matrix));
-        Some(Self { has_free_modulus: is_free(&unit), has_free_phase, imaginary_unit, rows })
+        let determinant = Self { has_free_modulus: is_free(&unit), has_free_phase, imaginary_unit, rows };
+        (determinant.is_free() || is_reflected).then_some(determinant)
     }
 
     /// The determinant less 1, as one number or as real and imaginary part.

@@ -10,7 +10,8 @@
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
 //! * Most groups keep a [form](Form), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
-//!   away, and one of `det g = 1` where that does not follow from it.
+//!   away, and one of `det g = 1`, of blocks of rows, where that does not
+//!   follow from it.
 
 mod algebra;
 mod basis;
@@ -61,7 +62,7 @@ pub struct MatrixGroup {
     ideals: Vec<Ideal>,
     hull: Hull,
     form: Option<Form>,
-    /// Those that are 1.
+    /// Those of blocks that are 1 for all elements.
     determinants: Vec<Determinant>,
     has_cayley: bool,
     cayley: Arc<Cayley>,

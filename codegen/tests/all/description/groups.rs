@@ -105,13 +105,16 @@ fn groups_of_absurd_sizes() {
         let name = format!("{family}18446744073709551615");
         breaks(&format!("group = {name}"), body, &[(&name, &format!("there is no group `{name}`"))]);
     }
-    for (name, size) in [("Aff", 2), ("Heisenberg", 3), ("SO21", 1)] {
+    for (name, size) in [("Aff", 2), ("Heisenberg", 3)] {
         let message = format!("there is no group `{name}{size}`");
         breaks(&format!("group = {name}({size})"), body, &[(name, &message)]);
     }
+    expands("group = SO21(1)", body, &[("SO21", "there is no group `SO21(1)`")]);
     breaks("group = SO(2, 1)", "struct Body { #[inertia] j: Vector3<f64> }", &[]);
-    expands("group = SO(21)", body, &[("SO", "there is no group `SO(21)`")]);
-    breaks("group = SO(3, 1)", body, &[("SO", "there is no group `SO31`")]);
+    for written in ["SO(21)", "SO(3, 1)", "SO(0, 3)", "SE(23)", "SE(2, 3)", "GL(1, 2)"] {
+        let message = format!("there is no group `{written}`");
+        expands(&format!("group = {written}"), body, &[(&written[..2], &message)]);
+    }
     for name in ["SO", "GL", "Aff"] {
         breaks(&format!("group = {name}"), body, &[(name, &format!("there is no group `{name}`"))]);
     }
