@@ -282,7 +282,8 @@ impl<'a> Matrix<'a> {
     /// The same, or none if the matrix is singular whatever the values of its symbols are.
     pub fn try_solve(&self, right: &Vector<'a>) -> Option<Vector<'a>> {
         let mut x = right.clone();
-        for unknowns in self.uncoupled() {
+        let coupled = |i: usize, j: usize| !self.at(i, j).is_zero() || !self.at(j, i).is_zero();
+        for unknowns in uncoupled(self.rows, coupled) {
             let block = self.block(&unknowns);
             let part = Vector(unknowns.iter().map(|&i| right.0[i]).collect());
             let solution =
@@ -316,23 +317,6 @@ impl<'a> Matrix<'a> {
             let term = self.at(row, column) * self.minor(others, &rest);
             if k % 2 == 0 { sum + term } else { sum - term }
         })
-    }
-
-    /// The unknowns of a linear system in sets that no equation couples.
-    fn uncoupled(&self) -> Vec<Vec<usize>> {
-        let coupled = |i: usize, j: usize| !self.at(i, j).is_zero() || !self.at(j, i).is_zero();
-        let mut sets: Vec<Vec<usize>> = Vec::new();
-        for i in 0..self.rows {
-            let (touched, mut apart): (Vec<_>, Vec<_>) =
-                sets.into_iter().partition(|set: &Vec<usize>| set.iter().any(|&j| coupled(i, j)));
-            let mut set: Vec<usize> = touched.concat();
-            set.push(i);
-            set.sort_unstable();
-            apart.push(set);
-            sets = apart;
-        }
-        sets.sort_unstable();
-        sets
     }
 
     /// Gaussian elimination without pivots. None where a pivot is zero as an expression.
@@ -409,4 +393,20 @@ impl<'a> Matrix<'a> {
         }
         (l, Vector(d))
     }
+}
+
+/// The numbers below a bound in sets that nothing couples: unknowns that share no equation, rows that no matrix mixes.
+pub(crate) fn uncoupled(bound: usize, are_coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for i in 0..bound {
+        let (touched, mut apart): (Vec<_>, Vec<_>) =
+            sets.into_iter().partition(|set: &Vec<usize>| set.iter().any(|&j| are_coupled(i, j)));
+        let mut set: Vec<usize> = touched.concat();
+        set.push(i);
+        set.sort_unstable();
+        apart.push(set);
+        sets = apart;
+    }
+    sets.sort_unstable();
+    sets
 }

@@ -16,6 +16,7 @@ pub use differential::Differential;
 pub use display::Formulas;
 pub use eval::Value;
 pub use expression::Expr;
+pub(crate) use linear::uncoupled;
 pub use linear::{Matrix, Vector};
 pub use node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use number::Number;

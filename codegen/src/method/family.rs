@@ -37,7 +37,7 @@ use super::discretization::{Discretization, Path};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use super::{Increment, Step};
-use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient};
+use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Energy, Factor, Parts, Relation, Slot, System};
 use crate::scheme::Member;
@@ -349,17 +349,7 @@ fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
         }
         _ => system.inertias.iter().flat_map(|field| field.blocks.clone()).collect(),
     };
-    let mut sets: Vec<Vec<usize>> = (0..system.factors.len()).map(|factor| vec![factor]).collect();
-    for block in coupled {
-        let is_touched = |set: &Vec<usize>| set.iter().any(|factor| block.contains(factor));
-        let (touched, mut apart): (Vec<_>, Vec<_>) = sets.into_iter().partition(is_touched);
-        let mut joined = touched.concat();
-        joined.sort_unstable();
-        apart.push(joined);
-        sets = apart;
-    }
-    sets.sort_unstable();
-    sets
+    uncoupled(system.factors.len(), |i, j| coupled.iter().any(|set| set.contains(&i) && set.contains(&j)))
 }
 
 /// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.

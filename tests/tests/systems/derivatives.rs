@@ -482,7 +482,10 @@ fn groups_of_matrices_have_derivatives_too() {
         let control = coadjoint_app::Example::control(&known, &start, 0.0);
         let system = S::from_parameters(&array(|i| known.to_parameters().as_ref()[i]));
         let state = S::State::from_components(&array(|i| start.to_components().as_ref()[i]));
-        (system, state, S::Control::from_components(&array(|i| control.to_components().as_ref()[i])))
+        let the_same = S::Control::from_components(&array(|i| control.to_components().as_ref()[i]));
+        // it is the same system
+        assert_eq!(system.energy_at(&state, 0.9e-6, &the_same), known.energy_at(&start, 0.9e-6, &control));
+        (system, state, the_same)
     }
     fn displaced<S: Geometry<Scalar = f64>>(system: &S, state: &S::State, by: &[f64]) -> S::State {
         system.displace(state, Map::Exponential, &array(|i| by[i]))

@@ -2,7 +2,7 @@
 
 use super::algebra::symbolic;
 use super::constraints::{Form, Hull};
-use crate::expr::{Expr, Matrix, Number};
+use crate::expr::{Expr, Matrix, Number, uncoupled};
 use crate::group::exact::{Exact, Fraction};
 
 /// The most rows: a determinant is expanded row by row.
@@ -34,7 +34,9 @@ impl Determinant {
         let has_form =
             |&i: &usize| form.is_some_and(|form| !form.matrix.row(i).iter().all(Fraction::is_zero));
         let moves = |&i: &usize| basis.iter().any(|e| !e.row(i).iter().all(Fraction::is_zero));
-        let parts = coupled(basis).into_iter().flat_map(|rows| {
+        let coupled =
+            |i: usize, j: usize| basis.iter().any(|e| !e.at(i, j).is_zero() || !e.at(j, i).is_zero());
+        let parts = uncoupled(basis[0].rows, coupled).into_iter().flat_map(|rows| {
             let (kept, free): (Vec<usize>, Vec<usize>) = rows.into_iter().filter(moves).partition(has_form);
             [kept, free]
         });
@@ -183,22 +185,4 @@ fn complex_determinant<'a>(matrix: &Matrix<'a>, rows: &[usize], columns: &[usize
         let (x, y) = (a * c - b * d, a * d + b * c);
         if k % 2 == 0 { (re + x, im + y) } else { (re - x, im - y) }
     })
-}
-
-/// Sets of rows that no matrix couples.
-fn coupled(basis: &[Exact]) -> Vec<Vec<usize>> {
-    let are_coupled =
-        |i: usize, j: usize| basis.iter().any(|e| !e.at(i, j).is_zero() || !e.at(j, i).is_zero());
-    let mut sets: Vec<Vec<usize>> = Vec::new();
-    for i in 0..basis[0].rows {
-        let (touched, apart): (Vec<_>, Vec<_>) =
-            sets.into_iter().partition(|set: &Vec<usize>| set.iter().any(|&j| are_coupled(i, j)));
-        let mut set = touched.concat();
-        set.push(i);
-        sets = apart;
-        sets.push(set);
-    }
-    sets.iter_mut().for_each(|set| set.sort_unstable());
-    sets.sort_unstable();
-    sets
 }
