@@ -1,19 +1,11 @@
 //! No input brings the front end down: token soup, half-sensible expressions, absurd nesting.
 
-#[path = "../../../fuzz/src/description.rs"]
-#[expect(unreachable_pub, reason = "it belongs to another crate")]
-mod description;
-
-use std::path::Path;
-
 use coadjoint_codegen::check;
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
-use coadjoint_codegen::lie_poisson_system;
 use coadjoint_codegen::model::System;
 use coadjoint_codegen::parse::{Attribute, Item, Shape, without_helpers};
-use description::{Description, descriptions};
 use proc_macro2::TokenStream;
 
 use crate::common::Random;
@@ -405,23 +397,4 @@ fn absurd_nesting() {
             }
         }
     }
-}
-
-/// What fuzzing has found reaches most of the generator.
-#[test]
-fn corpus_of_descriptions() {
-    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus");
-    let files = std::fs::read_dir(&corpus).unwrap_or_else(|error| panic!("{}: {error}", corpus.display()));
-    let (mut described, mut sound) = (0, 0);
-    for path in files.map(|file| file.expect("a file").path()) {
-        let bytes = std::fs::read(&path).expect("a readable file");
-        let Ok(text) = String::from_utf8(bytes) else { continue };
-        for Description { attribute, item } in descriptions(&text) {
-            described += 1;
-            let output = lie_poisson_system(attribute, item).to_string();
-            sound += usize::from(!output.contains("compile_error"));
-        }
-    }
-    assert!(described > 100, "{described} descriptions");
-    assert!(sound > 5, "{sound} of {described} descriptions have no problem");
 }

@@ -4,6 +4,7 @@ mod bounds;
 mod bytes;
 mod calculus;
 mod casimirs;
+mod catalogue;
 mod common;
 mod description;
 mod fuzz;

@@ -3,7 +3,6 @@
 // `hygiene` writes `::renamed`, and such a path begins with what the root of the crate names
 extern crate coadjoint as renamed;
 
-mod budget;
 mod composition;
 mod errors;
 mod expressions;
