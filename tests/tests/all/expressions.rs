@@ -1,4 +1,4 @@
-//! The symbolic engine against plain evaluation with 77 digits: canonical form, derivatives, substitution, small linear algebra.
+//! The symbolic engine against plain evaluation with 71 digits: canonical form, derivatives, substitution, small linear algebra.
 
 use coadjoint_codegen::expr::{
     Arena, Expr, Function, Matrix as Symbolic, Node, Number, Stage, Symbol, Vector, gradient,
@@ -38,7 +38,7 @@ fn is_rounded(expr: Expr<'_>) -> bool {
 
 #[test]
 fn canonical_form_keeps_the_value() {
-    for_all("canonical form", 600, (trees(VARIABLES), numbers(VARIABLES)), 1e-75, |(tree, x)| {
+    for_all("canonical form", 600, (trees(VARIABLES), numbers(VARIABLES)), 5e-70, |(tree, x)| {
         let plain = tree.value(x)?;
         let arena = Arena::new();
         let (variables, point) = at(&arena, x);
@@ -75,7 +75,7 @@ fn differences(tree: &Tree, x: &Column) -> Option<Column> {
 
 #[test]
 fn derivatives_agree_with_differences() {
-    for_all("derivatives", 300, (trees(VARIABLES), numbers(VARIABLES)), 1e-46, |(tree, x)| {
+    for_all("derivatives", 300, (trees(VARIABLES), numbers(VARIABLES)), 5e-43, |(tree, x)| {
         let numerical = differences(tree, x)?;
         let arena = Arena::new();
         let (variables, point) = at(&arena, x);
@@ -87,7 +87,7 @@ fn derivatives_agree_with_differences() {
 
 #[test]
 fn both_modes_of_differentiation_agree() {
-    for_all("gradient", 300, (trees(VARIABLES), numbers(VARIABLES)), 1e-75, |(tree, x)| {
+    for_all("gradient", 300, (trees(VARIABLES), numbers(VARIABLES)), 5e-70, |(tree, x)| {
         tree.value(x)?;
         let arena = Arena::new();
         let (variables, point) = at(&arena, x);
@@ -116,13 +116,13 @@ fn jacobians_and_directional_derivatives_are_made_of_partial_derivatives() {
     let mut point = Point::default();
     point.set(&symbols, &Column([3, 5, 7].map(|n| Real::ratio(n, 4)).to_vec()));
     let difference = relative(&point.vector(&along), &point.vector(&jacobian.times(&direction)));
-    assert!(difference < Real::ten_to(-74), "{difference:?}");
+    assert!(difference < Real::ten_to(-68), "{difference:?}");
 }
 
 #[test]
 fn substitution_is_evaluation_elsewhere() {
     let strategy = (trees(VARIABLES), trees(VARIABLES), numbers(VARIABLES));
-    for_all("substitution", 300, strategy, 1e-75, |(tree, replacement, x)| {
+    for_all("substitution", 300, strategy, 5e-70, |(tree, replacement, x)| {
         let mut replaced = x.clone();
         replaced.0[1] = replacement.value(x)?;
         let plain = tree.value(&replaced)?;
@@ -169,7 +169,7 @@ fn symmetric_matrices_factor_into_l_d_l() {
             let d = values.part(n * n, n);
             let diagonal = Matrix::from_fn(n, n, |i, j| if i == j { d[i].clone() } else { Real::from(0) });
             let error = (&(&(&l * &diagonal) * &l.transpose()) - &a).norm();
-            assert!(error < Real::ten_to(-75), "{error:?}");
+            assert!(error < Real::ten_to(-69), "{error:?}");
             assert!(d.0.iter().all(|pivot| pivot > &Real::from(0)), "{d:?}");
             for i in 0..n {
                 assert_eq!(l.at(i, i), &Real::from(1));
@@ -202,7 +202,7 @@ fn small_systems_are_solved() {
             let right = Column::random(n, random);
             let x = solution.at([&a.entries(), &right]);
             let error = (&(&a * &x) - &right).norm() / (Real::from(1) + x.norm());
-            assert!(error < Real::ten_to(-74), "{n} unknowns: {error:?}");
+            assert!(error < Real::ten_to(-68), "{n} unknowns: {error:?}");
         }
     }
 }

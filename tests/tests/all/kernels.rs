@@ -25,7 +25,7 @@ const NAMES: [&str; 6] = ["energy_1", "c2", "half_energy_1", "step", "energy_2_1
 #[test]
 fn functions_compute_their_expressions() {
     let strategy = (forests(NAMES.len(), 3, 4), numbers(NAMES.len()));
-    for_all("functions", 300, strategy, 1e-75, |(forest, x)| {
+    for_all("functions", 300, strategy, 5e-70, |(forest, x)| {
         let plain = forest.values(x)?;
         let arena = Arena::new();
         let variables: Vec<Expr<'_>> = NAMES
@@ -62,7 +62,7 @@ fn a_value_that_occurs_twice_in_a_sum_counts_twice() {
     let mut point = Point::default();
     point.set(&variables.symbols(), &values);
     let difference = relative(&computed(&arena, &outputs, &variables, &values), &point.vector(&outputs));
-    assert!(difference < Real::ten_to(-75), "{difference:?}");
+    assert!(difference < Real::ten_to(-69), "{difference:?}");
 }
 
 /// A step of random expressions in two parameters and the step size, two coordinates of the state, and the unknowns. The second
@@ -194,14 +194,14 @@ fn larger(a: Real, b: Real) -> Real {
 
 #[test]
 fn kernels_of_random_steps_compute_their_expressions() {
-    for_all("random kernels", 150, random_steps(), 1e-75, |(random, x)| {
+    for_all("random kernels", 150, random_steps(), 5e-70, |(random, x)| {
         deviation_of_random(random, x).map(|(values, _)| values)
     });
 }
 
 #[test]
 fn corrections_of_random_steps_solve_the_linearized_equation() {
-    for_all("random corrections", 150, random_steps(), 1e-47, |(random, x)| {
+    for_all("random corrections", 150, random_steps(), 5e-45, |(random, x)| {
         deviation_of_random(random, x)?.1
     });
 }
@@ -245,10 +245,10 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
             let correction = correction.expect("the Jacobian of a short step is regular");
             let update = deviation_of_update(&stages, &symbolic.step, &point);
             let update = update.expect("an inertia is linear and constant");
-            assert!(update < Real::ten_to(-74), "{what}: {update:?}");
+            assert!(update < Real::ten_to(-68), "{what}: {update:?}");
             updates += 1;
-            assert!(values < Real::ten_to(-76), "{what}: {values:?}");
-            assert!(correction < Real::ten_to(-50), "{what}: {correction:?}");
+            assert!(values < Real::ten_to(-70), "{what}: {values:?}");
+            assert!(correction < Real::ten_to(-46), "{what}: {correction:?}");
             worst = (larger(worst.0, values), larger(worst.1, correction));
         }
     }
@@ -306,7 +306,7 @@ fn functions_of_systems_compute_their_expressions() {
             let (module, _) = program.function(role).expect("where there is no closed form");
             let computed = call(module, role, &given).remove(0);
             let difference = relative(&computed.part(0, residual.len()), &point.vector(residual));
-            assert!(difference < Real::ten_to(-72), "{}, {role:?}: {difference:?}", description.name);
+            assert!(difference < Real::ten_to(-66), "{}, {role:?}: {difference:?}", description.name);
         };
         match system.velocity_relation() {
             Relation::Explicit(velocity) => expected.push((Role::Velocity, velocity.clone())),
@@ -329,7 +329,7 @@ fn functions_of_systems_compute_their_expressions() {
             let computed = call(module, *role, &given);
             assert_eq!(computed.len(), 1);
             let difference = relative(&computed[0], &point.vector(expressions));
-            assert!(difference < Real::ten_to(-72), "{}, {role:?}: {difference:?}", description.name);
+            assert!(difference < Real::ten_to(-66), "{}, {role:?}: {difference:?}", description.name);
         }
         // the constant momentum, which goes back to the same state; of a left-invariant system that in space
         if let Some((module, _)) = program.function(Role::WithConserved) {
@@ -340,7 +340,7 @@ fn functions_of_systems_compute_their_expressions() {
             let given = given.clone().with(Input::Conserved, conserved.0);
             let back = call(module, Role::WithConserved, &given).remove(0);
             let difference = relative(&back, &point.get(&system.state_symbols()));
-            assert!(difference < Real::ten_to(-72), "{}: {difference:?}", description.name);
+            assert!(difference < Real::ten_to(-66), "{}: {difference:?}", description.name);
         }
         let newtons = [Role::VelocityNewton, Role::MomentumNewton].into_iter();
         let newtons = newtons.filter(|&role| program.function(role).is_some()).count();
@@ -396,7 +396,7 @@ fn derivatives_compute_their_linearization() {
                 let (computed, direct) = (stacked(&computed[&role]), stacked(&direct));
                 let difference = relative(&computed, &direct);
                 let what = format!("{}, {}, {role:?}", description.name, retraction.name());
-                assert!(difference < Real::ten_to(-70), "{what}: {difference:?}");
+                assert!(difference < Real::ten_to(-64), "{what}: {difference:?}");
             }
         }
     }

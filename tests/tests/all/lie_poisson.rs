@@ -1,4 +1,4 @@
-//! The family of steps against its definition and its theorems, with 77 digits: for every system, retraction and `s` the step is
+//! The family of steps against its definition and its theorems, with 71 digits: for every system, retraction and `s` the step is
 //! a Poisson map that keeps all Casimirs, and its adjoint is the step of `1 − s`. With a retraction that is a function of one matrix it is
 //! its own adjoint and has order 2; with others that is so for `s = ½` alone, and the order of the rest is 1.
 
@@ -16,7 +16,7 @@ use coadjoint_support::precise::real::Real;
 use coadjoint_support::precise::residuals::Residuals;
 
 /// For what holds to the last digits.
-const EXACT: f64 = 2e-76;
+const EXACT: f64 = 1e-70;
 
 /// The members of the family that are tested.
 fn parameters() -> [scheme::Member; 4] {
@@ -235,7 +235,7 @@ fn steps_solve_their_definition() {
         let eta = eta_with(&subject.velocity(&mean(&without)).scale(&t));
 
         let velocity = subject.velocity(&mean(&eta)).scale(&t);
-        residuals.agree("η = t ∂h/∂m(m̄)", &velocity, &eta, 1e-51);
+        residuals.agree("η = t ∂h/∂m(m̄)", &velocity, &eta, 1e-48);
         let moved = matrices.coadjoint(*retraction, &eta.scale(&late), &carried(&eta));
         residuals.agree("m' = Ad*_{τ((1−s)η)} m⁻", &member.momentum(&next), &moved, EXACT);
 
@@ -306,7 +306,7 @@ fn steps_are_poisson_maps() {
         let before = member.subject.matrices.poisson_tensor(&m);
         let after = member.subject.matrices.poisson_tensor(&next(&m));
         let carried = &(&derivative * &before) * &derivative.transpose();
-        residuals.agree("D P(m) Dᵀ = P(m')", &carried.entries(), &after.entries(), 1e-50);
+        residuals.agree("D P(m) Dᵀ = P(m')", &carried.entries(), &after.entries(), 5e-47);
     });
 }
 

@@ -78,7 +78,7 @@ pub fn realization(group: &dyn Group) -> &'static dyn Realization {
     }
 }
 
-/// Terms of series that have no closed form: enough for 77 digits.
+/// Terms of series that have no closed form: enough for 71 digits.
 pub const TERMS: usize = 140;
 
 /// Groups made of others, each with its definition by theirs.

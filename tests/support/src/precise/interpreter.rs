@@ -1,4 +1,4 @@
-//! Runs programs with 77 digits.
+//! Runs programs with 71 digits.
 
 use std::collections::HashMap;
 

@@ -335,9 +335,9 @@ impl Mul<&Column> for &Matrix {
     }
 }
 
-/// The step of central differences: `ε²` and `2^−256/ε` are both about 1e-51.
+/// The step of central differences: `ε²` and `2^−237/ε` are both about 1e-48.
 pub fn epsilon() -> Real {
-    Real::ten_to(-26)
+    Real::ten_to(-24)
 }
 
 /// `∂f/∂x` by central differences: column `j` is `(f(x + ε e_j) − f(x − ε e_j)) / 2ε`.

@@ -1,4 +1,4 @@
-//! Symbolic forms with 77 digits: a number type for the generator's formulas, definitions to hold them against, and what random
+//! Symbolic forms with 71 digits: a number type for the generator's formulas, definitions to hold them against, and what random
 //! expressions and kernels are evaluated with.
 
 pub mod definition;

@@ -1,4 +1,4 @@
-//! Steps solved to the last of 77 digits, straight from a method's equations.
+//! Steps solved to the last of 71 digits, straight from a method's equations.
 
 use coadjoint_codegen::expr::{Symbol, Vector};
 use coadjoint_codegen::method::Step;
@@ -36,7 +36,7 @@ impl<'s, 'a> Solver<'s, 'a> {
         let n = self.unknown.len();
         let mut solved = point.with(&self.unknown, start);
         // what quadratic convergence leaves behind after a correction this small is below all digits
-        let small = Real::ten_to(-45);
+        let small = Real::ten_to(-40);
         for _ in 0..20 {
             let values = solved.vector(&self.equations);
             let columns: Vec<Column> = (0..n).map(|j| values.part(n + j * n, n)).collect();
