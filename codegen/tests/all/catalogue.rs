@@ -116,16 +116,51 @@ fn the_catalogue_keeps_to_its_budget() {
     assert_snapshot("catalogue", &all);
 }
 
-/// Every construct of the language.
-#[test]
-fn what_may_be_written_makes_what_it_made() {
+/// The same of all descriptions in some files.
+fn assert_same(snapshot: &str, descriptions: impl IntoIterator<Item = (String, Description)>) {
     let mut all = Vec::new();
-    for (file, Description { attribute, item }) in described("tests/ui/ok") {
+    for (file, Description { attribute, item }) in descriptions {
         // groups of users' own are known once their macros have run
         let Ok(expansion) = expand(attribute, item) else { continue };
         all.extend(lines(&file, expansion));
     }
-    assert_snapshot("language", &all);
+    assert!(!all.is_empty());
+    assert_snapshot(snapshot, &all);
+}
+
+/// Every construct of the language.
+#[test]
+fn what_may_be_written_makes_what_it_made() {
+    assert_same("language", described("tests/ui/ok"));
+}
+
+/// Methods, sides, forces and controls, as the library's tests have them.
+#[test]
+fn what_the_library_is_tested_with_makes_what_it_made() {
+    assert_same("library", described("tests/tests/library"));
+}
+
+/// Derivatives, as their tests have them, and where not all of them are asked for.
+#[test]
+fn derivatives_are_what_they_were() {
+    let some = ["state", "controls", "parameters", "tangent", "adjoint"].map(|asked| {
+        let source = format!(
+            "#[lie_poisson_system(
+                group = SO3,
+                advected(gamma: R3),
+                potential = weight * gamma.z,
+                control(moment: R3),
+                force = moment,
+                retractions(Cayley),
+                derivatives({asked}),
+            )]
+            struct Top {{ #[inertia] inertia: Vector3<f64>, weight: f64 }}"
+        );
+        let description = descriptions(&source).pop().expect("one");
+        (format!("derivatives({asked})"), description)
+    });
+    let of_tests = described("tests/tests/systems").into_iter().filter(|(file, _)| file == "derivatives");
+    assert_same("derivatives", some.into_iter().chain(of_tests));
 }
 
 /// What nobody asked for is not there.

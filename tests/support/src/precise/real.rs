@@ -11,7 +11,9 @@ use crate::random::Random;
 
 /// `1/n!`
 static INVERSE_FACTORIALS: LazyLock<Vec<Real>> = LazyLock::new(|| {
-    (1..400).scan(Real::from(1), |inverse, n| Some(std::mem::replace(inverse, *inverse / Real::from(n)))).collect()
+    (1..400)
+        .scan(Real::from(1), |inverse, n| Some(std::mem::replace(inverse, *inverse / Real::from(n))))
+        .collect()
 });
 
 /// A real number, rounded to the 237 bits of IEEE's octuple precision; `2^−237 ≈ 5e-72`.
