@@ -60,7 +60,11 @@ fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
     }
     writeln!(words, "\nconserved")?;
     let conserved = conserved(entry, casimir::listed(entry));
-    if conserved.is_empty() {
+    let while_held = entry.description.autonomous && !entry.conserves_energy();
+    if while_held {
+        let energy = with_unit("energy while the controls are the same", entry.unit("energy"));
+        writeln!(words, "  {energy}")?;
+    } else if conserved.is_empty() {
         writeln!(words, "  nothing")?;
     }
     for (name, unit) in conserved {

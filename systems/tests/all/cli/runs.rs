@@ -21,6 +21,7 @@ fn list_names_systems_parameters_and_defaults() {
         ),
         ("quadrotor", &["controls\n  moment", "chosen by the system's own law"]),
         ("driven_pendulum", &["conserved\n  nothing"]),
+        ("navigation", &["conserved\n  energy while the controls are the same"]),
         ("free_rigid_body", &["methods      standard, euler-a, euler-b, midpoint, verlet, right-lift"]),
     ] {
         let told = scratch.prints(&["list", system]);
