@@ -123,21 +123,17 @@ impl Canvas {
     /// Puts a colour where the path is.
     fn fill<'a>(&mut self, path: &Path, style: impl Into<Style<'a>>, color: Color, opacity: f64) {
         let (mask, place) = Mask::new(path).style(style).render();
-        let [rows, columns] = [place.height as usize, place.width as usize];
-        for row in 0..rows {
-            let Ok(y) = usize::try_from(place.top + row as i32) else { continue };
-            for column in 0..columns {
-                let coverage = mask.get(row * columns + column).copied().unwrap_or(0);
-                let Ok(x) = usize::try_from(place.left + column as i32) else { continue };
-                if coverage == 0 || x >= self.width as usize {
-                    continue;
-                }
-                let start = (y * self.width as usize + x) * 3;
-                let Some(pixel) = self.pixels.get_mut(start..start + 3) else { continue };
-                let part = f64::from(coverage) / 255.0 * opacity;
-                for (below, above) in pixel.iter_mut().zip(color.rgb()) {
-                    *below = (f64::from(*below) * (1.0 - part) + f64::from(above) * part).round() as u8;
-                }
+        let (color, width) = (color.rgb(), self.width as usize);
+        // most of what surrounds a line is not covered
+        for (k, coverage) in mask.into_iter().enumerate().filter(|(_, coverage)| *coverage > 0) {
+            let [x, y] =
+                [place.left + (k as u32 % place.width) as i32, place.top + (k as u32 / place.width) as i32];
+            let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { continue };
+            let start = (y * width + x) * 3;
+            let Some(pixel) = self.pixels.get_mut(start..start + 3).filter(|_| x < width) else { continue };
+            let part = f64::from(coverage) / 255.0 * opacity;
+            for (below, above) in pixel.iter_mut().zip(color) {
+                *below = (f64::from(*below) * (1.0 - part) + f64::from(above) * part).round() as u8;
             }
         }
     }
