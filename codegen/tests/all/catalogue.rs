@@ -134,10 +134,26 @@ fn what_may_be_written_makes_what_it_made() {
     assert_same("language", described("tests/ui/ok"));
 }
 
-/// Methods, sides, forces and controls, as the library's tests have them.
+/// Methods, sides, forces and controls, as the library's tests have them; and a velocity that has no closed form, in methods that need it.
 #[test]
 fn what_the_library_is_tested_with_makes_what_it_made() {
-    assert_same("library", described("tests/tests/library"));
+    let implicit = descriptions(
+        "#[lie_poisson_system(
+            group = SO3,
+            hamiltonian = momentum.norm_squared().powi(2) / 4.0 + weight * (attitude * axis).z,
+            methods(TangentLift, TangentMidpoint),
+            retractions(Cayley),
+        )]
+        struct Stiff { weight: f64, axis: Vector3<f64> }
+        #[lie_poisson_system(
+            group = R2,
+            lagrangian = velocity.norm_squared() / 2.0 + velocity.x.powi(4) - stiffness * position.norm_squared(),
+            methods(TangentLift),
+        )]
+        struct Hardening { stiffness: f64 }",
+    );
+    let implicit = implicit.into_iter().map(|description| ("implicit".to_owned(), description));
+    assert_same("library", described("tests/tests/library").into_iter().chain(implicit));
 }
 
 /// Derivatives, as their tests have them, and where not all of them are asked for.
