@@ -70,7 +70,7 @@
 //! let before = top.energy(&mu);
 //!
 //! let mut stepper = GenericStepper::new(SO3Semidirect::<1>, Exponential, top, 0.01)?;
-//! for _ in 0..1_000 {
+//! for _ in 0..300 {
 //!     stepper.step(&mut g, &mut mu)?;
 //! }
 //!
@@ -104,11 +104,11 @@
 //! let top = HeavyTop { inertia: vector![1.0, 2.0, 3.0], weight_chi: Vector3::z() };
 //! let (mut g, mut mu) = (Matrix3::identity(), vector![1.0, 1.0, 1.0]);
 //! let mut stepper = GenericStepper::new(SO3, Cayley, top, 0.01)?.at(0.5)?;
-//! for _ in 0..1_000 {
+//! for _ in 0..50 {
 //!     stepper.step(&mut g, &mut mu)?;
 //! }
 //! // the angular momentum about the vertical is constant
-//! assert!(((g * mu).z - 1.0).abs() < 1e-11);
+//! assert!(((g * mu).z - 1.0).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
