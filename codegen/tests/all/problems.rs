@@ -326,6 +326,8 @@ fn constructs() {
     complains("if a { a } else { a }", &[("if", "a choice by `if` is not smooth")]);
     complains("match a { _ => a }", &[("match", "a choice by `match` is not smooth")]);
     complains("for x in y { }", &[("for", "a loop is not supported here")]);
+    complains("loop { }", &[("loop", "a loop is not supported here")]);
+    complains("while y { }", &[("while", "a loop is not supported here")]);
     complains("|x| x", &[("|x| x", "a closure is not supported here")]);
     complains("[a; 2][0]", &[("[a; 2]", "write out the elements, as in `[a, b]`, or `vector![…]`")]);
     complains("a?", &[("?", "`?` is not supported here")]);

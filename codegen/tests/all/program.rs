@@ -89,6 +89,21 @@ fn sums_of_several_stages_are_made_once() {
     assert_eq!((evaluate.additions, evaluate.multiplications, evaluate.divisions), (42, 60, 0));
 }
 
+/// In text, the arrays that a function returns are called what they are.
+#[test]
+fn results_have_names() {
+    let steps = steps("group = SO3, derivatives", "struct Body { #[inertia] inertia: Vector3<f64> }");
+    let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Exponential);
+    let StepExpansion { program, .. } = step.expect("it is always there");
+    let derivative = program.derivative.expect("it is asked for").to_string();
+    let text = program.module.to_string() + &derivative;
+    for name in
+        ["unknown", "residual", "right", "correction", "margin", "next", "wrt_state", "wrt_parameters"]
+    {
+        assert!(text.contains(&format!("    {name}[0] <- ")), "{name} in\n{text}");
+    }
+}
+
 /// A change of one term changes the names that it concerns and no others.
 #[test]
 fn a_change_of_one_term_changes_the_lines_of_that_term() {
