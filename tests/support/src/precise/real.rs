@@ -12,12 +12,12 @@ use crate::random::Random;
 /// `1/n!`
 static INVERSE_FACTORIALS: LazyLock<Vec<Real>> = LazyLock::new(|| {
     (1..400)
-        .scan(Real::from(1), |inverse, n| Some(std::mem::replace(inverse, *inverse / Real::from(n))))
+        .scan(Real::from(1), |inverse, n| Some(std::mem::replace(inverse, &*inverse / Real::from(n))))
         .collect()
 });
 
 /// A real number, rounded to the 237 bits of IEEE's octuple precision; `2^−237 ≈ 5e-72`.
-#[derive(Clone, Copy, PartialEq, PartialOrd)]
+#[derive(Clone, PartialEq, PartialOrd)]
 pub struct Real(f256);
 
 impl Real {
@@ -48,7 +48,7 @@ impl Real {
 
     /// `1/n!`, for power series.
     pub fn inverse_factorial(n: usize) -> Self {
-        INVERSE_FACTORIALS[n]
+        INVERSE_FACTORIALS[n].clone()
     }
 
     /// Whether it is zero.
@@ -76,12 +76,12 @@ impl Real {
         let mut power = Self::from(1);
         let mut total = Self::from(0);
         for j in 0.. {
-            let term = power * Self::inverse_factorial(k + 2 * j);
+            let term = &power * Self::inverse_factorial(k + 2 * j);
             if term.is_negligible() {
                 return total;
             }
             total = total + term;
-            power = -(power * *self);
+            power = -(power * self);
         }
         total
     }
@@ -89,7 +89,7 @@ impl Real {
     /// `Σ x^(2j + 1) / (2j + 1)!` where exponentials cancel, else from these.
     fn sinh(&self) -> Self {
         if self.abs() < Self::from(1) {
-            return *self * (-(*self * *self)).stumpff(1);
+            return self * (-(self * self)).stumpff(1);
         }
         Self((self.0.exp() - (-self.0).exp()).div2())
     }
