@@ -18,7 +18,7 @@ use coadjoint_support::precise::residuals::Residuals;
 use coadjoint_support::random::Random;
 
 /// For what holds to the last digits: elements of groups that are not compact have large entries.
-const EXACT: f64 = 5e-67;
+const EXACT: f64 = 2e-67;
 /// For comparisons with central differences.
 const DIFFERENCES: f64 = 5e-46;
 

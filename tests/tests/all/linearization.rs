@@ -163,7 +163,7 @@ fn check<'a>(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, seed: u64, 
     let forward = along.vector(next).dot(&along.vector(&adjoint.next));
     let backward = by.iter().zip(changes).map(|(by, change)| by.dot(&along.vector(change)));
     let backward = backward.fold(Real::from(0), |sum, part| sum + part);
-    residuals.vanish("λ·(Dφ δ) − (Dφ* λ)·δ", &(forward - backward), 5e-65);
+    residuals.vanish("λ·(Dφ δ) − (Dφ* λ)·δ", &(forward - backward), 1e-69);
 
     // the matrices are of the same map
     let Matrices { through, columns } = linearization.matrices(arena, Derivatives::ALL);
@@ -181,7 +181,7 @@ fn check<'a>(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, seed: u64, 
         product = &product + &along.vector(column).scale(by);
     }
     for (product, closed) in product.0.iter().zip(along.vector(next).0) {
-        residuals.vanish("(A + B W) δ − Dφ δ", &(product.clone() - closed), 5e-65);
+        residuals.vanish("(A + B W) δ − Dφ δ", &(product.clone() - closed), 1e-69);
     }
 
     // along one random direction in all, and each of its kinds alone

@@ -148,7 +148,7 @@ fn steps_are_those_of_the_hamiltonian() {
                 for (what, (ours, theirs)) in
                     ["step", "energy", "velocity"].iter().zip(ours.iter().zip(&theirs))
                 {
-                    residuals.agree(&format!("{}: {what}", hamiltonian.name), ours, theirs, 5e-69);
+                    residuals.agree(&format!("{}: {what}", hamiltonian.name), ours, theirs, 2e-70);
                 }
             }
         }

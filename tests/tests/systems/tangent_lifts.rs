@@ -18,7 +18,7 @@ use coadjoint_support::precise::residuals::Residuals;
 /// For what holds to the last digits.
 const EXACT: f64 = 1e-69;
 /// Differences are good to half of the digits.
-const DIFFERENCE: f64 = 5e-42;
+const DIFFERENCE: f64 = 5e-47;
 
 /// A system by its energy alone.
 struct Mechanics<'s, 'a> {
