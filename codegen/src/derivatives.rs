@@ -25,11 +25,6 @@ impl Derivatives {
         self != Self::default()
     }
 
-    /// Whether the controls have a part in any of them.
-    pub fn of_controls(self) -> bool {
-        self.controls || self.tangent || self.adjoint
-    }
-
     /// Whether the parameters have a part in any of them.
     pub fn of_parameters(self) -> bool {
         self.parameters || self.tangent || self.adjoint

@@ -33,7 +33,7 @@ pub struct Linearization<'a> {
     pub partial: Vector<'a>,
     /// The perturbation of the state in the order of storage, with an element of the algebra in the place of each configuration.
     pub state: Vector<'a>,
-    /// The perturbation of the controls, if it is wanted.
+    /// The perturbation of the controls.
     pub control: Vector<'a>,
     /// The perturbation of the parameters, the system's fields, if it is wanted.
     pub parameters: Vector<'a>,
@@ -45,7 +45,7 @@ impl<'a> Linearization<'a> {
     /// Of a step, by what is wanted.
     pub fn new(arena: &'a Arena, system: &System<'a>, step: &Step<'a>, wanted: Derivatives) -> Self {
         let state = state_perturbations(arena, system);
-        let controls = if wanted.of_controls() { system.control_symbols() } else { Vec::new() };
+        let controls = system.control_symbols();
         let control = perturbations(arena, &controls);
         let fields = if wanted.of_parameters() { system.field_symbols() } else { Vec::new() };
         let parameters = perturbations(arena, &fields);
