@@ -372,7 +372,6 @@ fn with_limited_files(command: &Command, size: usize) -> Command {
     limited
 }
 
-/// Without a checkpoint, what was computed until a signal is written, and says so; it does not take the place of all of it.
 /// Waits until something is so; a minute is too long.
 fn wait_for(otherwise: &str, is_so: impl Fn() -> bool) {
     let start = std::time::Instant::now();
@@ -395,6 +394,7 @@ fn wait_for_output(scratch: &Scratch) {
     wait_for("the run does not write", || scratch.files("out").iter().any(|name| name.ends_with("tmp")));
 }
 
+/// Without a checkpoint, what was computed until a signal is written, and says so; it does not take the place of all of it.
 #[test]
 fn signals_end_a_run_cleanly() {
     for (name, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
