@@ -14,7 +14,7 @@ use super::group::{Group, Space, declared_name, group, space};
 use super::nesting;
 use super::shape::{self, ScalarType, Shape};
 use crate::derivatives::Derivatives;
-use crate::diagnostics::{Diagnostics, list, suggestion};
+use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
 use crate::scheme::{Member, Rule};
@@ -106,6 +106,8 @@ pub struct Attribute {
     faulty: bool,
     /// The keys that were there, whether or not their values could be read.
     given: Vec<Key>,
+    /// Those that were meant by keys that there are not.
+    slips: Vec<Key>,
 }
 
 /// A group that `lie_group!` defines.
@@ -192,9 +194,9 @@ impl Attribute {
         attribute
     }
 
-    /// Whether the key was written, even if its value could not be read.
+    /// Whether the key was written or meant, even if its value could not be read.
     pub fn has(&self, key: Key) -> bool {
-        self.given.contains(&key)
+        self.given.contains(&key) || self.slips.contains(&key)
     }
 
     /// Whether all of it could be read.
@@ -223,17 +225,22 @@ impl Attribute {
             }
         };
         let name = key.to_string();
-        let Some(&known) = KEYS.iter().find(|known| known.name == name) else {
-            let names = KEYS.map(|key| key.name);
+        let names = KEYS.map(|key| key.name);
+        // a slip is read as what it is a slip of: nothing that it declares is missed elsewhere
+        let meant = nearest(&name, &names).and_then(|name| KEYS.iter().find(|known| known.name == name));
+        let is_slip = meant.is_none_or(|known| known.name != name);
+        if is_slip {
             diagnostics.push(&key, format!("there is no key `{name}`{}", suggestion(&name, &names)));
+        }
+        let Some(&known) = meant else {
             skip_entry(input);
             return;
         };
-        let again = self.has(known);
-        if again {
+        let again = self.given.contains(&known) || is_slip && self.has(known);
+        if again && !is_slip {
             diagnostics.push(&key, format!("`{name}` is given twice; keep one of them"));
         }
-        self.given.push(known);
+        if is_slip { &mut self.slips } else { &mut self.given }.push(known);
         // a second value is read all the same, for the sake of problems in it
         let mut ignored = Self::default();
         let target = if again { &mut ignored } else { self };

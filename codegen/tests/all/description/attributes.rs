@@ -33,7 +33,13 @@ fn nothing_is_an_attribute_too() {
 fn keys() {
     let read =
         attribute("grup = SO3, potential = a", &[("grup", "there is no key `grup`; did you mean `group`?")]);
-    assert!(read.potential.is_some());
+    assert!(read.potential.is_some() && read.has(GROUP));
+    // the right one counts, wherever it stands
+    for both in ["grup = SO3, group = SO2", "group = SO2, grup = SO3"] {
+        let read = attribute(both, &[("grup", "there is no key `grup`; did you mean `group`?")]);
+        let factors = format!("{:?}", read.factors);
+        assert!(factors.contains("SO2") && !factors.contains("SO3"), "{factors}");
+    }
     attribute(
         "colour = red",
         &[(

@@ -4,7 +4,7 @@ use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::parse::{Attribute, Item};
 use proc_macro2::TokenStream;
 
-use super::{breaks, problems};
+use super::{breaks, expands, problems};
 use crate::common::{compare, tokens, told};
 
 #[test]
@@ -24,6 +24,9 @@ fn rules() {
     let body = "struct Body { #[inertia] j: Vector3<f64> }";
     breaks("group = S4", body, &[("S4", "there is no group `S4`; known: `R1`, `R2`, `R3`")]);
     breaks("group = so3", body, &[("so3", "there is no group `so3`; did you mean `SO3`?")]);
+    // what a misspelt key declares is not said to be missing too
+    let key = ("controls", "there is no key `controls`; did you mean `control`?");
+    expands("group = SO3, controls(torque: R3), force = torque", body, &[key]);
     breaks("group = Circle", body, &[("Circle", "there is no group `Circle`; known: `R1`")]);
     breaks(
         "group = SO3, advected(p: R2)",
