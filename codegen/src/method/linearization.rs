@@ -47,6 +47,7 @@ impl<'a> Linearization<'a> {
         let state = state_perturbations(arena, system);
         let controls = system.control_symbols();
         let control = perturbations(arena, &controls);
+        // fields may be many: to derive with respect to them takes its time
         let fields = if wanted.of_parameters() { system.field_symbols() } else { Vec::new() };
         let parameters = perturbations(arena, &fields);
         let perturbed = system.split_tangent(&state);

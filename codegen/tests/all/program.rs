@@ -97,10 +97,33 @@ fn results_have_names() {
     let StepExpansion { program, .. } = step.expect("it is always there");
     let derivative = program.derivative.expect("it is asked for").to_string();
     let text = program.module.to_string() + &derivative;
-    for name in
-        ["unknown", "residual", "right", "correction", "margin", "next", "wrt_state", "wrt_parameters"]
-    {
+    for name in [
+        "unknown",
+        "residual",
+        "right",
+        "correction",
+        "margin",
+        "next",
+        "tangent",
+        "wrt_state",
+        "wrt_parameters",
+    ] {
         assert!(text.contains(&format!("    {name}[0] <- ")), "{name} in\n{text}");
+    }
+}
+
+/// A vector of the dual of a space has its coordinates, and as many of them: of a space of matrices and of any other.
+#[test]
+fn duals_have_the_coordinates_of_their_space() {
+    let item = "struct Body { #[inertia] inertia: Vector3<f64> }";
+    for (group, space) in [("SL(2)", "R2"), ("SO3", "R3")] {
+        let attribute = format!(
+            "group = {group}, advected(v: {space}, w: dual({space})), potential = v.x * w.x + v.y * w.y"
+        );
+        let text = steps(&attribute, item)[0].program.module.to_string();
+        for name in ["v_next_x", "v_next_y", "w_next_x", "w_next_y"] {
+            assert!(text.contains(name), "{group}: {name} in\n{text}");
+        }
     }
 }
 
