@@ -167,8 +167,18 @@ pub(super) fn record(module: &Module, kind: RecordKind, constants: Option<&Ident
     };
     quote! {
         #doc
-        #[derive(::core::clone::Clone, ::core::marker::Copy)]
         pub struct #name<T> #fields
+
+        // not derived: of generic structs each field by itself would be cloned, a twentieth of all there is to compile
+        #[automatically_derived]
+        impl<T: ::core::marker::Copy> ::core::clone::Clone for #name<T> {
+            #[inline]
+            fn clone(&self) -> Self {
+                *self
+            }
+        }
+        #[automatically_derived]
+        impl<T: ::core::marker::Copy> ::core::marker::Copy for #name<T> {}
     }
 }
 

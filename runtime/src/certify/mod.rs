@@ -184,15 +184,19 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
             walk: &M::walk,
             kernels: &M::kernels,
         };
+        measure::certificates(&self.subject(), &scheme)
+    }
+
+    /// What is measured, whatever the scheme.
+    fn subject(&self) -> Subject<'_> {
         let flat = |numbers: &[f64]| numbers.to_vec();
-        let subject = Subject {
+        Subject {
             system: self.system,
             states: self.states.iter().map(|state| flat(state.to_components().as_ref())).collect(),
             controls: self.controls.iter().map(|control| flat(control.to_components().as_ref())).collect(),
             time: self.time,
             step: self.step,
-        };
-        measure::certificates(&subject, &scheme)
+        }
     }
 }
 

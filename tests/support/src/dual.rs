@@ -131,35 +131,43 @@ where
     S: System<Scalar = f64>,
     M: AnyStep<S>,
 {
-    let place = state.to_components();
-    let mut start: Vec<Dual64> = place.as_ref().iter().map(|&x| Dual64::from_re(x)).collect();
+    let (place, parameters, control) = (state.to_components(), system.to_parameters(), control.to_components());
+    let start = perturbed(S::State::QUANTITIES, place.as_ref(), input);
+    let parameters =
+        array(|i| Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i)))));
+    let control =
+        array(|i| Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i)))));
+    let start = array(|i| start[i]);
+    let end = M::step(&parameters, Dual64::from_re(step), &start, Dual64::from_re(time), &control);
+    changed(S::State::QUANTITIES, end.as_ref())
+}
+
+/// A state's components, changed where a component of its change is what changes.
+fn perturbed(quantities: &[Quantity], place: &[f64], input: Input) -> Vec<Dual64> {
+    let mut start: Vec<Dual64> = place.iter().map(|&x| Dual64::from_re(x)).collect();
     let (mut stored, mut trivialized) = (0, 0);
-    for quantity in S::State::QUANTITIES {
+    for quantity in quantities {
         let (n, dimension) = (quantity.components.len(), dimension(quantity));
         if let Input::State(index) = input
             && (trivialized..trivialized + dimension).contains(&index)
         {
             let mut unit = vec![0.0; dimension];
             unit[index - trivialized] = 1.0;
-            let change = tangent(quantity, &place.as_ref()[stored..stored + n], &unit);
+            let change = tangent(quantity, &place[stored..stored + n], &unit);
             start[stored..stored + n].iter_mut().zip(change).for_each(|(x, change)| x.eps = change);
         }
         stored += n;
         trivialized += dimension;
     }
-    let parameters = system.to_parameters();
-    let parameters =
-        array(|i| Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i)))));
-    let control = control.to_components();
-    let control =
-        array(|i| Dual64::new(control.as_ref()[i], f64::from(u8::from(input == Input::Control(i)))));
-    let start = array(|i| start[i]);
-    let end = M::step(&parameters, Dual64::from_re(step), &start, Dual64::from_re(time), &control);
+    start
+}
 
-    let (re, eps): (Vec<f64>, Vec<f64>) = end.as_ref().iter().map(|x| (x.re, x.eps)).unzip();
+/// The change of a state, in left-trivialized coordinates.
+fn changed(quantities: &[Quantity], end: &[Dual64]) -> Vec<f64> {
+    let (re, eps): (Vec<f64>, Vec<f64>) = end.iter().map(|x| (x.re, x.eps)).unzip();
     let mut column = Vec::new();
     let mut stored = 0;
-    for quantity in S::State::QUANTITIES {
+    for quantity in quantities {
         let all = stored..stored + quantity.components.len();
         column.extend(trivial(quantity, &re[all.clone()], &eps[all.clone()]));
         stored = all.end;

@@ -12,7 +12,7 @@ use crate::random::Random;
 
 /// A system with random instances, and with its potential's gradient worked out by hand.
 pub trait Sample:
-    System<Scalar = f64> + Discretized<Exponential> + Discretized<Cayley> + Clone + Debug
+    System<Scalar = f64> + Discretized<Exponential> + Discretized<Cayley> + Clone + Debug + 'static
 {
     /// A system and a state of the size of 1.
     fn sample(random: &mut Random) -> (Self, Self::State);

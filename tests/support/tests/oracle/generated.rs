@@ -8,28 +8,35 @@ use coadjoint_support::for_each_system_and_retraction;
 use coadjoint_support::random::Random;
 use coadjoint_support::systems::Sample;
 
-/// Kinetic plus potential energy with the gradients worked out by hand.
-struct ByHand<S> {
-    system: S,
+/// Kinetic plus potential energy with the gradients worked out by hand. Of no system's own type: the generic stepper is compiled once for each
+/// group.
+struct ByHand {
     inverse: Matrix3<f64>,
+    potential: Box<dyn Fn(&[Vector3<f64>]) -> f64>,
+    by_advected: Box<dyn Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>>,
 }
 
-impl<S: Sample> ByHand<S> {
-    fn new(system: S) -> Self {
+impl ByHand {
+    fn new<S: Sample>(system: S) -> Self {
         let inverse = system.inertia_matrix().try_inverse().expect("an inertia has an inverse");
-        Self { system, inverse }
+        let again = system.clone();
+        Self {
+            inverse,
+            potential: Box::new(move |advected| system.potential_energy(advected)),
+            by_advected: Box::new(move |advected| again.potential_gradient(advected)),
+        }
     }
 }
 
-impl<S: Sample, const D: usize> Hamiltonian<D> for ByHand<S> {
+impl<const D: usize> Hamiltonian<D> for ByHand {
     fn energy(&self, mu: &SVector<f64, D>) -> f64 {
         let momentum = mu.fixed_rows::<3>(0);
-        momentum.dot(&(self.inverse * momentum)) / 2.0 + self.system.potential_energy(&advected(mu))
+        momentum.dot(&(self.inverse * momentum)) / 2.0 + (self.potential)(&advected(mu))
     }
 
     fn gradient(&self, mu: &SVector<f64, D>) -> SVector<f64, D> {
         let velocity = self.inverse * mu.fixed_rows::<3>(0);
-        let by_advected = self.system.potential_gradient(&advected(mu));
+        let by_advected = (self.by_advected)(&advected(mu));
         let parts = std::iter::once(velocity).chain(by_advected).flat_map(|v| [v.x, v.y, v.z]);
         SVector::from_iterator(parts)
     }
@@ -40,10 +47,10 @@ fn advected<const D: usize>(mu: &SVector<f64, D>) -> Vec<Vector3<f64>> {
 }
 
 /// The attitude's matrix and the rest of the state after a generic step on `G`, whose matrices hold the rotation in front.
-fn generic_step<S: Sample, G, M, const N: usize, const D: usize>(
+fn generic_step<G, M, const N: usize, const D: usize>(
     group: G,
     retraction: M,
-    system: S,
+    system: ByHand,
     h: f64,
     components: &[f64],
 ) -> (Matrix3<f64>, Vec<f64>)
@@ -56,13 +63,13 @@ where
     let mut g = SMatrix::<f64, N, N>::identity();
     g.fixed_view_mut::<3, 3>(0, 0).copy_from(attitude.to_rotation_matrix().matrix());
     let mut mu = SVector::<f64, D>::from_column_slice(&components[4..]);
-    let mut stepper = GenericStepper::new(group, retraction, ByHand::new(system), h).expect("a stepper");
+    let mut stepper = GenericStepper::new(group, retraction, system, h).expect("a stepper");
     stepper.step(&mut g, &mut mu).expect("a generic step");
     (g.fixed_view::<3, 3>(0, 0).into_owned(), mu.as_slice().to_vec())
 }
 
 /// Which group a number of advected vectors makes.
-fn dispatched<S: Sample, M>(system: S, retraction: M, h: f64, components: &[f64]) -> (Matrix3<f64>, Vec<f64>)
+fn dispatched<M>(system: ByHand, retraction: M, h: f64, components: &[f64]) -> (Matrix3<f64>, Vec<f64>)
 where
     M: MatrixRetraction<SO3, 3, 3>
         + MatrixRetraction<SO3Semidirect<1>, 4, 6>
@@ -96,7 +103,7 @@ fn generated_and_generic_steps_agree() {
             let (system, mut state) = S::sample(&mut random);
             let h = random.between(0.001, 0.4) * random.one_of(&[1.0, -1.0]);
             let before = state.to_components();
-            let (attitude, mu) = dispatched(system.clone(), M::default(), h, before.as_ref());
+            let (attitude, mu) = dispatched(ByHand::new(system.clone()), M::default(), h, before.as_ref());
 
             system.stepper::<M>(h).expect("a stepper").step(&mut state).expect("a step");
             let after = state.to_components();

@@ -6,9 +6,10 @@ macro_rules! system {
             use coadjoint::nalgebra::Vector3;
 
             #[coadjoint::lie_poisson_system(
-                                                                            group = SO3,
-                                                                            advected(gamma: R3),
-                                                                            potential = weight * gamma.x
+                group = SO3,
+                advected(gamma: R3),
+                potential = weight * gamma.x,
+                retractions(Cayley)
                 $(, $derivatives)?
             )]
             #[derive(Clone, Debug)]
@@ -26,7 +27,7 @@ macro_rules! system {
                     momentum: Vector3::new(1.0, 2.0, 3.0),
                     gamma: Vector3::z(),
                 };
-                crate::hygiene::drive(&system, &state);
+                crate::hygiene::drive_with::<_, coadjoint::Cayley>(&system, &state);
                 assert_eq!(<$name as coadjoint::System>::NAME, stringify!($name).trim_start_matches("r#"));
             }
         }

@@ -34,6 +34,7 @@ macro_rules! potentials {
                 group = SO3,
                 advected($gamma: R3, $beta: R3),
                 potential = $potential,
+                retractions(Cayley),
             )]
             #[allow(deprecated)]
             pub(super) struct Tested {

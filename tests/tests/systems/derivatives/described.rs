@@ -29,7 +29,7 @@ pub(super) struct Kepler {
 #[lie_poisson_system(
     group = SO2,
     potential = weight * length * (1.0 - angle.cos_angle()),
-    methods(Midpoint), derivatives,
+    methods(Midpoint), retractions(Exponential), derivatives,
 )]
 pub(super) struct PlanarPendulum {
     #[inertia]
@@ -42,7 +42,7 @@ pub(super) struct PlanarPendulum {
     group = SO3,
     advected(gamma: R3),
     potential = weight * length * gamma.z,
-    methods(Midpoint), derivatives,
+    methods(Midpoint), retractions(Cayley), derivatives,
 )]
 pub(super) struct SphericalPendulum {
     #[inertia]
@@ -57,7 +57,7 @@ pub(super) struct FreeRigidBody {
     pub(super) inertia: Vector3<f64>,
 }
 
-#[lie_poisson_system(group = SO3, methods(Midpoint), derivatives)]
+#[lie_poisson_system(group = SO3, methods(Midpoint), retractions(Exponential), derivatives)]
 pub(super) struct FullRigidBody {
     #[inertia]
     pub(super) inertia: Matrix3<f64>,
@@ -80,7 +80,7 @@ pub(super) struct HeavyTop {
     group = SO3,
     advected(gamma: R3, field: R3),
     potential = weight * gamma.dot(&chi) - field.dot(&dipole),
-    methods(Midpoint), derivatives,
+    methods(Midpoint), retractions(Cayley), derivatives,
 )]
 pub(super) struct MagneticTop {
     #[inertia]
@@ -95,7 +95,7 @@ pub(super) struct MagneticTop {
     control(moment: R3, thrust: f64),
     potential = mass * gravity * position.z,
     force(attitude = moment, position = attitude * (thrust * Vector3::z())),
-    methods(Midpoint), derivatives,
+    methods(Midpoint), retractions(Cayley), derivatives,
 )]
 pub(super) struct Quadrotor {
     #[inertia(attitude)]
@@ -131,7 +131,7 @@ pub(super) struct Gyrostat {
         let between = first.inverse() * second;
         2.0 * stiffness * (1.0 - between.w.powi(2))
     },
-    methods(Midpoint), derivatives,
+    methods(Midpoint), retractions(Exponential), derivatives,
 )]
 pub(super) struct CoupledBodies {
     #[inertia(first)]
@@ -147,7 +147,7 @@ pub(super) struct CoupledBodies {
     hamiltonian = 0.5 * momentum.dot(&momentum.component_div(&inertia))
         + momentum.dot(&impulse.component_mul(&screw))
         + 0.5 * impulse.dot(&impulse.component_div(&mass)),
-    methods(Midpoint), derivatives,
+    methods(Midpoint), retractions(Cayley), derivatives,
 )]
 pub(super) struct Kirchhoff {
     pub(super) inertia: Vector3<f64>,
