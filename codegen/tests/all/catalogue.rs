@@ -235,7 +235,7 @@ fn messages_are_those_that_the_compiler_shows() {
     for path in
         files("tests/ui/fail").into_iter().filter(|path| path.extension().is_some_and(|it| it == "rs"))
     {
-        let shown = std::fs::read_to_string(path.with_extension("stderr")).expect("text");
+        let shown = std::fs::read_to_string(path.with_extension("snap")).expect("text");
         let shown: Vec<&str> = shown.lines().collect();
         for Description { attribute, item } in descriptions(&std::fs::read_to_string(&path).expect("text")) {
             // what is found by rustc alone, and warnings

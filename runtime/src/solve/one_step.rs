@@ -415,7 +415,8 @@ impl<T: Batch, K: Kernel<T>> Work for Retry<'_, T, K> {
             let from = select(trial.good, &trial.unknown, &kernel.start(state, begun));
             let mut solution = newton::solve(kernel, state, begun, &from, !trial.good);
             solution.convergence = trial.convergence.then(&solution.convergence, trial.good);
-            trial = trial.or(&Trial::new(kernel, state, begun, (time, control), &solution));
+            let conclusion = Conclusion { kernel, state, step: begun, time, control, solution: &solution };
+            trial = trial.or(&T::dispatch(conclusion));
         }
         if trial.good.all() || (lossy && trial.good.any()) {
             let advanced = trial.learned(solver);
@@ -425,23 +426,34 @@ impl<T: Batch, K: Kernel<T>> Work for Retry<'_, T, K> {
         } else if lossy {
             solver.forget();
         }
+        let Trial { good, unsolved, inside, .. } = trial;
         let given = finite(state) & finite(control) & time.is_finite();
         let Convergence { iterations, residual, .. } = trial.convergence;
-        let errors = T::each(|lane| {
-            if trial.good.lane(lane) {
-                return None;
-            }
-            if !given.lane(lane) {
-                return Some(StepError::NotFinite);
-            }
-            if trial.unsolved.lane(lane) {
-                let (iterations, residual) = (iterations.as_ref()[lane], residual.lane(lane).to_f64());
-                return Some(StepError::NoConvergence { iterations, residual });
-            }
-            Some(if trial.inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain })
-        });
+        let errors = errors::<T>([given, good, unsolved, inside], &iterations, residual);
         Err(Failure { errors, advanced: Advanced { state: trial.next, iterations, residual } })
     }
+}
+
+/// What went wrong in each lane, if anything did: in which lanes what was given is finite, nothing went wrong, the equation is not solved, and its
+/// solution is inside the retraction's domain.
+fn errors<T: Batch>(
+    [given, good, unsolved, inside]: [T::Mask; 4],
+    iterations: &T::Each<u32>,
+    residual: T,
+) -> T::Each<Option<StepError>> {
+    T::each(|lane| {
+        if good.lane(lane) {
+            return None;
+        }
+        if !given.lane(lane) {
+            return Some(StepError::NotFinite);
+        }
+        if unsolved.lane(lane) {
+            let (iterations, residual) = (iterations.as_ref()[lane], residual.lane(lane).to_f64());
+            return Some(StepError::NoConvergence { iterations, residual });
+        }
+        Some(if inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain })
+    })
 }
 
 /// Whether a solution is inside the retraction's domain.

@@ -131,7 +131,8 @@ where
     S: System<Scalar = f64>,
     M: AnyStep<S>,
 {
-    let (place, parameters, control) = (state.to_components(), system.to_parameters(), control.to_components());
+    let (place, parameters, control) =
+        (state.to_components(), system.to_parameters(), control.to_components());
     let start = perturbed(S::State::QUANTITIES, place.as_ref(), input);
     let parameters =
         array(|i| Dual64::new(parameters.as_ref()[i], f64::from(u8::from(input == Input::Parameters(i)))));

@@ -277,8 +277,7 @@ where
     let n = wrt_state.as_slice().len().isqrt();
     let blocks = [matrix(&wrt_state, n), matrix(&wrt_control, n), matrix(&wrt_parameters, n)];
     let inputs: [fn(usize) -> Input; 3] = [Input::State, Input::Control, Input::Parameters];
-    let column =
-        |input| dual::column::<S, M>(&system, <S as Example>::STEP, &start, time, &control, input);
+    let column = |input| dual::column::<S, M>(&system, <S as Example>::STEP, &start, time, &control, input);
     let columns = core::array::from_fn(|i| (0..blocks[i].ncols()).map(|j| column(inputs[i](j))).collect());
 
     let (parameters_alone, control_alone) = derivative.jacobian((WrtParameters, WrtControl));
