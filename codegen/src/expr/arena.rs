@@ -78,6 +78,11 @@ impl Arena {
         self.store.borrow().nodes[id.0 as usize].clone()
     }
 
+    /// What something says of a node, which is not to make others.
+    pub(super) fn with_node<R>(&self, id: Id, of: impl FnOnce(&Node) -> R) -> R {
+        of(&self.store.borrow().nodes[id.0 as usize])
+    }
+
     /// A symbol's name and stage.
     pub fn symbol_info(&self, symbol: Symbol) -> SymbolInfo {
         self.store.borrow().symbols[symbol.0 as usize].clone()
@@ -256,17 +261,20 @@ impl Arena {
     /// Whoever goes through a graph goes through this list: a graph may be deeper than any stack.
     pub fn post_order(&self, from: impl IntoIterator<Item = Id>, skipped: impl Fn(Id) -> bool) -> Vec<Id> {
         let store = self.store.borrow();
-        let operands = |id: Id| store.nodes[id.0 as usize].operands().into_iter();
-        let mut seen = FxHashSet::default();
+        let mut seen = vec![false; store.nodes.len()];
         let mut order = Vec::new();
-        let mut open: Vec<(Id, std::vec::IntoIter<Id>)> = Vec::new();
+        // with how many of their operands were gone through
+        let mut open: Vec<(Id, usize)> = Vec::new();
+        let mut is_new = |id: Id| !skipped(id) && !std::mem::replace(&mut seen[id.0 as usize], true);
         for root in from {
-            if !skipped(root) && seen.insert(root) {
-                open.push((root, operands(root)));
+            if is_new(root) {
+                open.push((root, 0));
             }
-            while let Some((id, rest)) = open.last_mut() {
-                match rest.next() {
-                    Some(next) if !skipped(next) && seen.insert(next) => open.push((next, operands(next))),
+            while let Some((id, gone)) = open.last_mut() {
+                let next = store.nodes[id.0 as usize].operand(*gone);
+                *gone += 1;
+                match next {
+                    Some(next) if is_new(next) => open.push((next, 0)),
                     Some(_) => {}
                     None => {
                         order.push(*id);

@@ -175,7 +175,7 @@ impl Visit {
         let operands = match (&known, divisor) {
             (Some(known), _) => known.arguments.clone(),
             (None, Some(divisor)) => vec![divisor],
-            (None, None) => node.operands(),
+            (None, None) => node.operands().collect(),
         };
         Self { id, operands, node, done: 0, terms: Vec::new(), known }
     }

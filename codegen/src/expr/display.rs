@@ -210,7 +210,7 @@ impl<'a> Formulas<'a> {
         let outputs: Vec<Id> = self.equations.iter().map(|&(_, id)| id).collect();
         let nodes = self.arena.post_order(outputs.iter().copied(), |_| false);
         let mut uses: FxHashMap<Id, usize> = FxHashMap::default();
-        let operands = nodes.iter().flat_map(|&id| self.arena.node(id).operands());
+        let operands = nodes.iter().flat_map(|&id| self.arena.node(id).operands().collect::<Vec<_>>());
         operands.chain(outputs).for_each(|id| *uses.entry(id).or_default() += 1);
         let symbols = nodes.iter().filter_map(|&id| self.arena.expr(id).as_symbol());
         let mut taken: FxHashSet<String> =
@@ -221,8 +221,8 @@ impl<'a> Formulas<'a> {
         let mut leaves: FxHashMap<Id, usize> = FxHashMap::default();
         let mut definitions = Vec::new();
         for id in nodes {
-            let operands = self.arena.node(id).operands();
-            let mut count = operands.iter().map(|operand| leaves[operand]).sum::<usize>().max(1);
+            let node = self.arena.node(id);
+            let mut count = node.operands().map(|operand| leaves[&operand]).sum::<usize>().max(1);
             if count >= WORTH_A_NAME && uses[&id] > 1 {
                 let name = free.next().unwrap_or_default();
                 self.names.insert(id, name.clone());

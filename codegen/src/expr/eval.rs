@@ -48,19 +48,21 @@ struct Evaluation<'f, V> {
 impl<V: Value> Evaluation<'_, V> {
     fn visit(&mut self, expr: Expr<'_>) -> V {
         let arena = expr.arena;
-        for id in arena.post_order([expr.id], |id| self.known.contains_key(&id)) {
-            let value = self.value(arena.node(id));
+        let order = arena.post_order([expr.id], |id| self.known.contains_key(&id));
+        self.known.reserve(order.len());
+        for id in order {
+            let value = arena.with_node(id, |node| self.value(node));
             self.known.insert(id, value);
         }
         self.known[&expr.id].clone()
     }
 
     /// The value of a node, when those of its operands are known.
-    fn value(&self, node: Node) -> V {
+    fn value(&self, node: &Node) -> V {
         let known = |id: Id| &self.known[&id];
         match node {
-            Node::Number(number) => V::number(number),
-            Node::Symbol(symbol) => (self.symbols)(symbol),
+            Node::Number(number) => V::number(*number),
+            Node::Symbol(symbol) => (self.symbols)(*symbol),
             Node::Sum(sum) => {
                 let constant = (!sum.constant.is_zero()).then(|| V::number(sum.constant));
                 let terms = sum
@@ -78,10 +80,10 @@ impl<V: Value> Evaluation<'_, V> {
                 let product = powers.reduce(|product, power| product.mul(&power));
                 product.unwrap_or_else(|| V::number(Number::ONE))
             }
-            Node::Held(x) => known(x).clone(),
-            Node::Function(function, x) => known(x).apply(function),
-            Node::Power(b, e) => known(b).power(known(e)),
-            Node::Atan2(y, x) => known(y).atan2(known(x)),
+            Node::Held(x) => known(*x).clone(),
+            Node::Function(function, x) => known(*x).apply(*function),
+            Node::Power(b, e) => known(*b).power(known(*e)),
+            Node::Atan2(y, x) => known(*y).atan2(known(*x)),
         }
     }
 }

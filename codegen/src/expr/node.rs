@@ -88,14 +88,18 @@ pub enum Node {
 
 impl Node {
     /// What the node is made of.
-    pub fn operands(&self) -> Vec<Id> {
+    pub fn operands(&self) -> impl Iterator<Item = Id> + '_ {
+        (0..).map_while(|k| self.operand(k))
+    }
+
+    /// One of the nodes that it is made of, if there are so many.
+    pub(super) fn operand(&self, k: usize) -> Option<Id> {
         match self {
-            Self::Number(_) | Self::Symbol(_) => Vec::new(),
-            Self::Sum(sum) => sum.terms.iter().map(|&(id, _)| id).collect(),
-            Self::Product(factors) => factors.iter().map(|&(id, _)| id).collect(),
-            Self::Function(_, argument) | Self::Held(argument) => vec![*argument],
-            Self::Power(base, exponent) => vec![*base, *exponent],
-            Self::Atan2(y, x) => vec![*y, *x],
+            Self::Number(_) | Self::Symbol(_) => None,
+            Self::Sum(sum) => sum.terms.get(k).map(|&(id, _)| id),
+            Self::Product(factors) => factors.get(k).map(|&(id, _)| id),
+            Self::Function(_, x) | Self::Held(x) => (k == 0).then_some(*x),
+            Self::Power(x, y) | Self::Atan2(x, y) => [*x, *y].get(k).copied(),
         }
     }
 }
