@@ -23,6 +23,24 @@ pub struct Evaluation<U, I> {
 /// generator has written.
 pub type Program = [&'static [u8]; 4];
 
+/// `Copy` for a struct of numbers. `derive` would clone each field of a generic struct by itself: a twentieth of all that there is to compile.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __copied {
+    ($name:ident) => {
+        #[automatically_derived]
+        impl<T: ::core::marker::Copy> ::core::clone::Clone for $name<T> {
+            #[inline]
+            fn clone(&self) -> Self {
+                *self
+            }
+        }
+
+        #[automatically_derived]
+        impl<T: ::core::marker::Copy> ::core::marker::Copy for $name<T> {}
+    };
+}
+
 /// One step's arithmetic for one system and one scheme; `self` holds what depends on parameters and step alone.
 pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// The system's parameters.

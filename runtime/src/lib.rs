@@ -186,6 +186,7 @@ pub use system::{Control, Discretized, NoControl, Quantity, Role, State, System}
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
 pub mod __private {
+    pub use crate::__copied as copied;
     pub use crate::__serialization as serialization;
     pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
     pub use crate::error::ParameterError;

@@ -35,7 +35,7 @@ impl Random {
 }
 
 /// A run of about half a second, which saves its checkpoint all the time.
-const LONG: [&str; 9] = ["run", "heavy_top", "--duration", "1500", "--step", "0.01", "--every", "5", "--set"];
+const LONG: [&str; 9] = ["run", "heavy_top", "--duration", "600", "--step", "0.01", "--every", "5", "--set"];
 const CHECKPOINT: [&str; 4] = ["--checkpoint", "run.ck", "--save-every", "0.005"];
 
 fn long<'a>(momentum: &'a str, rest: &[&'a str]) -> Vec<&'a str> {

@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::docs;
+use super::{Names, docs};
 use crate::expr::Number;
 use crate::program::{Argument, Function, Input, Module, RecordKind, Statement, Term, Value};
 
@@ -152,7 +152,13 @@ fn record_name(kind: RecordKind, constants: Option<&Ident>) -> Ident {
 }
 
 /// The struct of a record.
-pub(super) fn record(module: &Module, kind: RecordKind, constants: Option<&Ident>) -> TokenStream {
+pub(super) fn record(
+    names: &Names,
+    module: &Module,
+    kind: RecordKind,
+    constants: Option<&Ident>,
+) -> TokenStream {
+    let private = &names.private;
     let name = record_name(kind, constants);
     let doc = docs::line(match kind {
         RecordKind::Constants => "What depends on the parameters and the step `h` alone.",
@@ -168,17 +174,7 @@ pub(super) fn record(module: &Module, kind: RecordKind, constants: Option<&Ident
     quote! {
         #doc
         pub struct #name<T> #fields
-
-        // not derived: of generic structs each field by itself would be cloned, a twentieth of all there is to compile
-        #[automatically_derived]
-        impl<T: ::core::marker::Copy> ::core::clone::Clone for #name<T> {
-            #[inline]
-            fn clone(&self) -> Self {
-                *self
-            }
-        }
-        #[automatically_derived]
-        impl<T: ::core::marker::Copy> ::core::marker::Copy for #name<T> {}
+        #private::copied!(#name);
     }
 }
 

@@ -22,7 +22,7 @@ use crate::scheme::Scheme;
 pub(super) fn derivative(names: &Names, scheme: Scheme, module: &Module, lengths: &Lengths) -> TokenStream {
     let Names { private, system: system_name, .. } = names;
     let kernel = kernel_name(names, scheme);
-    let point = record(module, RecordKind::Point, None);
+    let point = record(names, module, RecordKind::Point, None);
     let maps = Maps { module, lengths, private };
     let through = maps.through_type();
     let functions = module.functions.iter().map(|function| maps.method(function));

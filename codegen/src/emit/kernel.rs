@@ -34,7 +34,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let StepProgram { scheme, aliases, module, .. } = step;
     let name = kernel_name(names, *scheme);
     let markers = std::iter::once(scheme).chain(aliases).map(|&scheme| marker(names, scheme));
-    let record = |kind| record(module, kind, Some(&name));
+    let record = |kind| record(names, module, kind, Some(&name));
     let (constants, step_record, iterate) =
         (record(RecordKind::Constants), record(RecordKind::Step), record(RecordKind::Iterate));
     let length = |role, input| size(module.function(role).map_or(0, |function| function.length(input)));
