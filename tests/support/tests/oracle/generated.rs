@@ -12,9 +12,12 @@ use coadjoint_support::systems::Sample;
 /// group.
 struct ByHand {
     inverse: Matrix3<f64>,
-    potential: Box<dyn Fn(&[Vector3<f64>]) -> f64>,
-    by_advected: Box<dyn Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>>,
+    potential: Box<OfVectors<f64>>,
+    by_advected: Box<OfVectors<Vec<Vector3<f64>>>>,
 }
+
+/// A function of the advected vectors.
+type OfVectors<X> = dyn Fn(&[Vector3<f64>]) -> X;
 
 impl ByHand {
     fn new<S: Sample>(system: S) -> Self {
