@@ -14,15 +14,7 @@ macro_rules! cases {
     ($($case:ident)*) => {
         $(#[test]
         fn $case() {
-            let mut settings = insta::Settings::clone_current();
-            settings.set_snapshot_path("../fail");
-            settings.set_prepend_module_to_snapshot(false);
-            settings.set_omit_expression(true);
-            // lines of the library change with every edit, a dependency's version with every update
-            settings.add_filter(r"--> (runtime/src/\S+\.rs):\d+:\d+", "--> $1");
-            settings.add_filter(r"--> \S*/([a-z0-9_-]+)-\d+\.\d+\.\d+/(src/\S+\.rs):\d+:\d+", "--> $1/$2");
-            settings.add_filter(r"written to '.*'", "written to '…'");
-            settings.bind(|| insta::assert_snapshot!(stringify!($case), messages(stringify!($case))));
+            check(stringify!($case));
         })*
 
         #[test]
@@ -45,6 +37,19 @@ cases! {
     missing_inertia missing_values mixed_scalars not_smooth nothing_follows own_function own_groups retractions schemes sealed
     several_problems tuple_struct two_inertias unknown_group unknown_key unknown_method unknown_name unsupported_construct
     vector_valued_potential without_effect wrong_field_type
+}
+
+/// Compares what the compiler tells about a case with what it told.
+fn check(case: &str) {
+    let mut settings = insta::Settings::clone_current();
+    settings.set_snapshot_path("../fail");
+    settings.set_prepend_module_to_snapshot(false);
+    settings.set_omit_expression(true);
+    // lines of the library change with every edit, a dependency's version with every update
+    settings.add_filter(r"--> (runtime/src/\S+\.rs):\d+:\d+", "--> $1");
+    settings.add_filter(r"--> \S*/([a-z0-9_-]+)-\d+\.\d+\.\d+/(src/\S+\.rs):\d+:\d+", "--> $1/$2");
+    settings.add_filter(r"written to '.*'", "written to '…'");
+    settings.bind(|| insta::assert_snapshot!(case, messages(case)));
 }
 
 fn directory() -> &'static Path {
