@@ -298,7 +298,7 @@ fn a_full_disk_leaves_nothing_half_written() {
     let name = format!("out/{}", whole.files("out").pop().expect("a trajectory"));
     let sizes = [&name[..], "page.html"].map(|name| whole.bytes(name).len());
     let mut random = Random::new(4);
-    let points = times(6, 50);
+    let points = times(4, 50);
     let (mut failed, mut resumed) = (0, 0);
     for point in 0..points {
         let scratch = Scratch::new("full");

@@ -306,10 +306,12 @@ impl<'a> Substitution<'a> {
         let arena = self.arena;
         let mut known = Vec::new();
         for id in arena.post_order([root], |id| self.known.contains_key(&id)) {
-            let result = match arena.node(id) {
-                Node::Symbol(symbol) => self.replacements.get(&symbol).copied().unwrap_or(id),
-                _ => arena.rebuild(id, |operand| self.known[&operand]),
-            };
+            let replaced = arena.with_node(id, |node| match node {
+                Node::Symbol(symbol) => Some(self.replacements.get(symbol).copied().unwrap_or(id)),
+                // most of a graph stays as it is: nodes are canonical, and need not be made anew of the same operands
+                node => node.operands().all(|operand| self.known[&operand] == operand).then_some(id),
+            });
+            let result = replaced.unwrap_or_else(|| arena.rebuild(id, |operand| self.known[&operand]));
             if result != id {
                 arena.pass_role(id, result);
                 known.extend(arena.differential(id));

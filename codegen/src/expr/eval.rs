@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use super::arena::Arena;
 use super::expression::Expr;
 use super::linear::Vector;
 use super::node::{Function, Id, Node, Symbol};
@@ -28,15 +29,20 @@ pub trait Value: Clone {
 impl Expr<'_> {
     /// The value, given those of the symbols.
     pub fn evaluate<V: Value>(self, symbols: &dyn Fn(Symbol) -> V) -> V {
-        Evaluation { symbols, known: FxHashMap::default() }.visit(self)
+        let mut evaluation = Evaluation { symbols, known: FxHashMap::default() };
+        evaluation.visit(self.arena, &[self.id]);
+        evaluation.known[&self.id].clone()
     }
 }
 
 impl Vector<'_> {
     /// The values of the components, given those of the symbols; what they share is computed once.
     pub fn evaluate<V: Value>(&self, symbols: &dyn Fn(Symbol) -> V) -> Vec<V> {
+        let Some(first) = self.0.first() else { return Vec::new() };
         let mut evaluation = Evaluation { symbols, known: FxHashMap::default() };
-        self.iter().map(|expr| evaluation.visit(expr)).collect()
+        let ids: Vec<Id> = self.iter().map(|expr| expr.id).collect();
+        evaluation.visit(first.arena, &ids);
+        ids.iter().map(|id| evaluation.known[id].clone()).collect()
     }
 }
 
@@ -46,15 +52,13 @@ struct Evaluation<'f, V> {
 }
 
 impl<V: Value> Evaluation<'_, V> {
-    fn visit(&mut self, expr: Expr<'_>) -> V {
-        let arena = expr.arena;
-        let order = arena.post_order([expr.id], |id| self.known.contains_key(&id));
+    fn visit(&mut self, arena: &Arena, roots: &[Id]) {
+        let order = arena.post_order(roots.iter().copied(), |_| false);
         self.known.reserve(order.len());
         for id in order {
             let value = arena.with_node(id, |node| self.value(node));
             self.known.insert(id, value);
         }
-        self.known[&expr.id].clone()
     }
 
     /// The value of a node, when those of its operands are known.

@@ -58,6 +58,33 @@ pub(crate) struct Solution<T: Batch, U, I> {
 /// The solution of a kernel's equation.
 pub(crate) type SolutionOf<T, K> = Solution<T, <K as Kernel<T>>::Unknown, <K as Kernel<T>>::Iterate>;
 
+/// Where Newton's iteration begins.
+pub(crate) struct Beginning<T: Batch, U> {
+    /// The first approximation; in the lanes that are solved, where the equation is to be evaluated.
+    pub from: U,
+    /// The lanes that are not solved.
+    pub wanted: T::Mask,
+    /// The solution in the others, and how it was found.
+    pub unknown: U,
+    pub convergence: Convergence<T>,
+}
+
+impl<T: Batch, U: Components<T>> Beginning<T, U> {
+    /// The solution of a step's equation by Newton's iteration.
+    #[inline(always)]
+    pub(crate) fn corrected<K>(&self, kernel: &K, state: &K::State, step: &K::Step) -> SolutionOf<T, K>
+    where
+        K: Kernel<T, Unknown = U>,
+    {
+        let solution = newton::solve(kernel, state, step, &self.from, self.wanted);
+        Solution {
+            unknown: select(self.wanted, &solution.unknown, &self.unknown),
+            convergence: self.convergence.then(&solution.convergence, !self.wanted),
+            ..solution
+        }
+    }
+}
+
 /// What is remembered of the solutions of earlier steps.
 #[derive(Clone, Copy)]
 pub(crate) struct Solver<T: Batch, U> {
@@ -114,6 +141,12 @@ impl<T: Batch> Convergence<T> {
             is_sharp: none,
             is_quick: none,
         }
+    }
+
+    /// That of no iteration.
+    #[inline(always)]
+    fn of_none() -> Self {
+        Self { iterations: T::all(0), ..Self::of_one(T::of(0.0)) }
     }
 
     /// With what Newton's iteration did after it in the lanes that had not been `solved`.
@@ -178,7 +211,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     #[inline(always)]
     pub(crate) fn on_fast_path(&self, iterations: u32) -> Convergence<T> {
         if const { Self::IS_IDLE } {
-            Convergence { iterations: T::all(0), ..Convergence::of_one(T::of(0.0)) }
+            Convergence::of_none()
         } else {
             Convergence { iterations: T::all(iterations), ..Convergence::of_one(self.rate * self.tolerance) }
         }
@@ -239,32 +272,26 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         }
     }
 
-    /// The solution of a step's equation by Newton's iteration, from where fixed-point iterations ended, from where the solutions before point,
-    /// or from a first approximation.
-    pub(crate) fn correct<K>(
+    /// Where Newton's iteration begins: where fixed-point iterations ended, where the solutions before point, or at a first approximation.
+    #[inline(always)]
+    pub(crate) fn beginning(
         &self,
-        kernel: &K,
-        state: &K::State,
-        step: &K::Step,
+        blocks: &[usize],
+        start: &U,
         ended: Option<&Open<T, U>>,
-    ) -> SolutionOf<T, K>
-    where
-        K: Kernel<T, Unknown = U>,
-    {
-        let start = &kernel.start(state, step);
+    ) -> Beginning<T, U> {
         let guess = if self.remembers() { self.predictor.next() } else { *start };
-        let is_near = change::<T, _>(K::BLOCKS, &guess, start).le(T::of(1.0));
+        // unless that is far off
+        let is_near = change::<T, _>(blocks, &guess, start).le(T::of(1.0));
+        let guess = select(is_near, &guess, start);
         let Some(&Open { point, unknown, open, convergence }) = ended else {
-            // from the guess, unless that is far off
-            let from = select(is_near, &guess, start);
-            return newton::solve(kernel, state, step, &from, T::Mask::splat(true));
+            let (wanted, convergence) = (T::Mask::splat(true), Convergence::of_none());
+            return Beginning { from: guess, wanted, unknown: guess, convergence };
         };
         // from where iterations led to, unless the guess was far off
         let iterated = convergence.tried & convergence.off.le(T::of(LOST));
-        let from = select(iterated, &unknown, &select(!convergence.tried & is_near, &guess, start));
-        let solution = newton::solve(kernel, state, step, &select(open, &from, &point), open);
-        let convergence = convergence.then(&solution.convergence, !open);
-        Solution { unknown: select(open, &solution.unknown, &unknown), convergence, ..solution }
+        let from = select(iterated, &unknown, &select(convergence.tried, start, &guess));
+        Beginning { from: select(open, &from, &point), wanted: open, unknown, convergence }
     }
 
     /// The solution of a step's equation from nothing that is remembered. None if it is not found.

@@ -1,7 +1,7 @@
 //! A step that is one equation, from its kernel.
 
 use super::stopping::{is_within, select};
-use super::{Convergence, Open, QUICK, SECOND, Solution, SolutionOf, Solver, less, newton};
+use super::{Beginning, Convergence, Open, QUICK, SECOND, Solution, SolutionOf, Solver, less};
 use crate::error::StepError;
 use crate::kernel::{Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
@@ -272,24 +272,27 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
             solver.forget();
         }
         let begun = kernel.begin(state, time, control);
-        let ended = match solver.iterate(kernel, state, &begun, first) {
+        let (ended, trial) = match solver.iterate(kernel, state, &begun, first) {
             Ok(solution) => {
-                let trial = Trial::new(kernel, state, &begun, (time, control), &solution);
+                let conclusion =
+                    Conclusion { kernel, state, step: &begun, time, control, solution: &solution };
+                // in lanes it is long, and comes rarely: once for all that needs it
+                let trial = if const { T::LANES > 1 } { T::dispatch(conclusion) } else { conclusion.done() };
                 if trial.good.all() {
                     return Ok(trial.learned(solver));
                 }
-                let at = Begun { method, state, begun: &begun, time, control, known, lossy };
-                return T::dispatch(Retry { at, trial: &trial });
+                (None, Some(trial))
             }
-            Err(ended) => ended,
+            Err(ended) => (ended, None),
         };
-        let at = Begun { method, state, begun: &begun, time, control, known, lossy };
-        T::dispatch(Corrected { at, ended: ended.as_ref() })
+        let (begun, ended, trial) = (&begun, ended.as_ref(), trial.as_ref());
+        T::dispatch(Corrected { method, state, begun, time, control, known, lossy, ended, trial })
     }
 }
 
-/// A step that has begun, with what is said of it in [`Slow`].
-struct Begun<'a, T: Batch, K: Kernel<T>> {
+/// A step that fixed-point iterations do not solve, or with which something went wrong, by Newton's corrections; and what went wrong if they do
+/// not help. A function of its own, so that nothing of the others goes through memory.
+struct Corrected<'a, T: Batch, K: Kernel<T>> {
     method: &'a mut OneStep<T, K>,
     state: &'a K::State,
     begun: &'a K::Step,
@@ -297,14 +300,10 @@ struct Begun<'a, T: Batch, K: Kernel<T>> {
     control: &'a K::Control,
     known: bool,
     lossy: bool,
-}
-
-/// A step that fixed-point iterations do not solve, by Newton's corrections. A function of its own, so that nothing of the others goes through
-/// memory.
-struct Corrected<'a, T: Batch, K: Kernel<T>> {
-    at: Begun<'a, T, K>,
     /// Where iterations ended, if there were any.
     ended: Option<&'a Open<T, K::Unknown>>,
+    /// What came of the solution by iterations, if there was one.
+    trial: Option<&'a Trial<T, K>>,
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
@@ -313,14 +312,33 @@ impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> Outcome<T, K::State> {
-        let Self { mut at, ended } = self;
-        let Begun { method: OneStep { kernel, solver }, state, begun, time, control, .. } = &mut at;
-        let solution = solver.correct(kernel, state, begun, ended);
-        let trial = &Trial::new(kernel, state, begun, (*time, control), &solution);
-        if trial.good.all() {
-            return Ok(trial.learned(solver));
+        let Self { method: OneStep { kernel, solver }, state, begun, time, control, lossy, .. } = self;
+        let start = kernel.start(state, begun);
+        let at = (kernel as &_, state, begun, time, control);
+        let mut trial = match self.trial {
+            Some(trial) => *trial,
+            None => Trial::of(at, &solver.beginning(K::BLOCKS, &start, self.ended)),
+        };
+        // what is remembered saves time, and nothing else: where it misleads, once more without it
+        let remembers = self.known && solver.remembers() && !const { Solver::<T, K::Unknown>::IS_IDLE };
+        if remembers && !trial.good.all() {
+            let Trial { good, unknown, convergence, .. } = trial;
+            let from = select(good, &unknown, &start);
+            trial = trial.or(&Trial::of(at, &Beginning { from, wanted: !good, unknown, convergence }));
         }
-        T::dispatch(Retry { at, trial })
+        if trial.good.all() || (lossy && trial.good.any()) {
+            let advanced = trial.learned(solver);
+            if trial.good.all() {
+                return Ok(advanced);
+            }
+        } else if lossy {
+            solver.forget();
+        }
+        let Trial { good, unsolved, inside, .. } = trial;
+        let given = finite(state) & finite(control) & time.is_finite();
+        let Convergence { iterations, residual, .. } = trial.convergence;
+        let errors = errors::<T>([given, good, unsolved, inside], &iterations, residual);
+        Err(Failure { errors, advanced: Advanced { state: trial.next, iterations, residual } })
     }
 }
 
@@ -339,17 +357,14 @@ struct Trial<T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Trial<T, K> {
+    /// By Newton's iteration, of a step that has begun.
     #[inline(always)]
-    fn new(
-        kernel: &K,
-        state: &K::State,
-        step: &K::Step,
-        (time, control): (T, &K::Control),
-        solution: &SolutionOf<T, K>,
+    fn of(
+        (kernel, state, step, time, control): (&K, &K::State, &K::Step, T, &K::Control),
+        from: &Beginning<T, K::Unknown>,
     ) -> Self {
-        let conclusion = Conclusion { kernel, state, step, time, control, solution };
-        // in lanes it is long, and comes rarely: once for all that needs it
-        if const { T::LANES > 1 } { T::dispatch(conclusion) } else { conclusion.done() }
+        let solution = &from.corrected(kernel, state, step);
+        T::dispatch(Conclusion { kernel, state, step, time, control, solution })
     }
 
     /// This where it went well, else the same step taken in another way.
@@ -392,45 +407,6 @@ impl<T: Batch, K: Kernel<T>> Work for Conclusion<'_, T, K> {
         // a component that is not finite before the step is not finite after it
         let good = !*unsolved & inside & finite(&next) & finite(control) & time.is_finite();
         Trial { next, unknown: *unknown, convergence: *convergence, good, unsolved: *unsolved, inside }
-    }
-}
-
-/// A step with which something went wrong: once more, and what went wrong if it does again.
-struct Retry<'a, T: Batch, K: Kernel<T>> {
-    at: Begun<'a, T, K>,
-    /// What came of it.
-    trial: &'a Trial<T, K>,
-}
-
-impl<T: Batch, K: Kernel<T>> Work for Retry<'_, T, K> {
-    type Home = K;
-    type Result = Outcome<T, K::State>;
-
-    #[inline(always)]
-    fn done(self) -> Outcome<T, K::State> {
-        let Begun { method: OneStep { kernel, solver }, state, begun, time, control, known, lossy } = self.at;
-        let mut trial = *self.trial;
-        // what is remembered saves time, and nothing else: where it misleads, once more without it
-        if known && solver.remembers() && !const { Solver::<T, K::Unknown>::IS_IDLE } {
-            let from = select(trial.good, &trial.unknown, &kernel.start(state, begun));
-            let mut solution = newton::solve(kernel, state, begun, &from, !trial.good);
-            solution.convergence = trial.convergence.then(&solution.convergence, trial.good);
-            let conclusion = Conclusion { kernel, state, step: begun, time, control, solution: &solution };
-            trial = trial.or(&T::dispatch(conclusion));
-        }
-        if trial.good.all() || (lossy && trial.good.any()) {
-            let advanced = trial.learned(solver);
-            if trial.good.all() {
-                return Ok(advanced);
-            }
-        } else if lossy {
-            solver.forget();
-        }
-        let Trial { good, unsolved, inside, .. } = trial;
-        let given = finite(state) & finite(control) & time.is_finite();
-        let Convergence { iterations, residual, .. } = trial.convergence;
-        let errors = errors::<T>([given, good, unsolved, inside], &iterations, residual);
-        Err(Failure { errors, advanced: Advanced { state: trial.next, iterations, residual } })
     }
 }
 

@@ -349,55 +349,55 @@ fn functions_of_systems_compute_their_expressions() {
     }
 }
 
-/// The linear maps of every derivative, by the interpreter, against the linearization that they were made from.
+/// The linear maps of every derivative, by the interpreter, against the linearization that they were made from. Each kind of system with one of
+/// the retractions in turn: that linearizations are right is tested with all.
 #[test]
 fn derivatives_compute_their_linearization() {
-    for (seed, description) in (91..).zip(all_kinds()) {
-        for retraction in Retraction::ALL {
-            let arena = Arena::new();
-            let system = description.system(&arena);
-            let step = family::step(&arena, &system, retraction, Member::MIDPOINT);
-            let linearization = Linearization::new(&arena, &system, &step, Derivatives::ALL);
-            let inputs = Inputs::of(&system);
-            let module = kernel::derivative(&arena, &step, &linearization, Derivatives::ALL, inputs);
-            let adjoint = linearization.adjoint(&arena);
-            let changes = [&linearization.state, &linearization.control, &linearization.parameters];
+    for ((seed, description), retraction) in (91..).zip(all_kinds()).zip(Retraction::ALL.into_iter().cycle())
+    {
+        let arena = Arena::new();
+        let system = description.system(&arena);
+        let step = family::step(&arena, &system, retraction, Member::MIDPOINT);
+        let linearization = Linearization::new(&arena, &system, &step, Derivatives::ALL);
+        let inputs = Inputs::of(&system);
+        let module = kernel::derivative(&arena, &step, &linearization, Derivatives::ALL, inputs);
+        let adjoint = linearization.adjoint(&arena);
+        let changes = [&linearization.state, &linearization.control, &linearization.parameters];
 
-            let mut point = random_point(&system, seed);
-            let random = &mut Random::new(seed);
-            point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
-            for symbols in [&step.unknown, &adjoint.next].into_iter().chain(changes) {
-                point.set(&symbols.symbols(), &Column::random(symbols.len(), random));
-            }
-            let given = given(&system, &point)
-                .with(Input::StepSize, [point.scalar(step.h)])
-                .with(Input::Unknown, point.vector(&step.unknown).0)
-                .with(Input::StatePerturbation, point.vector(changes[0]).0)
-                .with(Input::ControlPerturbation, point.vector(changes[1]).0)
-                .with(Input::ParameterPerturbation, point.vector(changes[2]).0)
-                .with(Input::Costate, point.vector(&adjoint.next).0);
+        let mut point = random_point(&system, seed);
+        let random = &mut Random::new(seed);
+        point.set(&Vector(vec![step.h]).symbols(), &Column(vec![Real::ratio(1, 10)]));
+        for symbols in [&step.unknown, &adjoint.next].into_iter().chain(changes) {
+            point.set(&symbols.symbols(), &Column::random(symbols.len(), random));
+        }
+        let given = given(&system, &point)
+            .with(Input::StepSize, [point.scalar(step.h)])
+            .with(Input::Unknown, point.vector(&step.unknown).0)
+            .with(Input::StatePerturbation, point.vector(changes[0]).0)
+            .with(Input::ControlPerturbation, point.vector(changes[1]).0)
+            .with(Input::ParameterPerturbation, point.vector(changes[2]).0)
+            .with(Input::Costate, point.vector(&adjoint.next).0);
 
-            let Matrices { through, columns } = linearization.matrices(&arena, Derivatives::ALL);
-            let mut expected = vec![
-                (Role::Tangent, vec![linearization.next.clone()]),
-                (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
-            ];
-            expected.extend(through.map(|columns| (Role::Through, columns)));
-            let roles = [Role::WrtState, Role::WrtControl, Role::WrtParameters];
-            for (role, columns) in roles.into_iter().zip(columns) {
-                let columns = columns.map(|columns| columns.into_iter().flat_map(<[_; 2]>::from).collect());
-                expected.extend(columns.map(|columns| (role, columns)));
-            }
-            let computed = linear_maps(&module, &given);
-            assert_eq!(computed.len(), expected.len());
-            for (role, vectors) in expected {
-                let direct: Vec<Column> = vectors.iter().map(|vector| point.vector(vector)).collect();
-                let stacked = |all: &[Column]| Column::stack(all.iter().collect::<Vec<_>>());
-                let (computed, direct) = (stacked(&computed[&role]), stacked(&direct));
-                let difference = relative(&computed, &direct);
-                let what = format!("{}, {}, {role:?}", description.name, retraction.name());
-                assert!(difference < Real::ten_to(-69), "{what}: {difference:?}");
-            }
+        let Matrices { through, columns } = linearization.matrices(&arena, Derivatives::ALL);
+        let mut expected = vec![
+            (Role::Tangent, vec![linearization.next.clone()]),
+            (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
+        ];
+        expected.extend(through.map(|columns| (Role::Through, columns)));
+        let roles = [Role::WrtState, Role::WrtControl, Role::WrtParameters];
+        for (role, columns) in roles.into_iter().zip(columns) {
+            let columns = columns.map(|columns| columns.into_iter().flat_map(<[_; 2]>::from).collect());
+            expected.extend(columns.map(|columns| (role, columns)));
+        }
+        let computed = linear_maps(&module, &given);
+        assert_eq!(computed.len(), expected.len());
+        for (role, vectors) in expected {
+            let direct: Vec<Column> = vectors.iter().map(|vector| point.vector(vector)).collect();
+            let stacked = |all: &[Column]| Column::stack(all.iter().collect::<Vec<_>>());
+            let (computed, direct) = (stacked(&computed[&role]), stacked(&direct));
+            let difference = relative(&computed, &direct);
+            let what = format!("{}, {}, {role:?}", description.name, retraction.name());
+            assert!(difference < Real::ten_to(-69), "{what}: {difference:?}");
         }
     }
 }

@@ -160,12 +160,12 @@ fn near_zero<T: Float>(count: usize) {
 
 #[test]
 fn near_zero_f64() {
-    near_zero::<f64>(500);
+    near_zero::<f64>(200);
 }
 
 #[test]
 fn near_zero_f32() {
-    near_zero::<f32>(300);
+    near_zero::<f32>(150);
 }
 
 /// Where one polynomial gives way to another, and the longer one to sine and cosine.
@@ -198,12 +198,12 @@ fn oscillating<T: Float>(count: usize) {
 
 #[test]
 fn oscillating_f64() {
-    oscillating::<f64>(500);
+    oscillating::<f64>(200);
 }
 
 #[test]
 fn oscillating_f32() {
-    oscillating::<f32>(300);
+    oscillating::<f32>(150);
 }
 
 fn hyperbolic<T: Float>(count: usize) {
@@ -215,13 +215,13 @@ fn hyperbolic<T: Float>(count: usize) {
 
 #[test]
 fn hyperbolic_f64() {
-    hyperbolic::<f64>(500);
+    hyperbolic::<f64>(200);
     require::<f64>("-4e5 < z < -7000", 4.2, spread(80.0, 630.0, 20).map(|angle| -angle * angle));
 }
 
 #[test]
 fn hyperbolic_f32() {
-    hyperbolic::<f32>(300);
+    hyperbolic::<f32>(150);
 }
 
 #[test]

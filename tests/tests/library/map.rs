@@ -256,7 +256,7 @@ where
     };
     let mut warm = system.stepper::<M>(1.0).unwrap();
     let (mut worst, mut compared) = (0.0_f64, 0);
-    for step in 0..100_000 {
+    for step in 0..50_000 {
         let before = state;
         warm.step(&mut state).unwrap_or_else(|error| panic!("step {step} from {before:?}: {error}"));
         let [turns, moves] = [before.attitude_momentum.amax(), before.position_momentum.amax()];

@@ -37,6 +37,7 @@ twins! {
         hamiltonian = momentum.dot(&momentum.component_mul(&mobility)) / 2.0 + field.dot(&momentum)
             + bending * momentum.x.powi(3) * tilt,
         methods(Midpoint, SymplecticEulerB, TangentLift),
+        retractions(Cayley),
         derivatives(controls, parameters)
     ],
     control(field: R3 = Vector3<f64>, tilt: f64 = f64),
@@ -52,6 +53,7 @@ twins! {
             + belt * pose.translation.x.powi(2) + mass * pose.translation.y,
         force = -drag * velocity,
         methods(Midpoint, SymplecticEulerB, TangentLift),
+        retractions(Cayley),
         derivatives(controls, parameters)
     ],
     control(belt: f64 = f64),
@@ -66,6 +68,7 @@ twins! {
         advected(gamma: R3),
         potential = weight * gamma.dot(&chi),
         methods(Midpoint, SymplecticEulerB, TangentLift),
+        retractions(Exponential),
         derivatives(controls, parameters)
     ],
     control(weight: f64 = f64),
@@ -81,6 +84,7 @@ twins! {
             + field * (position.x * velocity.y - position.y * velocity.x) - position.norm_squared() / 2.0
             - field * position.x,
         methods(Midpoint, SymplecticEulerB, TangentLift),
+        retractions(Exponential),
         derivatives(controls, parameters)
     ],
     control(field: f64 = f64),
@@ -270,25 +274,25 @@ impl Controlled<2> for Point {
 
 /// Steps, functions, derivatives and claims.
 macro_rules! is_as_with_parameters {
-    ($name:ident, $system:ident) => {
+    ($name:ident, $system:ident, $retraction:ty) => {
         #[test]
         fn $name() {
             functions_agree::<$system, _>(1);
-            steps_agree::<Exponential, $system, _>(2);
-            steps_agree::<Midpoint<Cayley>, $system, _>(3);
-            steps_agree::<SymplecticEulerB<Cayley>, $system, _>(3);
-            steps_agree::<TangentLift<Cayley>, $system, _>(4);
-            derivatives_agree!($system, Exponential, Midpoint<Cayley>, TangentLift<Exponential>);
-            certified::<Cayley, $system, _>(6);
-            certified::<Midpoint<Exponential>, $system, _>(6);
-            certified::<TangentLift<Cayley>, $system, _>(6);
+            steps_agree::<$retraction, $system, _>(2);
+            steps_agree::<Midpoint<$retraction>, $system, _>(3);
+            steps_agree::<SymplecticEulerB<$retraction>, $system, _>(3);
+            steps_agree::<TangentLift<$retraction>, $system, _>(4);
+            derivatives_agree!($system, $retraction, Midpoint<$retraction>, TangentLift<$retraction>);
+            certified::<$retraction, $system, _>(6);
+            certified::<Midpoint<$retraction>, $system, _>(6);
+            certified::<TangentLift<$retraction>, $system, _>(6);
         }
     };
 }
-is_as_with_parameters!(controls_of_a_left_invariant_hamiltonian, Spin);
-is_as_with_parameters!(controls_of_a_hamiltonian_with_a_force, Cart);
-is_as_with_parameters!(controls_of_a_potential, Top);
-is_as_with_parameters!(controls_of_a_lagrangian, Point);
+is_as_with_parameters!(controls_of_a_left_invariant_hamiltonian, Spin, Cayley);
+is_as_with_parameters!(controls_of_a_hamiltonian_with_a_force, Cart, Cayley);
+is_as_with_parameters!(controls_of_a_potential, Top, Exponential);
+is_as_with_parameters!(controls_of_a_lagrangian, Point, Exponential);
 
 /// Whatever turns a spin, its momentum in space is constant; so it is, up to the rounding of its turning back, with steps that carry it.
 #[test]

@@ -1,4 +1,4 @@
-//! The paper's numbered methods of chapters 3, 5 and 6, as they are generated, against the same methods from definitions alone: ten steps, both
+//! The paper's numbered methods of chapters 3, 5 and 6, as they are generated, against the same methods from definitions alone: five steps, both
 //! retractions, and five members of every family. What the definitions know of a system is its energy and its force, as plain functions.
 
 use coadjoint::generic::{
@@ -11,9 +11,9 @@ use coadjoint::{Control, Discretized, Family, RightLift, State, System};
 use coadjoint_support::dual::AnyStep;
 use coadjoint_support::random::Random;
 
-/// The largest difference after ten steps, of values of the size of 1.
+/// The largest difference after five steps, of values of the size of 1.
 const AGREE: f64 = 1e-13;
-const STEPS: u32 = 10;
+const STEPS: u32 = 5;
 const STEP: f64 = 0.1;
 
 /// A configuration as a matrix, and its momentum.
@@ -62,7 +62,7 @@ where
     }
 }
 
-/// Ten steps of the scheme `M`, each with a control of its own, beside those of the generic stepper.
+/// Five steps of the scheme `M`, each with a control of its own, beside those of the generic stepper.
 fn follow<S, M, G, R, H, const N: usize, const D: usize>(
     of: (&S, S::State),
     controls: &[S::Control],

@@ -11,7 +11,9 @@ use super::real::Real;
 pub struct Solver<'s, 'a> {
     step: &'s Step<'a>,
     unknown: Vec<Symbol>,
-    /// `left − right` and its Jacobian by columns.
+    /// `left − right`
+    residual: Vector<'a>,
+    /// The same, and its Jacobian by columns.
     equations: Vector<'a>,
 }
 
@@ -21,9 +23,9 @@ impl<'s, 'a> Solver<'s, 'a> {
         let unknown = step.unknown.symbols();
         let residual = &step.left - &step.right;
         let jacobian = residual.jacobian(&unknown);
-        let mut equations = residual.0;
+        let mut equations = residual.0.clone();
         equations.extend((0..unknown.len()).flat_map(|j| jacobian.column(j).0));
-        Self { step, unknown, equations: Vector(equations) }
+        Self { step, unknown, residual, equations: Vector(equations) }
     }
 
     /// The point with its unknown solved for: parameters, step size and state are given.
@@ -35,16 +37,26 @@ impl<'s, 'a> Solver<'s, 'a> {
     pub fn solve_from(&self, point: &Point, start: &Column) -> Point {
         let n = self.unknown.len();
         let mut solved = point.with(&self.unknown, start);
-        // what quadratic convergence leaves behind after a correction this small is below all digits
-        let small = Real::ten_to(-40);
+        // A Jacobian serves on once corrections are small: it is off by as much as the first of them, and so leaves that times the next one.
+        let (near, roundoff) = (Real::ten_to(-20), Real::ten_to(-71));
+        let mut jacobian = None;
         for _ in 0..20 {
-            let values = solved.vector(&self.equations);
-            let columns: Vec<Column> = (0..n).map(|j| values.part(n + j * n, n)).collect();
-            let correction = Matrix::from_columns(&columns).solve(&values.part(0, n));
+            let (residual, kept) = match jacobian.take() {
+                Some(kept) => (solved.vector(&self.residual), Some(kept)),
+                None => (solved.vector(&self.equations), None),
+            };
+            let (matrix, off) = kept.unwrap_or_else(|| {
+                let columns: Vec<Column> = (0..n).map(|j| residual.part(n + j * n, n)).collect();
+                (Matrix::from_columns(&columns), None)
+            });
+            let correction = matrix.solve(&residual.part(0, n));
             solved = solved.with(&self.unknown, &(&solved.get(&self.unknown) - &correction));
-            if correction.norm() < small {
+            let size = correction.norm();
+            let off = off.unwrap_or_else(|| size.clone());
+            if &size * &off < roundoff {
                 return solved;
             }
+            jacobian = (off < near).then_some((matrix, Some(off)));
         }
         panic!("Newton's method does not converge");
     }

@@ -117,6 +117,10 @@ impl Value for Real {
         let integer = |n: i128| Self(f256::from(n));
         match number.fraction() {
             Some((numerator, 1)) => integer(numerator),
+            // exact, and much faster than a division
+            Some((numerator, denominator)) if denominator.is_positive() && denominator.count_ones() == 1 => {
+                Self(f256::from(numerator).div_pow2(denominator.trailing_zeros()))
+            }
             Some((numerator, denominator)) => integer(numerator) / integer(denominator),
             None => Self::from(number.to_f64()),
         }
@@ -131,7 +135,16 @@ impl Value for Real {
     }
 
     fn powi(&self, exponent: i32) -> Self {
-        Self(self.0.powi(exponent))
+        let x = self.0;
+        // nearly all of them, much faster than in general
+        Self(match exponent {
+            2 => x * x,
+            3 => x * x * x,
+            4 => (x * x) * (x * x),
+            -1 => f256::ONE / x,
+            -2 => f256::ONE / (x * x),
+            _ => x.powi(exponent),
+        })
     }
 
     fn apply(&self, function: Function) -> Self {
