@@ -172,7 +172,7 @@ fn derivatives_are_what_they_were() {
         let description = descriptions(&source).pop().expect("one");
         (format!("derivatives({asked})"), description)
     });
-    let of_tests = described("tests/tests/systems").into_iter().filter(|(file, _)| file == "derivatives");
+    let of_tests = described("tests/tests/derivatives").into_iter().filter(|(file, _)| file == "derivatives");
     assert_same("derivatives", some.into_iter().chain(of_tests));
 }
 

@@ -1,6 +1,7 @@
 //! What the tests share: systems to test on, deterministic random numbers, measures of what comes out.
 
 pub mod dual;
+pub mod families;
 pub mod measure;
 pub mod precise;
 pub mod random;
@@ -11,7 +12,11 @@ use coadjoint::__private::Scalar;
 
 /// The array of what `value` gives for each index.
 pub fn array<T: Scalar, C: Components<T>>(mut value: impl FnMut(usize) -> T) -> C {
-    let mut array = C::splat(T::of(0.0));
-    array.as_mut().iter_mut().enumerate().for_each(|(index, entry)| *entry = value(index));
+    let (mut array, mut index) = (C::splat(T::of(0.0)), 0);
+    // a loop over places: chains of iterators take longer to compile than all else here, and this is compiled for each use
+    while index < C::LENGTH {
+        array.as_mut()[index] = value(index);
+        index += 1;
+    }
     array
 }

@@ -4,7 +4,7 @@ use coadjoint::certify::{Claims, certify};
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
-use coadjoint_codegen::group::{MatrixGroup, family};
+use coadjoint_support::families::of_family;
 
 /// A free body on a group: its type, its example, and the matrices of its basis.
 macro_rules! body {
@@ -111,20 +111,6 @@ body!(
 );
 body!(Planes, PlanesState, (semidirect(turn: SL(2), v: R2, w: dual(R2))), Exponential, 6, 7,
     [1.0, 2.5, 1.9, 1.3, 2.8, 2.2, 1.6], [-0.07, 0.23, 0.03, -0.17, 0.13, -0.07, 0.23]);
-
-/// The matrices of a basis.
-fn matrices(group: &MatrixGroup, dimension: usize) -> Vec<DMatrix<f64>> {
-    let n = group.size();
-    let entry = |axis, i, j| {
-        let (numerator, denominator) = group.basis_entry(axis, i, j);
-        numerator as f64 / denominator as f64
-    };
-    (0..dimension).map(|axis| DMatrix::from_fn(n, n, |i, j| entry(axis, i, j))).collect()
-}
-
-pub(super) fn of_family(name: &str, dimension: usize) -> Vec<DMatrix<f64>> {
-    matrices(family(name).expect("there is one"), dimension)
-}
 
 /// Both as blocks.
 fn beside(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {

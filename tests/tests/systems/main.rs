@@ -2,10 +2,7 @@
 
 mod arrays;
 mod bases;
-mod controlled;
-mod derivatives;
 mod families;
 mod lagrangian;
 mod numbered;
 mod paper;
-mod tangent_lifts;

@@ -15,6 +15,7 @@ use coadjoint::system::Role;
 use coadjoint::{Control, Discretized, RightLift, State, System, TangentLift};
 use coadjoint_support::array;
 use coadjoint_support::dual::{self, AnyStep, Input};
+use coadjoint_support::families::of_family;
 use coadjoint_support::random::Random;
 use coadjoint_systems::*;
 
@@ -535,7 +536,7 @@ fn groups_of_matrices_have_derivatives_too() {
     let (vehicle, start, control) = known::<Navigation, navigation::Navigation>();
     agrees_with_differences::<_, StormerVerlet<Cayley>>((vehicle, start, control), (0.0, 0.05), displaced);
     // derivatives are with respect to `g exp δ` of right-invariant systems too
-    let basis = super::families::of_family("SU3", 8);
+    let basis = of_family("SU3", 8);
     let (atom, start, control) = known::<ThreeLevelAtom, three_level_atom::ThreeLevelAtom>();
     // between the pulses
     let atom = ThreeLevelAtom { detuning: 1e7, two_photon_detuning: 3e6, ..atom };
