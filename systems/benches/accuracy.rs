@@ -1,4 +1,4 @@
-//! What accuracy costs: `cargo bench --bench accuracy`.
+//! What accuracy costs: `cargo bench --features bench --bench accuracy`.
 //!
 //! The free rigid body of the paper over 1800 s, attitude included: compositions of high order against DOP853, the method of order 8 with a
 //! variable step of Hairer, Nørsett and Wanner, as the crate `ode_solvers` has it. Errors are those of all components at the end, against

@@ -1,4 +1,4 @@
-//! What generating a step is worth: `cargo bench --bench generic`, with `-- quadrotor` for one system. Each system's generated steps, and the same
+//! What generating a step is worth: `cargo bench --no-default-features --features divan --bench generic`, with `-- quadrotor` for one system. Each system's generated steps, and the same
 //! steps taken by the generic stepper, which has its derivatives by hand but no closed form of anything else. Both are compared first.
 // a benchmark that cannot be made is to say so
 #![allow(clippy::unwrap_used)]

@@ -1,72 +1,53 @@
-//! The Stumpff functions against their defining series, summed with hundreds of digits.
+//! The Stumpff functions against their defining series, summed with 71 digits.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use astro_float::{BigFloat, RoundingMode, Sign};
 use coadjoint::__private::family;
 use coadjoint::nalgebra::RealField;
+use coadjoint_codegen::expr::{Function, Value};
+use coadjoint_support::precise::real::Real;
 use num_dual::Dual2_64;
 
 /// The members of the largest family.
 const MEMBERS: usize = 12;
 
-const NEAREST: RoundingMode = RoundingMode::ToEven;
+/// `1/m!`
+static INVERSE_FACTORIALS: LazyLock<Vec<Real>> = LazyLock::new(|| {
+    let next = |inverse: &mut Real, m: i64| {
+        *inverse = &*inverse / Real::from(m);
+        Some(inverse.clone())
+    };
+    std::iter::once(Real::from(1)).chain((1..2500).scan(Real::from(1), next)).collect()
+});
 
-/// The definition at some working precision, in bits.
-struct Reference {
-    precision: usize,
-    inverse_factorial: Vec<BigFloat>,
-}
-
-impl Reference {
-    fn new(precision: usize) -> Self {
-        let mut inverse_factorial = vec![BigFloat::from_f64(1.0, precision)];
-        for m in 1..2 * precision {
-            let divisor = BigFloat::from_f64(m as f64, precision);
-            inverse_factorial.push(inverse_factorial[m - 1].div(&divisor, precision, NEAREST));
+/// The definition. What cancels in the series of a positive `z` are terms as large as `e^√z`: up to 1000 that leaves 40 digits and more. Beyond, the
+/// first two members are sums in closed form, cosine and sine, and the next ones follow from these: `c_{k+2} = (1/k! − c_k) / z`.
+fn exact(z: &Real) -> [Real; MEMBERS + 1] {
+    if Real::from(1000) < *z {
+        let angle = z.sqrt();
+        let mut all = std::array::from_fn(|_| angle.apply(Function::Cos));
+        all[1] = angle.apply(Function::Sin) / &angle;
+        for k in 2..=MEMBERS {
+            all[k] = (&INVERSE_FACTORIALS[k - 2] - &all[k - 2]) / z;
         }
-        Reference { precision, inverse_factorial }
+        return all;
     }
-
-    /// The cheapest that leaves 200 correct bits at `z`: terms are as large as `e^√|z|`, and for positive `z`
-    /// all but cancel.
-    fn at(z: f64) -> &'static Self {
-        static LEVELS: LazyLock<[Reference; 4]> =
-            LazyLock::new(|| [256, 512, 1024, 2304].map(Reference::new));
-        let needed = 230.0 + 2.0 * z.abs().sqrt();
-        LEVELS.iter().find(|level| level.precision as f64 >= needed).expect("z is small enough")
-    }
-
-    fn family(&self, z: &BigFloat) -> [BigFloat; MEMBERS + 1] {
-        let p = self.precision;
-        let mut sums = std::array::from_fn(|_| BigFloat::from_f64(0.0, p));
-        let mut power = BigFloat::from_f64(1.0, p);
-        for j in 0.. {
-            let mut negligible = true;
-            for (k, sum) in sums.iter_mut().enumerate() {
-                let term = power.mul(&self.inverse_factorial[k + 2 * j], p, NEAREST);
-                negligible &= term.is_zero() || term.exponent().is_some_and(|e| i64::from(e) < -(p as i64));
-                *sum = sum.add(&term, p, NEAREST);
-            }
-            if negligible {
-                break;
-            }
-            power = power.mul(&z.neg(), p, NEAREST);
+    let mut sums = std::array::from_fn(|_| Real::from(0));
+    let mut power = Real::from(1);
+    for j in 0.. {
+        let mut negligible = true;
+        for (k, sum) in sums.iter_mut().enumerate() {
+            let term = &power * &INVERSE_FACTORIALS[k + 2 * j];
+            negligible &= term.is_negligible();
+            *sum = &*sum + term;
         }
-        sums
+        if negligible {
+            break;
+        }
+        power = -(power * z);
     }
-}
-
-/// `x` to about 60 bits.
-fn to_f64(x: &BigFloat) -> f64 {
-    if x.is_zero() {
-        return 0.0;
-    }
-    let (words, _, sign, exponent, _) = x.as_raw_parts().expect("a finite number");
-    let leading = words[words.len() - 1] as f64 / 2f64.powi(64);
-    let magnitude = leading * 2f64.powi(exponent);
-    if sign == Sign::Neg { -magnitude } else { magnitude }
+    sums
 }
 
 trait Float: RealField + Copy + Into<f64> {
@@ -112,13 +93,12 @@ fn largest_errors<T: Float>(points: impl IntoIterator<Item = T>) -> [(f64, f64);
     let mut largest = [(0.0, 0.0); MEMBERS];
     for z in points {
         let at: f64 = z.into();
-        let reference = Reference::at(at);
-        let p = reference.precision;
-        let exact = reference.family(&BigFloat::from_f64(at, p));
+        let exact = exact(&Real::from(at));
+        let sizes = exact.each_ref().map(|member| member.to_f64().abs());
         for members in families(z) {
             for (k, &value) in members.iter().enumerate() {
-                let error = to_f64(&BigFloat::from_f64(value.into(), p).sub(&exact[k], p, NEAREST)).abs();
-                let scale = if k == 0 && at >= 1.0 { 1.0 } else { to_f64(&exact[k]).abs() };
+                let error = (Real::from(value.into()) - &exact[k]).to_f64().abs();
+                let scale = if k == 0 && at >= 1.0 { 1.0 } else { sizes[k] };
                 let error = error / (T::EPSILON * scale);
                 // negated, so that NaN counts as an error
                 if !matches!(error.partial_cmp(&largest[k].0), Some(std::cmp::Ordering::Less)) {
@@ -238,15 +218,11 @@ fn values_at_zero_are_the_nearest_to_inverse_factorials() {
 #[test]
 fn derivatives_are_members() {
     for z in [-60.0, -7.0, -1.5, -0.06, 1e-9, 0.04, 0.9, 2.9, 11.0, 150.0] {
-        let reference = Reference::at(1e5);
-        let p = reference.precision;
-        let center = BigFloat::from_f64(z, p);
-        let offset = BigFloat::from_f64(2f64.powi(-100), p);
-        let after = reference.family(&center.add(&offset, p, NEAREST));
-        let before = reference.family(&center.sub(&offset, p, NEAREST));
+        let [center, offset] = [z, 2f64.powi(-70)].map(Real::from);
+        let (after, before) = (exact(&(&center + &offset)), exact(&(&center - &offset)));
         let c = family::<f64, MEMBERS>(z);
         for k in 0..MEMBERS - 2 {
-            let quotient = to_f64(&after[k].sub(&before[k], p, NEAREST)) * 2f64.powi(99);
+            let quotient = (&after[k] - &before[k]).to_f64() * 2f64.powi(69);
             let derivative = (k as f64 * c[k + 2] - c[k + 1]) / 2.0;
             let scale = (k as f64 * c[k + 2]).abs() + c[k + 1].abs();
             assert!((derivative - quotient).abs() <= 3.0 * f64::EPSILON * scale, "c_{k}′({z})");

@@ -66,9 +66,16 @@ impl Real {
         self.0.abs() < f256::EPSILON.div_pow2(32)
     }
 
-    /// The nearest double, or almost: what is measured is reported so.
+    /// The nearest double, or almost.
     pub fn to_f64(&self) -> f64 {
-        self.to_string().parse().unwrap_or(f64::NAN)
+        if !self.is_finite() {
+            return self.to_string().parse().unwrap_or(f64::NAN);
+        }
+        let (sign, exponent, (high, low)) = self.0.as_sign_exp_signif();
+        let size = high as f64 * 2_f64.powi(128) + low as f64;
+        // in two steps, for the power alone may be too small
+        let size = size * 2_f64.powi(exponent / 2) * 2_f64.powi(exponent - exponent / 2);
+        if sign == 0 { size } else { -size }
     }
 
     /// `c_k(self) = Σ_j (−self)^j / (k + 2j)!`, the definition.
