@@ -69,7 +69,7 @@ impl Example for PlanarPendulum {
 }
 
 /// A body in space: a rigid motion.
-#[lie_poisson_system(group = SE3, methods(Midpoint))]
+#[lie_poisson_system(group = SE3, retractions(Cayley))]
 pub(crate) struct RigidBodyInSpace {
     /// Inertia of turning and moving together.
     #[inertia]

@@ -1,5 +1,6 @@
 //! The tests of the generator from outside, in one binary: it is linked once.
 
+mod alone;
 mod bounds;
 mod bytes;
 mod calculus;

@@ -20,7 +20,7 @@ use crate::scalar::{Batch, Components, Mask, Real, Work};
 pub(crate) use fixed_point::Open;
 use fixed_point::{Iterated, SHARP};
 use predictor::Predictor;
-use stopping::{change, select, weights};
+use stopping::{change, relative, select, weights};
 
 /// Steps between two measurements of the rate of contraction: at first, and in the long run.
 const INTERVALS: [u16; 2] = [16, 1024];
@@ -281,8 +281,9 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         ended: Option<&Open<T, U>>,
     ) -> Beginning<T, U> {
         let guess = if self.remembers() { self.predictor.next() } else { *start };
-        // unless that is far off
-        let is_near = change::<T, _>(blocks, &guess, start).le(T::of(1.0));
+        // unless that is far off; rest may stand for a velocity that is not known
+        let is_rest = relative::<T, _>(blocks, start, &guess).le(T::of(0.0));
+        let is_near = change::<T, _>(blocks, &guess, start).le(T::of(1.0)) | is_rest;
         let guess = select(is_near, &guess, start);
         let Some(&Open { point, unknown, open, convergence }) = ended else {
             let (wanted, convergence) = (T::Mask::splat(true), Convergence::of_none());

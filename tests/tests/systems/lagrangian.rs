@@ -430,6 +430,21 @@ fn velocities_without_a_closed_form_are_found() {
     assert!((point.energy(&state) - before).abs() < 1e-6 * before, "{:e}", point.energy(&state) - before);
 }
 
+/// Though no closed form tells where to begin.
+#[test]
+fn newtons_iteration_begins_where_earlier_solutions_point() {
+    let point = Relativistic { mass: 2.0, stiffness: 1.0 };
+    let rest = RelativisticState { position: vector![0.3, -0.1], momentum: vector![0.0, 0.0] };
+    let mut state = point.with_velocity(&rest, &vector![0.1, 0.4]).expect("slower than light");
+    let mut stepper = point.stepper::<Exponential>(0.02).expect("a stepper");
+    let mut iterations = |steps: u32| -> u32 {
+        (0..steps).map(|_| stepper.step(&mut state).expect("a step").iterations).sum()
+    };
+    let first = iterations(1);
+    iterations(20);
+    assert!(first > 3 && iterations(200) <= 2 * 200, "{first} in the first step");
+}
+
 #[test]
 fn a_singular_transform_is_an_error() {
     let (growing, momentum) = (Growing {}, vector![1.0]);
