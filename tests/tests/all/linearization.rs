@@ -74,11 +74,12 @@ fn trivialized(system: &System<'_>, state: &Column, change: &Column) -> Column {
     Column(all)
 }
 
-fn schemes(retraction: Retraction) -> Vec<Scheme> {
-    let members = [(0, 1), (1, 2), (1, 1), (3, 10)];
+/// Members of the family; of tangent lifts, which begin as these do and end otherwise, one of three in turn.
+fn schemes(retraction: Retraction, turn: u64) -> Vec<Scheme> {
+    let ends = [(0, 1), (1, 2), (1, 1)];
     let member = |(n, d)| Member::new(n, d).expect("between 0 and 1");
-    let rules = members.into_iter().map(|s| Rule::Family(member(s)));
-    let rules = rules.chain([(0, 1), (1, 2), (1, 1)].map(|s| Rule::TangentLift(member(s))));
+    let rules = ends.into_iter().chain([(3, 10)]).map(|s| Rule::Family(member(s)));
+    let rules = rules.chain([Rule::TangentLift(member(ends[turn as usize % 3]))]);
     rules.map(|rule| Scheme { retraction, rule }).collect()
 }
 
@@ -130,10 +131,10 @@ fn derivatives_are_those_of_the_step(name: &str) {
     let mut kinds = (51..).zip(all_kinds());
     let (seed, description) = kinds.find(|(_, kind)| kind.name == name).expect("it is there");
     let mut residuals = Residuals::new();
-    for retraction in Retraction::ALL {
+    for (retraction, turn) in Retraction::ALL.into_iter().zip(seed..) {
         let arena = Arena::new();
         let system = description.system(&arena);
-        for scheme in schemes(retraction) {
+        for scheme in schemes(retraction, turn) {
             let step = scheme.step(&arena, &system);
             check(&arena, &system, &step, seed, &mut residuals);
         }

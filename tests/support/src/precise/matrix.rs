@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Index, Mul, Neg, Sub};
 
+use coadjoint_codegen::expr::Value;
+
 use super::real::Real;
 use crate::random::Random;
 
@@ -181,19 +183,24 @@ impl Matrix {
         largest(&self.entries)
     }
 
-    /// `Σ coefficient(k) self^k`, until terms no longer count.
+    /// `Σ coefficient(k) self^k`, until terms no longer count: in blocks of eight terms, which need a product for each power and each block.
     pub fn series(&self, coefficient: impl Fn(usize) -> Real) -> Self {
-        let mut power = Self::identity(self.rows);
-        let mut total = power.scale(&coefficient(0));
-        for k in 1.. {
-            power = &power * self;
-            let term = power.scale(&coefficient(k));
-            total = &total + &term;
-            if term.norm().is_negligible() {
-                break;
-            }
+        const BLOCK: usize = 8;
+        let mut powers = vec![Self::identity(self.rows)];
+        for k in 0..BLOCK {
+            powers.push(&powers[k] * self);
         }
-        total
+        // how large terms may be
+        let size = |i: usize| (0..self.columns).fold(Real::from(0), |sum, j| sum + self.at(i, j).abs());
+        let sizes: Vec<Real> = (0..self.rows).map(size).collect();
+        let (norm, mut bound, mut blocks) = (largest(&sizes).powi(BLOCK as i32), Real::from(1), 0);
+        while blocks == 0 || !(&bound * coefficient(BLOCK * blocks)).is_negligible() {
+            (bound, blocks) = (bound * &norm, blocks + 1);
+        }
+        (0..blocks).rev().fold(powers[0].scale(&Real::from(0)), |sum, block| {
+            let terms = (0..BLOCK).map(|k| powers[k].scale(&coefficient(BLOCK * block + k)));
+            terms.fold(&sum * &powers[BLOCK], |sum, term| &sum + &term)
+        })
     }
 
     /// `exp self = Σ self^k / k!`
