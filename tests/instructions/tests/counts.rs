@@ -35,11 +35,15 @@ fn steps_need_no_more_instructions() {
     let before = std::fs::read_to_string(&path).unwrap_or_default();
     let mut now = String::new();
     let mut differences = Vec::new();
-    for line in before.lines() {
-        let (case, count) = line.rsplit_once(": ").unwrap();
+    let cases = before.lines().map(|line| line.rsplit_once(": ").unwrap());
+    // what comes before the steps, and the first of them, are in both
+    let count = |case| (counted(case, 5_000) - counted(case, 1_000)) / 4_000.0;
+    let presents: Vec<f64> = std::thread::scope(|scope| {
+        let counts: Vec<_> = cases.clone().map(|(case, _)| scope.spawn(move || count(case))).collect();
+        counts.into_iter().map(|count| count.join().unwrap()).collect()
+    });
+    for ((case, count), present) in cases.zip(presents) {
         let count: f64 = count.parse().unwrap();
-        // what comes before the steps, and the first of them, are in both
-        let present = (counted(case, 5_000) - counted(case, 1_000)) / 4_000.0;
         println!("{case}: {present:.1} instructions per step, {count:.1} before");
         writeln!(now, "{case}: {present:.1}").unwrap();
         let growth = present / count - 1.0;
