@@ -410,9 +410,13 @@ fn every_block_of_every_system_is_that_of_dual_numbers() {
     );
     check::<described::SatelliteWithWheels, Midpoint<Exponential>>(&mut worst);
     check::<described::SpinChain, Midpoint<Cayley>>(&mut worst);
-    // and both where bodies and spaces differ most
+    // and both where factors, bodies and spaces differ most
     check::<described::HeavyTop, Midpoint<Exponential>>(&mut worst);
     check::<described::HeavyTop, StormerVerlet<Exponential>>(&mut worst);
+    check::<described::RigidBodyInSpace, Midpoint<Cayley>>(&mut worst);
+    check::<described::RigidBodyInSpace, StormerVerlet<Cayley>>(&mut worst);
+    check::<described::Gyrostat, Midpoint<Exponential>>(&mut worst);
+    check::<described::Gyrostat, StormerVerlet<Exponential>>(&mut worst);
     check::<Flow, StormerVerlet<Exponential>>(&mut worst);
     check::<Sledge, StormerVerlet<Exponential>>(&mut worst);
     check::<Sledge, TangentLift<Exponential>>(&mut worst);

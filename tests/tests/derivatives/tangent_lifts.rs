@@ -299,7 +299,7 @@ fn tangent_lifts_are_tangent_maps_of_the_discretization() {
     }
 }
 
-/// The order on every group, with two retractions in turn, and that steps stay on the group.
+/// The order on every group, and that steps stay on the group.
 mod orders {
     use coadjoint::composition::Order6;
     use coadjoint::nalgebra::{Isometry2, Isometry3, Translation2, Translation3, UnitComplex, Vector6};
@@ -373,6 +373,8 @@ mod orders {
         S: System<Scalar = f64>
             + Discretized<Order6<Exponential>>
             + Discretized<TangentLift>
+            + Discretized<TangentLift<Cayley>>
+            + Discretized<TangentLift<Exponential, 1, 4>>
             + Discretized<TangentLift<Cayley, 1, 4>>
             + Discretized<TangentMidpoint>
             + Discretized<TangentMidpoint<Cayley>>,
@@ -380,6 +382,8 @@ mod orders {
         let reference = after::<S, Order6<Exponential>>(system, start, 200);
         let slopes = [
             (1.0, order::<S, TangentLift>(system, start, &reference)),
+            (1.0, order::<S, TangentLift<Cayley>>(system, start, &reference)),
+            (1.0, order::<S, TangentLift<Exponential, 1, 4>>(system, start, &reference)),
             (1.0, order::<S, TangentLift<Cayley, 1, 4>>(system, start, &reference)),
             (2.0, order::<S, TangentMidpoint>(system, start, &reference)),
             (2.0, order::<S, TangentMidpoint<Cayley>>(system, start, &reference)),

@@ -6,6 +6,8 @@ use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_support::families::of_family;
 
+use crate::reference::reference;
+
 /// A free body on a group: its type, its example, and the matrices of its basis.
 macro_rules! body {
     ($name:ident, $state:ident, ($($group:tt)+), $retraction:ident, $rows:literal, $dimension:literal, $inertia:expr, $momentum:expr) => {
@@ -168,24 +170,7 @@ fn integrated(basis: &[DMatrix<f64>], inertia: &[f64], state: &[f64], time: f64)
         let moved = (g * &x).transpose();
         DVector::from_iterator(n * n + d, moved.iter().copied().chain((0..d).map(change)))
     };
-    let run = |steps: u32| {
-        let h = time / f64::from(steps);
-        (0..steps).fold(DVector::from_row_slice(state), |x, _| {
-            let k1 = field(&x);
-            let k2 = field(&(&x + &k1 * (h / 2.0)));
-            let k3 = field(&(&x + &k2 * (h / 2.0)));
-            let k4 = field(&(&x + &k3 * h));
-            x + (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0)
-        })
-    };
-    extrapolated([60, 120, 240].map(run))
-}
-
-/// Without the terms of orders 4 and 5 of the error of RK4, whose numbers of steps double: the error left is below 1e-13.
-pub(super) fn extrapolated([coarse, middle, fine]: [DVector<f64>; 3]) -> DVector<f64> {
-    let [coarse, fine] =
-        [[&coarse, &middle], [&middle, &fine]].map(|[long, short]| short + (short - long) / 15.0);
-    &fine + (&fine - coarse) / 31.0
+    reference(&DVector::from_row_slice(state), time, 60, field)
 }
 
 /// What certificates say of it.

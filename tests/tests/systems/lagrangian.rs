@@ -16,6 +16,8 @@ use coadjoint_support::precise::real::Real;
 use coadjoint_support::precise::residuals::Residuals;
 use quote::quote;
 
+use crate::reference::reference;
+
 /// Systems by their Lagrangian and by the energy that belongs to it, inverted by hand.
 fn pairs() -> Vec<[Description; 2]> {
     let top = quote! { struct Top { #[inertia] inertia: Vector3<f64>, chi: Vector3<f64> } };
@@ -195,37 +197,6 @@ struct Rods {
     gravity: f64,
 }
 
-/// Runge and Kutta's method of order 4, with the attitudes as quaternions.
-fn runge_kutta<const N: usize>(
-    mut y: SVector<f64, N>,
-    time: f64,
-    steps: u32,
-    field: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
-) -> SVector<f64, N> {
-    let h = time / f64::from(steps);
-    for _ in 0..steps {
-        let k1 = field(&y);
-        let k2 = field(&(y + k1 * (h / 2.0)));
-        let k3 = field(&(y + k2 * (h / 2.0)));
-        let k4 = field(&(y + k3 * h));
-        y += (k1 + (k2 + k3) * 2.0 + k4) * (h / 6.0);
-    }
-    y
-}
-
-/// The limit of three runs, each with half the step of the one before, without the terms of orders 4 and 5 of the error.
-fn reference<const N: usize>(
-    start: SVector<f64, N>,
-    time: f64,
-    steps: u32,
-    field: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
-) -> SVector<f64, N> {
-    let [coarse, middle, fine] = [1, 2, 4].map(|k| runge_kutta(start, time, k * steps, &field));
-    let [coarse, fine] =
-        [[coarse, middle], [middle, fine]].map(|[long, short]| short + (short - long) / 15.0);
-    fine + (fine - coarse) / 31.0
-}
-
 /// `q'` of an attitude `q` that turns with a velocity in the body.
 fn turning(q: &[f64], velocity: &Vector3<f64>) -> [f64; 4] {
     let q = coadjoint::nalgebra::Quaternion::new(q[0], q[1], q[2], q[3]);
@@ -295,7 +266,7 @@ fn a_body_with_a_moving_mass_obeys_newton_and_euler() {
     let [m] = data.0;
     let y = SVector::from([1.0, 0.0, 0.0, 0.0, m[0], m[1], m[2], 0.3, 0.5]);
     let time = 2.0;
-    let y = reference(y, time, 250, field);
+    let y = reference(&y, time, 250, field);
     // in the order of the state: attitude, its momentum, the slider, its momentum
     let expected = [y[0], y[1], y[2], y[3], y[4], y[5], y[6], y[7], shaker.mass * y[8]];
     let expected = [&expected[..4], &expected[4..7], &expected[7..]].concat();
@@ -369,7 +340,7 @@ fn a_spherical_double_pendulum_obeys_newton_and_euler() {
     let y =
         coordinates(&rest.first).into_iter().chain(coordinates(&rest.second)).chain(velocity.iter().copied());
     let time = 1.0;
-    let y = reference(SVector::from_iterator(y), time, 500, field);
+    let y = reference(&SVector::from_iterator(y), time, 500, field);
     // the same coordinates from a state: attitudes and velocities
     let error = |state: Vec<f64>| {
         let components: [f64; 14] = state.try_into().expect("two attitudes and momenta");

@@ -6,3 +6,4 @@ mod families;
 mod lagrangian;
 mod numbered;
 mod paper;
+mod reference;

@@ -105,7 +105,7 @@ pub(super) struct Quadrotor {
     pub(super) gravity: f64,
 }
 
-#[lie_poisson_system(group = SE3, methods(Midpoint), retractions(Exponential), derivatives)]
+#[lie_poisson_system(group = SE3, methods(Midpoint), derivatives)]
 pub(super) struct RigidBodyInSpace {
     #[inertia]
     pub(super) inertia: Matrix6<f64>,
@@ -117,7 +117,7 @@ pub(super) struct RigidBodyInSpace {
         let of_body = attitude_momentum - rotor_momentum.x * axis;
         0.5 * of_body.dot(&of_body.component_div(&inertia)) + rotor_momentum.norm_squared() / (2.0 * rotor_inertia)
     },
-    methods(Midpoint), retractions(Cayley), derivatives,
+    methods(Midpoint), derivatives,
 )]
 pub(super) struct Gyrostat {
     pub(super) inertia: Vector3<f64>,
