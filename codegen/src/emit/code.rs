@@ -12,6 +12,12 @@ pub(super) fn size(length: usize) -> Literal {
     Literal::usize_unsuffixed(length)
 }
 
+/// For what a step is made of. It is always inlined, so that it is compiled for the processor that its caller is compiled for; but not where it is
+/// compiled for debugging, which that would make twice as long.
+pub(super) fn inlined() -> TokenStream {
+    quote! { #[cfg_attr(not(debug_assertions), inline(always))] }
+}
+
 /// Words that generated functions use for themselves, and the language's.
 #[rustfmt::skip]
 const RESERVED: &[&str] = &[

@@ -3,7 +3,7 @@
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
-use super::code::{array, arrays, body, kept, record, size};
+use super::code::{array, arrays, body, inlined, kept, record, size};
 use super::kernel::kernel_name;
 use super::{Names, docs};
 use crate::program::{Function, Input, Module, RecordKind, Role, Term};
@@ -28,7 +28,7 @@ pub(super) fn derivative(names: &Names, scheme: Scheme, module: &Module, lengths
     let functions = module.functions.iter().map(|function| maps.method(function));
     let no_through = module.function(Role::Through).is_none().then(|| {
         quote! {
-            #[inline(always)]
+            #[inline]
             fn through(_: &Point<T>) -> #through {
                 []
             }
@@ -88,9 +88,10 @@ impl Maps<'_> {
             _ => ("The derivative with respect to state", self.matrix(function, self.lengths.state)),
         };
         let doc = docs::line(&format!("{purpose}: {operations}."));
+        let inlined = inlined();
         quote! {
             #doc
-            #[inline(always)]
+            #inlined
             #method
         }
     }

@@ -3,7 +3,7 @@
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::code::{array, arrays, body, kept, record, size, term};
+use super::code::{array, arrays, body, inlined, kept, record, size, term};
 use super::schemes::marker;
 use super::{Names, bytecode, docs};
 use crate::program::{Function, Input, Module, RecordKind, Role, StepProgram};
@@ -92,7 +92,7 @@ fn method(module: &Module, function: &Function, name: &Ident) -> TokenStream {
     let body = body(module, function, Some(name));
     let result = result(module, function, name);
     // what is called once is left to the compiler
-    let inline = (!matches!(function.role, Role::New | Role::Start)).then(|| quote! { #[inline(always)] });
+    let inline = (!matches!(function.role, Role::New | Role::Start)).then(inlined);
     quote! {
         #doc
         #inline
@@ -192,7 +192,7 @@ fn bounded(bounded: &[bool]) -> Option<TokenStream> {
     (!bounded.is_empty()).then(|| {
         quote! {
             /// Rotations stay of unit length.
-            #[inline(always)]
+            #[inline]
             fn is_bounded(component: usize) -> bool {
                 ::core::matches!(component, #(#bounded)|*)
             }

@@ -6,7 +6,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
-use super::code::size;
+use super::code::{inlined, size};
 use super::{Names, docs, fields, function, quantity, whole};
 use crate::model::{Role as QuantityRole, StoredAs};
 use crate::parse::Shape;
@@ -96,6 +96,7 @@ fn record(
     let Conversion { take, elements, give } = arrays(parts, names);
     let quantities = parts.iter().map(|part| quantity(names, part));
     let serialization = serialization(name, parts, names);
+    let inlined = inlined();
     quote! {
         #doc
         #[derive(
@@ -116,13 +117,13 @@ fn record(
             type Components = [#scalar; #size];
             const QUANTITIES: &'static [#private::Quantity] = &[#(#quantities),*];
 
-            #[inline(always)]
+            #inlined
             fn to_components(&self) -> [#scalar; #size] {
                 #(#take)*
                 [#(#elements),*]
             }
 
-            #[inline(always)]
+            #inlined
             fn from_components(components: &[#scalar; #size]) -> Self {
                 let [#(#elements),*] = *components;
                 Self { #(#give),* }
