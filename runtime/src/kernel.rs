@@ -122,6 +122,26 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     }
 }
 
+/// A kernel: [`Kernel::new`], compiled once, and for the processor that the kernel is for.
+pub(crate) fn new<T: Batch, K: Kernel<T>>(parameters: &K::Parameters, step: T) -> K {
+    T::dispatch(New { parameters, step })
+}
+
+struct New<'a, T: Batch, K: Kernel<T>> {
+    parameters: &'a K::Parameters,
+    step: T,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for New<'_, T, K> {
+    type Home = K;
+    type Result = K;
+
+    #[inline(always)]
+    fn done(self) -> K {
+        K::new(self.parameters, self.step)
+    }
+}
+
 /// A step's equation at one state, to be solved for its unknown.
 pub(crate) trait Equation<U> {
     /// What the correction needs of an evaluation.

@@ -91,11 +91,10 @@ fn method(module: &Module, function: &Function, name: &Ident) -> TokenStream {
     let signature = signature(function);
     let body = body(module, function, Some(name));
     let result = result(module, function, name);
-    // what is called once is left to the compiler
-    let inline = (!matches!(function.role, Role::New | Role::Start)).then(inlined);
+    let inlined = inlined();
     quote! {
         #doc
-        #inline
+        #inlined
         #signature {
             #body
             #result

@@ -6,7 +6,7 @@ use std::vec::Vec;
 use super::system::At;
 use crate::bytecode::{Machine, Wide};
 use crate::flat::array;
-use crate::kernel::{AtState, Corrected, Evaluation, Kernel, Program};
+use crate::kernel::{self, AtState, Corrected, Evaluation, Kernel, Program};
 use crate::solve::Solver;
 
 /// A step's equation at one state, on slices, for those who look at it closely.
@@ -107,7 +107,8 @@ pub(crate) fn equation<K: Kernel<f64>>(
     time: f64,
     control: &[f64],
 ) -> Box<dyn Equation> {
-    let (kernel, state, control) = (K::new(&array(parameters), step), array(state), array(control));
+    let kernel: K = kernel::new(&array(parameters), step);
+    let (state, control) = (array(state), array(control));
     let begun = kernel.begin(&state, time, &control);
     Box::new(([], KernelEquation { kernel, state, begun }))
 }

@@ -3,7 +3,7 @@
 use super::stopping::{is_within, select};
 use super::{Beginning, Convergence, Open, QUICK, SECOND, Solution, SolutionOf, Solver, less};
 use crate::error::StepError;
-use crate::kernel::{Evaluation, Kernel};
+use crate::kernel::{self, Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Components, LongWork, Mask, Real, Work};
@@ -23,7 +23,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     type Control = K::Control;
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
-        Self { kernel: K::new(parameters, step), solver: Solver::default() }
+        Self { kernel: kernel::new(parameters, step), solver: Solver::default() }
     }
 
     #[inline(always)]
@@ -272,62 +272,79 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
             solver.forget();
         }
         let begun = kernel.begin(state, time, control);
+        let conclude = |solution| Conclusion { kernel, state, step: &begun, time, control, solution };
         let (ended, trial) = match solver.iterate(kernel, state, &begun, first) {
             Ok(solution) => {
-                let conclusion =
-                    Conclusion { kernel, state, step: &begun, time, control, solution: &solution };
-                // in lanes it is long, and comes rarely: once for all that needs it
-                let trial = if const { T::LANES > 1 } { T::dispatch(conclusion) } else { conclusion.done() };
+                let trial = conclude(&solution).here();
                 if trial.good.all() {
-                    return Ok(trial.learned(solver));
+                    return Ok(trial.learned(K::BLOCKS, solver));
+                }
+                (None, Some(trial))
+            }
+            // there is nothing else to be tried
+            Err(_) if const { !K::HAS_FIXED_POINT_UPDATE } => {
+                let beginning = solver.beginning(K::BLOCKS, &kernel.start(state, &begun), None);
+                let trial = conclude(&beginning.corrected(kernel, state, &begun)).here();
+                if trial.good.all() {
+                    return Ok(trial.learned(K::BLOCKS, solver));
                 }
                 (None, Some(trial))
             }
             Err(ended) => (ended, None),
         };
-        let (begun, ended, trial) = (&begun, ended.as_ref(), trial.as_ref());
-        T::dispatch(Corrected { method, state, begun, time, control, known, lossy, ended, trial })
+        T::dispatch(Corrected {
+            begun: &BegunStep { kernel: &*kernel, state, step: &begun, time, control },
+            state,
+            time,
+            control: control.as_ref(),
+            blocks: K::BLOCKS,
+            solver,
+            known,
+            lossy,
+            ended: ended.as_ref(),
+            trial: trial.as_ref(),
+        })
     }
 }
 
 /// A step that fixed-point iterations do not solve, or with which something went wrong, by Newton's corrections; and what went wrong if they do
-/// not help. A function of its own, so that nothing of the others goes through memory.
-struct Corrected<'a, T: Batch, K: Kernel<T>> {
-    method: &'a mut OneStep<T, K>,
-    state: &'a K::State,
-    begun: &'a K::Step,
+/// not help. A function of its own, once for all steps with as many unknowns and numbers of a state.
+struct Corrected<'a, T: Batch, U, S> {
+    begun: &'a dyn Begun<T, U, S>,
+    state: &'a S,
     time: T,
-    control: &'a K::Control,
+    control: &'a [T],
+    blocks: &'static [usize],
+    solver: &'a mut Solver<T, U>,
     known: bool,
     lossy: bool,
     /// Where iterations ended, if there were any.
-    ended: Option<&'a Open<T, K::Unknown>>,
+    ended: Option<&'a Open<T, U>>,
     /// What came of the solution by iterations, if there was one.
-    trial: Option<&'a Trial<T, K>>,
+    trial: Option<&'a Trial<T, U, S>>,
 }
 
-impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
-    type Home = K;
-    type Result = Outcome<T, K::State>;
+impl<T: Batch, U: Components<T>, S: Components<T>> Work for Corrected<'_, T, U, S> {
+    type Home = ();
+    type Result = Outcome<T, S>;
 
     #[inline(always)]
-    fn done(self) -> Outcome<T, K::State> {
-        let Self { method: OneStep { kernel, solver }, state, begun, time, control, lossy, .. } = self;
-        let start = kernel.start(state, begun);
-        let at = (kernel as &_, state, begun, time, control);
-        let mut trial = match self.trial {
+    fn done(self) -> Outcome<T, S> {
+        let Self { begun, state, time, control, blocks, solver, known, lossy, ended, trial } = self;
+        let start = begun.start();
+        let mut trial = match trial {
             Some(trial) => *trial,
-            None => Trial::of(at, &solver.beginning(K::BLOCKS, &start, self.ended)),
+            None => begun.corrected(&solver.beginning(blocks, &start, ended)),
         };
         // what is remembered saves time, and nothing else: where it misleads, once more without it
-        let remembers = self.known && solver.remembers() && !const { Solver::<T, K::Unknown>::IS_IDLE };
+        let remembers = known && solver.remembers() && !const { Solver::<T, U>::IS_IDLE };
         if remembers && !trial.good.all() {
             let Trial { good, unknown, convergence, .. } = trial;
             let from = select(good, &unknown, &start);
-            trial = trial.or(&Trial::of(at, &Beginning { from, wanted: !good, unknown, convergence }));
+            trial = trial.or(&begun.corrected(&Beginning { from, wanted: !good, unknown, convergence }));
         }
         if trial.good.all() || (lossy && trial.good.any()) {
-            let advanced = trial.learned(solver);
+            let advanced = trial.learned(blocks, solver);
             if trial.good.all() {
                 return Ok(advanced);
             }
@@ -335,19 +352,85 @@ impl<T: Batch, K: Kernel<T>> Work for Corrected<'_, T, K> {
             solver.forget();
         }
         let Trial { good, unsolved, inside, .. } = trial;
-        let given = finite(state) & finite(control) & time.is_finite();
         let Convergence { iterations, residual, .. } = trial.convergence;
+        let mut given = finite(state) & time.is_finite();
+        for number in control {
+            given = given & number.is_finite();
+        }
         let errors = errors::<T>([given, good, unsolved, inside], &iterations, residual);
         Err(Failure { errors, advanced: Advanced { state: trial.next, iterations, residual } })
     }
 }
 
+/// A step that has begun, through a table: for code that is compiled once for all kernels.
+///
+/// `extern "C"`, for such functions do not unwind: steps are without panics, which a call through a table would hide.
+trait Begun<T: Batch, U, S> {
+    /// A first approximation of the unknown.
+    extern "C" fn start(&self) -> U;
+    /// The step, solved by Newton's iteration.
+    extern "C" fn corrected(&self, beginning: &Beginning<T, U>) -> Trial<T, U, S>;
+}
+
+/// A step of a kernel that has begun.
+struct BegunStep<'a, T: Batch, K: Kernel<T>> {
+    kernel: &'a K,
+    state: &'a K::State,
+    step: &'a K::Step,
+    time: T,
+    control: &'a K::Control,
+}
+
+// called from here alone
+#[allow(improper_ctypes_definitions)]
+impl<T: Batch, K: Kernel<T>> Begun<T, K::Unknown, K::State> for BegunStep<'_, T, K> {
+    extern "C" fn start(&self) -> K::Unknown {
+        if const { T::LANES > 1 } { T::dispatch(Start(self)) } else { Start(self).done() }
+    }
+
+    extern "C" fn corrected(&self, beginning: &Beginning<T, K::Unknown>) -> Trial<T, K::Unknown, K::State> {
+        let attempt = Attempt { start: self, beginning };
+        if const { T::LANES > 1 } { T::dispatch(attempt) } else { attempt.done() }
+    }
+}
+
+/// [`Begun::start`], compiled for the processor that the kernel is for.
+struct Start<'a, T: Batch, K: Kernel<T>>(&'a BegunStep<'a, T, K>);
+
+impl<T: Batch, K: Kernel<T>> Work for Start<'_, T, K> {
+    type Home = K;
+    type Result = K::Unknown;
+
+    #[inline(always)]
+    fn done(self) -> K::Unknown {
+        self.0.kernel.start(self.0.state, self.0.step)
+    }
+}
+
+/// A step that is solved by Newton's iteration.
+struct Attempt<'a, T: Batch, K: Kernel<T>> {
+    start: &'a BegunStep<'a, T, K>,
+    beginning: &'a Beginning<T, K::Unknown>,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Attempt<'_, T, K> {
+    type Home = K;
+    type Result = Trial<T, K::Unknown, K::State>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let BegunStep { kernel, state, step, time, control } = *self.start;
+        let solution = &self.beginning.corrected(kernel, state, step);
+        T::dispatch(Conclusion { kernel, state, step, time, control, solution })
+    }
+}
+
 /// A step whose equation is solved.
 #[derive(Clone, Copy)]
-struct Trial<T: Batch, K: Kernel<T>> {
+struct Trial<T: Batch, U, S> {
     /// The state after it.
-    next: K::State,
-    unknown: K::Unknown,
+    next: S,
+    unknown: U,
     convergence: Convergence<T>,
     /// The lanes in which nothing went wrong.
     good: T::Mask,
@@ -356,17 +439,7 @@ struct Trial<T: Batch, K: Kernel<T>> {
     inside: T::Mask,
 }
 
-impl<T: Batch, K: Kernel<T>> Trial<T, K> {
-    /// By Newton's iteration, of a step that has begun.
-    #[inline(always)]
-    fn of(
-        (kernel, state, step, time, control): (&K, &K::State, &K::Step, T, &K::Control),
-        from: &Beginning<T, K::Unknown>,
-    ) -> Self {
-        let solution = &from.corrected(kernel, state, step);
-        T::dispatch(Conclusion { kernel, state, step, time, control, solution })
-    }
-
+impl<T: Batch, U: Components<T>, S: Components<T>> Trial<T, U, S> {
     /// This where it went well, else the same step taken in another way.
     #[inline(always)]
     fn or(&self, other: &Self) -> Self {
@@ -377,9 +450,9 @@ impl<T: Batch, K: Kernel<T>> Trial<T, K> {
 
     /// Where the step has led to, of which the solver learns.
     #[inline(always)]
-    fn learned(&self, solver: &mut Solver<T, K::Unknown>) -> Advanced<T, K::State> {
+    fn learned(&self, blocks: &[usize], solver: &mut Solver<T, U>) -> Advanced<T, S> {
         let Convergence { iterations, residual, .. } = self.convergence;
-        solver.learn(&self.unknown, K::BLOCKS, &self.convergence);
+        solver.learn(&self.unknown, blocks, &self.convergence);
         Advanced { state: self.next, iterations, residual }
     }
 }
@@ -394,12 +467,20 @@ struct Conclusion<'a, T: Batch, K: Kernel<T>> {
     solution: &'a SolutionOf<T, K>,
 }
 
+impl<T: Batch, K: Kernel<T>> Conclusion<'_, T, K> {
+    /// In lanes it is long, and comes rarely: once for all that needs it.
+    #[inline(always)]
+    fn here(self) -> Trial<T, K::Unknown, K::State> {
+        if const { T::LANES > 1 } { T::dispatch(self) } else { self.done() }
+    }
+}
+
 impl<T: Batch, K: Kernel<T>> Work for Conclusion<'_, T, K> {
     type Home = K;
-    type Result = Trial<T, K>;
+    type Result = Trial<T, K::Unknown, K::State>;
 
     #[inline(always)]
-    fn done(self) -> Trial<T, K> {
+    fn done(self) -> Self::Result {
         let Self { kernel, state, step, time, control, solution } = self;
         let Solution { unknown, evaluation, convergence, unsolved } = solution;
         let next = kernel.finish(state, step, unknown, evaluation);
