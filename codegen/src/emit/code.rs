@@ -13,7 +13,7 @@ pub(super) fn size(length: usize) -> Literal {
 }
 
 /// For what a step is made of. It is always inlined, so that it is compiled for the processor that its caller is compiled for; but not where it is
-/// compiled for debugging, which that would make twice as long.
+/// compiled for debugging, which would take half as long again.
 pub(super) fn inlined() -> TokenStream {
     quote! { #[cfg_attr(not(debug_assertions), inline(always))] }
 }

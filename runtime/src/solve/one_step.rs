@@ -272,10 +272,10 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
             solver.forget();
         }
         let begun = kernel.begin(state, time, control);
-        let conclude = |solution| Conclusion { kernel, state, step: &begun, time, control, solution };
-        let (ended, trial) = match solver.iterate(kernel, state, &begun, first) {
+        let begun = &BegunStep { kernel: &*kernel, state, step: &begun, time, control };
+        let (ended, trial) = match solver.iterate(kernel, state, begun.step, first) {
             Ok(solution) => {
-                let trial = conclude(&solution).here();
+                let trial = Conclusion { begun, solution: &solution }.here();
                 if trial.good.all() {
                     return Ok(trial.learned(K::BLOCKS, solver));
                 }
@@ -283,8 +283,9 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
             }
             // there is nothing else to be tried
             Err(_) if const { !K::HAS_FIXED_POINT_UPDATE } => {
-                let beginning = solver.beginning(K::BLOCKS, &kernel.start(state, &begun), None);
-                let trial = conclude(&beginning.corrected(kernel, state, &begun)).here();
+                let beginning = solver.beginning(K::BLOCKS, &kernel.start(state, begun.step), None);
+                let solution = &beginning.corrected(kernel, state, begun.step);
+                let trial = Conclusion { begun, solution }.here();
                 if trial.good.all() {
                     return Ok(trial.learned(K::BLOCKS, solver));
                 }
@@ -293,7 +294,7 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
             Err(ended) => (ended, None),
         };
         T::dispatch(Corrected {
-            begun: &BegunStep { kernel: &*kernel, state, step: &begun, time, control },
+            begun,
             state,
             time,
             control: control.as_ref(),
@@ -389,7 +390,7 @@ impl<T: Batch, K: Kernel<T>> Begun<T, K::Unknown, K::State> for BegunStep<'_, T,
     }
 
     extern "C" fn corrected(&self, beginning: &Beginning<T, K::Unknown>) -> Trial<T, K::Unknown, K::State> {
-        let attempt = Attempt { start: self, beginning };
+        let attempt = Attempt { begun: self, beginning };
         if const { T::LANES > 1 } { T::dispatch(attempt) } else { attempt.done() }
     }
 }
@@ -409,7 +410,7 @@ impl<T: Batch, K: Kernel<T>> Work for Start<'_, T, K> {
 
 /// A step that is solved by Newton's iteration.
 struct Attempt<'a, T: Batch, K: Kernel<T>> {
-    start: &'a BegunStep<'a, T, K>,
+    begun: &'a BegunStep<'a, T, K>,
     beginning: &'a Beginning<T, K::Unknown>,
 }
 
@@ -419,9 +420,9 @@ impl<T: Batch, K: Kernel<T>> Work for Attempt<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        let BegunStep { kernel, state, step, time, control } = *self.start;
-        let solution = &self.beginning.corrected(kernel, state, step);
-        T::dispatch(Conclusion { kernel, state, step, time, control, solution })
+        let Self { begun, beginning } = self;
+        let solution = &beginning.corrected(begun.kernel, begun.state, begun.step);
+        T::dispatch(Conclusion { begun, solution })
     }
 }
 
@@ -459,11 +460,7 @@ impl<T: Batch, U: Components<T>, S: Components<T>> Trial<T, U, S> {
 
 /// The end of a step, from the solution of its equation.
 struct Conclusion<'a, T: Batch, K: Kernel<T>> {
-    kernel: &'a K,
-    state: &'a K::State,
-    step: &'a K::Step,
-    time: T,
-    control: &'a K::Control,
+    begun: &'a BegunStep<'a, T, K>,
     solution: &'a SolutionOf<T, K>,
 }
 
@@ -481,7 +478,7 @@ impl<T: Batch, K: Kernel<T>> Work for Conclusion<'_, T, K> {
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        let Self { kernel, state, step, time, control, solution } = self;
+        let Self { begun: &BegunStep { kernel, state, step, time, control }, solution } = self;
         let Solution { unknown, evaluation, convergence, unsolved } = solution;
         let next = kernel.finish(state, step, unknown, evaluation);
         let inside = is_inside(kernel, state, step, unknown, evaluation);
