@@ -1,6 +1,6 @@
 //! Newton's iteration with corrections that are halved where they are too long, in all lanes.
 
-use super::newton::STAGNATION;
+use super::newton::{STAGNATION, is_roundoff};
 use super::stopping::{ROUNDOFF, relative, select};
 use super::{Convergence, Solution, count};
 use crate::kernel::{Corrected, Equation};
@@ -95,12 +95,13 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Equation<U>>(
         evaluations += 1;
         let better = then.lt(convergence.residual);
         let missed = open & !better;
-        let quadratic = (T::of(16.0) * (moved * moved)).le(T::of(T::EPSILON));
         if missed.any() {
             unknown = select(open & better, &trial, &unknown);
             convergence.residual = T::select(open & better, then, convergence.residual);
             // the full correction was small and did not help: what is left is what rounding leaves
-            let near = convergence.residual.le(stagnation) & (quadratic | missed) & T::of(1.0).le(scale);
+            let near =
+                is_roundoff(convergence.residual, moved) | (missed & convergence.residual.le(stagnation));
+            let near = near & T::of(1.0).le(scale);
             open = open & !(convergence.residual.le(roundoff) | near);
             if asked == Terms::Unasked && evaluations > 1 && (missed & open).any() {
                 asked = Terms::Perturbed;
@@ -121,7 +122,7 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Equation<U>>(
         } else {
             // nearly always; where nothing is open it was evaluated again where it was
             (unknown, convergence.residual) = (trial, then);
-            let near = convergence.residual.le(stagnation) & quadratic & T::of(1.0).le(scale);
+            let near = is_roundoff(convergence.residual, moved) & T::of(1.0).le(scale);
             open = open & !(convergence.residual.le(roundoff) | near);
         }
         if evaluations == MAX_EVALUATIONS {
@@ -154,6 +155,38 @@ pub(super) fn solve<T: Batch, U: Components<T>, E: Equation<U>>(
             let shorter = unknown.as_ref()[i] - scale * correction.as_ref()[i];
             trial.as_mut()[i] = T::select(open, shorter, unknown.as_ref()[i]);
             i += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::Evaluation;
+
+    /// `exp(64 (x − 1)) = 1`, of which each correction leaves 32 times its square.
+    struct Curved;
+
+    impl Equation<[f64; 1]> for Curved {
+        type Iterate = f64;
+
+        fn evaluate(&self, [x]: &[f64; 1]) -> Evaluation<[f64; 1], f64> {
+            let left = (64.0 * (x - 1.0)).exp();
+            Evaluation { residual: [left - 1.0], right: [1.0], iterate: 64.0 * left }
+        }
+
+        fn correction(&self, _: &[f64; 1], evaluation: &Evaluation<[f64; 1], f64>) -> [f64; 1] {
+            [evaluation.residual[0] / evaluation.iterate]
+        }
+    }
+
+    #[test]
+    fn what_a_short_correction_leaves_is_not_taken_for_roundoff() {
+        let mut from = 1e-6;
+        while from < 1e-2 {
+            let solution = solve(&Curved, &[1], &[1.0 + from], true);
+            assert!(!solution.unsolved && solution.convergence.residual <= 8.0 * f64::EPSILON, "{from:e}");
+            from *= 1.03;
         }
     }
 }

@@ -8,6 +8,10 @@ use crate::scalar::{Batch, Components, Mask, Work};
 
 /// A residual up to here may be roundoff, in units of epsilon, where the last correction says that no more is left.
 pub(super) const STAGNATION: f64 = 256.0;
+/// A residual up to here makes hardly a difference, in units of epsilon.
+const SMALL: f64 = 8.0;
+/// What the square of the last correction is multiplied by for what is left after it: where hardly a difference is made, and where much is.
+const CURVATURE: [f64; 2] = [16.0, 1_048_576.0];
 /// Evaluations of a step that is easy to solve, and one more.
 const REGULAR: u32 = 8;
 
@@ -22,6 +26,15 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     wanted: T::Mask,
 ) -> SolutionOf<T, K> {
     T::dispatch(Newton { equation: AtState { kernel, state, step }, start, wanted })
+}
+
+/// Whether a residual is down to roundoff: or near to it, after a correction of this size whose square is below it.
+#[inline(always)]
+pub(super) fn is_roundoff<T: Batch>(residual: T, moved: T) -> T::Mask {
+    let [epsilon, square] = [T::of(T::EPSILON), moved * moved];
+    let is_left = |curvature: f64| (T::of(curvature) * square).le(epsilon);
+    let [small, large] = [SMALL, STAGNATION].map(|bound| residual.le(T::of(bound) * epsilon));
+    residual.le(T::of(ROUNDOFF) * epsilon) | (small & is_left(CURVATURE[0])) | (large & is_left(CURVATURE[1]))
 }
 
 struct Newton<'a, T: Batch, K: Kernel<T>> {
@@ -42,7 +55,7 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
         if const { T::LANES > 1 } {
             return damped::solve(&equation, K::BLOCKS, start, wanted);
         }
-        let (roundoff, stagnation) = (T::of(ROUNDOFF * T::EPSILON), T::of(STAGNATION * T::EPSILON));
+        let stagnation = T::of(STAGNATION * T::EPSILON);
         let (mut unknown, mut trial, mut unsolved) = (*start, *start, T::Mask::splat(false));
         let mut convergence = Convergence::of_one(T::of(f64::INFINITY));
         convergence.iterations = T::all(0);
@@ -55,11 +68,10 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             }
             let then = relative::<T, _>(K::BLOCKS, &evaluation.residual, &evaluation.right);
             evaluations += 1;
-            let quadratic = (T::of(16.0) * (moved * moved)).le(T::of(T::EPSILON));
             let is_better = then.lt(convergence.residual).all();
             if is_better {
                 (unknown, convergence.residual) = (trial, then);
-                if (then.le(roundoff) | (then.le(stagnation) & quadratic)).all() {
+                if is_roundoff(then, moved).all() {
                     return Solution { unknown, evaluation, convergence, unsolved };
                 }
             } else if convergence.residual.le(stagnation).all() {
