@@ -109,6 +109,18 @@ impl<T: Batch> StepsReport<T> {
         let larger = self.max_residual.lt(residual);
         self.max_residual = T::select(larger, residual, self.max_residual);
     }
+
+    /// Counts so many iterations more of steps that were counted, of which one took so many.
+    #[inline(always)]
+    pub(crate) fn count_more(&mut self, iterations: u64, deepest: u32) {
+        if iterations == 0 {
+            return;
+        }
+        for (all, most) in self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut()) {
+            *all += iterations;
+            *most = (*most).max(deepest);
+        }
+    }
 }
 
 impl<T: Batch> Default for StepsReport<T> {

@@ -1,12 +1,12 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`.
 
 use super::stopping::{change, is_within, select};
-use super::{Convergence, LAST_CHANGE, QUICK, ROUNDOFF, SAFETY, SECOND, STRONG, Solver, count, tolerance};
+use super::{Convergence, LAST_CHANGE, QUICK, ROUNDOFF, SAFETY, SECOND, STRONG, Solver, count};
 use crate::kernel::{Evaluation, Kernel};
 use crate::scalar::{Batch, Components, Mask};
 
 /// The most iterations of a step: where more are needed Newton's iteration is faster.
-const MOST: u32 = 8;
+pub(super) const MOST: u8 = 8;
 /// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
 pub(super) const NOISE: f64 = 4.0;
 /// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it, by a few
@@ -69,7 +69,7 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
         (unknown, round) = (next, round + 1);
         count::<T>(&mut iterations, again);
         let now = change::<T, _>(K::BLOCKS, &point, &unknown);
-        let mut more = T::Mask::splat(round < MOST);
+        let mut more = T::Mask::splat(round < MOST.into());
         let slower = again & !now.le(rate.bound * last + units::<T>(NOISE));
         if slower.any() {
             if round == 1 {
@@ -86,7 +86,7 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
             let [solved, quick] =
                 accepted::<T, K>(solver, [&point, &unknown], now, rate.assumed, (round, slower));
             is_quick = is_quick | (is_near & quick);
-            let left = T::select(is_quick, solver.rate * tolerance(solver.rate), rate.assumed * now);
+            let left = T::select(is_quick, solver.rate * solver.tolerance, rate.assumed * now);
             residual = T::select(is_near & solved, left, residual);
             open = open & !(is_near & solved);
             if !open.any() {
@@ -145,16 +145,21 @@ fn accepted<T: Batch, K: Kernel<T>>(
     rate: T,
     (round, slower): (u32, T::Mask),
 ) -> [T::Mask; 2] {
-    let left = rate * change;
-    let (nothing, small, least) = (units::<T>(0.25), units::<T>(LAST_CHANGE[0]), units::<T>(ROUNDOFF[0]));
-    let solved = (change.le(units::<T>(NEAR)) & left.le(nothing)) | (change.le(small) & left.le(least));
-    if round > QUICK || solver.measures() {
+    let solved = is_last(change, rate * change);
+    if round > QUICK.into() || solver.measures() {
         return [solved, T::Mask::splat(false)];
     }
     let is_first = T::Mask::splat(round == 1);
-    let limit = T::of(if round == 1 { 1.0 } else { SECOND }) * tolerance(solver.rate);
+    let limit = T::of(if round == 1 { 1.0 } else { SECOND }) * solver.tolerance;
     let quick = is_solved::<T, K>(from, to, change, limit) & (is_first | !slower);
     [quick | (solved & slower & !is_first), quick]
+}
+
+/// Whether an iteration was the last, with such a change after which so much is left.
+#[inline(always)]
+pub(super) fn is_last<T: Batch>(change: T, left: T) -> T::Mask {
+    let (nothing, small, least) = (units::<T>(0.25), units::<T>(LAST_CHANGE[0]), units::<T>(ROUNDOFF[0]));
+    (change.le(units::<T>(NEAR)) & left.le(nothing)) | (change.le(small) & left.le(least))
 }
 
 /// Whether no block changes by more than `tolerance` times its size: what the fast path asks for too. Of one block that is the change.

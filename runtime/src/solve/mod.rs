@@ -18,7 +18,7 @@ use crate::method::sum;
 use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Batch, Components, Mask, Real, Work};
 pub(crate) use fixed_point::Open;
-use fixed_point::{Iterated, SHARP};
+use fixed_point::{Iterated, MOST, SHARP};
 use predictor::Predictor;
 use stopping::{change, relative, select, weights};
 
@@ -36,8 +36,8 @@ const NO_DIFFERENCE: f64 = 0.1;
 /// The change of the last iteration, in units of epsilon. Not less, if only for rounding; not more, for what is evaluated before it serves for
 /// the solution too.
 const LAST_CHANGE: [f64; 2] = [8.0, 128.0];
-/// The most iterations on the fast path, and what the tolerance is multiplied by for the second of them: it mostly ends far below.
-const QUICK: u32 = 2;
+/// The most iterations on the fast path from all earlier solutions that there is place for, and what the tolerance is multiplied by for the second of them: it mostly ends far below.
+const QUICK: u8 = 2;
 const SECOND: f64 = 0.25;
 /// A guess that is off by more than this is not used.
 const LOST: f64 = 0.1;
@@ -98,13 +98,22 @@ pub(crate) struct Solver<T: Batch, U> {
     due: u16,
     /// Steps from the next measurement to the one after it.
     interval: u16,
+    /// See [`most`](Self::most).
+    most: u8,
 }
 
 /// Remembers nothing.
 impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
     fn default() -> Self {
         let (rate, tolerance) = (T::of(STRONG), T::of(-1.0));
-        Self { predictor: Predictor::default(), rate, tolerance, due: INTERVALS[0], interval: INTERVALS[0] }
+        Self {
+            predictor: Predictor::default(),
+            rate,
+            tolerance,
+            due: INTERVALS[0],
+            interval: INTERVALS[0],
+            most: 0,
+        }
     }
 }
 
@@ -165,16 +174,42 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Whether there is nothing to solve for: known when the code is compiled.
     pub(crate) const IS_IDLE: bool = U::LENGTH == 0;
 
-    /// Whether the next step is to be tried on the fast path: where iterations contract strongly, and the solutions before point to the next.
+    /// The most iterations of the next step on the fast path: none where that is not to be tried. It is where iterations contract strongly, and
+    /// the solutions before point to the next one. [Few](Self::is_growing) of them point less far, and there may be more iterations then.
     #[inline(always)]
-    pub(crate) fn is_fast(&self) -> bool {
-        Self::IS_IDLE || (self.predictor.is_full() && self.due > 0 && self.is_strong().any())
+    pub(crate) fn most(&self) -> u32 {
+        if const { Self::IS_IDLE } { 1 } else { self.most.into() }
     }
 
-    /// The next measurement is after so many steps, or in the next one.
+    /// After all of which it depends on.
+    #[inline(always)]
+    fn set_most(&mut self) {
+        self.most = if self.due == 0 || !self.is_strong().any() {
+            0
+        } else if self.predictor.is_full() {
+            QUICK
+        } else if const { T::LANES == 1 } && self.remembers() {
+            MOST
+        } else {
+            // in lanes, what is enough for one would be one more for it
+            0
+        };
+    }
+
+    /// Whether so many iterations are for few solutions that point to the next.
+    #[inline(always)]
+    pub(crate) fn is_growing(most: u32) -> bool {
+        most > QUICK.into()
+    }
+
+    /// For so many steps all is as it is now: until the rate of contraction is measured, or there may be all solutions that are of use.
     #[inline(always)]
     pub(crate) fn expected(&self) -> u64 {
-        if const { Self::IS_IDLE } { u64::MAX } else { self.due.max(1).into() }
+        if const { Self::IS_IDLE } {
+            return u64::MAX;
+        }
+        let due = self.due.max(1).into();
+        if Self::is_growing(self.most()) { self.predictor.room().min(due) } else { due }
     }
 
     /// Where iterations contract strongly.
@@ -201,10 +236,22 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         self.predictor.follow::<P>(missed)
     }
 
+    /// [`follow`](Self::follow) while there are few solutions.
+    #[inline(always)]
+    pub(crate) fn grow(&mut self, solution: &U, blocks: &[usize]) -> U {
+        let weights = &weights::<T, _>(blocks, solution);
+        T::dispatch(Grow { predictor: &mut self.predictor, weights, solution });
+        self.set_most();
+        self.predictor.next()
+    }
+
     /// There were so many steps on the fast path.
     #[inline(always)]
     pub(crate) fn took(&mut self, steps: u64) {
         self.due = u64::from(self.due).saturating_sub(steps) as u16;
+        if self.due == 0 {
+            self.most = 0;
+        }
     }
 
     /// How the equation of a step is solved on the fast path, with a bound for the residual.
@@ -227,6 +274,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         self.predictor.forget();
+        self.most = 0;
         (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
         self.rate = T::of(STRONG);
     }
@@ -306,31 +354,29 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         (!solution.unsolved.any()).then_some(solution.unknown)
     }
 
-    /// Whether the rate of contraction is to be measured, by one more iteration.
+    /// Whether the rate of contraction is to be measured, by one more iteration: in the first step, and now and then.
     #[inline(always)]
     fn measures(&self) -> bool {
-        self.due == 0 || !self.is_known()
+        self.due == 0 || (self.due >= INTERVALS[0] && self.interval <= INTERVALS[0])
     }
 
-    /// Whether the rate of contraction was seen a few times.
+    /// Whether after an iteration with such a change a few more are enough.
     #[inline(always)]
-    fn is_known(&self) -> bool {
-        self.interval > INTERVALS[0] || self.due + 2 < INTERVALS[0]
+    pub(crate) fn continues(&self, change: T) -> bool {
+        fixed_point::are_enough(self.rate, change).all()
     }
 
-    /// The change of an iteration, if a few more are enough after it.
+    /// Whether an iteration contracts as it is known: that has changed the unknown by so much, after one with the `last` change.
     #[inline(always)]
-    pub(crate) fn continues(&self, blocks: &[usize], from: &U, to: &U) -> Option<T> {
-        let last = change::<T, _>(blocks, from, to);
-        fixed_point::are_enough(self.rate, last).all().then_some(last)
-    }
-
-    /// Whether an iteration contracts as it is known, after one that changed the unknown by so much.
-    #[inline(always)]
-    pub(crate) fn contracts(&self, blocks: &[usize], last: Option<T>, from: &U, to: &U) -> bool {
-        let Some(last) = last else { return false };
+    pub(crate) fn contracts(&self, last: T, change: T) -> bool {
         let bound = T::of(SAFETY) * self.rate * last + T::of(fixed_point::NOISE * T::EPSILON);
-        change::<T, _>(blocks, from, to).le(bound).all()
+        change.le(bound).all()
+    }
+
+    /// Whether an iteration that contracts as it is known, and has changed the unknown by so much, was the last.
+    #[inline(always)]
+    pub(crate) fn solves(&self, change: T) -> bool {
+        fixed_point::is_last(change, self.rate * change).all()
     }
 
     /// The lanes in which fixed-point iterations are to be made: where they contract strongly, and where it is to be seen whether they do.
@@ -351,21 +397,23 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         }
         let rate = clamped(convergence.rate, [1.0 / SHARP, 1.0]);
         self.rate = T::select(convergence.is_sharp, rate, self.rate);
+        self.set_tolerance();
         self.due = self.due.saturating_sub(1);
         self.predictor.begin(solution);
+        self.set_most();
     }
 
     #[inline(always)]
     fn learned(&mut self, weights: &U, solution: &U, convergence: &Convergence<T>) {
         let Convergence { rate, is_sharp, is_quick, .. } = *convergence;
         // if it is smaller than it was, that may be by chance
-        let is_known = self.is_known();
-        let improves = is_sharp & T::Mask::splat(self.due == 0 || !is_known);
+        let improves = is_sharp & T::Mask::splat(self.due == 0);
         let renewed = (self.rate.lt(rate) | improves) & !is_quick;
         if renewed.any() {
-            let before = T::of(if is_known { 0.5 } else { 0.0 }) * self.rate;
+            let before = T::of(0.5) * self.rate;
             let rate = T::select(rate.lt(before), before, rate);
             self.rate = T::select(renewed, clamped(rate, [1.0 / SHARP, 1.0]), self.rate);
+            self.set_tolerance();
         }
         if self.due == 0 {
             self.due = self.interval;
@@ -373,11 +421,8 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         } else {
             self.due -= 1;
         }
-        let was_full = self.predictor.is_full();
         self.predictor.learn(weights, solution, is_quick);
-        if self.predictor.is_full() && (renewed.any() || !was_full) {
-            self.set_tolerance();
-        }
+        self.set_most();
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
@@ -390,6 +435,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
         visit(core::slice::from_mut(&mut self.rate));
         self.set_tolerance();
+        self.set_most();
     }
 }
 
@@ -409,6 +455,23 @@ impl<T: Batch, U: Components<T>> Work for Learn<'_, T, U> {
     fn done(self) {
         let Self { solver, weights, solution, convergence } = self;
         solver.learned(weights, solution, convergence);
+    }
+}
+
+/// [`Solver::grow`], out of line: once for all steps with as many unknowns.
+struct Grow<'a, T: Batch, U> {
+    predictor: &'a mut Predictor<T, U>,
+    weights: &'a U,
+    solution: &'a U,
+}
+
+impl<T: Batch, U: Components<T>> Work for Grow<'_, T, U> {
+    type Home = ();
+    type Result = ();
+
+    #[inline(always)]
+    fn done(self) {
+        self.predictor.learn(self.weights, self.solution, T::Mask::splat(true));
     }
 }
 

@@ -1,7 +1,7 @@
 //! A step that is one equation, from its kernel.
 
-use super::stopping::{is_within, select};
-use super::{Beginning, Convergence, Open, QUICK, SECOND, Solution, SolutionOf, Solver, less};
+use super::stopping::{change, is_within, select};
+use super::{Beginning, Convergence, Open, SECOND, Solution, SolutionOf, Solver, less};
 use crate::error::StepError;
 use crate::kernel::{self, Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
@@ -47,9 +47,10 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         }
         let mut first = None;
         // nearly all steps go this way
-        if const { Self::HAS_FAST_PATH } && known && self.solver.is_fast() {
+        let most = self.solver.most();
+        if const { Self::HAS_FAST_PATH } && known && most > 0 {
             let (prediction, tolerance) = (self.solver.prediction(), self.solver.tolerance());
-            match self.fast::<Portable>(state, time, control, &prediction, tolerance, 1) {
+            match self.fast::<Portable>(state, time, control, &prediction, tolerance, most) {
                 Ok((next, _, iterations)) => {
                     self.solver.took(1);
                     let Convergence { iterations, residual, .. } = self.solver.on_fast_path(iterations);
@@ -89,8 +90,8 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Whether there is a fast path: where there is nothing to solve for, or fixed-point iterations solve it.
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || <K::Unknown as Components<T>>::LENGTH == 0;
 
-    /// A step as nearly all are: an iteration that changes the unknown by no more than `tolerance`, after no more than `most` of them, and
-    /// everything finite.
+    /// A step as nearly all are: an iteration that changes the unknown by no more than `tolerance`; or a few, no more than `most`, that contract as it
+    /// is known; and everything finite.
     #[inline(always)]
     fn fast<P: Processor>(
         &mut self,
@@ -98,39 +99,53 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         time: T,
         control: &K::Control,
         prediction: &K::Unknown,
-        mut tolerance: T,
+        tolerance: T,
         most: u32,
     ) -> Fast<T, K> {
         let Self { kernel, solver } = self;
         let begun = kernel.begin(state, time, control);
-        let (mut point, mut iterations) = (*prediction, 1);
-        let (mut first, mut last) = (*prediction, None);
-        let (unknown, evaluation) = loop {
-            let evaluation = kernel.evaluate(state, &begun, &point);
-            if const { Solver::<T, K::Unknown>::IS_IDLE } {
-                break (point, evaluation);
-            }
-            let unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
-            let is_within = is_within::<T, _>(K::BLOCKS, &point, &unknown, tolerance).all();
-            if iterations == 1 {
-                if is_within {
-                    break (unknown, evaluation);
-                }
-                first = unknown;
-                last = solver.continues(K::BLOCKS, &point, &unknown);
-                if most == 1 || last.is_none() {
+        let (mut unknown, mut evaluation, mut iterations) =
+            (*prediction, kernel.evaluate(state, &begun, prediction), 1);
+        if const { !Solver::<T, K::Unknown>::IS_IDLE } {
+            unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
+            if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, tolerance).all() {
+                // apart from the first: as one loop they take a tenth longer where that is enough
+                let first = unknown;
+                let mut last = change::<T, _>(K::BLOCKS, prediction, &first);
+                if const { T::LANES > 1 } || !solver.continues(last) {
                     return Err(Some(first));
                 }
-            } else if is_within && solver.contracts(K::BLOCKS, last, &point, &unknown) {
-                break (unknown, evaluation);
-            } else {
-                return Err(Some(first));
+                loop {
+                    let point = unknown;
+                    evaluation = kernel.evaluate(state, &begun, &point);
+                    unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
+                    iterations += 1;
+                    let now = change::<T, _>(K::BLOCKS, &point, &unknown);
+                    if !solver.contracts(last, now) {
+                        return Err(Some(first));
+                    }
+                    let is_solved = if iterations == 2 {
+                        is_within::<T, _>(K::BLOCKS, &point, &unknown, T::of(SECOND) * tolerance).all()
+                    } else {
+                        solver.solves(now)
+                    };
+                    if is_solved {
+                        break;
+                    }
+                    if iterations == most {
+                        return Err(Some(first));
+                    }
+                    last = now;
+                }
             }
-            (point, iterations, tolerance) = (unknown, 2, T::of(SECOND) * tolerance);
-        };
+        }
         let mut then = *prediction;
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
-            then = solver.follow::<P>(&less::<T, _>(&unknown, prediction));
+            then = if Solver::<T, K::Unknown>::is_growing(most) {
+                solver.grow(&unknown, K::BLOCKS)
+            } else {
+                solver.follow::<P>(&less::<T, _>(&unknown, prediction))
+            };
         }
         let next = kernel.finish(state, &begun, &unknown, &evaluation);
         let inside = is_inside(kernel, state, &begun, &unknown, &evaluation).all();
@@ -181,23 +196,24 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
     fn done<P: Processor>(self) -> StepsReport<T> {
         let Self { method, state, clock, control, most, mut known, failed } = self;
         let mut report = StepsReport::default();
-        // in lanes, what is enough for one would be one more for it
-        let most_iterations = if const { T::LANES > 1 } { 1 } else { QUICK };
         // not in memory
         let mut now = *state;
         while report.steps < most {
             let mut first = None;
-            if const { OneStep::<T, K>::HAS_FAST_PATH } && known && method.solver.is_fast() {
+            let most_iterations = method.solver.most();
+            if const { OneStep::<T, K>::HAS_FAST_PATH } && known && most_iterations > 0 {
                 let until_due = most.min(report.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
                 let tolerance = method.solver.tolerance();
-                let (before, mut twice, mut done) = (report.steps, 0, true);
+                let (before, mut done) = (report.steps, true);
+                let (mut more, mut deepest) = (0, 1);
                 while report.steps < until_due {
                     let time = T::of(clock.after(report.steps));
                     match method.fast::<P>(&now, time, control, &prediction, tolerance, most_iterations) {
                         Ok((next, then, iterations)) => {
                             (now, prediction) = (next, then);
-                            twice += u64::from(iterations) - 1;
+                            more += u64::from(iterations) - 1;
+                            deepest = deepest.max(iterations);
                         }
                         Err(ended) => {
                             (first, done) = (ended, false);
@@ -210,10 +226,9 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {
                     method.solver.took(steps);
                 }
-                for (steps, iterations) in [(steps - twice, 1), (twice, QUICK)] {
-                    let Convergence { iterations, residual, .. } = method.solver.on_fast_path(iterations);
-                    report.count(steps, &iterations, residual);
-                }
+                let Convergence { iterations, residual, .. } = method.solver.on_fast_path(1);
+                report.count(steps, &iterations, residual);
+                report.count_more(more, deepest);
                 if done {
                     continue;
                 }

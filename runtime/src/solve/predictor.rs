@@ -72,6 +72,12 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         self.is_full
     }
 
+    /// How many differences more there is place for.
+    #[inline(always)]
+    pub(crate) fn room(&self) -> u64 {
+        (DIFFERENCES - self.count()).max(1) as u64
+    }
+
     /// Forgets all solutions.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
@@ -124,29 +130,37 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         }
         self.order = T::select(full.le(self.order), full, self.order + T::of(1.0));
         // the compiler knows that −0 is nothing to add
-        let (mut sum, mut k) = (U::splat(T::of(-0.0)), DIFFERENCES.min(self.count() + 1));
+        let (mut sum, mut k) = (U::splat(T::of(-0.0)), self.count());
+        // so many differences there are from each one on
+        let mut there = self.order - T::of(k as f64);
+        if k < DIFFERENCES {
+            self.sums[k].components = scaled(self.gain(k, there, follows), &missed);
+        }
         while k > 0 {
             k -= 1;
-            if k < self.count() {
-                sum = added::<T, _>(&sum, &self.sums[k].components);
-            }
-            // as many differences as there are from this one on
-            let mut gain = self.order - T::of(k as f64);
-            if const { T::LANES > 1 } {
-                gain = T::select(T::of(0.0).lt(gain), gain, T::of(0.0));
-            }
-            gain = T::select(follows, T::of(ALL_GAINS[k]), gain);
-            let mut next = sum;
+            there = there + T::of(1.0);
+            let gain = self.gain(k, there, follows);
+            let old = &mut self.sums[k].components;
+            sum = added::<T, _>(&sum, old);
             let mut i = 0;
             while i < U::LENGTH {
-                next.as_mut()[i] = gain.mul_add(missed.as_ref()[i], sum.as_ref()[i]);
+                old.as_mut()[i] = gain.mul_add(missed.as_ref()[i], sum.as_ref()[i]);
                 i += 1;
             }
-            self.sums[k].components = next;
         }
         self.count = (self.count + 1).min(DIFFERENCES as u8);
         self.drop_useless(weights, !follows);
         self.is_full = self.count() == DIFFERENCES && full.le(self.order).all();
+    }
+
+    /// How much of what was missed goes into a sum of so many differences.
+    #[inline(always)]
+    fn gain(&self, k: usize, differences: T, follows: T::Mask) -> T {
+        if const { T::LANES == 1 } {
+            return differences;
+        }
+        let there = T::select(T::of(0.0).lt(differences), differences, T::of(0.0));
+        T::select(follows, T::of(ALL_GAINS[k]), there)
     }
 
     /// Drops in these lanes the highest differences that are neither small nor smaller than the ones before them.
@@ -211,4 +225,16 @@ impl<T: Batch, U: Components<T>> Formula<T> for Follow<'_, T, U> {
         }
         sum
     }
+}
+
+/// So many times an unknown.
+#[inline(always)]
+fn scaled<T: Batch, U: Components<T>>(factor: T, of: &U) -> U {
+    let mut scaled = *of;
+    let mut i = 0;
+    while i < U::LENGTH {
+        scaled.as_mut()[i] = factor * of.as_ref()[i];
+        i += 1;
+    }
+    scaled
 }
