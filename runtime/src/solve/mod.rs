@@ -357,6 +357,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Whether the rate of contraction is to be measured, by one more iteration: in the first step, and now and then.
     #[inline(always)]
     fn measures(&self) -> bool {
+        // before the first step; asked of the predictor, the compiler makes a slower loop of the iterations
         self.due == 0 || (self.due >= INTERVALS[0] && self.interval <= INTERVALS[0])
     }
 

@@ -31,10 +31,11 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
 /// Whether a residual is down to roundoff: or near to it, after a correction of this size whose square is below it.
 #[inline(always)]
 pub(super) fn is_roundoff<T: Batch>(residual: T, moved: T) -> T::Mask {
-    let [epsilon, square] = [T::of(T::EPSILON), moved * moved];
-    let is_left = |curvature: f64| (T::of(curvature) * square).le(epsilon);
-    let [small, large] = [SMALL, STAGNATION].map(|bound| residual.le(T::of(bound) * epsilon));
-    residual.le(T::of(ROUNDOFF) * epsilon) | (small & is_left(CURVATURE[0])) | (large & is_left(CURVATURE[1]))
+    let (epsilon, square) = (T::of(T::EPSILON), moved * moved);
+    let [hardly, much] = CURVATURE;
+    let small = residual.le(T::of(SMALL) * epsilon) & (T::of(hardly) * square).le(epsilon);
+    let large = residual.le(T::of(STAGNATION) * epsilon) & (T::of(much) * square).le(epsilon);
+    residual.le(T::of(ROUNDOFF) * epsilon) | small | large
 }
 
 struct Newton<'a, T: Batch, K: Kernel<T>> {
