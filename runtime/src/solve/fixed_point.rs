@@ -6,12 +6,13 @@ use crate::kernel::{Evaluation, Kernel};
 use crate::scalar::{Batch, Components, Mask};
 
 /// The most iterations of a step: where more are needed Newton's iteration is faster.
-pub(super) const MOST: u8 = 8;
+pub(super) const MOST: u8 = 10;
 /// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
 pub(super) const NOISE: f64 = 4.0;
-/// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it, by a few
-/// times what is left after it: that is less than a quarter of a unit then, but where the last change is roundoff itself.
-const NEAR: f64 = 32.0;
+/// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it: by a few
+/// times what is left after it, less than a quarter of a unit; or in a plane, where iterations may contract by more than the angle of a step, by
+/// this change times the angle.
+const NEAR: f64 = 16.0;
 /// Changes larger than this, in units of epsilon, show the rate of contraction.
 pub(super) const SHARP: f64 = 256.0;
 
@@ -171,11 +172,23 @@ fn is_solved<T: Batch, K: Kernel<T>>(from: &K::Unknown, to: &K::Unknown, change:
     change.le(tolerance)
 }
 
-/// Whether after such a change a few iterations more are enough that contract at this rate: with Newton's method they would take as long.
+/// The largest change after which no more than [`MOST`] iterations are enough, for the inverse of the rate of contraction.
+#[inline(always)]
+pub(super) fn reach<T: Batch>(inverse: T) -> T {
+    units::<T>(LAST_CHANGE[1]) * eighth_power(inverse)
+}
+
+/// Whether after such a change no more than [`MOST`] iterations are enough that contract at this rate.
 #[inline(always)]
 pub(super) fn are_enough<T: Batch>(rate: T, change: T) -> T::Mask {
-    let square = rate * rate;
-    (square * square * rate * change).le(units::<T>(LAST_CHANGE[1]))
+    (eighth_power(rate) * change).le(units::<T>(LAST_CHANGE[1]))
+}
+
+#[inline(always)]
+fn eighth_power<T: Batch>(x: T) -> T {
+    let square = x * x;
+    let fourth = square * square;
+    fourth * fourth
 }
 
 /// So many units of epsilon.

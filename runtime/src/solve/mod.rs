@@ -94,6 +94,8 @@ pub(crate) struct Solver<T: Batch, U> {
     rate: T,
     /// The relative change of a last iteration; negative where iterations do not contract strongly.
     tolerance: T,
+    /// The largest change after which a few iterations more are enough.
+    reach: T,
     /// Steps until the next measurement of the rate.
     due: u16,
     /// Steps from the next measurement to the one after it.
@@ -110,6 +112,7 @@ impl<T: Batch, U: Components<T>> Default for Solver<T, U> {
             predictor: Predictor::default(),
             rate,
             tolerance,
+            reach: T::of(0.0),
             due: INTERVALS[0],
             interval: INTERVALS[0],
             most: 0,
@@ -238,10 +241,12 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
 
     /// [`follow`](Self::follow) while there are few solutions.
     #[inline(always)]
-    pub(crate) fn grow(&mut self, solution: &U, blocks: &[usize]) -> U {
-        let weights = &weights::<T, _>(blocks, solution);
-        T::dispatch(Grow { predictor: &mut self.predictor, weights, solution });
-        self.set_most();
+    pub(crate) fn grow(&mut self, solution: &U, off: T, blocks: &[usize]) -> U {
+        if !self.predictor.keep_to(solution, off) {
+            let weights = &weights::<T, _>(blocks, solution);
+            T::dispatch(Grow { predictor: &mut self.predictor, weights, solution, off });
+            self.set_most();
+        }
         self.predictor.next()
     }
 
@@ -286,7 +291,9 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
 
     #[inline(always)]
     fn set_tolerance(&mut self) {
-        self.tolerance = T::select(self.is_strong(), tolerance(self.rate), T::of(-1.0));
+        let inverse = T::of(1.0) / self.rate;
+        self.tolerance = T::select(self.is_strong(), tolerance(inverse), T::of(-1.0));
+        self.reach = fixed_point::reach(inverse);
     }
 
     /// The solution of a step's equation by a few fixed-point iterations, if these do; else where they ended, if there were any. `first` is where
@@ -364,7 +371,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     /// Whether after an iteration with such a change a few more are enough.
     #[inline(always)]
     pub(crate) fn continues(&self, change: T) -> bool {
-        fixed_point::are_enough(self.rate, change).all()
+        change.le(self.reach).all()
     }
 
     /// Whether an iteration contracts as it is known: that has changed the unknown by so much, after one with the `last` change.
@@ -406,7 +413,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
 
     #[inline(always)]
     fn learned(&mut self, weights: &U, solution: &U, convergence: &Convergence<T>) {
-        let Convergence { rate, is_sharp, is_quick, .. } = *convergence;
+        let Convergence { rate, is_sharp, is_quick, off, .. } = *convergence;
         // if it is smaller than it was, that may be by chance
         let improves = is_sharp & T::Mask::splat(self.due == 0);
         let renewed = (self.rate.lt(rate) | improves) & !is_quick;
@@ -422,7 +429,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
         } else {
             self.due -= 1;
         }
-        self.predictor.learn(weights, solution, is_quick);
+        self.predictor.learn(weights, solution, is_quick, off);
         self.set_most();
     }
 
@@ -464,6 +471,7 @@ struct Grow<'a, T: Batch, U> {
     predictor: &'a mut Predictor<T, U>,
     weights: &'a U,
     solution: &'a U,
+    off: T,
 }
 
 impl<T: Batch, U: Components<T>> Work for Grow<'_, T, U> {
@@ -472,16 +480,16 @@ impl<T: Batch, U: Components<T>> Work for Grow<'_, T, U> {
 
     #[inline(always)]
     fn done(self) {
-        self.predictor.learn(self.weights, self.solution, T::Mask::splat(true));
+        self.predictor.learn(self.weights, self.solution, T::Mask::splat(true), self.off);
     }
 }
 
-/// The relative change of a last iteration, for a rate of contraction.
+/// The relative change of a last iteration, for the inverse of a rate of contraction.
 #[inline(always)]
-fn tolerance<T: Batch>(rate: T) -> T {
-    let bound = T::of(SAFETY) * rate;
-    let error = clamped(T::of(NO_DIFFERENCE) / bound, ROUNDOFF);
-    T::of(T::EPSILON) * clamped(error / bound, LAST_CHANGE)
+fn tolerance<T: Batch>(inverse: T) -> T {
+    let bound = T::of(1.0 / SAFETY) * inverse;
+    let error = clamped(T::of(NO_DIFFERENCE) * bound, ROUNDOFF);
+    T::of(T::EPSILON) * clamped(error * bound, LAST_CHANGE)
 }
 
 /// The sum of two unknowns.

@@ -106,12 +106,14 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let begun = kernel.begin(state, time, control);
         let (mut unknown, mut evaluation, mut iterations) =
             (*prediction, kernel.evaluate(state, &begun, prediction), 1);
+        let mut off = T::of(0.0);
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
             unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
             if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, tolerance).all() {
                 // apart from the first: as one loop they take a tenth longer where that is enough
                 let first = unknown;
-                let mut last = change::<T, _>(K::BLOCKS, prediction, &first);
+                off = change::<T, _>(K::BLOCKS, prediction, &first);
+                let mut last = off;
                 if const { T::LANES > 1 } || !solver.continues(last) {
                     return Err(Some(first));
                 }
@@ -142,7 +144,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         let mut then = *prediction;
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
             then = if Solver::<T, K::Unknown>::is_growing(most) {
-                solver.grow(&unknown, K::BLOCKS)
+                solver.grow(&unknown, off, K::BLOCKS)
             } else {
                 solver.follow::<P>(&less::<T, _>(&unknown, prediction))
             };

@@ -11,9 +11,13 @@
 //! With all `g_k = 1` that is interpolation, and rounding of the solutions counts up to two hundredfold in what it predicts. Where the prediction is
 //! off by little more than that, the highest differences follow more slowly, by [`GAINS`]: then rounding counts a quarter of that, at the price of
 //! twice the tenth difference. That is what a polynomial near to twice as many solutions does, with half of the memory.
+//!
+//! Where controls jump from step to step, all differences but a few are made of the jumps. Whether one more is of use takes longer to find out
+//! than to solve the equation: after each that is not, it is asked [twice as many steps](PATIENCE) later, as in multistep methods of variable
+//! order.
 
 use super::stopping::{select, weighted};
-use super::{added, less};
+use super::{LOST, added, less};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::terms::{Formula, Piece, Term, computed};
 use crate::scalar::{Batch, Components, Mask, Real};
@@ -37,6 +41,9 @@ const SMALL: f64 = 1e-12;
 /// A difference that is not smaller than the one before it by this factor is of no use.
 const USEFUL: f64 = 0.8;
 
+/// For how many steps at least and at most no difference more is looked for, after one that was of no use.
+const PATIENCE: [f64; 2] = [1.0, 32.0];
+
 /// The differences of the last solutions that point to the next one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Predictor<T: Batch, U> {
@@ -44,6 +51,10 @@ pub(crate) struct Predictor<T: Batch, U> {
     sums: [Term<T, U>; DIFFERENCES],
     /// How many differences there are. All others are zero.
     order: T,
+    /// For so many steps no difference more is looked for.
+    wait: T,
+    /// For so many after the next one that is of no use.
+    patience: T,
     /// The most that there are in any lane: the sums from here on are not to be read.
     count: u8,
     /// Whether all are there in all lanes.
@@ -54,7 +65,8 @@ pub(crate) struct Predictor<T: Batch, U> {
 impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
     fn default() -> Self {
         let sums = [Term::new(U::splat(T::of(0.0))); DIFFERENCES];
-        Self { sums, order: T::of(0.0), count: 0, is_full: false }
+        let [nothing, patience] = [0.0, PATIENCE[0]].map(T::of);
+        Self { sums, order: nothing, wait: nothing, patience, count: 0, is_full: false }
     }
 }
 
@@ -82,6 +94,7 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
         (self.order, self.count, self.is_full) = (T::of(0.0), 0, false);
+        (self.wait, self.patience) = (T::of(0.0), T::of(PATIENCE[0]));
     }
 
     /// The latest solution.
@@ -116,41 +129,84 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         (self.order, self.count) = (T::of(1.0), 1);
     }
 
-    /// Takes one more solution, whatever was missed, and keeps the differences that are of use: their sizes count by these weights. In the lanes
-    /// where the prediction was `good` it [follows](Self::follow), as where little was missed.
+    /// Where no difference more is looked for: not yet, and the prediction was off by no more than a guess may be.
     #[inline(always)]
-    pub(crate) fn learn(&mut self, weights: &U, solution: &U, good: T::Mask) {
+    fn waits(&self, off: T) -> T::Mask {
+        T::of(0.0).lt(self.wait) & off.le(T::of(LOST))
+    }
+
+    /// Takes one more solution if no difference more is looked for, and says whether it did: what [`learn`](Self::learn) does then, of one lane.
+    #[inline(always)]
+    pub(crate) fn keep_to(&mut self, solution: &U, off: T) -> bool {
+        if !self.waits(off).all() {
+            return false;
+        }
+        self.wait = self.wait - T::of(1.0);
         let missed = less::<T, _>(solution, &self.sums[0].components);
-        let full = T::of(DIFFERENCES as f64);
+        // the compiler knows that −0 is nothing to add
+        let (mut sum, mut there, mut k) = (U::splat(T::of(-0.0)), T::of(0.0), self.count());
+        while k > 0 {
+            k -= 1;
+            there = there + T::of(1.0);
+            self.add(k, &mut sum, there, &missed);
+        }
+        true
+    }
+
+    /// Takes one more solution that was predicted so far off, and keeps the differences that are of use: their sizes count by these weights. In
+    /// the lanes where the prediction was `good` it [follows](Self::follow), as where little was missed.
+    #[inline(always)]
+    pub(crate) fn learn(&mut self, weights: &U, solution: &U, good: T::Mask, off: T) {
+        let missed = less::<T, _>(solution, &self.sums[0].components);
+        let (full, one) = (T::of(DIFFERENCES as f64), T::of(1.0));
         let good = good | weighted::<T, _>(weights, &missed).le(T::of(SMALL));
         let follows = good & full.le(self.order);
         if follows.all() && self.is_full {
             self.follow::<Portable>(&missed);
             return;
         }
-        self.order = T::select(full.le(self.order), full, self.order + T::of(1.0));
+        let waits = !follows & self.waits(off);
+        let looks = !follows & !waits;
+        self.wait = T::select(waits, self.wait - one, T::select(looks, T::of(0.0), self.wait));
+        let order = T::select(looks, self.order + one, self.order);
+        self.order = T::select(full.le(order), full, order);
         // the compiler knows that −0 is nothing to add
         let (mut sum, mut k) = (U::splat(T::of(-0.0)), self.count());
         // so many differences there are from each one on
         let mut there = self.order - T::of(k as f64);
-        if k < DIFFERENCES {
+        if looks.any() && k < DIFFERENCES {
             self.sums[k].components = scaled(self.gain(k, there, follows), &missed);
+            self.count += 1;
         }
         while k > 0 {
             k -= 1;
-            there = there + T::of(1.0);
-            let gain = self.gain(k, there, follows);
-            let old = &mut self.sums[k].components;
-            sum = added::<T, _>(&sum, old);
-            let mut i = 0;
-            while i < U::LENGTH {
-                old.as_mut()[i] = gain.mul_add(missed.as_ref()[i], sum.as_ref()[i]);
-                i += 1;
-            }
+            there = there + one;
+            self.add(k, &mut sum, self.gain(k, there, follows), &missed);
         }
-        self.count = (self.count + 1).min(DIFFERENCES as u8);
-        self.drop_useless(weights, !follows);
+        let order = self.order;
+        self.drop_useless(weights, looks);
+        let is_useless = self.order.lt(order);
+        let [least, most] = PATIENCE.map(T::of);
+        let (shorter, longer) = (T::of(0.5) * self.patience, self.patience + self.patience);
+        self.wait = T::select(is_useless, self.patience, self.wait);
+        self.patience = T::select(
+            is_useless,
+            T::select(most.lt(longer), most, longer),
+            T::select(!looks, self.patience, T::select(shorter.lt(least), least, shorter)),
+        );
         self.is_full = self.count() == DIFFERENCES && full.le(self.order).all();
+    }
+
+    /// Adds to a sum of differences the one before it, as it was, and so many times what was missed.
+    #[inline(always)]
+    fn add(&mut self, k: usize, before: &mut U, gain: T, missed: &U) {
+        let old = &mut self.sums[k].components;
+        *before = added::<T, _>(before, old);
+        let mut i = 0;
+        while i < U::LENGTH {
+            old.as_mut()[i] = gain.mul_add(missed.as_ref()[i], before.as_ref()[i]);
+            i += 1;
+        }
     }
 
     /// How much of what was missed goes into a sum of so many differences.
@@ -198,7 +254,9 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         visit(&mut count);
         // the same in all lanes
         self.count = (count[0].lane(0).to_f64() as u8).min(DIFFERENCES as u8);
-        visit(core::slice::from_mut(&mut self.order));
+        for number in [&mut self.order, &mut self.wait, &mut self.patience] {
+            visit(core::slice::from_mut(number));
+        }
         self.sums.iter_mut().for_each(|sum| visit(sum.components.as_mut()));
         self.is_full = self.count() == DIFFERENCES && T::of(DIFFERENCES as f64).le(self.order).all();
     }
@@ -237,4 +295,72 @@ fn scaled<T: Batch, U: Components<T>>(factor: T, of: &U) -> U {
         i += 1;
     }
     scaled
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::*;
+
+    /// After these solutions, one after the other.
+    fn after(predictor: &mut Predictor<f64, [f64; 1]>, solutions: impl IntoIterator<Item = f64>) -> u32 {
+        let mut learned = 0;
+        for x in solutions {
+            if predictor.count() == 0 {
+                predictor.begin(&[x]);
+            } else if !predictor.keep_to(&[x], 0.0) {
+                predictor.learn(&[1.0], &[x], false, 0.0);
+                learned += 1;
+            }
+        }
+        learned
+    }
+
+    fn smooth(step: i32) -> f64 {
+        1.0 + (0.01 * f64::from(step)).sin()
+    }
+
+    /// Between −1 and 1, with no pattern.
+    fn noise(step: i32) -> f64 {
+        2.0 * (f64::from(step) * 0.618_033_988_75).rem_euclid(1.0) - 1.0
+    }
+
+    #[test]
+    fn differences_that_are_kept_to_interpolate() {
+        let cubic = |step: i32| 0.01_f64.mul_add(f64::from(step), 1.0).powi(3);
+        let mut predictor = Predictor::default();
+        after(&mut predictor, (0..4).map(cubic));
+        let is_exact = |predictor: &Predictor<f64, [f64; 1]>, step| {
+            let off = (predictor.next()[0] - cubic(step)).abs();
+            assert!(predictor.count() == 4 && off < 1e-14, "{}, {off:e}", predictor.count());
+        };
+        is_exact(&predictor, 4);
+        predictor.wait = 5.0;
+        assert_eq!(after(&mut predictor, (4..9).map(cubic)), 0);
+        is_exact(&predictor, 9);
+    }
+
+    #[test]
+    fn jumps_are_looked_through_now_and_then() {
+        for size in [1e-9_f64, 1e-6, 1e-3] {
+            let mut predictor = Predictor::default();
+            after(&mut predictor, (0..100).map(|k| size.mul_add(noise(k), smooth(k))));
+            let jumping = (100..500).map(|k| size.mul_add(noise(k), smooth(k)));
+            let learned = after(&mut predictor, jumping);
+            assert!((6..60).contains(&learned), "{size}: {learned} of 400");
+            assert!((1..DIFFERENCES).contains(&predictor.count()), "{size}: {}", predictor.count());
+            // nor is the prediction off by much more than the jumps
+            let off = (predictor.next()[0] - smooth(500)).abs();
+            assert!(off < 100.0 * size, "{size}: {off:e}");
+        }
+    }
+
+    #[test]
+    fn all_differences_come_back_where_jumps_end() {
+        let mut predictor = Predictor::default();
+        after(&mut predictor, (0..300).map(|k| 1e-6_f64.mul_add(noise(k), smooth(k))));
+        assert!(!predictor.is_full(), "{}", predictor.count());
+        after(&mut predictor, (300..300 + PATIENCE[1] as i32 + 3 * DIFFERENCES as i32).map(smooth));
+        assert!(predictor.is_full(), "{}", predictor.count());
+        assert_eq!(predictor.patience, PATIENCE[0]);
+    }
 }
