@@ -6,6 +6,7 @@ use crate::error::StepError;
 use crate::kernel::{self, Evaluation, Kernel};
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::simd::loads::one_by_one;
 use crate::scalar::{Batch, Components, LongWork, Mask, Real, Work};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
@@ -285,6 +286,7 @@ impl<T: Batch, K: Kernel<T>> Work for Slow<'_, T, K> {
     fn done(self) -> Outcome<T, K::State> {
         let Self { method, state, time, control, known, first, lossy } = self;
         let OneStep { kernel, solver } = &mut *method;
+        let state = &one_by_one::<T, _>(state);
         if !known {
             solver.forget();
         }

@@ -9,6 +9,7 @@ use core::marker::PhantomData;
 
 use crate::error::{ParameterError, StepError};
 use crate::method::{Advanced, Clock};
+use crate::scalar::simd::loads::one_by_one;
 use crate::scalar::{Components, Real, Scalar};
 use crate::snapshot::{self, visit_flag};
 pub use crate::system::stepper::Stepper;
@@ -220,16 +221,33 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     #[inline]
     pub fn step_with(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         let components = state.to_components();
-        let known = self.is_left_at(&components);
-        if !known {
-            check_deviation(state.deviation().to_f64())?;
+        if !self.is_left_at(&components) {
+            return self.step_anew(state, control);
         }
-        match self.method.advance(&components, self.time(), &control.to_components(), known) {
+        match self.method.advance(&components, self.time(), &control.to_components(), true) {
             Ok(Advanced { state: next, iterations, residual }) => {
                 *state = S::State::from_components(&next);
                 self.left = Some(next);
                 self.taken += 1;
                 // of the only lane
+                let iterations = iterations.as_ref().iter().sum();
+                Ok(StepReport { iterations, residual: residual.to_f64() })
+            }
+            Err(failure) => Err(failure.first()),
+        }
+    }
+
+    /// A step from a state that no step has led to: apart, for it has other needs of the state than the steps that stay in registers.
+    #[inline(never)]
+    fn step_anew(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
+        check_deviation(state.deviation().to_f64())?;
+        match self.method.advance(&state.to_components(), self.time(), &control.to_components(), false) {
+            // the same as above: as a function of its own, what is computed in registers there goes through memory
+            Ok(Advanced { state: next, iterations, residual }) => {
+                let next = one_by_one::<S::Scalar, _>(&next);
+                *state = S::State::from_components(&next);
+                self.left = Some(next);
+                self.taken += 1;
                 let iterations = iterations.as_ref().iter().sum();
                 Ok(StepReport { iterations, residual: residual.to_f64() })
             }

@@ -1,4 +1,4 @@
-//! Numbers side by side, and the instructions for them: the only code that is not checked.
+//! Numbers side by side, the instructions for them, and loads of a given width: the only code that is not checked.
 //!
 //! What it relies on is sealed: [`Batch`](crate::scalar::Batch) numbers, arrays as [`Components`](crate::scalar::Components), and processors
 //! that are named nowhere but where it was looked whether the program runs on one.
@@ -8,5 +8,6 @@
     allow(dead_code, reason = "without std there are kinds of processors, but no lanes")
 )]
 pub(crate) mod lanes;
+pub(crate) mod loads;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 pub(crate) mod processor;
