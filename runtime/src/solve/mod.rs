@@ -94,7 +94,7 @@ pub(crate) struct Solver<T: Batch, U> {
     rate: T,
     /// The relative change of a last iteration; negative where iterations do not contract strongly.
     tolerance: T,
-    /// The largest change after which a few iterations more are enough.
+    /// The largest change after which a few iterations more are enough. Kept, for on the fast path it takes a register to compute it.
     reach: T,
     /// Steps until the next measurement of the rate.
     due: u16,
@@ -487,9 +487,9 @@ impl<T: Batch, U: Components<T>> Work for Grow<'_, T, U> {
 /// The relative change of a last iteration, for the inverse of a rate of contraction.
 #[inline(always)]
 fn tolerance<T: Batch>(inverse: T) -> T {
-    let bound = T::of(1.0 / SAFETY) * inverse;
-    let error = clamped(T::of(NO_DIFFERENCE) * bound, ROUNDOFF);
-    T::of(T::EPSILON) * clamped(error * bound, LAST_CHANGE)
+    let per_bound = T::of(1.0 / SAFETY) * inverse;
+    let error = clamped(T::of(NO_DIFFERENCE) * per_bound, ROUNDOFF);
+    T::of(T::EPSILON) * clamped(error * per_bound, LAST_CHANGE)
 }
 
 /// The sum of two unknowns.

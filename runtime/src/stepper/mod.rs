@@ -237,12 +237,12 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
         }
     }
 
-    /// A step from a state that no step has led to: apart, for it has other needs of the state than the steps that stay in registers.
+    /// A step from a state that no step has led to, apart from the others: what it needs in memory they keep in registers.
     #[inline(never)]
     fn step_anew(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         check_deviation(state.deviation().to_f64())?;
         match self.method.advance(&state.to_components(), self.time(), &control.to_components(), false) {
-            // the same as above: as a function of its own, what is computed in registers there goes through memory
+            // in a function with the same lines above, what is in registers there would go through memory
             Ok(Advanced { state: next, iterations, residual }) => {
                 let next = one_by_one::<S::Scalar, _>(&next);
                 *state = S::State::from_components(&next);

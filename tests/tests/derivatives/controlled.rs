@@ -101,6 +101,11 @@ trait Controlled<const D: usize>:
 
     fn example(random: &mut Random) -> (Self, Self::State);
 
+    /// For steps whose energy drifts.
+    fn example_with_drift(random: &mut Random) -> (Self, Self::State) {
+        Self::example(random)
+    }
+
     /// With the controls as parameters.
     fn known(&self, control: &Self::Control) -> Self::Known {
         let (own, others) = (self.to_parameters(), control.to_components());
@@ -209,12 +214,12 @@ macro_rules! derivatives_agree {
 }
 
 /// Every claim, with controls that are held, and that change.
-fn certified<M, S: Controlled<D> + Discretized<M>, const D: usize>(seed: u64)
+fn certified<M, S: Controlled<D> + Discretized<M>, const D: usize>(example: fn(&mut Random) -> (S, S::State))
 where
     M: Claims<S> + 'static,
 {
-    let mut random = Random::new(seed);
-    let (system, state) = S::example(&mut random);
+    let mut random = Random::new(6);
+    let (system, state) = example(&mut random);
     let controls: Vec<S::Control> = (0..2).map(|_| control::<S>(&mut random)).collect();
     let states = vec![state; 2];
     let report = Certification::new(&system)
@@ -264,7 +269,12 @@ impl Controlled<2> for Point {
     type Known = KnownPoint;
 
     fn example(_: &mut Random) -> (Self, PointState) {
-        // so heavy that the field makes it hardly faster: nearer to the speed of light, a last digit of the velocity is many of the momentum
+        (Point { mass: 1.2 }, PointState { position: vector![0.4, -0.3], momentum: vector![0.5, 0.6] })
+    }
+
+    /// As fast, but so heavy that steps which do not keep the energy make it hardly faster: nearer to the speed of light, a last digit of the
+    /// velocity is many of the momentum.
+    fn example_with_drift(_: &mut Random) -> (Self, PointState) {
         (Point { mass: 6.0 }, PointState { position: vector![0.4, -0.3], momentum: vector![2.5, 3.0] })
     }
 }
@@ -285,9 +295,9 @@ macro_rules! is_as_with_parameters {
         steps_agree::<SymplecticEulerB<$retraction>, $system, _>(3);
         steps_agree::<TangentLift<$retraction>, $system, _>(4);
         derivatives_agree!($system, $retraction, Midpoint<$retraction>, TangentLift<$retraction>);
-        certified::<$retraction, $system, _>(6);
-        certified::<Midpoint<$retraction>, $system, _>(6);
-        certified::<TangentLift<$retraction>, $system, _>(6);
+        certified::<$retraction, $system, _>(Controlled::example);
+        certified::<Midpoint<$retraction>, $system, _>(Controlled::example);
+        certified::<TangentLift<$retraction>, $system, _>(Controlled::example_with_drift);
     };
 }
 is_as_with_parameters!(controls_of_a_left_invariant_hamiltonian, Spin);

@@ -34,6 +34,14 @@ struct Pendulum {
     drive: f64,
 }
 
+/// A torque is all that acts on it.
+#[lie_poisson_system(group = SO3, control(torque: R3), force(attitude = torque))]
+#[derive(Clone)]
+struct Pushed {
+    #[inertia]
+    inertia: Vector3<f64>,
+}
+
 /// Runs away, the faster the farther it is.
 #[lie_poisson_system(group = R1, potential = -0.25 * position.x.powi(4))]
 #[derive(Clone)]
@@ -133,6 +141,41 @@ fn members_move_as_they_would_alone() {
     moves_as_alone::<Body, Order4<RightLift<Cayley>>>(bodies(), 0.1, none);
     let push = |member: usize| PendulumControl { push: 0.01 * member as f64 };
     moves_as_alone::<Pendulum, Cayley>(pendulums(), 0.05, push);
+}
+
+/// What is remembered of jumps of any size is the same together and alone, and a stepper that goes on from memory remembers it too.
+#[test]
+fn jumping_controls_move_members_as_alone() {
+    let system = Pushed { inertia: vector![1.0, 2.0, 2.5] };
+    let start = PushedState { attitude: UnitQuaternion::identity(), momentum: vector![0.3, 2.0, -0.4] };
+    // jumps after quiet times, and of all sizes from roundoff to what loses the last solutions
+    let torque = |member: usize, step: usize| {
+        let size = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 100.0][(member + step / 60) % 8];
+        let part = |i: usize| 2.0 * ((member + i * step + i) as f64 * 0.618_033_988_75).fract() - 1.0;
+        PushedControl { torque: size * vector![part(1), part(2), part(3)] }
+    };
+    for instructions in Instructions::available() {
+        let (systems, states) = (vec![system.clone(); MEMBERS], vec![start; MEMBERS]);
+        let mut ensemble =
+            Ensemble::<_, Cayley>::with_instructions(&systems, states.clone(), 0.01, instructions).unwrap();
+        let mut alone: Vec<_> =
+            states.into_iter().map(|state| (system.stepper::<Cayley>(0.01).unwrap(), state)).collect();
+        for step in 0..600 {
+            ensemble.control(|member, _| torque(member, step));
+            assert_eq!(ensemble.run(1).failures, 0);
+            for (member, (stepper, state)) in alone.iter_mut().enumerate() {
+                if step % 97 == 50 {
+                    let memory = stepper.snapshot();
+                    *stepper = system.stepper::<Cayley>(0.01).unwrap();
+                    stepper.restore(&memory).unwrap();
+                }
+                stepper.step_with(state, &torque(member, step)).unwrap();
+            }
+        }
+        for (member, (together, (_, state))) in ensemble.states().zip(&alone).enumerate() {
+            assert_eq!(together, *state, "member {member}, {instructions:?}");
+        }
+    }
 }
 
 #[test]
