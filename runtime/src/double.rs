@@ -235,7 +235,6 @@ impl<T: Batch> Batch for Double<T> {
     type Number = T::Number;
     type Mask = T::Mask;
     type Each<X: Copy + Send + Sync> = T::Each<X>;
-    type Rest = ();
 
     const LANES: usize = T::LANES;
     /// Half of the digits that are added: beyond, equations are solved for nothing.

@@ -220,7 +220,6 @@ impl<T: Batch> Batch for FusedScalar<T> {
     type Number = T::Number;
     type Mask = T::Mask;
     type Each<X: Copy + Send + Sync> = T::Each<X>;
-    type Rest = T::Rest;
 
     const LANES: usize = T::LANES;
     const EPSILON: f64 = T::EPSILON;

@@ -134,8 +134,6 @@ pub trait Batch: Scalar + sealed::Sealed {
     type Mask: Mask;
     /// Anything for each lane.
     type Each<X: Copy + Send + Sync>: Copy + AsRef<[X]> + AsMut<[X]> + Send + Sync;
-    /// A number that is kept after components, where these are doubles: there are then four where there are three. Else nothing.
-    type Rest: Copy + Debug + Default + Send + Sync;
 
     /// How many lanes there are.
     const LANES: usize;
@@ -295,7 +293,6 @@ macro_rules! real {
             type Number = Self;
             type Mask = bool;
             type Each<X: Copy + Send + Sync> = [X; 1];
-            type Rest = Self;
 
             const LANES: usize = 1;
             const EPSILON: f64 = $t::EPSILON as f64;

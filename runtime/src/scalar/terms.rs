@@ -6,28 +6,29 @@ use crate::scalar::FUSED;
 use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Batch, Components};
 
-/// Components that are kept.
+/// Components that are kept, and so many numbers after them: with one, three doubles fill a register of four.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(32))]
-pub(crate) struct Term<T: Batch, U> {
+#[repr(C)]
+pub(crate) struct Row<T, U, const SPARE: usize> {
     pub(crate) components: U,
-    rest: T::Rest,
+    spare: [T; SPARE],
 }
 
-impl<T: Batch, U: Components<T>> Term<T, U> {
+impl<T: Batch, U: Components<T>, const SPARE: usize> Row<T, U, SPARE> {
+    #[inline(always)]
     pub(crate) fn new(components: U) -> Self {
-        Self { components, rest: T::Rest::default() }
+        Self { components, spare: [T::of(0.0); SPARE] }
     }
 }
 
 /// A component of each of several numbers' arrays, or a few components side by side.
 pub(crate) trait Piece<T: Batch>: Copy {
-    /// The component `i` of a term, and those after it.
-    fn of<U: Components<T>>(term: &Term<T, U>, i: usize) -> Self;
+    /// The component `i` of a row, and those after it.
+    fn of<U: Components<T>, const SPARE: usize>(row: &Row<T, U, SPARE>, i: usize) -> Self;
     /// The same of components that were just computed: what is stored one by one and loaded together has to wait until it is in the cache.
     fn gathered(components: &[T], i: usize) -> Self;
     /// Puts it where [`of`](Self::of) will find it.
-    fn put<U: Components<T>>(self, term: &mut Term<T, U>, i: usize);
+    fn put<U: Components<T>, const SPARE: usize>(self, row: &mut Row<T, U, SPARE>, i: usize);
     /// `self + x`
     fn and(self, x: Self) -> Self;
     /// `self + a x`, rounded as [`Scalar::mul_add`](crate::scalar::Scalar::mul_add) does.
@@ -36,16 +37,16 @@ pub(crate) trait Piece<T: Batch>: Copy {
 
 impl<T: Batch> Piece<T> for T {
     #[inline(always)]
-    fn of<U: Components<T>>(term: &Term<T, U>, i: usize) -> Self {
-        term.components.as_ref()[i]
+    fn of<U: Components<T>, const SPARE: usize>(row: &Row<T, U, SPARE>, i: usize) -> Self {
+        row.components.as_ref()[i]
     }
     #[inline(always)]
     fn gathered(components: &[T], i: usize) -> Self {
         components[i]
     }
     #[inline(always)]
-    fn put<U: Components<T>>(self, term: &mut Term<T, U>, i: usize) {
-        term.components.as_mut()[i] = self;
+    fn put<U: Components<T>, const SPARE: usize>(self, row: &mut Row<T, U, SPARE>, i: usize) {
+        row.components.as_mut()[i] = self;
     }
     #[inline(always)]
     fn and(self, x: Self) -> Self {
@@ -59,14 +60,16 @@ impl<T: Batch> Piece<T> for T {
 
 /// What computes each component of an array. Not a closure, since these cannot say that they are always to be inlined.
 pub(crate) trait Formula<T: Batch> {
+    /// How many numbers its rows have after the last component.
+    const SPARE: usize;
     /// The component `i`, and those after it.
     fn at<X: Piece<T>>(&mut self, i: usize) -> X;
 }
 
 /// All components, for the processor that the caller is compiled for.
 #[inline(always)]
-pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>>(
-    formula: &mut impl Formula<T>,
+pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>, F: Formula<T>>(
+    formula: &mut F,
     like: &U,
 ) -> U {
     let mut all = *like;
@@ -74,7 +77,7 @@ pub(crate) fn computed<P: Processor, T: Batch, U: Components<T>>(
     let mut done = 0;
     #[cfg(all(feature = "std", target_arch = "x86_64"))]
     if const { T::PAIRS && (P::FOURS || T::IS_FUSED == FUSED) } {
-        done = crate::scalar::simd::processor::compute::<P, T>(formula, components);
+        done = crate::scalar::simd::processor::compute::<P, T, F>(formula, components);
     }
     while done < components.len() {
         components[done] = formula.at(done);

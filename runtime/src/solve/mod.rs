@@ -19,7 +19,7 @@ use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Batch, Components, Mask, Real, Work};
 pub(crate) use fixed_point::Open;
 use fixed_point::{Iterated, MOST, SHARP};
-use predictor::Predictor;
+use predictor::{Predictor, Wide};
 use stopping::{change, relative, select, weights};
 
 /// Steps between two measurements of the rate of contraction: at first, and in the long run.
@@ -237,6 +237,18 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
     #[inline(always)]
     pub(crate) fn follow<P: Processor>(&mut self, missed: &U) -> U {
         self.predictor.follow::<P>(missed)
+    }
+
+    /// What [follows](Wide::follow) instead for many steps, where that is faster. To be [taken back](Self::take).
+    #[inline(always)]
+    pub(crate) fn widened<P: Processor>(&self) -> Option<Wide<T, U>> {
+        self.predictor.widened::<P>()
+    }
+
+    /// Remembers what has followed instead.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, wide: &Wide<T, U>) {
+        self.predictor.take(wide);
     }
 
     /// [`follow`](Self::follow) while there are few solutions.

@@ -1,5 +1,6 @@
 //! A step that is one equation, from its kernel.
 
+use super::predictor::Wide;
 use super::stopping::{change, is_within, select};
 use super::{Beginning, Convergence, Open, SECOND, Solution, SolutionOf, Solver, less};
 use crate::error::StepError;
@@ -51,7 +52,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let most = self.solver.most();
         if const { Self::HAS_FAST_PATH } && known && most > 0 {
             let (prediction, tolerance) = (self.solver.prediction(), self.solver.tolerance());
-            match self.fast::<Portable>(state, time, control, &prediction, tolerance, most) {
+            match self.fast::<Portable>(state, time, control, &prediction, None, tolerance, most) {
                 Ok((next, _, iterations)) => {
                     self.solver.took(1);
                     let Convergence { iterations, residual, .. } = self.solver.on_fast_path(iterations);
@@ -100,6 +101,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         time: T,
         control: &K::Control,
         prediction: &K::Unknown,
+        wide: Option<&mut Wide<T, K::Unknown>>,
         tolerance: T,
         most: u32,
     ) -> Fast<T, K> {
@@ -147,7 +149,11 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
             then = if Solver::<T, K::Unknown>::is_growing(most) {
                 solver.grow(&unknown, off, K::BLOCKS)
             } else {
-                solver.follow::<P>(&less::<T, _>(&unknown, prediction))
+                let missed = less::<T, _>(&unknown, prediction);
+                match wide {
+                    Some(wide) => wide.follow::<P>(&missed),
+                    None => solver.follow::<P>(&missed),
+                }
             };
         }
         let next = kernel.finish(state, &begun, &unknown, &evaluation);
@@ -208,11 +214,14 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 let until_due = most.min(report.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
                 let tolerance = method.solver.tolerance();
+                let mut wide = method.solver.widened::<P>();
                 let (before, mut done) = (report.steps, true);
                 let (mut more, mut deepest) = (0, 1);
                 while report.steps < until_due {
                     let time = T::of(clock.after(report.steps));
-                    match method.fast::<P>(&now, time, control, &prediction, tolerance, most_iterations) {
+                    let wide = wide.as_mut();
+                    match method.fast::<P>(&now, time, control, &prediction, wide, tolerance, most_iterations)
+                    {
                         Ok((next, then, iterations)) => {
                             (now, prediction) = (next, then);
                             more += u64::from(iterations) - 1;
@@ -224,6 +233,11 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                         }
                     }
                     report.steps += 1;
+                }
+                if let Some(wide) = &wide {
+                    if !Solver::<T, K::Unknown>::is_growing(most_iterations) {
+                        method.solver.take(wide);
+                    }
                 }
                 let steps = report.steps - before;
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {

@@ -19,8 +19,8 @@
 use super::stopping::{select, weighted};
 use super::{LOST, added, less};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::terms::{Formula, Piece, Term, computed};
-use crate::scalar::{Batch, Components, Mask, Real};
+use crate::scalar::terms::{Formula, Piece, Row, computed};
+use crate::scalar::{Batch, Components, Mask, Real, Scalar};
 
 /// How many differences are kept.
 pub(crate) const DIFFERENCES: usize = 10;
@@ -42,31 +42,36 @@ const SMALL: f64 = 1e-12;
 const USEFUL: f64 = 0.8;
 
 /// For how many steps at least and at most no difference more is looked for, after one that was of no use.
-const PATIENCE: [f64; 2] = [1.0, 32.0];
+const PATIENCE: [u8; 2] = [1, 32];
 
 /// The differences of the last solutions that point to the next one.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Predictor<T: Batch, U> {
     /// The sums of differences.
-    sums: [Term<T, U>; DIFFERENCES],
-    /// How many differences there are. All others are zero.
-    order: T,
-    /// For so many steps no difference more is looked for.
-    wait: T,
-    /// For so many after the next one that is of no use.
-    patience: T,
-    /// The most that there are in any lane: the sums from here on are not to be read.
-    count: u8,
-    /// Whether all are there in all lanes.
-    is_full: bool,
+    sums: [Row<T, U, 0>; DIFFERENCES],
+    /// How far they are known, in each lane.
+    extents: T::Each<Extent>,
 }
+
+/// How far the differences of one lane are known.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    /// How many differences there are. All others are zero, but for the sums from the [most in any lane](Predictor::count) on, which are not to be
+    /// read.
+    order: u8,
+    /// For so many steps no difference more is looked for.
+    wait: u8,
+    /// For so many after the next one that is of no use.
+    patience: u8,
+}
+
+/// That of no solution.
+const NOTHING: Extent = Extent { order: 0, wait: 0, patience: PATIENCE[0] };
 
 /// Knows no solution.
 impl<T: Batch, U: Components<T>> Default for Predictor<T, U> {
     fn default() -> Self {
-        let sums = [Term::new(U::splat(T::of(0.0))); DIFFERENCES];
-        let [nothing, patience] = [0.0, PATIENCE[0]].map(T::of);
-        Self { sums, order: nothing, wait: nothing, patience, count: 0, is_full: false }
+        Self { sums: [Row::new(U::splat(T::of(0.0))); DIFFERENCES], extents: T::all(NOTHING) }
     }
 }
 
@@ -74,14 +79,24 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// How many differences there are in any lane.
     #[inline(always)]
     pub(crate) fn count(&self) -> usize {
+        let (mut count, mut lane) = (0, 0);
+        while lane < T::LANES {
+            count = count.max(self.extents.as_ref()[lane].order);
+            lane += 1;
+        }
         // no more than there is place for, which the compiler then knows too
-        usize::from(self.count).min(DIFFERENCES)
+        usize::from(count).min(DIFFERENCES)
     }
 
-    /// Whether all differences are there.
+    /// Whether all differences are there, in all lanes.
     #[inline(always)]
     pub(crate) fn is_full(&self) -> bool {
-        self.is_full
+        let (mut is_full, mut lane) = (true, 0);
+        while lane < T::LANES {
+            is_full &= usize::from(self.extents.as_ref()[lane].order) >= DIFFERENCES;
+            lane += 1;
+        }
+        is_full
     }
 
     /// How many differences more there is place for.
@@ -93,14 +108,13 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// Forgets all solutions.
     #[inline(always)]
     pub(crate) fn forget(&mut self) {
-        (self.order, self.count, self.is_full) = (T::of(0.0), 0, false);
-        (self.wait, self.patience) = (T::of(0.0), T::of(PATIENCE[0]));
+        self.extents = T::all(NOTHING);
     }
 
     /// The latest solution.
     pub(crate) fn latest(&self) -> U {
         let [first, second, ..] = &self.sums;
-        if self.count > 1 { less::<T, _>(&first.components, &second.components) } else { first.components }
+        if self.count() > 1 { less::<T, _>(&first.components, &second.components) } else { first.components }
     }
 
     /// The next solution, if there is any before it.
@@ -113,35 +127,45 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// one after it.
     #[inline(always)]
     pub(crate) fn follow<P: Processor>(&mut self, missed: &U) -> U {
-        let mut next = computed::<P, _, _>(&mut Follow { sums: &mut self.sums, missed }, missed);
-        let mut i = 0;
-        while i < U::LENGTH {
-            next.as_mut()[i] = T::of(ALL_GAINS[0]).mul_add(missed.as_ref()[i], next.as_ref()[i]);
-            i += 1;
+        followed::<P, _, _, _>(&mut self.sums, missed)
+    }
+
+    /// The sums for many steps of [`follow`](Wide::follow), where they are taken faster so.
+    #[inline(always)]
+    pub(crate) fn widened<P: Processor>(&self) -> Option<Wide<T, U>> {
+        if !const { P::FOURS && T::PAIRS && U::LENGTH % 4 == 3 } {
+            return None;
         }
-        next
+        let mut wide = [Row::new(U::splat(T::of(0.0))); DIFFERENCES];
+        for (to, from) in wide.iter_mut().zip(&self.sums) {
+            to.components = from.components;
+        }
+        Some(Wide(wide))
+    }
+
+    /// Takes them back.
+    #[inline(always)]
+    pub(crate) fn take(&mut self, wide: &Wide<T, U>) {
+        for (to, from) in self.sums.iter_mut().zip(&wide.0) {
+            to.components = from.components;
+        }
     }
 
     /// Takes the first solution.
     #[inline(always)]
     pub(crate) fn begin(&mut self, solution: &U) {
         self.sums[0].components = *solution;
-        (self.order, self.count) = (T::of(1.0), 1);
-    }
-
-    /// Where no difference more is looked for: not yet, and the prediction was off by no more than a guess may be.
-    #[inline(always)]
-    fn waits(&self, off: T) -> T::Mask {
-        T::of(0.0).lt(self.wait) & off.le(T::of(LOST))
+        self.extents = T::all(Extent { order: 1, ..NOTHING });
     }
 
     /// Takes one more solution if no difference more is looked for, and says whether it did: what [`learn`](Self::learn) does then, of one lane.
     #[inline(always)]
     pub(crate) fn keep_to(&mut self, solution: &U, off: T) -> bool {
-        if !self.waits(off).all() {
+        let extent = &mut self.extents.as_mut()[0];
+        if extent.wait == 0 || !off.le(T::of(LOST)).all() {
             return false;
         }
-        self.wait = self.wait - T::of(1.0);
+        extent.wait -= 1;
         let missed = less::<T, _>(solution, &self.sums[0].components);
         // the compiler knows that −0 is nothing to add
         let (mut sum, mut there, mut k) = (U::splat(T::of(-0.0)), T::of(0.0), self.count());
@@ -158,43 +182,70 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     #[inline(always)]
     pub(crate) fn learn(&mut self, weights: &U, solution: &U, good: T::Mask, off: T) {
         let missed = less::<T, _>(solution, &self.sums[0].components);
-        let (full, one) = (T::of(DIFFERENCES as f64), T::of(1.0));
+        let (full, one, nothing) = (T::of(DIFFERENCES as f64), T::of(1.0), T::of(0.0));
         let good = good | weighted::<T, _>(weights, &missed).le(T::of(SMALL));
-        let follows = good & full.le(self.order);
-        if follows.all() && self.is_full {
+        if good.all() && self.is_full() {
             self.follow::<Portable>(&missed);
             return;
         }
-        let waits = !follows & self.waits(off);
+        let [order, wait, patience] = self.extents();
+        let follows = good & full.le(order);
+        let waits = !follows & nothing.lt(wait) & off.le(T::of(LOST));
         let looks = !follows & !waits;
-        self.wait = T::select(waits, self.wait - one, T::select(looks, T::of(0.0), self.wait));
-        let order = T::select(looks, self.order + one, self.order);
-        self.order = T::select(full.le(order), full, order);
+        let wait = T::select(waits, wait - one, T::select(looks, nothing, wait));
+        let order = T::select(looks & order.lt(full), order + one, order);
         // the compiler knows that −0 is nothing to add
         let (mut sum, mut k) = (U::splat(T::of(-0.0)), self.count());
         // so many differences there are from each one on
-        let mut there = self.order - T::of(k as f64);
-        if looks.any() && k < DIFFERENCES {
+        let (mut there, mut count) = (order - T::of(k as f64), k);
+        if k < DIFFERENCES && nothing.lt(there).any() {
             self.sums[k].components = scaled(self.gain(k, there, follows), &missed);
-            self.count += 1;
+            count += 1;
         }
         while k > 0 {
             k -= 1;
             there = there + one;
             self.add(k, &mut sum, self.gain(k, there, follows), &missed);
         }
-        let order = self.order;
-        self.drop_useless(weights, looks);
-        let is_useless = self.order.lt(order);
-        let [least, most] = PATIENCE.map(T::of);
-        let (shorter, longer) = (T::of(0.5) * self.patience, self.patience + self.patience);
-        self.wait = T::select(is_useless, self.patience, self.wait);
-        self.patience = T::select(
+        let useful = self.drop_useless(weights, looks, order, count);
+        let is_useless = useful.lt(order);
+        let [least, most] = PATIENCE.map(|steps| T::of(f64::from(steps)));
+        let (shorter, longer) = (T::of(0.5) * patience, patience + patience);
+        let wait = T::select(is_useless, patience, wait);
+        let patience = T::select(
             is_useless,
             T::select(most.lt(longer), most, longer),
-            T::select(!looks, self.patience, T::select(shorter.lt(least), least, shorter)),
+            T::select(!looks, patience, T::select(shorter.lt(least), least, shorter)),
         );
-        self.is_full = self.count() == DIFFERENCES && full.le(self.order).all();
+        self.extend([useful, wait, patience]);
+    }
+
+    /// Order, wait and patience as numbers.
+    #[inline(always)]
+    fn extents(&self) -> [T; 3] {
+        let (mut numbers, mut lane) = ([T::of(0.0); 3], 0);
+        while lane < T::LANES {
+            let Extent { order, wait, patience } = self.extents.as_ref()[lane];
+            numbers[0].set_lane(lane, <T::Number as Scalar>::of(order.into()));
+            numbers[1].set_lane(lane, <T::Number as Scalar>::of(wait.into()));
+            numbers[2].set_lane(lane, <T::Number as Scalar>::of(patience.into()));
+            lane += 1;
+        }
+        numbers
+    }
+
+    /// Sets them.
+    #[inline(always)]
+    fn extend(&mut self, [order, wait, patience]: [T; 3]) {
+        let mut lane = 0;
+        while lane < T::LANES {
+            self.extents.as_mut()[lane] = Extent {
+                order: (order.lane(lane).to_f64() as u8).min(DIFFERENCES as u8),
+                wait: wait.lane(lane).to_f64() as u8,
+                patience: patience.lane(lane).to_f64() as u8,
+            };
+            lane += 1;
+        }
     }
 
     /// Adds to a sum of differences the one before it, as it was, and so many times what was missed.
@@ -219,22 +270,23 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         T::select(follows, T::of(ALL_GAINS[k]), there)
     }
 
-    /// Drops in these lanes the highest differences that are neither small nor smaller than the ones before them.
+    /// Drops in these lanes the highest differences that are neither small nor smaller than the ones before them. Returns how many there are then,
+    /// of `order`, and no more than `count` in any lane.
     #[inline(always)]
-    fn drop_useless(&mut self, weights: &U, lanes: T::Mask) {
-        let mut k = self.count();
+    fn drop_useless(&mut self, weights: &U, lanes: T::Mask, mut order: T, count: usize) -> T {
+        let mut k = count;
         while k > 1 {
             k -= 1;
             // that they are there the compiler does not see
-            let [Some(before), Some(highest)] = [k - 1, k].map(|k| self.sums.get(k)) else { return };
+            let [Some(before), Some(highest)] = [k - 1, k].map(|k| self.sums.get(k)) else { return order };
             let highest = highest.components;
             let before = less::<T, _>(&before.components, &highest);
             let [size, before] = [weighted::<T, _>(weights, &highest), weighted::<T, _>(weights, &before)];
             let is_useful = size.le(T::of(SMALL)) | size.le(T::of(USEFUL) * before);
-            let is_there = T::of(k as f64).lt(self.order);
-            let useless = lanes & is_there & self.order.le(T::of(k as f64 + 1.0)) & !is_useful;
+            let is_there = T::of(k as f64).lt(order);
+            let useless = lanes & is_there & order.le(T::of(k as f64 + 1.0)) & !is_useful;
             if useless.any() {
-                self.order = T::select(useless, T::of(k as f64), self.order);
+                order = T::select(useless, T::of(k as f64), order);
                 for sum in self.sums.iter_mut().take(k + 1) {
                     let rest = less::<T, _>(&sum.components, &highest);
                     sum.components = select(useless, &rest, &sum.components);
@@ -242,34 +294,56 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
             } else if is_there.all() {
                 break;
             }
-            if !T::of(k as f64).lt(self.order).any() {
-                self.count = k as u8;
-            }
         }
+        order
     }
 
     /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
     pub(crate) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
-        let mut count = [T::of(f64::from(self.count))];
-        visit(&mut count);
-        // the same in all lanes
-        self.count = (count[0].lane(0).to_f64() as u8).min(DIFFERENCES as u8);
-        for number in [&mut self.order, &mut self.wait, &mut self.patience] {
-            visit(core::slice::from_mut(number));
-        }
+        let mut extents = self.extents();
+        extents.iter_mut().for_each(|number| visit(core::slice::from_mut(number)));
+        self.extend(extents);
         self.sums.iter_mut().for_each(|sum| visit(sum.components.as_mut()));
-        self.is_full = self.count() == DIFFERENCES && T::of(DIFFERENCES as f64).le(self.order).all();
     }
 }
 
-/// [`Predictor::follow`], piece by piece. Computed is the first sum without what was missed: what that adds is added by itself, since the next step
-/// waits for it.
-struct Follow<'a, T: Batch, U> {
-    sums: &'a mut [Term<T, U>; DIFFERENCES],
+/// The sums of a [`Predictor`], each with a number after it: three doubles and that one are loaded together.
+#[repr(align(32))]
+pub(crate) struct Wide<T, U>([Row<T, U, 1>; DIFFERENCES]);
+
+impl<T: Batch, U: Components<T>> Wide<T, U> {
+    /// As [`Predictor::follow`].
+    #[inline(always)]
+    pub(crate) fn follow<P: Processor>(&mut self, missed: &U) -> U {
+        followed::<P, _, _, _>(&mut self.0, missed)
+    }
+}
+
+/// The prediction after the solution that was missed by so much.
+#[inline(always)]
+fn followed<P: Processor, T: Batch, U: Components<T>, const SPARE: usize>(
+    sums: &mut [Row<T, U, SPARE>; DIFFERENCES],
+    missed: &U,
+) -> U {
+    let mut next = computed::<P, _, _, _>(&mut Follow { sums, missed }, missed);
+    let mut i = 0;
+    while i < U::LENGTH {
+        next.as_mut()[i] = T::of(ALL_GAINS[0]).mul_add(missed.as_ref()[i], next.as_ref()[i]);
+        i += 1;
+    }
+    next
+}
+
+/// [`followed`], piece by piece. Computed is the first sum without what was missed: what that adds is added by itself, since the next step waits
+/// for it.
+struct Follow<'a, T, U, const SPARE: usize> {
+    sums: &'a mut [Row<T, U, SPARE>; DIFFERENCES],
     missed: &'a U,
 }
 
-impl<T: Batch, U: Components<T>> Formula<T> for Follow<'_, T, U> {
+impl<T: Batch, U: Components<T>, const SPARE: usize> Formula<T> for Follow<'_, T, U, SPARE> {
+    const SPARE: usize = SPARE;
+
     #[inline(always)]
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
         let missed = X::gathered(self.missed.as_ref(), i);
@@ -332,9 +406,9 @@ mod tests {
         after(&mut predictor, (0..4).map(cubic));
         assert!((predictor.next()[0] - cubic(4)).abs() < 1e-14);
         // as many as there are differences lie on the other one, whatever was before
-        predictor.wait = 4.0;
+        predictor.extents[0].wait = 4;
         assert_eq!(after(&mut predictor, (4..8).map(other)), 0);
-        assert_eq!((predictor.count(), predictor.wait), (4, 0.0));
+        assert_eq!((predictor.count(), predictor.extents[0].wait), (4, 0));
         let off = (predictor.next()[0] - other(8)).abs();
         assert!(off < 1e-13, "{off:e}");
     }
@@ -359,8 +433,8 @@ mod tests {
         let mut predictor = Predictor::default();
         after(&mut predictor, (0..300).map(|k| 1e-6_f64.mul_add(noise(k), smooth(k))));
         assert!(!predictor.is_full(), "{}", predictor.count());
-        after(&mut predictor, (300..300 + PATIENCE[1] as i32 + 3 * DIFFERENCES as i32).map(smooth));
+        after(&mut predictor, (300..300 + i32::from(PATIENCE[1]) + 3 * DIFFERENCES as i32).map(smooth));
         assert!(predictor.is_full(), "{}", predictor.count());
-        assert_eq!(predictor.patience, PATIENCE[0]);
+        assert_eq!(predictor.extents[0].patience, PATIENCE[0]);
     }
 }

@@ -267,5 +267,10 @@ fn steppers_are_of_the_documented_size() {
         size_of::<Stepper<Top, Exponential>>(),
         size_of::<Stepper<Top, Midpoint>>(),
     ];
-    assert!(sizes.iter().all(|size| (600..=850).contains(size)), "{sizes:?}");
+    assert!(sizes.iter().all(|size| (450..=750).contains(size)), "{sizes:?}");
+    let sizes = [
+        size_of::<Stepper<Top, StormerVerlet<Cayley>>>(),
+        size_of::<Stepper<Top, StormerVerlet<Exponential>>>(),
+    ];
+    assert!(sizes.iter().all(|size| (750..=1_024).contains(size)), "{sizes:?}");
 }

@@ -258,7 +258,6 @@ impl<X: Real, const N: usize, P: Processor> crate::scalar::sealed::Sealed for La
 impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     type Number = X;
     type Mask = LaneMask<N>;
-    type Rest = ();
     type Each<Y: Copy + Send + Sync> = [Y; N];
 
     const LANES: usize = N;

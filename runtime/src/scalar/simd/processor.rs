@@ -9,7 +9,7 @@ use core::arch::x86_64::*;
 use core::mem::transmute;
 
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::terms::{Formula, Piece, Term};
+use crate::scalar::terms::{Formula, Piece, Row};
 use crate::scalar::{Batch, Components, FUSED, LongWork, On, OutOfLine, Real, Work};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
@@ -198,10 +198,10 @@ impl Processor for Portable {
 /// Of a [`Formula`] of doubles alone as many components at a time as `P`, for which the caller is compiled, has instructions for. Returns how
 /// many there are then.
 #[inline(always)]
-pub(crate) fn compute<P: Processor, T: Batch>(formula: &mut impl Formula<T>, components: &mut [T]) -> usize {
+pub(crate) fn compute<P: Processor, T: Batch, F: Formula<T>>(formula: &mut F, components: &mut [T]) -> usize {
     let mut done = 0;
     if const { P::FOURS } {
-        while done + 3 <= components.len() {
+        while done + 4 <= components.len() + F::SPARE {
             // SAFETY: the bits are those of four doubles
             let [x, y, z, w]: [f64; 4] = unsafe { transmute(formula.at::<__m256d>(done)) };
             (components[done], components[done + 1], components[done + 2]) = (T::of(x), T::of(y), T::of(z));
@@ -220,13 +220,10 @@ pub(crate) fn compute<P: Processor, T: Batch>(formula: &mut impl Formula<T>, com
     done
 }
 
-/// Whether there are doubles alone, so many of them from `i` on, and one more after the last.
+/// Whether there are doubles alone, and so many of them from `i` on.
 #[inline(always)]
-fn are_doubles<T: Batch, U: Components<T>>(term: &Term<T, U>, i: usize, many: usize) -> bool {
-    T::PAIRS
-        && size_of::<T::Rest>() == size_of::<f64>()
-        && size_of::<U>() == size_of::<f64>() * term.components.as_ref().len()
-        && (i + many) * size_of::<f64>() <= size_of::<U>()
+fn are_doubles<T: Batch, U: Components<T>, const SPARE: usize>(i: usize, many: usize) -> bool {
+    T::PAIRS && size_of::<U>() == size_of::<f64>() * U::LENGTH && i + many <= U::LENGTH + SPARE
 }
 
 /// The components from `i` on, two or, with zero after the last, four.
@@ -241,28 +238,28 @@ fn gathered<T: Batch, const N: usize>(components: &[T], i: usize) -> [f64; N] {
     doubles
 }
 
-/// Pieces of so many doubles, of which the last may be [the rest](Batch::Rest).
+/// Pieces of so many doubles, of which the last may be the spare one of a [`Row`].
 macro_rules! pieces {
-    ($($vector:ident: $lanes:literal doubles, $least:literal components, $load:ident, $store:ident, $set:expr, $splat:ident, $add:ident, $mul:ident, $fmadd:ident;)*) => {
+    ($($vector:ident: $lanes:literal doubles, $load:ident, $store:ident, $set:expr, $splat:ident, $add:ident, $mul:ident, $fmadd:ident;)*) => {
         $(
             // SAFETY: the processor has these instructions, for the caller is compiled for it: two at a time any x86-64, four at a time where
             // `P::FOURS`, and rounded once where `P::FOURS` too or where the program is built for them.
             impl<T: Batch> Piece<T> for $vector {
                 #[inline(always)]
-                fn of<U: Components<T>>(term: &Term<T, U>, i: usize) -> Self {
-                    assert!(are_doubles(term, i, $least));
-                    // SAFETY: so many doubles from `i` on, the rest included
-                    unsafe { $load((&raw const *term).cast::<f64>().add(i)) }
+                fn of<U: Components<T>, const SPARE: usize>(row: &Row<T, U, SPARE>, i: usize) -> Self {
+                    assert!(are_doubles::<T, U, SPARE>(i, $lanes));
+                    // SAFETY: so many doubles from `i` on, the spare one included
+                    unsafe { $load((&raw const *row).cast::<f64>().add(i)) }
                 }
                 #[inline(always)]
                 fn gathered(components: &[T], i: usize) -> Self {
                     unsafe { $set(gathered(components, i)) }
                 }
                 #[inline(always)]
-                fn put<U: Components<T>>(self, term: &mut Term<T, U>, i: usize) {
-                    assert!(are_doubles(term, i, $least));
-                    // SAFETY: so many doubles from `i` on, the rest included
-                    unsafe { $store((&raw mut *term).cast::<f64>().add(i), self) }
+                fn put<U: Components<T>, const SPARE: usize>(self, row: &mut Row<T, U, SPARE>, i: usize) {
+                    assert!(are_doubles::<T, U, SPARE>(i, $lanes));
+                    // SAFETY: so many doubles from `i` on, the spare one included
+                    unsafe { $store((&raw mut *row).cast::<f64>().add(i), self) }
                 }
                 #[inline(always)]
                 fn and(self, x: Self) -> Self {
@@ -280,9 +277,9 @@ macro_rules! pieces {
     };
 }
 pieces! {
-    __m128d: 2 doubles, 2 components, _mm_loadu_pd, _mm_storeu_pd, |[x, y]: [f64; 2]| _mm_set_pd(y, x), _mm_set1_pd,
+    __m128d: 2 doubles, _mm_loadu_pd, _mm_storeu_pd, |[x, y]: [f64; 2]| _mm_set_pd(y, x), _mm_set1_pd,
         _mm_add_pd, _mm_mul_pd, _mm_fmadd_pd;
-    __m256d: 4 doubles, 3 components, _mm256_loadu_pd, _mm256_storeu_pd, |[x, y, z, w]: [f64; 4]| _mm256_set_pd(w, z, y, x), _mm256_set1_pd,
+    __m256d: 4 doubles, _mm256_loadu_pd, _mm256_storeu_pd, |[x, y, z, w]: [f64; 4]| _mm256_set_pd(w, z, y, x), _mm256_set1_pd,
         _mm256_add_pd, _mm256_mul_pd, _mm256_fmadd_pd;
 }
 
@@ -316,9 +313,11 @@ mod tests {
     use std::vec::Vec;
 
     /// All that can be done with pieces.
-    struct Mixed<T: Batch, const N: usize>([Term<T, [T; N]>; 2], [T; N]);
+    struct Mixed<T: Batch, const N: usize, const SPARE: usize>([Row<T, [T; N], SPARE>; 2], [T; N]);
 
-    impl<T: Batch, const N: usize> Formula<T> for Mixed<T, N> {
+    impl<T: Batch, const N: usize, const SPARE: usize> Formula<T> for Mixed<T, N, SPARE> {
+        const SPARE: usize = SPARE;
+
         #[inline(always)]
         fn at<X: Piece<T>>(&mut self, i: usize) -> X {
             let Self([first, second], other) = self;
@@ -329,13 +328,13 @@ mod tests {
     }
 
     /// What the processor makes of what it has kept, against what it makes of one component after the other.
-    fn computes<P: Processor, T: Batch<Number = f64>, const N: usize>() {
+    fn computes<P: Processor, T: Batch<Number = f64>, const N: usize, const SPARE: usize>() {
         let numbers = |j: usize| core::array::from_fn(|i| T::of((1.0 + (7 * j + i) as f64).sqrt() - 2.0));
-        let mixed = Mixed([Term::new(numbers(0)), Term::new(numbers(1))], numbers(2));
-        let mut together = Mixed(mixed.0, mixed.1);
+        let mixed = Mixed::<T, N, SPARE>([Row::new(numbers(0)), Row::new(numbers(1))], numbers(2));
+        let mut together = Mixed::<T, N, SPARE>(mixed.0, mixed.1);
         // what was put there the first time is found there the second time
         for _ in 0..2 {
-            let all = computed::<P, T, [T; N]>(&mut together, &[T::of(0.0); N]);
+            let all = computed::<P, T, [T; N], _>(&mut together, &[T::of(0.0); N]);
             assert_eq!(all, together.0[0].components);
         }
         let mut alone = mixed;
@@ -347,15 +346,24 @@ mod tests {
     }
 
     fn computes_all<P: Processor, T: Batch<Number = f64>>() {
-        computes::<P, T, 1>();
-        computes::<P, T, 2>();
-        computes::<P, T, 3>();
-        computes::<P, T, 4>();
-        computes::<P, T, 5>();
-        computes::<P, T, 6>();
-        computes::<P, T, 7>();
-        computes::<P, T, 8>();
-        computes::<P, T, 11>();
+        computes::<P, T, 1, 0>();
+        computes::<P, T, 1, 1>();
+        computes::<P, T, 2, 0>();
+        computes::<P, T, 2, 1>();
+        computes::<P, T, 3, 0>();
+        computes::<P, T, 3, 1>();
+        computes::<P, T, 4, 0>();
+        computes::<P, T, 4, 1>();
+        computes::<P, T, 5, 0>();
+        computes::<P, T, 5, 1>();
+        computes::<P, T, 6, 0>();
+        computes::<P, T, 6, 1>();
+        computes::<P, T, 7, 0>();
+        computes::<P, T, 7, 1>();
+        computes::<P, T, 8, 0>();
+        computes::<P, T, 8, 1>();
+        computes::<P, T, 11, 0>();
+        computes::<P, T, 11, 1>();
     }
 
     #[test]
