@@ -96,6 +96,19 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     ) -> Option<Self::Unknown> {
         None
     }
+    /// The next iterate of the fixed-point iteration on the equation without denominators: where `right` is `n/(1 + d)`, and `left(x) = L x`, it is
+    /// `L⁻¹ n − d x`. It has the same solution and waits for no division. Where there are no denominators it is the
+    /// [other](Self::fixed_point_update) update.
+    #[inline(always)]
+    fn cleared_update(
+        &self,
+        state: &Self::State,
+        step: &Self::Step,
+        _unknown: &Self::Unknown,
+        evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
+    ) -> Option<Self::Unknown> {
+        self.fixed_point_update(state, step, &evaluation.right)
+    }
     /// Positive inside the retraction's domain, zero on its edge. None if there is no edge.
     #[inline(always)]
     fn domain(

@@ -110,6 +110,7 @@ fn purpose(role: Role) -> &'static str {
         Role::Evaluate => "Once an iteration: the residual and the right side of the equation",
         Role::Correction => "Once an iteration: the Newton correction",
         Role::FixedPointUpdate => "Once an iteration: the solution of `left(x) = right`",
+        Role::ClearedUpdate => "Once an iteration: the next iterate, from the equation without denominators",
         Role::Domain => "Positive within the retraction's domain",
         _ => "Once a step: the next state",
     }
@@ -158,6 +159,9 @@ fn signature(function: &Function) -> TokenStream {
             }
         }
         Role::Correction => quote! { fn correction(#solved) -> [T; #unknown] },
+        Role::ClearedUpdate => {
+            quote! { fn cleared_update(#solved) -> ::core::option::Option<[T; #unknown]> }
+        }
         Role::Domain => quote! { fn domain(#solved) -> ::core::option::Option<T> },
         _ => quote! { fn finish(#solved) -> [T; #state] },
     }
@@ -174,7 +178,7 @@ fn result(module: &Module, function: &Function, name: &Ident) -> TokenStream {
             let [residual, right] = [0, 1].map(|place| array(module, &function.results[place]));
             quote! { Evaluation { residual: #residual, right: #right, iterate: #iterate } }
         }
-        Role::FixedPointUpdate => quote! { ::core::option::Option::Some(#(#arrays)*) },
+        Role::FixedPointUpdate | Role::ClearedUpdate => quote! { ::core::option::Option::Some(#(#arrays)*) },
         Role::Domain => {
             let margins = function.results.iter().flatten().map(|margin| term(module, margin));
             let margin = margins.reduce(|a, b| quote! { T::min(#a, #b) });

@@ -9,6 +9,7 @@ mod expression;
 mod linear;
 mod node;
 mod number;
+mod quotient;
 
 pub use arena::Arena;
 pub use diff::{Derivative, Substitution, gradient};
@@ -20,3 +21,4 @@ pub(crate) use linear::uncoupled;
 pub use linear::{Matrix, Vector};
 pub use node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use number::Number;
+pub use quotient::Quotient;

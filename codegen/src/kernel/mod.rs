@@ -5,6 +5,7 @@ mod arrange;
 mod derivative;
 mod division;
 mod factor;
+mod fixed_point;
 mod layout;
 mod names;
 mod pairs;
@@ -60,7 +61,11 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
         Vector((1..=unknown.len()).map(symbol).collect::<Vec<_>>())
     };
     let (residual, right) = (numbered("residual"), numbered("right"));
-    let update = fixed_point_update(step, &right).unwrap_or_else(|| Vector(Vec::new()));
+    let none = || Vector(Vec::new());
+    let inverse = fixed_point::inverse(step);
+    let update = inverse.as_ref().map_or_else(none, |inverse| fixed_point::update(inverse, &right));
+    let cleared = inverse.as_ref().and_then(|inverse| fixed_point::cleared_update(step, inverse));
+    let cleared = cleared.unwrap_or_else(none);
     let correction = correction(step, &residual);
     let inputs = inputs
         .with(Input::StepSize, step.h.as_symbol().into_iter().collect())
@@ -69,9 +74,9 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
         .with(Input::Right, right.symbols());
 
     let domain = Vector(step.domain.clone());
-    let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next];
+    let all = [&step.start, &step.left, &step.right, &correction, &update, &cleared, &domain, &step.next];
     let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
-    let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
+    let [start, left, right, correction, update, cleared, domain, next] = all.map(|vector| code.plan(vector));
     code.names.carry_over(arena, &code.factoring, &code.plan);
     let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
     code.plan.eliminate_common_pairs();
@@ -87,6 +92,7 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
         returned(Role::Correction, vec![correction]),
     ];
     functions.extend((!update.is_empty()).then(|| returned(Role::FixedPointUpdate, vec![update])));
+    functions.extend((!cleared.is_empty()).then(|| returned(Role::ClearedUpdate, vec![cleared])));
     functions.extend((!domain.is_empty()).then(|| returned(Role::Domain, vec![domain])));
     functions.push(returned(Role::Finish, vec![next]));
     let placement = Placement::of_step(&code.plan, &functions, &step.given);
@@ -105,34 +111,6 @@ fn correction<'a>(step: &Step<'a>, residual: &Vector<'a>) -> Vector<'a> {
         |(k, entry): (usize, &Expr<'a>)| entry.hold().named(format!("jacobian_{}{}", k / n + 1, k % n + 1));
     let entries = jacobian.entries.iter().enumerate().map(named).collect();
     Matrix::new(jacobian.rows, n, entries).solve(residual)
-}
-
-/// The solution `x` of `left(x) = right`, where the left side is linear in the unknown with coefficients that depend on parameters and step
-/// alone: their inverse is then computed once, when the stepper is built.
-fn fixed_point_update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
-    let arena = step.h.arena();
-    let symbols = step.unknown.symbols();
-    if symbols.is_empty() {
-        return None;
-    }
-    let matrix = step.left.jacobian(&symbols);
-    let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
-    // a function with a constant Jacobian is linear up to its value at zero
-    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
-    let is_linear = step.left.substitute(&zero).iter().all(Expr::is_zero);
-    if !(is_constant && is_linear) {
-        return None;
-    }
-    let unit = |j: usize| {
-        let entry = |i: usize| if i == j { arena.one() } else { arena.zero() };
-        Vector((0..symbols.len()).map(entry).collect::<Vec<_>>())
-    };
-    let columns: Vec<Vector<'a>> = (0..symbols.len()).map(|j| matrix.solve(&unit(j))).collect();
-    let row = |i: usize| {
-        let products = columns.iter().zip(right.iter()).map(|(column, x)| column.0[i].hold() * x);
-        products.fold(arena.zero(), |sum, product| sum + product)
-    };
-    Some(Vector((0..symbols.len()).map(row).collect()))
 }
 
 /// The code of a function that stands alone: of parameters and state, and whatever else is given.
@@ -237,7 +215,7 @@ impl<'a> Code<'a> {
         let role = function.role;
         let count = function.results().count();
         let named = match role {
-            Role::Start | Role::FixedPointUpdate => names(Input::Unknown, ""),
+            Role::Start | Role::FixedPointUpdate | Role::ClearedUpdate => names(Input::Unknown, ""),
             Role::Evaluate => [names(Input::Residual, ""), names(Input::Right, "")].concat(),
             Role::Finish => names(Input::State, "_next"),
             _ => derivative::result_names(role, &self.inputs, self.arena),
@@ -259,7 +237,7 @@ impl Role {
             Self::Start => vec![constants, Input::State, step],
             Self::Evaluate => vec![constants, Input::State, step, Input::Unknown],
             Self::FixedPointUpdate => vec![constants, Input::State, step, Input::Right],
-            Self::Correction | Self::Domain | Self::Finish => {
+            Self::Correction | Self::ClearedUpdate | Self::Domain | Self::Finish => {
                 vec![constants, Input::State, step, Input::Unknown, Input::Residual, iterate]
             }
             Self::Point => vec![

@@ -53,7 +53,8 @@ impl Placement {
         };
         let reachable = |roles: &[Role]| plan.reachable_from(roots(roles));
         let evaluating = reachable(&[Role::Evaluate]);
-        let solving = [Role::Evaluate, Role::Correction, Role::FixedPointUpdate, Role::Domain];
+        let solving =
+            [Role::Evaluate, Role::Correction, Role::FixedPointUpdate, Role::ClearedUpdate, Role::Domain];
         let solving = reachable(&solving);
         let arguments: FxHashSet<Op> =
             evaluating.iter().filter_map(|&op| plan.stumpff_argument(op)).collect();

@@ -1,7 +1,7 @@
 //! Differentiation, evaluation and factorization against their definitions, in doubles.
 
 use coadjoint_codegen::expr::{
-    Arena, Expr, Function, Matrix, Number, Stage, Symbol, Value, Vector, gradient,
+    Arena, Expr, Function, Matrix, Number, Quotient, Stage, Symbol, Value, Vector, gradient,
 };
 
 const FUNCTIONS: [Function; 12] = [
@@ -202,5 +202,49 @@ fn formulas_are_written_as_usual() {
         (arena.number(Number::ratio(1, 2)).pow(x), "(1/2)^(x)"),
     ] {
         assert_eq!(expr.to_string(), text);
+    }
+}
+
+#[test]
+fn quotients_have_one_denominator() {
+    let arena = Arena::new();
+    let [x, y] = symbols(&arena);
+    let symbols = Vector(vec![x, y]).symbols();
+    let of_x = &symbols[..1];
+    let denominator = x * x + 1;
+    let per = denominator.recip();
+    let quotients = [
+        y * per,
+        (y - x) / denominator * 3,
+        ((y + x).hold() * (per * 2).hold()).hold() / 5,
+        y * per - (x * 7) * per.hold(),
+        ((y * per).hold() + x / denominator).hold() * (y + 3),
+        y.recip() * per,
+        x.apply(Function::Sin) * per,
+    ];
+    for expr in quotients {
+        let Quotient { numerator, denominator: by } = expr.as_quotient(of_x).expect("a quotient");
+        assert!(by == denominator, "{expr}: {by}");
+        let [whole, numerator, by] = [expr, numerator, by].map(|expr| value(expr, &symbols, AT));
+        assert!((numerator / by - whole).abs() < 1e-15, "{expr}: {numerator} / {by}");
+    }
+    // where nothing is divided by what depends on x, by 1
+    for expr in [x * y, x / y, (x + y).hold() * x - 2, arena.number(3)] {
+        let Quotient { numerator, denominator } = expr.as_quotient(of_x).expect("whole");
+        assert!(numerator == expr && denominator == arena.one(), "{expr}");
+    }
+    let others = [
+        y * per + 1,
+        y * per + x,
+        x / (x + y) + y * per,
+        per * per * y,
+        per * (x + y).recip(),
+        (per + 1).hold() * per,
+        per.sqrt() * x,
+        per.hold().recip() * y * per,
+        (y * per).apply(Function::Cos),
+    ];
+    for expr in others {
+        assert!(expr.as_quotient(of_x).is_none(), "{expr}");
     }
 }

@@ -157,6 +157,8 @@ fn functions_are_given_what_the_runtime_gives_them() {
     assert_eq!(of(Role::FixedPointUpdate), "Record(Constants), State, Record(Step), Right");
     let solved = "Record(Constants), State, Record(Step), Unknown, Residual, Record(Iterate)";
     assert_eq!((of(Role::Correction), of(Role::Finish)), (solved.to_owned(), solved.to_owned()));
+    let with_quotients = derived(&format!("{DRIVEN}, retractions(Cayley)"), BODY);
+    assert_eq!(signature(&with_quotients.steps[0].module, Role::ClearedUpdate), solved);
     let derivative = step.derivative.as_ref().expect("asked for");
     let of = |role| signature(derivative, role);
     assert_eq!(of(Role::Point), "Parameters, StepSize, State, Time, Control, Unknown");

@@ -194,6 +194,15 @@ fn check_step<'a>(
             None => value(arena, symbol),
         };
         assert_close(&step.left.evaluate(&at), &right, what);
+        // the one without denominators goes further from the unknown, in the same direction
+        if module.function(Role::ClearedUpdate).is_some() {
+            let x = values(arena, &unknown);
+            let cleared = one(Role::ClearedUpdate, &given);
+            for ((cleared, update), x) in cleared.iter().zip(&update).zip(&x) {
+                let factor = (cleared - x) / (update - x);
+                assert!(factor > 1.0 && factor < 1e3, "{what}: {factor}");
+            }
+        }
     }
 }
 

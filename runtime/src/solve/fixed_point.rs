@@ -1,4 +1,7 @@
-//! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`.
+//! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, and where the right side is `n(x)/(1 + d(x))`, `x ← L⁻¹ n(x) − d(x) x`.
+//!
+//! Both have the same solution. The first one is for a prediction, which is known before the state is, so that the quotient is there in time, and
+//! is part of what comes after. Every other iterate waits for the one before it, and is not to wait for a division.
 
 use super::stopping::{change, is_within, select};
 use super::{Convergence, LAST_CHANGE, QUICK, ROUNDOFF, SAFETY, SECOND, STRONG, Solver, count};
@@ -6,7 +9,7 @@ use crate::kernel::{Evaluation, Kernel};
 use crate::scalar::{Batch, Components, Mask};
 
 /// The most iterations of a step: where more are needed Newton's iteration is faster.
-pub(super) const MOST: u8 = 10;
+pub(super) const MOST: u8 = 12;
 /// What rounding changes the unknown by in an iteration, at most, in units of epsilon.
 pub(super) const NOISE: f64 = 4.0;
 /// The change of a last iteration, in units of epsilon. What is evaluated before it serves for the solution too, and turns with it: by a few
@@ -63,11 +66,17 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
         again = again & are_enough(rate.assumed, last);
     }
     while again.any() {
-        // the other lanes wait: the same again gives the same
+        // the other lanes wait
         point = select(again, &unknown, &point);
         let evaluation = kernel.evaluate(state, step, &point);
-        let Some(next) = kernel.fixed_point_update(state, step, &evaluation.right) else { break };
-        (unknown, round) = (next, round + 1);
+        // as on the fast path, where the first one is from where earlier solutions point
+        let next = if round == 0 && solver.remembers() {
+            kernel.fixed_point_update(state, step, &evaluation.right)
+        } else {
+            kernel.cleared_update(state, step, &point, &evaluation)
+        };
+        let Some(next) = next else { break };
+        (unknown, round) = (select(again, &next, &unknown), round + 1);
         count::<T>(&mut iterations, again);
         let now = change::<T, _>(K::BLOCKS, &point, &unknown);
         let mut more = T::Mask::splat(round < MOST.into());
@@ -175,20 +184,20 @@ fn is_solved<T: Batch, K: Kernel<T>>(from: &K::Unknown, to: &K::Unknown, change:
 /// The largest change after which no more than [`MOST`] iterations are enough, for the inverse of the rate of contraction.
 #[inline(always)]
 pub(super) fn reach<T: Batch>(inverse: T) -> T {
-    units::<T>(LAST_CHANGE[1]) * eighth_power(inverse)
+    units::<T>(LAST_CHANGE[1]) * tenth_power(inverse)
 }
 
 /// Whether after such a change no more than [`MOST`] iterations are enough that contract at this rate.
 #[inline(always)]
 pub(super) fn are_enough<T: Batch>(rate: T, change: T) -> T::Mask {
-    (eighth_power(rate) * change).le(units::<T>(LAST_CHANGE[1]))
+    (tenth_power(rate) * change).le(units::<T>(LAST_CHANGE[1]))
 }
 
 #[inline(always)]
-fn eighth_power<T: Batch>(x: T) -> T {
+fn tenth_power<T: Batch>(x: T) -> T {
     let square = x * x;
     let fourth = square * square;
-    fourth * fourth
+    fourth * fourth * square
 }
 
 /// So many units of epsilon.

@@ -123,7 +123,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
                 loop {
                     let point = unknown;
                     evaluation = kernel.evaluate(state, &begun, &point);
-                    unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
+                    unknown = kernel.cleared_update(state, &begun, &point, &evaluation).ok_or(None)?;
                     iterations += 1;
                     let now = change::<T, _>(K::BLOCKS, &point, &unknown);
                     if !solver.contracts(last, now) {

@@ -72,6 +72,16 @@ impl<T: Scalar, K: Kernel<T>, F: Fault> Kernel<T> for FaultyKernel<K, F> {
         self.0.fixed_point_update(state, step, right)
     }
 
+    fn cleared_update(
+        &self,
+        state: &K::State,
+        step: &K::Step,
+        x: &K::Unknown,
+        evaluation: &Evaluation<K::Unknown, K::Iterate>,
+    ) -> Option<K::Unknown> {
+        self.0.cleared_update(state, step, x, evaluation)
+    }
+
     fn domain(
         &self,
         state: &K::State,

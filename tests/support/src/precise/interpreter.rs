@@ -28,6 +28,8 @@ pub struct Stages {
     pub correction: Column,
     /// The solution of `left(x) = right`, where there is an update of the fixed-point iteration.
     pub update: Option<Column>,
+    /// The next iterate of the equation without denominators, where there are any.
+    pub cleared_update: Option<Column>,
     /// The distances to the edges of the domain.
     pub margins: Column,
     /// The next state.
@@ -61,6 +63,7 @@ pub fn stages(module: &Module, given: &Given<Real>) -> Stages {
         right: right.clone(),
         correction: one(Role::Correction, &given),
         update: maybe(Role::FixedPointUpdate, &given),
+        cleared_update: maybe(Role::ClearedUpdate, &given),
         margins: maybe(Role::Domain, &given).unwrap_or_else(|| Column(Vec::new())),
         next: one(Role::Finish, &given),
     }

@@ -1,0 +1,64 @@
+//! The updates of the fixed-point iteration on a step's equation `L x = right(x)`.
+
+use crate::expr::{Expr, Matrix, Quotient, Stage, Vector};
+use crate::method::Step;
+
+/// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it is then computed once,
+/// when the stepper is built.
+pub(super) fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
+    let arena = step.h.arena();
+    let symbols = step.unknown.symbols();
+    if symbols.is_empty() {
+        return None;
+    }
+    let matrix = step.left.jacobian(&symbols);
+    let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
+    // a function with a constant Jacobian is linear up to its value at zero
+    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
+    let is_linear = step.left.substitute(&zero).iter().all(Expr::is_zero);
+    if !(is_constant && is_linear) {
+        return None;
+    }
+    let unit = |j: usize| {
+        let entry = |i: usize| if i == j { arena.one() } else { arena.zero() };
+        Vector((0..symbols.len()).map(entry).collect::<Vec<_>>())
+    };
+    let columns: Vec<Vector<'a>> = (0..symbols.len()).map(|j| matrix.solve(&unit(j))).collect();
+    Some(Matrix::from_columns(&columns))
+}
+
+/// `L⁻¹ right`, the solution of the equation with this right side.
+pub(super) fn update<'a>(inverse: &Matrix<'a>, right: &Vector<'a>) -> Vector<'a> {
+    inverse.map(Expr::hold).times(right)
+}
+
+/// The same of the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and `d` zero where the unknown is, so that
+/// `(1 + d) L x = n`, it is `L⁻¹ n − d x`: it contracts as strongly, but for terms of the second order, and does not wait for a division, which
+/// takes as long as all else. Rows of the equation that `L` couples are to have the same denominator.
+pub(super) fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a>> {
+    let arena = step.h.arena();
+    let symbols = step.unknown.symbols();
+    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
+    let quotients = step.right.iter().map(|right| right.as_quotient(&symbols));
+    let quotients: Vec<Quotient<'a>> = quotients.collect::<Option<_>>()?;
+    if quotients.iter().all(|quotient| quotient.denominator == arena.one()) {
+        return None;
+    }
+    let row = |i: usize| {
+        let denominator = quotients[i].denominator;
+        let mut sum = arena.zero();
+        for (j, Quotient { numerator, denominator: other }) in quotients.iter().enumerate() {
+            if inverse.at(i, j).is_zero() {
+                continue;
+            }
+            if *other != denominator {
+                return None;
+            }
+            let (number, numerator) = numerator.split_number();
+            sum = sum + inverse.at(i, j).scale(number).hold() * numerator.hold();
+        }
+        let is_one_at_zero = Vector(vec![denominator]).substitute(&zero).0[0] == arena.one();
+        is_one_at_zero.then(|| sum - (denominator - 1).hold() * step.unknown.0[i])
+    };
+    Some(Vector((0..symbols.len()).map(row).collect::<Option<_>>()?))
+}
