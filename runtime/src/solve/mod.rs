@@ -247,7 +247,7 @@ impl<T: Batch, U: Components<T>> Solver<T, U> {
 
     /// Remembers what has followed instead.
     #[inline(always)]
-    pub(crate) fn take(&mut self, wide: &Wide<T, U>) {
+    pub(crate) fn take(&mut self, wide: &mut Wide<T, U>) {
         self.predictor.take(wide);
     }
 

@@ -215,6 +215,9 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 let mut prediction = method.solver.prediction();
                 let tolerance = method.solver.tolerance();
                 let mut wide = method.solver.widened::<P>();
+                if let Some(wide) = &mut wide {
+                    wide.stay();
+                }
                 let (before, mut done) = (report.steps, true);
                 let (mut more, mut deepest) = (0, 1);
                 while report.steps < until_due {
@@ -234,10 +237,10 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                     }
                     report.steps += 1;
                 }
-                if let Some(wide) = &wide {
-                    if !Solver::<T, K::Unknown>::is_growing(most_iterations) {
-                        method.solver.take(wide);
-                    }
+                if let Some(wide) = &mut wide
+                    && !Solver::<T, K::Unknown>::is_growing(most_iterations)
+                {
+                    method.solver.take(wide);
                 }
                 let steps = report.steps - before;
                 if const { !Solver::<T, K::Unknown>::IS_IDLE } {

@@ -24,6 +24,7 @@ use crate::scalar::{Batch, Components, Mask, Real, Scalar};
 
 /// How many differences are kept.
 pub(crate) const DIFFERENCES: usize = 10;
+const HALF: usize = DIFFERENCES / 2;
 /// How much of what a prediction is off goes into the highest differences.
 const GAINS: [f64; DIFFERENCES] = [1.0, 1.0, 1.0, 1.0, 0.8491, 1.1077, 0.3899, 0.9992, 0.0282, 0.4321];
 /// Their sums from each order on.
@@ -127,7 +128,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
     /// one after it.
     #[inline(always)]
     pub(crate) fn follow<P: Processor>(&mut self, missed: &U) -> U {
-        followed::<P, _, _, _>(&mut self.sums, missed)
+        let (low, high) = self.sums.split_at_mut(HALF);
+        followed::<P, _, _, _>(low, high, missed)
     }
 
     /// The sums for many steps of [`follow`](Wide::follow), where they are taken faster so.
@@ -136,18 +138,23 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         if !const { P::FOURS && T::PAIRS && U::LENGTH % 4 == 3 } {
             return None;
         }
-        let mut wide = [Row::new(U::splat(T::of(0.0))); DIFFERENCES];
-        for (to, from) in wide.iter_mut().zip(&self.sums) {
-            to.components = from.components;
+        let nothing = Row::new(U::splat(T::of(0.0)));
+        let mut wide = Wide { low: Half([nothing; HALF]), high: Half([nothing; DIFFERENCES - HALF]) };
+        let mut k = 0;
+        while k < DIFFERENCES {
+            wide.row(k).components = self.sums[k].components;
+            k += 1;
         }
-        Some(Wide(wide))
+        Some(wide)
     }
 
     /// Takes them back.
     #[inline(always)]
-    pub(crate) fn take(&mut self, wide: &Wide<T, U>) {
-        for (to, from) in self.sums.iter_mut().zip(&wide.0) {
-            to.components = from.components;
+    pub(crate) fn take(&mut self, wide: &mut Wide<T, U>) {
+        let mut k = 0;
+        while k < DIFFERENCES {
+            self.sums[k].components = wide.row(k).components;
+            k += 1;
         }
     }
 
@@ -308,24 +315,42 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 }
 
 /// The sums of a [`Predictor`], each with a number after it: three doubles and that one are loaded together.
+pub(crate) struct Wide<T, U> {
+    low: Half<T, U>,
+    high: Half<T, U>,
+}
+
 #[repr(align(32))]
-pub(crate) struct Wide<T, U>([Row<T, U, 1>; DIFFERENCES]);
+struct Half<T, U>([Row<T, U, 1>; HALF]);
 
 impl<T: Batch, U: Components<T>> Wide<T, U> {
+    /// One of the sums.
+    #[inline(always)]
+    fn row(&mut self, k: usize) -> &mut Row<T, U, 1> {
+        if k < HALF { &mut self.low.0[k] } else { &mut self.high.0[k - HALF] }
+    }
+
+    /// Leaves half of the sums in memory. Of sixteen registers all would take ten, and leave too few for the step itself.
+    #[inline(always)]
+    pub(crate) fn stay(&mut self) {
+        core::hint::black_box(&mut self.high);
+    }
+
     /// As [`Predictor::follow`].
     #[inline(always)]
     pub(crate) fn follow<P: Processor>(&mut self, missed: &U) -> U {
-        followed::<P, _, _, _>(&mut self.0, missed)
+        followed::<P, _, _, _>(&mut self.low.0, &mut self.high.0, missed)
     }
 }
 
 /// The prediction after the solution that was missed by so much.
 #[inline(always)]
 fn followed<P: Processor, T: Batch, U: Components<T>, const SPARE: usize>(
-    sums: &mut [Row<T, U, SPARE>; DIFFERENCES],
+    low: &mut [Row<T, U, SPARE>],
+    high: &mut [Row<T, U, SPARE>],
     missed: &U,
 ) -> U {
-    let mut next = computed::<P, _, _, _>(&mut Follow { sums, missed }, missed);
+    let mut next = computed::<P, _, _, _>(&mut Follow { low, high, missed }, missed);
     let mut i = 0;
     while i < U::LENGTH {
         next.as_mut()[i] = T::of(ALL_GAINS[0]).mul_add(missed.as_ref()[i], next.as_ref()[i]);
@@ -337,7 +362,8 @@ fn followed<P: Processor, T: Batch, U: Components<T>, const SPARE: usize>(
 /// [`followed`], piece by piece. Computed is the first sum without what was missed: what that adds is added by itself, since the next step waits
 /// for it.
 struct Follow<'a, T, U, const SPARE: usize> {
-    sums: &'a mut [Row<T, U, SPARE>; DIFFERENCES],
+    low: &'a mut [Row<T, U, SPARE>],
+    high: &'a mut [Row<T, U, SPARE>],
     missed: &'a U,
 }
 
@@ -348,12 +374,13 @@ impl<T: Batch, U: Components<T>, const SPARE: usize> Formula<T> for Follow<'_, T
     fn at<X: Piece<T>>(&mut self, i: usize) -> X {
         let missed = X::gathered(self.missed.as_ref(), i);
         let mut k = DIFFERENCES - 1;
-        let mut sum = X::of(&self.sums[k], i);
-        sum.plus(T::of(ALL_GAINS[k]), missed).put(&mut self.sums[k], i);
+        let mut sum = X::of(&self.high[k - HALF], i);
+        sum.plus(T::of(ALL_GAINS[k]), missed).put(&mut self.high[k - HALF], i);
         while k > 0 {
             k -= 1;
-            sum = sum.and(X::of(&self.sums[k], i));
-            sum.plus(T::of(ALL_GAINS[k]), missed).put(&mut self.sums[k], i);
+            let row = if k < HALF { &mut self.low[k] } else { &mut self.high[k - HALF] };
+            sum = sum.and(X::of(row, i));
+            sum.plus(T::of(ALL_GAINS[k]), missed).put(row, i);
         }
         sum
     }
