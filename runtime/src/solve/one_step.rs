@@ -52,7 +52,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let most = self.solver.most();
         if const { Self::HAS_FAST_PATH } && known && most > 0 {
             let (prediction, tolerance) = (self.solver.prediction(), self.solver.tolerance());
-            match self.fast::<Portable>(state, time, control, &prediction, None, tolerance, most) {
+            match self.fast::<Portable>(state, time, control, &prediction, None, (tolerance, most)) {
                 Ok((next, _, iterations)) => {
                     self.solver.took(1);
                     let Convergence { iterations, residual, .. } = self.solver.on_fast_path(iterations);
@@ -93,7 +93,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || <K::Unknown as Components<T>>::LENGTH == 0;
 
     /// A step as nearly all are: an iteration that changes the unknown by no more than `tolerance`; or a few, no more than `most`, that contract as it
-    /// is known; and everything finite.
+    /// is known; and everything finite. Earlier solutions are remembered in `wide` instead of the solver, if it is given.
     #[inline(always)]
     fn fast<P: Processor>(
         &mut self,
@@ -102,8 +102,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
         control: &K::Control,
         prediction: &K::Unknown,
         wide: Option<&mut Wide<T, K::Unknown>>,
-        tolerance: T,
-        most: u32,
+        (tolerance, most): (T, u32),
     ) -> Fast<T, K> {
         let Self { kernel, solver } = self;
         let begun = kernel.begin(state, time, control);
@@ -213,7 +212,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
             if const { OneStep::<T, K>::HAS_FAST_PATH } && known && most_iterations > 0 {
                 let until_due = most.min(report.steps.saturating_add(method.solver.expected()));
                 let mut prediction = method.solver.prediction();
-                let tolerance = method.solver.tolerance();
+                let limits = (method.solver.tolerance(), most_iterations);
                 let mut wide = method.solver.widened::<P>();
                 if let Some(wide) = &mut wide {
                     wide.stay();
@@ -223,8 +222,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 while report.steps < until_due {
                     let time = T::of(clock.after(report.steps));
                     let wide = wide.as_mut();
-                    match method.fast::<P>(&now, time, control, &prediction, wide, tolerance, most_iterations)
-                    {
+                    match method.fast::<P>(&now, time, control, &prediction, wide, limits) {
                         Ok((next, then, iterations)) => {
                             (now, prediction) = (next, then);
                             more += u64::from(iterations) - 1;
