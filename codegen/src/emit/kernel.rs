@@ -109,8 +109,8 @@ fn purpose(role: Role) -> &'static str {
         Role::Start => "A first approximation of the unknown",
         Role::Evaluate => "Once an iteration: the residual and the right side of the equation",
         Role::Correction => "Once an iteration: the Newton correction",
-        Role::FixedPointUpdate => "Once an iteration: the solution of `left(x) = right`",
-        Role::ClearedUpdate => "Once an iteration: the next iterate, from the equation without denominators",
+        Role::FixedPointUpdate => "Once an iteration from a prediction: the solution of `left(x) = right`",
+        Role::ClearedUpdate => "Once any other iteration: the same of the equation without denominators",
         Role::Domain => "Positive within the retraction's domain",
         _ => "Once a step: the next state",
     }

@@ -17,7 +17,7 @@ pub struct Quotient<'a> {
 /// What is known of a node.
 #[derive(Clone, Copy)]
 enum Form {
-    /// It holds no quotient.
+    /// It holds no quotient by what depends on the symbols.
     Whole,
     /// `numerator / denominator`
     Quotient(Id, Id),

@@ -33,8 +33,9 @@ pub(super) fn update<'a>(inverse: &Matrix<'a>, right: &Vector<'a>) -> Vector<'a>
 }
 
 /// The same of the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and `d` zero where the unknown is, so that
-/// `(1 + d) L x = n`, it is `L⁻¹ n − d x`: it contracts as strongly, but for terms of the second order, and does not wait for a division, which
-/// takes as long as all else. Rows of the equation that `L` couples are to have the same denominator.
+/// `(1 + d) L x = n`, it is `L⁻¹ n − d x`. If the derivative of the other update is `J`, its own is `(1 + d) J − d` at the solution, and `d` mostly
+/// of the second order: it contracts as strongly, and does not wait for a division, which takes as long as all else. Rows of the equation that
+/// `L` couples are to have the same denominator.
 pub(super) fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();

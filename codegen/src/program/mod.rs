@@ -120,7 +120,7 @@ pub enum Role {
     /// Of a step: the solution `x` of `left(x) = right`, the next iterate of the fixed-point iteration. There where the left side is linear
     /// with constant coefficients.
     FixedPointUpdate,
-    /// Of a step: the next iterate of the fixed-point iteration on the equation without denominators, where there are any.
+    /// Of a step: the next iterate of the fixed-point iteration on the equation without denominators, if it has any.
     ClearedUpdate,
     /// Of a step: the distances to the edges of the retraction's domain, positive within. There where it has an edge.
     Domain,

@@ -1,7 +1,8 @@
 //! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, and where the right side is `n(x)/(1 + d(x))`, `x ← L⁻¹ n(x) − d(x) x`.
 //!
 //! Both have the same solution. The first one is for a prediction, which is known before the state is, so that the quotient is there in time, and
-//! is part of what comes after. Every other iterate waits for the one before it, and is not to wait for a division.
+//! is part of what comes after. Every other iterate waits for the one before it, and is not to wait for a division. They contract alike, by no
+//! more than [`SAFETY`] apart.
 
 use super::stopping::{change, is_within, select};
 use super::{Convergence, LAST_CHANGE, QUICK, ROUNDOFF, SAFETY, SECOND, STRONG, Solver, count};

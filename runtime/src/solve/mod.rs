@@ -1,8 +1,8 @@
 //! Solves the equations of successive steps, `left(x) = right(x)`.
 //!
 //! Successive solutions are samples of a smooth trajectory: the [`predictor`] continues them by one step, and in small steps the next solution
-//! is known to many digits before anything is solved. A fixed-point iteration, such as `x ← L⁻¹ right(x)`, takes off the factor by which it contracts,
-//! about the angle turned in a step, and mostly brings what is left below rounding ([`one_step`]). Whether it did is seen at every step: its
+//! is known to many digits before anything is solved. A fixed-point iteration, such as `x ← L⁻¹ right(x)`, takes off the factor by which it
+//! contracts, about the angle turned in a step, and mostly brings what is left below rounding ([`one_step`]). Whether it did is seen at every step: its
 //! change, relative to the unknown as it is now ([`stopping`]), times the rate of contraction. Where it did not, and from a new state, there are
 //! a few more ([`fixed_point`]), if that promises to do, or else [Newton's iteration](newton). What is remembered saves time, and nothing else.
 
