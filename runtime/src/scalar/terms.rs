@@ -61,6 +61,10 @@ impl<T: Batch> Piece<T> for T {
 /// What computes each component of an array. Not a closure, since these cannot say that they are always to be inlined.
 pub(crate) trait Formula<T: Batch> {
     /// How many numbers its rows have after the last component.
+    #[cfg_attr(
+        not(all(feature = "std", target_arch = "x86_64")),
+        expect(dead_code, reason = "asked for where several are computed at a time")
+    )]
     const SPARE: usize;
     /// The component `i`, and those after it.
     fn at<X: Piece<T>>(&mut self, i: usize) -> X;
