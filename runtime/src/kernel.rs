@@ -23,6 +23,9 @@ pub struct Evaluation<U, I> {
 /// generator has written.
 pub type Program = [&'static [u8]; 4];
 
+/// The lengths of a kernel's blocks of unknowns.
+pub type Blocks = &'static [usize];
+
 /// `Copy` for a struct of numbers. `derive` would clone each field of a generic struct by itself: a twentieth of all that there is to compile.
 #[doc(hidden)]
 #[macro_export]
@@ -57,7 +60,7 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     type Iterate: Copy;
 
     /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
-    const BLOCKS: &'static [usize];
+    const BLOCKS: Blocks;
     /// The step's functions once more, as data.
     const PROGRAM: Program = [&[]; 4];
 
@@ -85,16 +88,16 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// Whether there is a [`fixed_point_update`](Self::fixed_point_update): the left side is linear with constant coefficients. Known when
     /// the code is compiled, so that of what needs it nothing is compiled where there is none.
     const HAS_FIXED_POINT_UPDATE: bool = true;
-    /// The solution `x` of `left(x) = right` for a given right side: the next iterate of the fixed-point iteration. None if there is
-    /// none.
+    /// The solution `x` of `left(x) = right` for a given right side: the next iterate of the fixed-point iteration. Not to be called where there
+    /// is none.
     #[inline(always)]
     fn fixed_point_update(
         &self,
         _state: &Self::State,
         _step: &Self::Step,
-        _right: &Self::Unknown,
-    ) -> Option<Self::Unknown> {
-        None
+        right: &Self::Unknown,
+    ) -> Self::Unknown {
+        *right
     }
     /// The next iterate of the fixed-point iteration on the equation without denominators: where `right` is `n/(1 + d)`, and `left(x) = L x`, it is
     /// `L⁻¹ n − d x`. It has the same solution and waits for no division. Where there are no denominators it is the
@@ -106,7 +109,7 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
         step: &Self::Step,
         _unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
-    ) -> Option<Self::Unknown> {
+    ) -> Self::Unknown {
         self.fixed_point_update(state, step, &evaluation.right)
     }
     /// Positive inside the retraction's domain, zero on its edge. None if there is no edge.

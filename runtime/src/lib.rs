@@ -193,7 +193,7 @@ pub mod __private {
     #[cfg(feature = "std")]
     pub use crate::fused::FusedScalar;
     pub use crate::inertia::{require_finite, require_positive_definite, require_symmetric};
-    pub use crate::kernel::{Evaluation, Kernel, Program};
+    pub use crate::kernel::{Blocks, Evaluation, Kernel, Program};
     pub use crate::legendre::{finite, newton};
     pub use crate::method::{Method, Outcome};
     pub use crate::retraction::Map;

@@ -149,6 +149,7 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
     type Iterate = ();
 
     const BLOCKS: &'static [usize] = &[3];
+    const HAS_FIXED_POINT_UPDATE: bool = false;
 
     fn new(parameters: &[T; 3], step: T) -> Self {
         Self { scaled: parameters.map(|moment| moment / step) }
@@ -169,10 +170,6 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         let right = [x, y, z];
         let residual = core::array::from_fn(|i| m[i] + half * turn[i] + along * eta[i] - right[i]);
         Evaluation { residual, right, iterate: () }
-    }
-
-    fn fixed_point_update(&self, _: &[T; 7], _: &(), _: &[T; 3]) -> Option<[T; 3]> {
-        None
     }
 
     fn correction(&self, _: &[T; 7], _: &(), eta: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
@@ -430,6 +427,7 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
     type Iterate = ();
 
     const BLOCKS: &'static [usize] = &[];
+    const HAS_FIXED_POINT_UPDATE: bool = false;
 
     fn new(parameters: &[T; 3], step: T) -> Self {
         Self { parameters: *parameters, step }
@@ -456,10 +454,6 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
 
     fn correction(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 0] {
         []
-    }
-
-    fn fixed_point_update(&self, _: &[T; 2], _: &[T; 2], _: &[T; 0]) -> Option<[T; 0]> {
-        None
     }
 
     fn finish(&self, _: &[T; 2], next: &[T; 2], _: &[T; 0], _: &Evaluation<[T; 0], ()>) -> [T; 2] {
@@ -509,8 +503,8 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     }
 
     #[inline(always)]
-    fn fixed_point_update(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> Option<[T; 3]> {
-        Some(*right)
+    fn fixed_point_update(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> [T; 3] {
+        *right
     }
 
     #[inline(always)]

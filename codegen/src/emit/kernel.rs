@@ -58,7 +58,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         })*
 
         const _: () = {
-            use #private::{Evaluation, Kernel, Program, Scalar};
+            use #private::{Blocks, Evaluation, Kernel, Program, Scalar};
 
             #step_record
             #iterate
@@ -72,7 +72,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
                 type Step = Step<T>;
                 type Iterate = Iterate<T>;
 
-                const BLOCKS: &'static [::core::primitive::usize] = &[#(#blocks),*];
+                const BLOCKS: Blocks = &[#(#blocks),*];
                 /// `new`, `begin`, `evaluate` and `finish` once more, as bytes: certificates run them in twice the digits.
                 const PROGRAM: Program = [#(#program),*];
                 #no_update
@@ -155,13 +155,11 @@ fn signature(function: &Function) -> TokenStream {
                     state: &[T; #state],
                     step: &Step<T>,
                     right: &[T; #right],
-                ) -> ::core::option::Option<[T; #right]>
+                ) -> [T; #right]
             }
         }
         Role::Correction => quote! { fn correction(#solved) -> [T; #unknown] },
-        Role::ClearedUpdate => {
-            quote! { fn cleared_update(#solved) -> ::core::option::Option<[T; #unknown]> }
-        }
+        Role::ClearedUpdate => quote! { fn cleared_update(#solved) -> [T; #unknown] },
         Role::Domain => quote! { fn domain(#solved) -> ::core::option::Option<T> },
         _ => quote! { fn finish(#solved) -> [T; #state] },
     }
@@ -178,7 +176,6 @@ fn result(module: &Module, function: &Function, name: &Ident) -> TokenStream {
             let [residual, right] = [0, 1].map(|place| array(module, &function.results[place]));
             quote! { Evaluation { residual: #residual, right: #right, iterate: #iterate } }
         }
-        Role::FixedPointUpdate | Role::ClearedUpdate => quote! { ::core::option::Option::Some(#(#arrays)*) },
         Role::Domain => {
             let margins = function.results.iter().flatten().map(|margin| term(module, margin));
             let margin = margins.reduce(|a, b| quote! { T::min(#a, #b) });

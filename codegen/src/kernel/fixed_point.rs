@@ -58,7 +58,7 @@ pub(super) fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Optio
             let (number, numerator) = numerator.split_number();
             sum = sum + inverse.at(i, j).scale(number).hold() * numerator.hold();
         }
-        let is_one_at_zero = Vector(vec![denominator]).substitute(&zero).0[0] == arena.one();
+        let is_one_at_zero = denominator.substitute(&zero) == arena.one();
         is_one_at_zero.then(|| sum - (denominator - 1).hold() * step.unknown.0[i])
     };
     Some(Vector((0..symbols.len()).map(row).collect::<Option<_>>()?))

@@ -76,7 +76,6 @@ pub(super) fn iterate<T: Batch, K: Kernel<T>>(
         } else {
             kernel.cleared_update(state, step, &point, &evaluation)
         };
-        let Some(next) = next else { break };
         (unknown, round) = (select(again, &next, &unknown), round + 1);
         count::<T>(&mut iterations, again);
         let now = change::<T, _>(K::BLOCKS, &point, &unknown);

@@ -110,7 +110,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
             (*prediction, kernel.evaluate(state, &begun, prediction), 1);
         let mut off = T::of(0.0);
         if const { !Solver::<T, K::Unknown>::IS_IDLE } {
-            unknown = kernel.fixed_point_update(state, &begun, &evaluation.right).ok_or(None)?;
+            unknown = kernel.fixed_point_update(state, &begun, &evaluation.right);
             if !is_within::<T, _>(K::BLOCKS, prediction, &unknown, tolerance).all() {
                 // apart from the first: as one loop they take a tenth longer where that is enough
                 let first = unknown;
@@ -122,7 +122,7 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
                 loop {
                     let point = unknown;
                     evaluation = kernel.evaluate(state, &begun, &point);
-                    unknown = kernel.cleared_update(state, &begun, &point, &evaluation).ok_or(None)?;
+                    unknown = kernel.cleared_update(state, &begun, &point, &evaluation);
                     iterations += 1;
                     let now = change::<T, _>(K::BLOCKS, &point, &unknown);
                     if !solver.contracts(last, now) {

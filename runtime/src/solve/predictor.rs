@@ -24,6 +24,7 @@ use crate::scalar::{Batch, Components, Mask, Real, Scalar};
 
 /// How many differences are kept.
 pub(crate) const DIFFERENCES: usize = 10;
+/// How many of their sums may be in registers in long runs.
 const HALF: usize = DIFFERENCES / 2;
 /// How much of what a prediction is off goes into the highest differences.
 const GAINS: [f64; DIFFERENCES] = [1.0, 1.0, 1.0, 1.0, 0.8491, 1.1077, 0.3899, 0.9992, 0.0282, 0.4321];

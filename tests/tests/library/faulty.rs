@@ -68,7 +68,7 @@ impl<T: Scalar, K: Kernel<T>, F: Fault> Kernel<T> for FaultyKernel<K, F> {
         correction
     }
 
-    fn fixed_point_update(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> Option<K::Unknown> {
+    fn fixed_point_update(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> K::Unknown {
         self.0.fixed_point_update(state, step, right)
     }
 
@@ -78,7 +78,7 @@ impl<T: Scalar, K: Kernel<T>, F: Fault> Kernel<T> for FaultyKernel<K, F> {
         step: &K::Step,
         x: &K::Unknown,
         evaluation: &Evaluation<K::Unknown, K::Iterate>,
-    ) -> Option<K::Unknown> {
+    ) -> K::Unknown {
         self.0.cleared_update(state, step, x, evaluation)
     }
 
