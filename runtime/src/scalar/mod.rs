@@ -5,9 +5,9 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
 mod components;
+pub(crate) mod rows;
 pub(crate) mod simd;
 pub(crate) mod stumpff;
-pub(crate) mod terms;
 
 pub use components::Components;
 use simd::lanes::{Portable, Processor};

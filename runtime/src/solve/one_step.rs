@@ -215,7 +215,7 @@ impl<T: Batch, K: Kernel<T>> LongWork for AdvanceN<'_, T, K> {
                 let limits = (method.solver.tolerance(), most_iterations);
                 let mut wide = method.solver.widened::<P>();
                 if let Some(wide) = &mut wide {
-                    wide.stay();
+                    wide.keep_half_in_memory();
                 }
                 let (before, mut done) = (report.steps, true);
                 let (mut more, mut deepest) = (0, 1);

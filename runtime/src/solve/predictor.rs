@@ -18,8 +18,8 @@
 
 use super::stopping::{select, weighted};
 use super::{LOST, added, less};
+use crate::scalar::rows::{Formula, Piece, Row, computed};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::terms::{Formula, Piece, Row, computed};
 use crate::scalar::{Batch, Components, Mask, Real, Scalar};
 
 /// How many differences are kept.
@@ -333,7 +333,7 @@ impl<T: Batch, U: Components<T>> Wide<T, U> {
 
     /// Leaves half of the sums in memory. Of sixteen registers all would take ten, and leave too few for the step itself.
     #[inline(always)]
-    pub(crate) fn stay(&mut self) {
+    pub(crate) fn keep_half_in_memory(&mut self) {
         core::hint::black_box(&mut self.high);
     }
 

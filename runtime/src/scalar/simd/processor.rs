@@ -8,8 +8,8 @@
 use core::arch::x86_64::*;
 use core::mem::transmute;
 
+use crate::scalar::rows::{Formula, Piece, Row};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::terms::{Formula, Piece, Row};
 use crate::scalar::{Batch, Components, FUSED, LongWork, On, OutOfLine, Real, Work};
 
 /// The operations of a [`Processor`] on so many doubles in a vector, or in something made of vectors.
@@ -306,8 +306,8 @@ mod tests {
     use crate::fused::FusedScalar;
     use crate::method::{Clock, Method};
     use crate::scalar::Mask;
+    use crate::scalar::rows::computed;
     use crate::scalar::simd::lanes::Portable;
-    use crate::scalar::terms::computed;
     use crate::solve::one_step::{AdvanceN, OneStep};
     use crate::test_system::Midpoint;
     use std::vec::Vec;
