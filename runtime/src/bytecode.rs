@@ -1,151 +1,166 @@
-//! Steps in twice the digits, operation by operation, from what the generator has written down of them as bytes.
+//! Steps operation by operation, from what the generator has written down of them as bytes, in other numbers than those they are compiled for.
 //!
-//! To compile each step once more for such numbers would take as long as to compile it once. And since this is not the code that takes the
-//! steps, what the compiler made of that is checked too. The bytes mean what `codegen/src/emit/bytecode.rs` says.
+//! In twice the digits certificates hold steps against them, and since this is not the code that takes the steps, what the compiler made of
+//! that is checked too. In numbers that carry their errors the solver asks what rounding leaves of a residual. To compile each step for such
+//! numbers would take as long as to compile it once. The bytes mean what `codegen/src/emit/bytecode.rs` says.
 
-use std::vec::Vec;
-
-use crate::double::Double;
-use crate::kernel::Program;
 use crate::scalar::Scalar;
-
-/// A number of twice as many digits.
-pub(crate) type Wide = Double<f64>;
-
-/// What functions are given: parameters, step, state, time, control, unknown, residual and right side.
-#[derive(Clone, Copy, Default)]
-struct Given<'a>([&'a [Wide]; 8]);
 
 /// The functions of a step, in the order in which they are called.
 #[derive(Clone, Copy)]
-enum Function {
+pub(crate) enum Function {
     New,
     Begin,
     Evaluate,
     Finish,
 }
 
-/// A step's program with all that it has computed so far.
-#[derive(Clone)]
-pub(crate) struct Machine {
-    program: Program,
-    places: Vec<Wide>,
+/// What functions are given, by its number among the bytes.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Given {
+    Parameters,
+    StepSize,
+    State,
+    Time,
+    Control,
+    Unknown,
+    Residual,
+    Right,
+    Constants,
+    Step,
+    /// What the bytes of no generator say.
+    Nothing,
 }
 
-impl Machine {
-    /// For these parameters and a step of this length.
-    pub(crate) fn new(program: Program, parameters: &[Wide], step: Wide) -> Self {
-        let mut machine = Self { program, places: Vec::new() };
-        machine.call(Function::New, Given([parameters, &[step], &[], &[], &[], &[], &[], &[]]));
-        machine
-    }
+impl Given {
+    const ALL: [Self; 10] = [
+        Self::Parameters,
+        Self::StepSize,
+        Self::State,
+        Self::Time,
+        Self::Control,
+        Self::Unknown,
+        Self::Residual,
+        Self::Right,
+        Self::Constants,
+        Self::Step,
+    ];
+}
 
-    /// Begins a step from a state.
-    pub(crate) fn begin(&mut self, state: &[Wide], time: Wide, control: &[Wide]) {
-        self.call(Function::Begin, Given([&[], &[], state, &[time], control, &[], &[], &[]]));
-    }
-
-    /// The residual at a value of the unknown, and the state that this leads to from the one at which the step began.
-    pub(crate) fn evaluate(&mut self, state: &[Wide], unknown: &[Wide]) -> [Vec<Wide>; 2] {
-        let given = Given([&[], &[], state, &[], &[], unknown, &[], &[]]);
-        let [residual, right] = self.call(Function::Evaluate, given);
-        let given = Given([&[], &[], state, &[], &[], unknown, &residual, &right]);
-        let [next, _] = self.call(Function::Finish, given);
-        [residual, next]
-    }
-
-    /// Calls a function, which returns two arrays at most.
-    fn call(&mut self, function: Function, Given(given): Given<'_>) -> [Vec<Wide>; 2] {
-        let mut code = Code(self.program[function as usize]);
-        for _ in 0..code.count() {
-            let given = given.get(usize::from(code.byte())).copied().unwrap_or_default();
-            for component in 0..code.count() {
-                let place = code.count();
-                self.put(place, given.get(component).copied().unwrap_or(ZERO));
-            }
-        }
-        for _ in 0..code.count() {
-            self.run(&mut code);
-        }
-        let mut results = [Vec::new(), Vec::new()];
-        for result in results.iter_mut().take(code.count()) {
-            result.extend((0..code.count()).map(|_| self.term(&mut code)));
-        }
-        results
-    }
-
-    /// Runs a statement.
-    fn run(&mut self, code: &mut Code) {
-        if code.byte() == 0 {
+/// Runs a function: what is `given`, by its component, goes to its places, where what is not given stays as it is; and each number that is
+/// returned is shown, by the array's number and its own.
+pub(crate) fn run<N: Scalar>(
+    code: &'static [u8],
+    places: &mut [N],
+    given: impl Fn(Given, usize) -> Option<N>,
+    mut returned: impl FnMut(usize, usize, N),
+) {
+    let mut code = Code(code);
+    for _ in 0..code.count() {
+        let kind = Given::ALL.get(usize::from(code.byte())).copied().unwrap_or(Given::Nothing);
+        for component in 0..code.count() {
             let place = code.count();
-            let value = self.term(code);
-            self.put(place, value);
-            return;
-        }
-        let places: Vec<usize> = (0..code.count()).map(|_| code.count()).collect();
-        let argument = self.term(code);
-        for (place, value) in places.iter().zip(stumpff(places.len(), argument)) {
-            self.put(*place, value);
+            if let Some(value) = given(kind, component) {
+                put(places, place, value);
+            }
         }
     }
-
-    /// Place 0 is for what is not used.
-    fn put(&mut self, place: usize, value: Wide) {
-        if self.places.len() <= place {
-            self.places.resize(place + 1, ZERO);
-        }
-        self.places[place] = value;
+    for _ in 0..code.count() {
+        statement(&mut code, places);
     }
-
-    /// The value of a term, operation by operation as it is compiled.
-    fn term(&self, code: &mut Code) -> Wide {
-        let kind = code.byte();
-        match kind {
-            0 => Wide::exactly(code.number()),
-            1 => self.places.get(code.count()).copied().unwrap_or(ZERO),
-            2 => -self.term(code),
-            3 => {
-                let count = code.count();
-                let mut sum = self.addend(code).1;
-                for _ in 1..count {
-                    sum = match self.addend(code) {
-                        (false, addend) => sum + addend,
-                        (true, addend) => sum - addend,
-                    };
-                }
-                sum
-            }
-            4 => {
-                let count = code.count();
-                let first = self.term(code);
-                (1..count).fold(first, |product, _| product * self.term(code))
-            }
-            5 | 6 => {
-                let [a, b, addend] = [(); 3].map(|()| self.term(code));
-                if kind == 5 { a.mul_add(b, addend) } else { a.neg_mul_add(b, addend) }
-            }
-            7..10 => {
-                let [x, y] = [(); 2].map(|()| self.term(code));
-                match kind {
-                    7 => x / y,
-                    8 => x.powf(y),
-                    _ => x.atan2(y),
-                }
-            }
-            _ => elementary(kind, self.term(code)),
+    for array in 0..code.count() {
+        for component in 0..code.count() {
+            returned(array, component, term(&mut code, places));
         }
-    }
-
-    /// An addend, and whether it is subtracted; the first never is.
-    fn addend(&self, code: &mut Code) -> (bool, Wide) {
-        (code.byte() == 1, self.term(code))
     }
 }
 
-const ZERO: Wide = Wide::from_parts([0.0, 0.0]);
+/// The most Stumpff functions of one argument.
+const MOST: usize = 12;
+
+fn statement<N: Scalar>(code: &mut Code, places: &mut [N]) {
+    if code.byte() == 0 {
+        let place = code.count();
+        let value = term(code, places);
+        return put(places, place, value);
+    }
+    let (count, mut to) = (code.count(), [0; MOST]);
+    for k in 0..count {
+        let place = code.count();
+        if let Some(to) = to.get_mut(k) {
+            *to = place;
+        }
+    }
+    let argument = term(code, places);
+    macro_rules! family {
+        ($($length:literal)*) => {
+            match count {
+                $($length => to.iter().zip(argument.stumpff::<$length>()).for_each(|(to, c)| put(places, *to, c)),)*
+                _ => to.iter().zip(argument.stumpff::<MOST>()).for_each(|(to, c)| put(places, *to, c)),
+            }
+        };
+    }
+    family!(1 2 3 4 5 6 7 8 9 10 11)
+}
+
+/// Place 0 is for what is not used.
+#[inline]
+fn put<N: Scalar>(places: &mut [N], place: usize, value: N) {
+    if let Some(at) = places.get_mut(place) {
+        *at = value;
+    }
+}
+
+/// The value of a term, operation by operation as it is compiled.
+fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
+    let kind = code.byte();
+    match kind {
+        0 => N::of(code.number()),
+        1 => places.get(code.count()).copied().unwrap_or(N::of(0.0)),
+        2 => -term(code, places),
+        3 => {
+            let count = code.count();
+            let mut sum = addend(code, places).1;
+            for _ in 1..count {
+                sum = match addend(code, places) {
+                    (false, addend) => sum + addend,
+                    (true, addend) => sum - addend,
+                };
+            }
+            sum
+        }
+        4 => {
+            let count = code.count();
+            let mut product = term(code, places);
+            for _ in 1..count {
+                product = product * term(code, places);
+            }
+            product
+        }
+        5 | 6 => {
+            let (a, b) = (term(code, places), term(code, places));
+            let addend = term(code, places);
+            if kind == 5 { a.mul_add(b, addend) } else { a.neg_mul_add(b, addend) }
+        }
+        7..10 => {
+            let (x, y) = (term(code, places), term(code, places));
+            match kind {
+                7 => x / y,
+                8 => x.powf(y),
+                _ => x.atan2(y),
+            }
+        }
+        _ => elementary(kind, term(code, places)),
+    }
+}
+
+/// An addend, and whether it is subtracted; the first never is.
+fn addend<N: Scalar>(code: &mut Code, places: &[N]) -> (bool, N) {
+    (code.byte() == 1, term(code, places))
+}
 
 /// Functions of one number.
-fn elementary(kind: u8, x: Wide) -> Wide {
+fn elementary<N: Scalar>(kind: u8, x: N) -> N {
     match kind {
         10 => x.sqrt(),
         11 => x.exp(),
@@ -162,23 +177,11 @@ fn elementary(kind: u8, x: Wide) -> Wide {
     }
 }
 
-/// So many Stumpff functions, `c₀` the first.
-fn stumpff(count: usize, x: Wide) -> Vec<Wide> {
-    macro_rules! family {
-        ($($length:literal)*) => {
-            match count {
-                $($length => x.stumpff::<$length>().to_vec(),)*
-                _ => x.stumpff::<12>().to_vec(),
-            }
-        };
-    }
-    family!(1 2 3 4 5 6 7 8 9 10 11)
-}
-
 /// What is left to read of a function.
 struct Code(&'static [u8]);
 
 impl Code {
+    #[inline]
     fn byte(&mut self) -> u8 {
         match self.0.split_first() {
             Some((byte, rest)) => {
@@ -189,6 +192,7 @@ impl Code {
         }
     }
 
+    #[inline]
     fn count(&mut self) -> usize {
         let (mut count, mut shift) = (0, 0_u32);
         loop {
@@ -198,7 +202,7 @@ impl Code {
             if byte < 128 {
                 return count;
             }
-            shift += 7;
+            shift = shift.saturating_add(7);
         }
     }
 
@@ -207,9 +211,14 @@ impl Code {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "std"))]
 mod tests {
+    use std::vec::Vec;
+
     use super::*;
+    use crate::double::Double;
+
+    type Wide = Double<f64>;
 
     const X: Wide = Wide::from_parts([0.7, 1e-18]);
     const Y: Wide = Wide::from_parts([-1.3, 3e-17]);
@@ -218,10 +227,10 @@ mod tests {
     fn evaluated(body: &[u8]) -> [Vec<Wide>; 2] {
         let unpacked: &[u8] = &[1, 5, 2, 1, 200, 1];
         let code: &'static [u8] = [unpacked, body].concat().leak();
-        let mut machine = Machine::new([&[], &[], code, &[]], &[], ZERO);
-        let [residual, right] =
-            machine.call(Function::Evaluate, Given([&[], &[], &[], &[], &[], &[X, Y], &[], &[]]));
-        [residual, right]
+        let mut results = [Vec::new(), Vec::new()];
+        let given = |given, component: usize| (given == Given::Unknown).then_some([X, Y][component]);
+        run(code, &mut [Wide::of(0.0); 201], given, |array, _, value| results[array].push(value));
+        results
     }
 
     #[test]

@@ -35,7 +35,8 @@
 
 use core::marker::PhantomData;
 
-use crate::method::{Method, Outcome, StageAccumulator};
+use crate::method::{Method, Outcome, StageAccumulator, sum};
+use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Batch, Scalar};
 use crate::snapshot::visit_flag;
 use crate::system::Discretized;
@@ -222,6 +223,25 @@ pub struct Composition<C: Coefficients, B: Method> {
     whole: bool,
 }
 
+/// The fast paths of all steps.
+#[derive(Debug)]
+#[doc(hidden)]
+pub struct Paths<C: Coefficients, B: Method>(C::Steps<B::FastPath>);
+
+impl<C: Coefficients, B: Method> Clone for Paths<C, B> {
+    #[inline]
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<C: Coefficients, B: Method> Default for Paths<C, B> {
+    #[inline]
+    fn default() -> Self {
+        Self(C::steps(|_| B::FastPath::default()))
+    }
+}
+
 impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
     #[inline]
     fn clone(&self) -> Self {
@@ -245,9 +265,102 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         Self { steps, step, whole: false }
     }
 
+    const STAGES: usize = C::GAMMA.len() * B::STAGES;
+    type FastPath = Paths<C, B>;
+
+    #[inline(always)]
+    fn ready_for(&self) -> u64 {
+        if !self.whole {
+            return 0;
+        }
+        self.steps.as_ref().iter().fold(u64::MAX, |all, step| all.min(step.ready_for()))
+    }
+
+    #[inline(always)]
+    fn enter(&self) -> Self::FastPath {
+        let steps = self.steps.as_ref();
+        Paths(C::steps(|k| steps.get(k).map(B::enter).unwrap_or_default()))
+    }
+
+    #[inline(always)]
+    fn advance_fast<P: Processor>(
+        &mut self,
+        path: &mut Self::FastPath,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+    ) -> Result<B::State, (usize, B::State)> {
+        let (mut state, mut done, mut stages, whole) = (*state, 0.0, 0, self.step);
+        let steps = self.steps.as_mut().iter_mut().zip(path.0.as_mut());
+        for ((step, path), gamma) in steps.zip(C::GAMMA) {
+            let start = time + B::Scalar::of(done) * whole;
+            state = match step.advance_fast::<P>(path, &state, start, control) {
+                Ok(next) => next,
+                Err((stage, at)) => return Err((stages + stage, at)),
+            };
+            done += gamma;
+            stages += B::STAGES;
+        }
+        Ok(state)
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) {
+        let mut left = stages;
+        for (step, path) in self.steps.as_mut().iter_mut().zip(path.0.as_mut()) {
+            let is_through = left >= B::STAGES;
+            step.leave(path, steps + u64::from(is_through), if is_through { 0 } else { left });
+            left = left.saturating_sub(B::STAGES);
+        }
+    }
+
+    #[inline(always)]
+    fn on_fast_path(&self) -> (<B::Scalar as Batch>::Each<u32>, B::Scalar) {
+        let mut all = (B::Scalar::all(0), B::Scalar::of(0.0));
+        for step in self.steps.as_ref() {
+            let (iterations, residual) = step.on_fast_path();
+            all.0 = sum::<B::Scalar>(all.0, iterations);
+            all.1 = B::Scalar::select(all.1.lt(residual), residual, all.1);
+        }
+        all
+    }
+
     #[inline(always)]
     fn advance(
         &mut self,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        known: bool,
+    ) -> Outcome<B::Scalar, B::State> {
+        self.stages(None, state, time, control, known)
+    }
+
+    #[inline(always)]
+    fn advance_from(
+        &mut self,
+        stage: usize,
+        state: &B::State,
+        time: B::Scalar,
+        control: &B::Control,
+        known: bool,
+    ) -> Outcome<B::Scalar, B::State> {
+        self.stages(Some(stage), state, time, control, known)
+    }
+
+    #[inline]
+    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
+        visit_flag(&mut self.whole, visit);
+        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
+    }
+}
+
+impl<C: Coefficients, B: Method> Composition<C, B> {
+    /// The stages of a step; those from this one on, which needs more than there is on the fast path, if it is given.
+    #[inline(always)]
+    fn stages(
+        &mut self,
+        from: Option<usize>,
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,
@@ -258,21 +371,20 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         self.whole = false;
         let mut state = *state;
         // how much of the composed step is done
-        let mut done = 0.0;
+        let (mut done, mut stages) = (0.0, 0);
         let mut accumulator = StageAccumulator::new();
         for (step, gamma) in self.steps.as_mut().iter_mut().zip(C::GAMMA) {
             let start = time + B::Scalar::of(done) * self.step;
-            state = accumulator.stage(step, &state, start, control, known)?;
+            let is_done = from.is_some_and(|from| from >= stages + B::STAGES);
+            if !is_done {
+                let within = from.and_then(|from| from.checked_sub(stages));
+                state = accumulator.stage(step, within, &state, start, control, known)?;
+            }
             done += gamma;
+            stages += B::STAGES;
         }
         self.whole = true;
         accumulator.end(state)
-    }
-
-    #[inline]
-    fn memory(&mut self, visit: &mut dyn FnMut(&mut [B::Scalar])) {
-        visit_flag(&mut self.whole, visit);
-        self.steps.as_mut().iter_mut().for_each(|step| step.memory(visit));
     }
 }
 
@@ -310,7 +422,16 @@ mod tests {
             Self(step)
         }
 
-        fn advance(&mut self, &[q]: &[f64; 1], time: f64, _: &[f64; 0], _: bool) -> Outcome<f64, [f64; 1]> {
+        type FastPath = ();
+
+        fn advance_from(
+            &mut self,
+            _: usize,
+            &[q]: &[f64; 1],
+            time: f64,
+            _: &[f64; 0],
+            _: bool,
+        ) -> Outcome<f64, [f64; 1]> {
             let step = self.0;
             Ok(Advanced { state: [q + step * (time + 0.5 * step)], iterations: [0], residual: 0.0 })
         }

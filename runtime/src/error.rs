@@ -82,16 +82,35 @@ pub enum StepError {
         /// The time asked for.
         time: f64,
     },
-    /// Newton's iteration did not solve the step's equation; a smaller step helps.
+    /// The step's equation was not solved in as many iterations as there may be; a smaller step helps.
     #[error(
         "no convergence after {iterations} iterations, relative residual {residual:e}; try a smaller step"
     )]
     NoConvergence {
-        /// Newton iterations tried.
+        /// Iterations made.
         iterations: u32,
         /// The smallest residual reached, relative to the terms of the equation.
         residual: f64,
     },
+    /// The step's equation has no solution near the state: the residual is smallest where it is not zero. The step is longer than the motion
+    /// can be continued by it.
+    #[error(
+        "the step's equation has no solution near the state: its residual becomes no smaller than {residual:e} of its terms; the step is too \
+         long for this motion, take a smaller one"
+    )]
+    NoSolution {
+        /// The smallest residual reached, relative to the terms of the equation.
+        residual: f64,
+    },
+    /// The step's equation has several solutions near the state, and none of them is the one that the motion goes on with.
+    #[error("the step's equation has several solutions near the state; a smaller step has one")]
+    SeveralSolutions,
+    /// The Jacobian of the step's equation is singular, or not finite, where the equation is to be solved.
+    #[error(
+        "the Jacobian of the step's equation is singular: the energy has no regular second derivative by the momentum or velocity here, or \
+         the step is too long"
+    )]
+    SingularJacobian,
     /// The solution lies outside the retraction's domain (for the exponential on SO(3): a turn of 2π or more in one
     /// step); take a smaller step or the Cayley map.
     #[error("the step leaves the retraction's domain; try a smaller step or the Cayley map")]

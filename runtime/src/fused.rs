@@ -4,6 +4,7 @@ use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
+use crate::scalar::simd::lanes::Processor;
 use crate::scalar::{Batch, Components, LongWork, Scalar, Work};
 use crate::system::{Discretized, System};
 
@@ -87,6 +88,7 @@ fn inside<T: Batch, W: Work>(work: W) -> W::Result {
 
 struct Step<'a, B: Method, C> {
     method: &'a mut B,
+    stage: usize,
     state: &'a C,
     time: B::Scalar,
     control: &'a B::Control,
@@ -99,13 +101,13 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
 
     #[inline(always)]
     fn done(self) -> Outcome<T, C> {
-        let Self { method, state, time, control, known } = self;
+        let Self { method, stage, state, time, control, known } = self;
         let without = |advanced: Advanced<FusedScalar<T>, B::State>| Advanced {
             state: unwrapped(&advanced.state),
             iterations: advanced.iterations,
             residual: advanced.residual.0,
         };
-        match method.advance(&wrapped(state), time, control, known) {
+        match method.advance_from(stage, &wrapped(state), time, control, known) {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }
@@ -123,16 +125,55 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
         Self(Method::new(&wrapped(parameters), FusedScalar(step)))
     }
 
+    const STAGES: usize = <S::Method<FusedScalar<T>> as Method>::STAGES;
+    type FastPath = <S::Method<FusedScalar<T>> as Method>::FastPath;
+
     #[inline(always)]
-    fn advance(
+    fn ready_for(&self) -> u64 {
+        self.0.ready_for()
+    }
+
+    #[inline(always)]
+    fn enter(&self) -> Self::FastPath {
+        self.0.enter()
+    }
+
+    #[inline(always)]
+    fn advance_fast<P: Processor>(
         &mut self,
+        path: &mut Self::FastPath,
+        state: &Self::State,
+        time: T,
+        control: &Self::Control,
+    ) -> Result<Self::State, (usize, Self::State)> {
+        match self.0.advance_fast::<P>(path, &wrapped(state), FusedScalar(time), &wrapped(control)) {
+            Ok(next) => Ok(unwrapped(&next)),
+            Err((stage, at)) => Err((stage, unwrapped(&at))),
+        }
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, stages: usize) {
+        self.0.leave(path, steps, stages);
+    }
+
+    #[inline(always)]
+    fn on_fast_path(&self) -> (T::Each<u32>, T) {
+        let (iterations, residual) = self.0.on_fast_path();
+        (iterations, residual.0)
+    }
+
+    #[inline(always)]
+    fn advance_from(
+        &mut self,
+        stage: usize,
         state: &Self::State,
         time: T,
         control: &Self::Control,
         known: bool,
     ) -> Outcome<T, Self::State> {
         let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, state, time, control, known })
+        inside::<T, _>(Step { method: &mut self.0, stage, state, time, control, known })
     }
 
     #[inline(always)]

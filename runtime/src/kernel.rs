@@ -6,14 +6,16 @@
 //!
 //! A step that is explicit has nothing to solve for: its unknown is `[T; 0]`.
 
-use crate::scalar::{Batch, Components, Scalar, Work};
+use crate::bytecode::{self, Function, Given};
+use crate::scalar::bounded::Bounded;
+use crate::scalar::{Batch, Components, OutOfLine, Scalar, Work};
 
 /// The step's equation `left(x) = right(x)`, evaluated at one `x`.
 #[derive(Clone, Copy, Debug)]
 pub struct Evaluation<U, I> {
     /// `left(x) − right(x)`.
     pub residual: U,
-    /// `right(x)`: the residual counts relative to its largest component.
+    /// `right(x)`
     pub right: U,
     /// Values that the Newton correction and the update need again.
     pub iterate: I,
@@ -55,15 +57,22 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// The unknown of the step's equation; `[T; 0]` if the step is explicit.
     type Unknown: Components<T>;
     /// What depends on state, time and control, but not on the unknown.
-    type Step: Copy;
+    type Step: Components<T>;
     /// What depends on the unknown and is needed again.
     type Iterate: Copy;
+    /// A place for each value of the step's [program](Self::PROGRAM), and one that is nobody's.
+    type Places<X: Scalar>: Components<X>;
 
     /// The lengths of the blocks of unknowns, each of one unit: what is solved for in one is solved to the digits of that.
     const BLOCKS: Blocks;
     /// The step's functions once more, as data.
     const PROGRAM: Program = [&[]; 4];
 
+    /// What depends on parameters and step alone.
+    #[inline(always)]
+    fn constants(&self) -> &[T] {
+        &[]
+    }
     /// Stage *parameters*: once, when the stepper is built.
     fn new(parameters: &Self::Parameters, step: T) -> Self;
     /// Stage *step*: once a step. `time` is the time at the start of the step.
@@ -158,33 +167,29 @@ impl<T: Batch, K: Kernel<T>> Work for New<'_, T, K> {
     }
 }
 
-/// A step's equation at one state, to be solved for its unknown.
-pub(crate) trait Equation<U> {
-    /// What the correction needs of an evaluation.
-    type Iterate;
-    /// See [`Kernel::evaluate`].
-    fn evaluate(&self, unknown: &U) -> Evaluation<U, Self::Iterate>;
-    /// See [`Kernel::correction`].
-    fn correction(&self, unknown: &U, evaluation: &Evaluation<U, Self::Iterate>) -> U;
-}
-
-/// A kernel at a state.
+/// A kernel's equation at a state, to be solved for its unknown.
 pub(crate) struct AtState<'a, T: Scalar, K: Kernel<T>> {
     pub(crate) kernel: &'a K,
     pub(crate) state: &'a K::State,
     pub(crate) step: &'a K::Step,
 }
 
-impl<T: Scalar, K: Kernel<T>> Equation<K::Unknown> for AtState<'_, T, K> {
-    type Iterate = K::Iterate;
-
+impl<T: Scalar, K: Kernel<T>> AtState<'_, T, K> {
+    /// See [`Kernel::start`].
     #[inline(always)]
-    fn evaluate(&self, unknown: &K::Unknown) -> Evaluation<K::Unknown, K::Iterate> {
+    pub(crate) fn start(&self) -> K::Unknown {
+        self.kernel.start(self.state, self.step)
+    }
+
+    /// See [`Kernel::evaluate`].
+    #[inline(always)]
+    pub(crate) fn evaluate(&self, unknown: &K::Unknown) -> Evaluation<K::Unknown, K::Iterate> {
         self.kernel.evaluate(self.state, self.step, unknown)
     }
 
+    /// See [`Kernel::correction`].
     #[inline(always)]
-    fn correction(
+    pub(crate) fn correction(
         &self,
         unknown: &K::Unknown,
         evaluation: &Evaluation<K::Unknown, K::Iterate>,
@@ -193,18 +198,20 @@ impl<T: Scalar, K: Kernel<T>> Equation<K::Unknown> for AtState<'_, T, K> {
     }
 }
 
-/// An equation and its Newton correction, through a table: for code that is compiled once for all kernels.
-pub(crate) trait Corrected<U> {
+/// An equation through a table: for code that is compiled once for all kernels with as many unknowns.
+///
+/// `extern "C"`, for such functions do not unwind: steps are without panics, which a call through a table would hide.
+pub(crate) trait Equation<T, U> {
     /// The equation at a value of the unknown, and the Newton correction there as what is needed again: for the residual there, or for the one
     /// that is given.
-    ///
-    /// `extern "C"`, for such a function does not unwind: steps are without panics, which a call through a table would hide.
     extern "C" fn corrected(&self, unknown: &U, residual: Option<&U>) -> Evaluation<U, U>;
+    /// A bound of what rounding leaves of each component of the residual, in one lane, of the unknown's own rounding too.
+    extern "C" fn roundoff(&self, unknown: &U, lane: usize) -> U;
 }
 
-impl<T: Batch, K: Kernel<T>> Corrected<K::Unknown> for AtState<'_, T, K> {
-    // called from here alone
-    #[allow(improper_ctypes_definitions)]
+// called from here alone
+#[allow(improper_ctypes_definitions)]
+impl<T: Batch, K: Kernel<T>> Equation<T, K::Unknown> for AtState<'_, T, K> {
     extern "C" fn corrected(
         &self,
         unknown: &K::Unknown,
@@ -212,9 +219,13 @@ impl<T: Batch, K: Kernel<T>> Corrected<K::Unknown> for AtState<'_, T, K> {
     ) -> Evaluation<K::Unknown, K::Unknown> {
         T::dispatch(Correct { equation: self, unknown, residual })
     }
+
+    extern "C" fn roundoff(&self, unknown: &K::Unknown, lane: usize) -> K::Unknown {
+        K::portable(Roundoff { equation: self, unknown, lane })
+    }
 }
 
-/// [`Corrected::corrected`], compiled beside its kernel.
+/// [`Equation::corrected`], compiled beside its kernel.
 struct Correct<'a, T: Batch, K: Kernel<T>> {
     equation: &'a AtState<'a, T, K>,
     unknown: &'a K::Unknown,
@@ -237,16 +248,39 @@ impl<T: Batch, K: Kernel<T>> Work for Correct<'_, T, K> {
     }
 }
 
-impl<U: Copy> Equation<U> for &dyn Corrected<U> {
-    type Iterate = U;
+/// [`Equation::roundoff`]: the residual once more, from its bytes, over numbers that carry their errors.
+///
+/// What depends on the state alone counts as exact: it is the same for every value of the unknown, and moves the solution, not the residual.
+struct Roundoff<'a, T: Batch, K: Kernel<T>> {
+    equation: &'a AtState<'a, T, K>,
+    unknown: &'a K::Unknown,
+    lane: usize,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Roundoff<'_, T, K> {
+    type Home = K;
+    type Result = K::Unknown;
 
     #[inline(always)]
-    fn evaluate(&self, unknown: &U) -> Evaluation<U, U> {
-        self.corrected(unknown, None)
-    }
-
-    #[inline(always)]
-    fn correction(&self, _: &U, evaluation: &Evaluation<U, U>) -> U {
-        evaluation.iterate
+    fn done(self) -> K::Unknown {
+        let Self { equation: &AtState { kernel, state, step }, unknown, lane } = self;
+        let exactly = |numbers: &[T], i: usize| Some(Bounded::exactly(numbers.get(i)?.lane(lane)));
+        let given = |given, i: usize| match given {
+            Given::Constants => exactly(kernel.constants(), i),
+            Given::Step => exactly(step.as_ref(), i),
+            Given::State => exactly(state.as_ref(), i),
+            Given::Unknown => Some(Bounded::nearest(unknown.as_ref().get(i)?.lane(lane))),
+            _ => None,
+        };
+        let mut places = K::Places::splat(Bounded::of(0.0));
+        let mut bound = K::Unknown::splat(T::of(0.0));
+        let code = K::PROGRAM[Function::Evaluate as usize];
+        bytecode::run(code, places.as_mut(), given, |array, i, residual: Bounded<T::Number>| {
+            if let (0, Some(bound)) = (array, bound.as_mut().get_mut(i)) {
+                bound.set_lane(lane, residual.error);
+                *bound = T::of(T::EPSILON) * *bound;
+            }
+        });
+        bound
     }
 }

@@ -58,7 +58,6 @@
 // The macro writes `::coadjoint::…`; this lets it be used inside this crate's own documentation and tests.
 extern crate self as coadjoint;
 
-#[cfg(feature = "std")]
 mod bytecode;
 #[cfg(feature = "std")]
 pub mod certify;
@@ -200,7 +199,7 @@ pub mod __private {
     pub use crate::scalar::stumpff::family;
     pub use crate::scalar::{Batch, Components, Scalar};
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
-    pub use crate::solve::one_step::OneStep;
+    pub use crate::solve::step::OneStep;
     pub use crate::system::{
         Control, Generated, Geometry, Isolated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored,
         System, Visitor,

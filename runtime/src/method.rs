@@ -3,7 +3,8 @@
 //! Over one number or over several side by side: what fails then fails in its lane, and the others go on.
 
 use crate::error::StepError;
-use crate::scalar::{Batch, Components, Real, Scalar, Work};
+use crate::scalar::simd::lanes::Processor;
+use crate::scalar::{Batch, Components, LongWork, Real, Scalar, Work};
 use crate::snapshot::visit_flag;
 
 /// A discretization of one system with one step size, on flat arrays.
@@ -22,32 +23,86 @@ pub trait Method: Clone + Send + Sync {
     /// The method for these parameters and this step.
     fn new(parameters: &Self::Parameters, step: Self::Scalar) -> Self;
 
-    /// The state after a step that starts at `time`, with `control` held until it ends. If the state is `known`, the one that the
+    /// Takes a step that starts at `time`, with `control` held until it ends. If the state is `known`, the one that the
     /// last step led to, the solution is sought from the last ones on, which only makes it faster; the time is then that of a step like the last.
     ///
     /// # Errors
     /// If state, time or control is not finite, the step's equation cannot be solved, or its solution lies outside the retraction's
     /// domain, in any lane. If in all, nothing is remembered of it.
+    #[inline(always)]
     fn advance(
         &mut self,
         state: &Self::State,
         time: Self::Scalar,
         control: &Self::Control,
         known: bool,
-    ) -> Outcome<Self::Scalar, Self::State>;
+    ) -> Outcome<Self::Scalar, Self::State> {
+        self.advance_from(0, state, time, control, known)
+    }
 
     /// Takes steps, up to `most`, with `control` held all the time, from a state that is known; fewer if one fails, of which nothing remains.
-    /// Faster than one by one, with the same result. A method may take none, and leave all to [`advance`](Self::advance).
+    /// Faster than one by one, with the same result.
     #[inline(always)]
     fn advance_n(
         &mut self,
-        _state: &mut Self::State,
-        _clock: Clock,
-        _control: &Self::Control,
-        _most: u64,
+        state: &mut Self::State,
+        clock: Clock,
+        control: &Self::Control,
+        most: u64,
     ) -> StepsReport<Self::Scalar> {
-        StepsReport::default()
+        let work = AdvanceN { method: self, state, clock, control, most, known: true, failed: None };
+        Self::Scalar::dispatch_wide(work)
     }
+
+    /// How many equations a step solves, one after the other.
+    const STAGES: usize = 1;
+    /// What is remembered of earlier steps, as it is kept while many are taken on the fast path: in registers, as far as there are any.
+    type FastPath: Clone + Send + Sync + Default;
+
+    /// For how many steps all stages are likely to be on the fast path.
+    #[inline(always)]
+    fn ready_for(&self) -> u64 {
+        0
+    }
+    /// The fast path, where steps are ready for it.
+    #[inline(always)]
+    fn enter(&self) -> Self::FastPath {
+        Self::FastPath::default()
+    }
+    /// A step on the fast path. What is not enough for is not done: then this is the state from which the stage of this number is to be taken.
+    ///
+    /// # Errors
+    /// If a stage needs more than there is on the fast path.
+    #[inline(always)]
+    fn advance_fast<P: Processor>(
+        &mut self,
+        _path: &mut Self::FastPath,
+        state: &Self::State,
+        _time: Self::Scalar,
+        _control: &Self::Control,
+    ) -> Result<Self::State, (usize, Self::State)> {
+        Err((0, *state))
+    }
+    /// Remembers what was on the fast path: so many steps, and so many stages of one more.
+    #[inline(always)]
+    fn leave(&mut self, _path: &mut Self::FastPath, _steps: u64, _stages: usize) {}
+    /// The iterations of a step on the fast path, and a bound of the residual that it leaves.
+    #[inline(always)]
+    fn on_fast_path(&self) -> (<Self::Scalar as Batch>::Each<u32>, Self::Scalar) {
+        (Self::Scalar::all(0), Self::Scalar::of(0.0))
+    }
+    /// As [`advance`](Self::advance), from the stage of this number on, for which the state is that after the stages before it.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn advance_from(
+        &mut self,
+        stage: usize,
+        state: &Self::State,
+        time: Self::Scalar,
+        control: &Self::Control,
+        known: bool,
+    ) -> Outcome<Self::Scalar, Self::State>;
 
     /// Shows what the method carries from one step to the next, in pieces of always the same lengths, to be read or replaced. What is in
     /// no piece follows from the parameters and the step.
@@ -109,24 +164,81 @@ impl<T: Batch> StepsReport<T> {
         let larger = self.max_residual.lt(residual);
         self.max_residual = T::select(larger, residual, self.max_residual);
     }
-
-    /// Counts so many iterations more of steps that were counted, of which one took so many.
-    #[inline(always)]
-    pub(crate) fn count_more(&mut self, iterations: u64, deepest: u32) {
-        if iterations == 0 {
-            return;
-        }
-        for (all, most) in self.iterations.as_mut().iter_mut().zip(self.max_iterations.as_mut()) {
-            *all += iterations;
-            *most = (*most).max(deepest);
-        }
-    }
 }
 
 impl<T: Batch> Default for StepsReport<T> {
     #[inline(always)]
     fn default() -> Self {
         Self { steps: 0, iterations: T::all(0), max_iterations: T::all(0), max_residual: T::of(0.0) }
+    }
+}
+
+/// Steps of a method, until one fails.
+pub(crate) struct AdvanceN<'a, M: Method> {
+    pub(crate) method: &'a mut M,
+    pub(crate) state: &'a mut M::State,
+    pub(crate) clock: Clock,
+    pub(crate) control: &'a M::Control,
+    pub(crate) most: u64,
+    /// Whether the state is the one that the last step led to.
+    pub(crate) known: bool,
+    /// What went wrong, if the step that fails is to count in lanes where it does not. Else nothing remains of it.
+    pub(crate) failed: Option<&'a mut Option<Failure<M::Scalar, M::State>>>,
+}
+
+impl<M: Method> LongWork for AdvanceN<'_, M> {
+    type Home = M::Home;
+    type Result = StepsReport<M::Scalar>;
+
+    #[inline(always)]
+    fn done<P: Processor>(self) -> StepsReport<M::Scalar> {
+        let Self { method, state, clock, control, most, mut known, failed } = self;
+        let mut report = StepsReport::default();
+        // not in memory
+        let mut now = *state;
+        while report.steps < most {
+            let (mut stage, mut at) = (0, now);
+            let ready_for = method.ready_for();
+            if known && ready_for > 0 {
+                let until = most.min(report.steps.saturating_add(ready_for));
+                let (before, mut path) = (report.steps, method.enter());
+                let mut halted = None;
+                while report.steps < until {
+                    let time = M::Scalar::of(clock.after(report.steps));
+                    match method.advance_fast::<P>(&mut path, &now, time, control) {
+                        Ok(next) => now = next,
+                        Err(halt) => {
+                            halted = Some(halt);
+                            break;
+                        }
+                    }
+                    report.steps += 1;
+                }
+                let steps = report.steps - before;
+                method.leave(&mut path, steps, halted.map_or(0, |(stage, _)| stage));
+                let (iterations, residual) = method.on_fast_path();
+                report.count(steps, &iterations, residual);
+                let Some(halted) = halted else { continue };
+                (stage, at) = halted;
+            }
+            let time = M::Scalar::of(clock.after(report.steps));
+            let slow = Stage { method, from: Some(stage), state: &at, time, control, known };
+            match M::Scalar::dispatch(slow) {
+                Ok(Advanced { state, iterations, residual }) => {
+                    (now, known) = (state, true);
+                    report.steps += 1;
+                    report.count(1, &iterations, residual);
+                }
+                Err(failure) => {
+                    if let Some(failed) = failed {
+                        *failed = Some(failure);
+                    }
+                    break;
+                }
+            }
+        }
+        *state = now;
+        report
     }
 }
 
@@ -162,9 +274,11 @@ impl<T: Batch, S> Failure<T, S> {
     }
 }
 
-/// One stage: a step that is part of a composed step.
+/// A step, or a stage of one, and those after it.
 struct Stage<'a, B: Method> {
     method: &'a mut B,
+    /// The first stage to be taken, if it needs more than there is on the fast path.
+    from: Option<usize>,
     state: &'a B::State,
     time: B::Scalar,
     control: &'a B::Control,
@@ -177,8 +291,11 @@ impl<B: Method> Work for Stage<'_, B> {
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        let Self { method, state, time, control, known } = self;
-        method.advance(state, time, control, known)
+        let Self { method, from, state, time, control, known } = self;
+        match from {
+            Some(stage) => method.advance_from(stage, state, time, control, known),
+            None => method.advance(state, time, control, known),
+        }
     }
 }
 
@@ -208,12 +325,16 @@ impl<T: Batch> StageAccumulator<T> {
     pub(crate) fn stage<B: Method<Scalar = T>>(
         &mut self,
         method: &mut B,
+        from: Option<usize>,
         state: &B::State,
         time: T,
         control: &B::Control,
         known: bool,
     ) -> Result<B::State, Failure<T, B::State>> {
-        let advanced = match T::dispatch(Stage { method, state, time, control, known }) {
+        let stage = Stage { method, from, state, time, control, known };
+        // of one number the fast path is part of what takes the stages; in lanes each is long
+        let outcome = if const { T::LANES == 1 } { stage.done() } else { T::dispatch(stage) };
+        let advanced = match outcome {
             Ok(advanced) => advanced,
             Err(failure) => {
                 if self.fails(&failure.errors) {
@@ -298,6 +419,48 @@ where
         Self { first: A::new(parameters, half), second: B::new(parameters, half), half, whole: false }
     }
 
+    const STAGES: usize = A::STAGES + B::STAGES;
+    type FastPath = (A::FastPath, B::FastPath);
+
+    #[inline(always)]
+    fn ready_for(&self) -> u64 {
+        if self.whole { self.first.ready_for().min(self.second.ready_for()) } else { 0 }
+    }
+
+    #[inline(always)]
+    fn enter(&self) -> Self::FastPath {
+        (self.first.enter(), self.second.enter())
+    }
+
+    #[inline(always)]
+    fn advance_fast<P: Processor>(
+        &mut self,
+        (first, second): &mut Self::FastPath,
+        state: &A::State,
+        time: A::Scalar,
+        control: &A::Control,
+    ) -> Result<A::State, (usize, A::State)> {
+        let middle = self.first.advance_fast::<P>(first, state, time, control)?;
+        match self.second.advance_fast::<P>(second, &middle, time + self.half, control) {
+            Ok(next) => Ok(next),
+            Err((stage, at)) => Err((A::STAGES + stage, at)),
+        }
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, (first, second): &mut Self::FastPath, steps: u64, stages: usize) {
+        let is_through = stages >= A::STAGES;
+        self.first.leave(first, steps + u64::from(is_through), if is_through { 0 } else { stages });
+        self.second.leave(second, steps, stages.saturating_sub(A::STAGES));
+    }
+
+    #[inline(always)]
+    fn on_fast_path(&self) -> (<A::Scalar as Batch>::Each<u32>, A::Scalar) {
+        let (first, second) = (self.first.on_fast_path(), self.second.on_fast_path());
+        let larger = A::Scalar::select(first.1.lt(second.1), second.1, first.1);
+        (sum::<A::Scalar>(first.0, second.0), larger)
+    }
+
     #[inline(always)]
     fn advance(
         &mut self,
@@ -310,8 +473,30 @@ where
         // until both are through
         self.whole = false;
         let mut accumulator = StageAccumulator::new();
-        let middle = accumulator.stage(&mut self.first, state, time, control, known)?;
-        let next = accumulator.stage(&mut self.second, &middle, time + self.half, control, known)?;
+        let middle = accumulator.stage(&mut self.first, None, state, time, control, known)?;
+        let next = accumulator.stage(&mut self.second, None, &middle, time + self.half, control, known)?;
+        self.whole = true;
+        accumulator.end(next)
+    }
+
+    #[inline(always)]
+    fn advance_from(
+        &mut self,
+        stage: usize,
+        state: &A::State,
+        time: A::Scalar,
+        control: &A::Control,
+        known: bool,
+    ) -> Outcome<A::Scalar, A::State> {
+        let known = known && self.whole;
+        self.whole = false;
+        let (mut accumulator, mut at) = (StageAccumulator::new(), *state);
+        let mut from = stage.checked_sub(A::STAGES);
+        if stage < A::STAGES {
+            at = accumulator.stage(&mut self.first, Some(stage), &at, time, control, known)?;
+            from = None;
+        }
+        let next = accumulator.stage(&mut self.second, from, &at, time + self.half, control, known)?;
         self.whole = true;
         accumulator.end(next)
     }
@@ -354,8 +539,11 @@ mod tests {
             Self { known: false }
         }
 
-        fn advance(
+        type FastPath = ();
+
+        fn advance_from(
             &mut self,
+            _: usize,
             _: &[f64; 0],
             time: f64,
             &[limit]: &[f64; 1],

@@ -145,8 +145,9 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
     type State = [T; 7];
     type Control = [T; 0];
     type Unknown = [T; 3];
-    type Step = ();
+    type Step = [T; 0];
     type Iterate = ();
+    type Places<X: Scalar> = [X; 1];
 
     const BLOCKS: &'static [usize] = &[3];
     const HAS_FIXED_POINT_UPDATE: bool = false;
@@ -155,14 +156,16 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         Self { scaled: parameters.map(|moment| moment / step) }
     }
 
-    fn begin(&self, _: &[T; 7], _: T, _: &[T; 0]) {}
+    fn begin(&self, _: &[T; 7], _: T, _: &[T; 0]) -> [T; 0] {
+        []
+    }
 
-    fn start(&self, &[.., x, y, z]: &[T; 7], _: &()) -> [T; 3] {
+    fn start(&self, &[.., x, y, z]: &[T; 7], _: &[T; 0]) -> [T; 3] {
         let [a, b, c] = self.scaled;
         [x / a, y / b, z / c]
     }
 
-    fn evaluate(&self, &[.., x, y, z]: &[T; 7], _: &(), eta: &[T; 3]) -> Evaluation<[T; 3], ()> {
+    fn evaluate(&self, &[.., x, y, z]: &[T; 7], _: &[T; 0], eta: &[T; 3]) -> Evaluation<[T; 3], ()> {
         let half = T::of(0.5);
         let m: [T; 3] = core::array::from_fn(|i| self.scaled[i] * eta[i]);
         let turn = cross(eta, &m);
@@ -172,7 +175,13 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
         Evaluation { residual, right, iterate: () }
     }
 
-    fn correction(&self, _: &[T; 7], _: &(), eta: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
+    fn correction(
+        &self,
+        _: &[T; 7],
+        _: &[T; 0],
+        eta: &[T; 3],
+        evaluation: &Evaluation<[T; 3], ()>,
+    ) -> [T; 3] {
         // column j of the Jacobian is the derivative of the left side in direction e_j
         let half = T::of(0.5);
         let m: [T; 3] = core::array::from_fn(|i| self.scaled[i] * eta[i]);
@@ -199,7 +208,7 @@ impl<T: Scalar> Kernel<T> for BodyKernel<T> {
     fn finish(
         &self,
         &[w, i, j, k, x, y, z]: &[T; 7],
-        _: &(),
+        _: &[T; 0],
         eta: &[T; 3],
         _: &Evaluation<[T; 3], ()>,
     ) -> [T; 7] {
@@ -425,6 +434,7 @@ impl<T: Scalar, const LATE: bool> Kernel<T> for OscillatorKernel<T, LATE> {
     /// The state after the step.
     type Step = [T; 2];
     type Iterate = ();
+    type Places<X: Scalar> = [X; 1];
 
     const BLOCKS: &'static [usize] = &[];
     const HAS_FIXED_POINT_UPDATE: bool = false;
@@ -473,8 +483,9 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     type State = [T; 3];
     type Control = [T; 0];
     type Unknown = [T; 3];
-    type Step = ();
+    type Step = [T; 0];
     type Iterate = ();
+    type Places<X: Scalar> = [X; 1];
 
     const BLOCKS: &'static [usize] = &[3];
 
@@ -482,14 +493,16 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
         Self { step, inverse: parameters.map(|moment| T::of(1.0) / moment) }
     }
 
-    fn begin(&self, _: &[T; 3], _: T, _: &[T; 0]) {}
+    fn begin(&self, _: &[T; 3], _: T, _: &[T; 0]) -> [T; 0] {
+        []
+    }
 
-    fn start(&self, _: &[T; 3], (): &()) -> [T; 3] {
+    fn start(&self, _: &[T; 3], _: &[T; 0]) -> [T; 3] {
         [T::of(0.0); 3]
     }
 
     #[inline(always)]
-    fn evaluate(&self, state: &[T; 3], (): &(), change: &[T; 3]) -> Evaluation<[T; 3], ()> {
+    fn evaluate(&self, state: &[T; 3], _: &[T; 0], change: &[T; 3]) -> Evaluation<[T; 3], ()> {
         let half = T::of(0.5);
         let [a, b, c]: [T; 3] = [0, 1, 2].map(|i| half.mul_add(change[i], state[i]));
         let [u, v, w] = [a * self.inverse[0], b * self.inverse[1], c * self.inverse[2]];
@@ -498,17 +511,17 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
         Evaluation { residual: [0, 1, 2].map(|i| change[i] - right[i]), right, iterate: () }
     }
 
-    fn correction(&self, _: &[T; 3], (): &(), _: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
+    fn correction(&self, _: &[T; 3], _: &[T; 0], _: &[T; 3], evaluation: &Evaluation<[T; 3], ()>) -> [T; 3] {
         evaluation.residual
     }
 
     #[inline(always)]
-    fn fixed_point_update(&self, _: &[T; 3], (): &(), right: &[T; 3]) -> [T; 3] {
+    fn fixed_point_update(&self, _: &[T; 3], _: &[T; 0], right: &[T; 3]) -> [T; 3] {
         *right
     }
 
     #[inline(always)]
-    fn finish(&self, state: &[T; 3], (): &(), change: &[T; 3], _: &Evaluation<[T; 3], ()>) -> [T; 3] {
+    fn finish(&self, state: &[T; 3], _: &[T; 0], change: &[T; 3], _: &Evaluation<[T; 3], ()>) -> [T; 3] {
         [0, 1, 2].map(|i| state[i] + change[i])
     }
 }

@@ -9,16 +9,18 @@
 //! ```
 //!
 //! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the places, so that records are
-//! not handed on. `coadjoint::bytecode` runs it.
+//! not handed on; but `evaluate` is also run by itself, and says where it finds them. `coadjoint::bytecode` runs it.
 
 use super::code::rounded;
-use crate::program::{Argument, Elementary, Function, Input, Module, Role, Statement, Term, Value};
+use crate::program::{
+    Argument, Elementary, Function, Input, Module, RecordKind, Role, Statement, Term, Value,
+};
 
 /// The functions of a step that lead from one state to the next, if the solution of its equation is known.
 const ROLES: [Role; 4] = [Role::New, Role::Begin, Role::Evaluate, Role::Finish];
 
 /// What functions are given, in the order of their kinds.
-const INPUTS: [Input; 8] = [
+const INPUTS: [Input; 10] = [
     Input::Parameters,
     Input::StepSize,
     Input::State,
@@ -27,6 +29,8 @@ const INPUTS: [Input; 8] = [
     Input::Unknown,
     Input::Residual,
     Input::Right,
+    Input::Record(RecordKind::Constants),
+    Input::Record(RecordKind::Step),
 ];
 
 /// Elementary functions, in the order of their kinds.
@@ -55,6 +59,7 @@ fn function(function: &Function) -> Vec<u8> {
     let given: Vec<(u8, &Argument)> = function
         .arguments
         .iter()
+        .filter(|argument| function.role == Role::Evaluate || !matches!(argument.input, Input::Record(_)))
         .filter_map(|argument| Some((place(&INPUTS, &argument.input)?, argument)))
         .filter(|(_, argument)| argument.values.iter().any(Option::is_some))
         .collect();

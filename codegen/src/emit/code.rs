@@ -3,7 +3,6 @@
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
-use super::{Names, docs};
 use crate::expr::Number;
 use crate::program::{Argument, Function, Input, Module, RecordKind, Statement, Term, Value};
 
@@ -53,7 +52,7 @@ pub(super) fn free_function(
             _ => quote! { #name: &[T; #n] },
         }
     });
-    let body = body(module, function, None);
+    let body = body(module, function);
     let results = arrays(module, function);
     quote! {
         #[inline]
@@ -85,9 +84,9 @@ fn argument_name(input: Input) -> Ident {
     Ident::new(name, Span::call_site())
 }
 
-/// What a function needs of its arguments, and what it computes. `constants` is the struct that holds a step's constants.
-pub(super) fn body(module: &Module, function: &Function, constants: Option<&Ident>) -> TokenStream {
-    let unpacked = function.arguments.iter().map(|argument| unpacked(module, argument, constants));
+/// What a function needs of its arguments, and what it computes.
+pub(super) fn body(module: &Module, function: &Function) -> TokenStream {
+    let unpacked = function.arguments.iter().map(|argument| unpacked(module, argument));
     if function.statements.len() > MANY {
         let statements = function.statements.chunks(TOGETHER).map(|lines| declared_together(module, lines));
         return quote! { #(#unpacked)* #(#statements)* };
@@ -118,8 +117,8 @@ fn declared_together(module: &Module, lines: &[Statement]) -> TokenStream {
     quote! { let (#(#names,)*); #(#statements)* }
 }
 
-/// `let [_, momentum_x, ..] = *state;`, `let Step { s, .. } = *step;`, `let h = step;` with the names that are used.
-fn unpacked(module: &Module, argument: &Argument, constants: Option<&Ident>) -> TokenStream {
+/// `let [_, momentum_x, ..] = *state;`, `let [weight_half_h, ..] = self.0;`, `let h = step;` with the names that are used.
+fn unpacked(module: &Module, argument: &Argument) -> TokenStream {
     let Argument { input, values } = argument;
     let Some(last) = values.iter().rposition(Option::is_some) else { return quote! {} };
     let name = argument_name(*input);
@@ -128,13 +127,9 @@ fn unpacked(module: &Module, argument: &Argument, constants: Option<&Ident>) -> 
         Input::StepSize | Input::Time => return quote! { #(let #used = #name;)* },
         Input::Residual => quote! { evaluation.residual },
         Input::Record(RecordKind::Iterate) => quote! { evaluation.iterate },
+        Input::Record(RecordKind::Constants) => quote! { self.0 },
         _ => quote! { *#name },
     };
-    if let Input::Record(kind) = input {
-        let ty = record_name(*kind, constants);
-        let rest = (used.len() < values.len()).then(|| quote! { , .. });
-        return quote! { let #ty { #(#used),* #rest } = #from; };
-    }
     let patterns = values[..=last].iter().map(|value| match value {
         Some(value) => {
             let name = ident(module, *value);
@@ -146,52 +141,16 @@ fn unpacked(module: &Module, argument: &Argument, constants: Option<&Ident>) -> 
     quote! { let [#(#patterns),* #rest] = #from; }
 }
 
-/// What the struct is called that holds a record.
-fn record_name(kind: RecordKind, constants: Option<&Ident>) -> Ident {
-    let own = |name| Ident::new(name, Span::call_site());
-    match kind {
-        RecordKind::Constants => constants.cloned().unwrap_or_else(|| own("Constants")),
-        RecordKind::Step => own("Step"),
-        RecordKind::Iterate => own("Iterate"),
-        RecordKind::Point => own("Point"),
-    }
+/// The type of a record: an array of as many numbers.
+pub(super) fn record(module: &Module, kind: RecordKind) -> TokenStream {
+    let length = size(module.fields(kind).len());
+    quote! { [T; #length] }
 }
 
-/// The struct of a record.
-pub(super) fn record(
-    names: &Names,
-    module: &Module,
-    kind: RecordKind,
-    constants: Option<&Ident>,
-) -> TokenStream {
-    let private = &names.private;
-    let name = record_name(kind, constants);
-    let doc = docs::line(match kind {
-        RecordKind::Constants => "What depends on the parameters and the step `h` alone.",
-        RecordKind::Step => "What depends on the state too.",
-        RecordKind::Iterate => "What depends on the unknown too and is needed again.",
-        RecordKind::Point => "What the derivative is made of at one point.",
-    });
-    let fields: Vec<Ident> = module.fields(kind).iter().map(|&field| ident(module, field)).collect();
-    let fields = match fields.is_empty() {
-        true => quote! { (::core::marker::PhantomData<T>); },
-        false => quote! { { #(#fields: T),* } },
-    };
-    quote! {
-        #doc
-        pub struct #name<T> #fields
-        #private::copied!(#name);
-    }
-}
-
-/// The struct of a record with the values that its fields are called by.
-pub(super) fn kept(module: &Module, kind: RecordKind, constants: Option<&Ident>) -> TokenStream {
-    let name = record_name(kind, constants);
+/// The array of a record's fields.
+pub(super) fn kept(module: &Module, kind: RecordKind) -> TokenStream {
     let fields = module.fields(kind).iter().map(|&field| ident(module, field));
-    match fields.len() {
-        0 => quote! { #name(::core::marker::PhantomData) },
-        _ => quote! { #name { #(#fields),* } },
-    }
+    quote! { [#(#fields),*] }
 }
 
 /// The arrays that a function returns.

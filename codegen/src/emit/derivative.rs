@@ -13,23 +13,22 @@ use crate::scheme::Scheme;
 ///
 /// ```text
 /// const _: () = {
-///     pub struct Point<T> { … }
 ///     impl<T: Scalar> Linearized<T, HeavyTop> for HeavyTopCayley<T> { … }
 /// };
 /// ```
 ///
-/// What stands in it does not name the system, which may be called `Point` or `Linearized`, too.
+/// What stands in it does not name the system, which may be called `Linearized`, too.
 pub(super) fn derivative(names: &Names, scheme: Scheme, module: &Module, lengths: &Lengths) -> TokenStream {
     let Names { private, system: system_name, .. } = names;
     let kernel = kernel_name(names, scheme);
-    let point = record(names, module, RecordKind::Point, None);
+    let point = record(module, RecordKind::Point);
     let maps = Maps { module, lengths, private };
     let through = maps.through_type();
     let functions = module.functions.iter().map(|function| maps.method(function));
     let no_through = module.function(Role::Through).is_none().then(|| {
         quote! {
             #[inline]
-            fn through(_: &Point<T>) -> #through {
+            fn through(_: &Self::Point) -> #through {
                 []
             }
         }
@@ -40,11 +39,9 @@ pub(super) fn derivative(names: &Names, scheme: Scheme, module: &Module, lengths
         const _: () = {
             use #private::{Linearized, Scalar};
 
-            #point
-
             #[automatically_derived]
             impl<T: Scalar> Linearized<T, __System> for #kernel<T> {
-                type Point = Point<T>;
+                type Point = #point;
                 type Through = #through;
 
                 #(#functions)*
@@ -96,10 +93,10 @@ impl Maps<'_> {
         }
     }
 
-    /// `fn point(…) -> Point<T> { … }`
+    /// `fn point(…) -> Self::Point { … }`
     fn point(&self, function: &Function) -> TokenStream {
-        let body = body(self.module, function, None);
-        let kept = kept(self.module, RecordKind::Point, None);
+        let body = body(self.module, function);
+        let kept = kept(self.module, RecordKind::Point);
         let [parameters, state, control, unknown] =
             [Input::Parameters, Input::State, Input::Control, Input::Unknown]
                 .map(|input| size(function.length(input)));
@@ -111,7 +108,7 @@ impl Maps<'_> {
                 time: T,
                 control: &[T; #control],
                 unknown: &[T; #unknown],
-            ) -> Point<T> {
+            ) -> Self::Point {
                 #body
                 #kept
             }
@@ -127,10 +124,10 @@ impl Maps<'_> {
     /// The product with a perturbation.
     fn tangent(&self, function: &Function) -> TokenStream {
         let [state, control, parameters] = self.sizes();
-        let (body, next) = (body(self.module, function, None), arrays(self.module, function));
+        let (body, next) = (body(self.module, function), arrays(self.module, function));
         quote! {
             fn tangent(
-                point: &Point<T>,
+                point: &Self::Point,
                 state: &[T; #state],
                 control: &[T; #control],
                 parameters: &[T; #parameters],
@@ -144,10 +141,10 @@ impl Maps<'_> {
     /// The product with a costate.
     fn adjoint(&self, function: &Function) -> TokenStream {
         let [state, control, parameters] = self.sizes();
-        let (body, by) = (body(self.module, function, None), arrays(self.module, function));
+        let (body, by) = (body(self.module, function), arrays(self.module, function));
         quote! {
             fn adjoint(
-                point: &Point<T>,
+                point: &Self::Point,
                 costate: &[T; #state],
             ) -> ([T; #state], [T; #control], [T; #parameters]) {
                 #body
@@ -159,9 +156,9 @@ impl Maps<'_> {
     /// What all matrices make use of.
     fn through(&self, function: &Function) -> TokenStream {
         let ty = self.through_type();
-        let (body, columns) = (body(self.module, function, None), arrays(self.module, function));
+        let (body, columns) = (body(self.module, function), arrays(self.module, function));
         quote! {
-            fn through(point: &Point<T>) -> #ty {
+            fn through(point: &Self::Point) -> #ty {
                 #body
                 [#(#columns),*]
             }
@@ -180,7 +177,7 @@ impl Maps<'_> {
         let Self { module, private, .. } = *self;
         let name = format_ident!("{}", function.role.name());
         let (n, columns) = (size(self.lengths.state), size(columns));
-        let (body, through) = (body(module, function, None), self.through_type());
+        let (body, through) = (body(module, function), self.through_type());
         let pairs = function.results.chunks(2).enumerate();
         let (explicit, products): (Vec<TokenStream>, Vec<TokenStream>) = pairs
             .map(|(j, column)| {
@@ -193,7 +190,7 @@ impl Maps<'_> {
             })
             .unzip();
         quote! {
-            fn #name(point: &Point<T>, through: &#through) -> [[T; #n]; #columns] {
+            fn #name(point: &Self::Point, through: &#through) -> [[T; #n]; #columns] {
                 #body
                 let mut columns = [#(#explicit),*];
                 #(#products)*

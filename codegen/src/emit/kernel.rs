@@ -18,31 +18,29 @@ pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {
 /// The kernel of one system and scheme:
 ///
 /// ```text
-/// pub struct HeavyTopCayley<T> { …constants }
+/// pub struct HeavyTopCayley<T>([T; 13]);
 /// impl Generated<Family<Cayley, 0, 1>> for HeavyTop { type Kernel<T: Scalar> = HeavyTopCayley<T>; }
 ///
 /// const _: () = {
-///     pub struct Step<T> { … }
-///     pub struct Iterate<T> { … }
 ///     impl<T: Scalar> Kernel<T> for HeavyTopCayley<T> { … }
 /// };
 /// ```
 ///
-/// The inner block does not name the system, which may be called `Step` or `Kernel`, too.
+/// The inner block does not name the system, which may be called `Kernel`, too.
 pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let Names { system, private, .. } = names;
     let StepProgram { scheme, aliases, module, .. } = step;
     let name = kernel_name(names, *scheme);
     let markers = std::iter::once(scheme).chain(aliases).map(|&scheme| marker(names, scheme));
-    let record = |kind| record(names, module, kind, Some(&name));
-    let (constants, step_record, iterate) =
-        (record(RecordKind::Constants), record(RecordKind::Step), record(RecordKind::Iterate));
+    let [constants, step_record, iterate] =
+        [RecordKind::Constants, RecordKind::Step, RecordKind::Iterate].map(|kind| record(module, kind));
+    let places = size(module.places());
     let length = |role, input| size(module.function(role).map_or(0, |function| function.length(input)));
     let parameters = length(Role::New, Input::Parameters);
     let [state, controls] = [Input::State, Input::Control].map(|input| length(Role::Begin, input));
     let unknown = length(Role::Evaluate, Input::Unknown);
     let blocks = step.blocks.iter().map(|&length| size(length));
-    let functions = module.functions.iter().map(|function| method(module, function, &name));
+    let functions = module.functions.iter().map(|function| method(module, function));
     let no_update = module.function(Role::FixedPointUpdate).is_none().then(|| {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
@@ -50,7 +48,9 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let program = bytecode::functions(module).map(|function| Literal::byte_string(&function));
 
     quote! {
-        #constants
+        /// What depends on the parameters and the step `h` alone.
+        pub struct #name<T>(#constants);
+        #private::copied!(#name);
 
         #(#[automatically_derived]
         impl #private::Generated<#markers> for #system {
@@ -60,23 +60,25 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         const _: () = {
             use #private::{Blocks, Evaluation, Kernel, Program, Scalar};
 
-            #step_record
-            #iterate
-
             #[automatically_derived]
             impl<T: Scalar> Kernel<T> for #name<T> {
                 type Parameters = [T; #parameters];
                 type State = [T; #state];
                 type Control = [T; #controls];
                 type Unknown = [T; #unknown];
-                type Step = Step<T>;
-                type Iterate = Iterate<T>;
+                type Step = #step_record;
+                type Iterate = #iterate;
+                type Places<X: Scalar> = [X; #places];
 
                 const BLOCKS: Blocks = &[#(#blocks),*];
                 /// `new`, `begin`, `evaluate` and `finish` once more, as bytes: certificates run them in twice the digits.
                 const PROGRAM: Program = [#(#program),*];
                 #no_update
 
+                #[inline(always)]
+                fn constants(&self) -> &[T] {
+                    &self.0
+                }
                 #(#functions)*
 
                 #bounded
@@ -86,11 +88,11 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
 }
 
 /// One function as a method of the runtime's `Kernel`.
-fn method(module: &Module, function: &Function, name: &Ident) -> TokenStream {
+fn method(module: &Module, function: &Function) -> TokenStream {
     let doc = docs::line(&format!("{}: {}.", purpose(function.role), function.operations()));
     let signature = signature(function);
-    let body = body(module, function, Some(name));
-    let result = result(module, function, name);
+    let body = body(module, function);
+    let result = result(module, function);
     let inlined = inlined();
     quote! {
         #doc
@@ -122,9 +124,9 @@ fn signature(function: &Function) -> TokenStream {
     let solved = quote! {
         &self,
         state: &[T; #state],
-        step: &Step<T>,
+        step: &Self::Step,
         unknown: &[T; #unknown],
-        evaluation: &Evaluation<[T; #unknown], Iterate<T>>,
+        evaluation: &Evaluation<[T; #unknown], Self::Iterate>,
     };
     match function.role {
         Role::New => {
@@ -133,19 +135,19 @@ fn signature(function: &Function) -> TokenStream {
         }
         Role::Begin => {
             let controls = length(Input::Control);
-            quote! { fn begin(&self, state: &[T; #state], time: T, control: &[T; #controls]) -> Step<T> }
+            quote! { fn begin(&self, state: &[T; #state], time: T, control: &[T; #controls]) -> Self::Step }
         }
         Role::Start => {
             let unknown = size(function.results.iter().map(Vec::len).sum());
-            quote! { fn start(&self, state: &[T; #state], step: &Step<T>) -> [T; #unknown] }
+            quote! { fn start(&self, state: &[T; #state], step: &Self::Step) -> [T; #unknown] }
         }
         Role::Evaluate => quote! {
             fn evaluate(
                 &self,
                 state: &[T; #state],
-                step: &Step<T>,
+                step: &Self::Step,
                 unknown: &[T; #unknown],
-            ) -> Evaluation<[T; #unknown], Iterate<T>>
+            ) -> Evaluation<[T; #unknown], Self::Iterate>
         },
         Role::FixedPointUpdate => {
             let right = length(Input::Right);
@@ -153,7 +155,7 @@ fn signature(function: &Function) -> TokenStream {
                 fn fixed_point_update(
                     &self,
                     state: &[T; #state],
-                    step: &Step<T>,
+                    step: &Self::Step,
                     right: &[T; #right],
                 ) -> [T; #right]
             }
@@ -166,13 +168,16 @@ fn signature(function: &Function) -> TokenStream {
 }
 
 /// What a function returns.
-fn result(module: &Module, function: &Function, name: &Ident) -> TokenStream {
+fn result(module: &Module, function: &Function) -> TokenStream {
     let arrays = arrays(module, function);
     match function.role {
-        Role::New => kept(module, RecordKind::Constants, Some(name)),
-        Role::Begin => kept(module, RecordKind::Step, None),
+        Role::New => {
+            let constants = kept(module, RecordKind::Constants);
+            quote! { Self(#constants) }
+        }
+        Role::Begin => kept(module, RecordKind::Step),
         Role::Evaluate => {
-            let iterate = kept(module, RecordKind::Iterate, None);
+            let iterate = kept(module, RecordKind::Iterate);
             let [residual, right] = [0, 1].map(|place| array(module, &function.results[place]));
             quote! { Evaluation { residual: #residual, right: #right, iterate: #iterate } }
         }

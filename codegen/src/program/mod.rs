@@ -291,6 +291,11 @@ impl Module {
         &self.names[value.0]
     }
 
+    /// How many places values can have, by their [numbers](Value::number), and one that is nobody's.
+    pub fn places(&self) -> usize {
+        self.names.len() + 1
+    }
+
     /// The function of a role, if there is one.
     pub fn function(&self, role: Role) -> Option<&Function> {
         self.functions.iter().find(|function| function.role == role)

@@ -7,15 +7,22 @@ use coadjoint_codegen::expr::{Function, Value};
 pub(crate) struct Machine(Vec<f64>);
 
 impl Machine {
-    /// The arrays that a function returns, which is given parameters, step, state, time, control, unknown, residual and right side.
+    /// The arrays that a function returns, which is given parameters, step, state, time, control, unknown, residual and right side. The records of
+    /// constants and of a step are where the functions before it have left them.
     pub(crate) fn call(&mut self, code: &[u8], given: [&[f64]; 8]) -> Vec<Vec<f64>> {
         let mut code = Code(code);
         for _ in 0..code.count() {
             let kind = code.byte();
-            let given = given[usize::from(kind)];
             let places = code.places();
+            let Some(given) = given.get(usize::from(kind)) else {
+                assert!(
+                    places.iter().all(|&place| place == 0 || !self.0[place].is_nan()),
+                    "a record, {kind}"
+                );
+                continue;
+            };
             assert_eq!(places.len(), given.len(), "the length of what is given, {kind}");
-            places.into_iter().zip(given).for_each(|(place, &value)| self.put(place, value));
+            places.into_iter().zip(*given).for_each(|(place, &value)| self.put(place, value));
         }
         for _ in 0..code.count() {
             match code.byte() {

@@ -7,7 +7,7 @@ use super::{
 use crate::composition::{Coefficients, Composition};
 use crate::method::{AdjointPair, Method};
 use crate::scalar::{Batch, Scalar};
-use crate::solve::one_step::OneStep;
+use crate::solve::step::OneStep;
 use crate::system::{ConservedMomentum, Isolated, MethodOf, System};
 
 /// Which of the derivatives are selected.

@@ -4,10 +4,12 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::system::At;
-use crate::bytecode::{Machine, Wide};
+use crate::bytecode::{self, Function, Given};
+use crate::double::Double;
 use crate::flat::array;
-use crate::kernel::{self, AtState, Corrected, Evaluation, Kernel, Program};
-use crate::solve::Solver;
+use crate::kernel::{self, AtState, Equation as _, Evaluation, Kernel, Program};
+use crate::scalar::{Components, Scalar};
+use crate::solve;
 
 /// A step's equation at one state, on slices, for those who look at it closely.
 pub trait Equation {
@@ -19,8 +21,68 @@ pub trait Equation {
     fn correction(&self, unknown: &[f64], residual: Option<&[f64]>) -> [Vec<f64>; 2];
     /// The solution. None if it is not found.
     fn solution(&self) -> Option<Vec<f64>>;
-    /// The step as data, in which it can be taken in twice the digits.
-    fn program(&self) -> Program;
+    /// The step as data, in which it can be taken in twice the digits, and how many places its values have.
+    fn program(&self) -> (Program, usize);
+}
+
+/// A number of twice as many digits.
+type Wide = Double<f64>;
+
+/// A step's program with all that it has computed so far.
+struct Machine {
+    program: Program,
+    places: Vec<Wide>,
+}
+
+impl Machine {
+    /// For these parameters and a step of this length.
+    fn new((program, places): (Program, usize), parameters: &[Wide], step: Wide) -> Self {
+        let mut machine = Self { program, places: [Wide::of(0.0)].repeat(places) };
+        machine.call(Function::New, |given, i| match given {
+            Given::Parameters => parameters.get(i).copied(),
+            Given::StepSize => Some(step),
+            _ => None,
+        });
+        machine
+    }
+
+    /// Begins a step from a state.
+    fn begin(&mut self, state: &[Wide], time: Wide, control: &[Wide]) {
+        self.call(Function::Begin, |given, i| match given {
+            Given::State => state.get(i).copied(),
+            Given::Time => Some(time),
+            Given::Control => control.get(i).copied(),
+            _ => None,
+        });
+    }
+
+    /// The residual at a value of the unknown, and the state that this leads to from the one at which the step began.
+    fn evaluate(&mut self, state: &[Wide], unknown: &[Wide]) -> [Vec<Wide>; 2] {
+        let [residual, right] = self.call(Function::Evaluate, |given, i| match given {
+            Given::State => state.get(i).copied(),
+            Given::Unknown => unknown.get(i).copied(),
+            _ => None,
+        });
+        let [next, _] = self.call(Function::Finish, |given, i| match given {
+            Given::State => state.get(i).copied(),
+            Given::Unknown => unknown.get(i).copied(),
+            Given::Residual => residual.get(i).copied(),
+            Given::Right => right.get(i).copied(),
+            _ => None,
+        });
+        [residual, next]
+    }
+
+    /// Calls a function, which returns two arrays at most.
+    fn call(&mut self, function: Function, given: impl Fn(Given, usize) -> Option<Wide>) -> [Vec<Wide>; 2] {
+        let mut results = [Vec::new(), Vec::new()];
+        bytecode::run(self.program[function as usize], &mut self.places, given, |array, _, value| {
+            if let Some(result) = results.get_mut(array) {
+                result.push(value);
+            }
+        });
+        results
+    }
 }
 
 /// Newton corrections in twice the digits: each of them adds nearly as many digits as a number has.
@@ -123,8 +185,8 @@ impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
         K::BLOCKS
     }
 
-    fn program(&self) -> Program {
-        K::PROGRAM
+    fn program(&self) -> (Program, usize) {
+        (K::PROGRAM, K::Places::<f64>::LENGTH)
     }
 
     fn correction(&self, unknown: &[f64], residual: Option<&[f64]>) -> [Vec<f64>; 2] {
@@ -137,6 +199,6 @@ impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
 
     fn solution(&self) -> Option<Vec<f64>> {
         let (_, KernelEquation { kernel, state, begun }) = self;
-        Solver::cold(kernel, state, begun).map(|unknown| unknown.as_ref().to_vec())
+        solve::cold(&AtState { kernel, state, step: begun }).map(|unknown| unknown.as_ref().to_vec())
     }
 }

@@ -13,7 +13,7 @@ use crate::flat::{Flat, Method, array};
 use crate::retraction::Map;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
-use crate::solve::one_step::OneStep;
+use crate::solve::step::OneStep;
 use crate::system::{self, Control, Generated, Quantity, Schemes, State, Visitor};
 
 /// What a system is, besides its numbers.

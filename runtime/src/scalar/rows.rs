@@ -31,6 +31,10 @@ pub(crate) trait Piece<T: Batch>: Copy {
     fn put<U: Components<T>, const SPARE: usize>(self, row: &mut Row<T, U, SPARE>, i: usize);
     /// `self + x`
     fn and(self, x: Self) -> Self;
+    /// `self − x`
+    fn less(self, x: Self) -> Self;
+    /// `a self`
+    fn times(self, a: T) -> Self;
     /// `self + a x`, rounded as [`Scalar::mul_add`](crate::scalar::Scalar::mul_add) does.
     fn plus(self, a: T, x: Self) -> Self;
 }
@@ -51,6 +55,14 @@ impl<T: Batch> Piece<T> for T {
     #[inline(always)]
     fn and(self, x: Self) -> Self {
         self + x
+    }
+    #[inline(always)]
+    fn less(self, x: Self) -> Self {
+        self - x
+    }
+    #[inline(always)]
+    fn times(self, a: T) -> Self {
+        a * self
     }
     #[inline(always)]
     fn plus(self, a: T, x: Self) -> Self {

@@ -19,7 +19,7 @@ use crate::method::{AdjointPair, Method};
 use crate::retraction::{Cayley, Exponential, Map, SecondKind};
 use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
-use crate::solve::one_step::OneStep;
+use crate::solve::step::OneStep;
 pub use geometry::{Geometry, Isolated};
 pub(crate) use right_lift::ConservedMomentum;
 use stepper::Stepper;

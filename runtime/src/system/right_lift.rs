@@ -46,9 +46,12 @@ where
         Self { base: B::new(parameters, step), has_stepped: false, conserved: nothing }
     }
 
+    type FastPath = ();
+
     #[inline(always)]
-    fn advance(
+    fn advance_from(
         &mut self,
+        _stage: usize,
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,
@@ -56,7 +59,7 @@ where
     ) -> Outcome<B::Scalar, B::State> {
         let conserved = if known && self.has_stepped { self.conserved } else { S::conserved(state) };
         let mut accumulator = StageAccumulator::new();
-        let next = accumulator.stage(&mut self.base, state, time, control, known)?;
+        let next = accumulator.stage(&mut self.base, None, state, time, control, known)?;
         (self.has_stepped, self.conserved) = (true, conserved);
         accumulator.end(S::with_conserved(&next, &conserved))
     }

@@ -29,9 +29,14 @@ impl<T: Scalar, K: Kernel<T>, F: Fault> Kernel<T> for FaultyKernel<K, F> {
     type Unknown = K::Unknown;
     type Step = K::Step;
     type Iterate = K::Iterate;
+    type Places<X: Scalar> = K::Places<X>;
 
     const BLOCKS: &'static [usize] = K::BLOCKS;
     const PROGRAM: [&'static [u8]; 4] = K::PROGRAM;
+
+    fn constants(&self) -> &[T] {
+        self.0.constants()
+    }
 
     fn new(parameters: &K::Parameters, step: T) -> Self {
         Self(K::new(parameters, step), PhantomData)

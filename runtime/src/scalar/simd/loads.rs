@@ -2,7 +2,7 @@
 
 #![allow(unsafe_code, reason = "only a volatile load is left as narrow as it is written")]
 
-use crate::scalar::{Batch, Components};
+use crate::scalar::{Batch, Components, Real};
 
 /// The same numbers, loaded one by one. What was stored a moment ago in two pieces and is loaded in one has to wait until it is in the cache;
 /// and in which pieces numbers are stored and loaded is up to the compiler, which does not see the one where it compiles the other.
@@ -18,4 +18,25 @@ pub(crate) fn one_by_one<T: Batch, C: Components<T>>(numbers: &C) -> C {
         }
     }
     loaded
+}
+
+/// The same numbers, computed here, and each in a register of its own. The processor does not see far ahead: what the next step waits for is to
+/// come first. And the compiler does not put them together to compute two at a time, which costs more to take apart again than it saves.
+#[inline(always)]
+pub(crate) fn apart<T: Batch, C: Components<T>>(numbers: &C) -> C {
+    let mut apart = *numbers;
+    #[cfg(target_arch = "x86_64")]
+    if const { T::PAIRS } {
+        let mut k = 0;
+        while k < C::LENGTH {
+            let mut x = apart.as_ref()[k].lane(0).to_f64();
+            // SAFETY: no instruction
+            unsafe {
+                core::arch::asm!("/* {0} */", inout(xmm_reg) x, options(nomem, nostack, preserves_flags))
+            };
+            apart.as_mut()[k] = T::of(x);
+            k += 1;
+        }
+    }
+    apart
 }

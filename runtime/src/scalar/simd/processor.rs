@@ -240,7 +240,7 @@ fn gathered<T: Batch, const N: usize>(components: &[T], i: usize) -> [f64; N] {
 
 /// Pieces of so many doubles, of which the last may be the spare one of a [`Row`].
 macro_rules! pieces {
-    ($($vector:ident: $lanes:literal doubles, $load:ident, $store:ident, $set:expr, $splat:ident, $add:ident, $mul:ident, $fmadd:ident;)*) => {
+    ($($vector:ident: $lanes:literal doubles, $load:ident, $store:ident, $set:expr, $splat:ident, $add:ident, $sub:ident, $mul:ident, $fmadd:ident;)*) => {
         $(
             // SAFETY: the processor has these instructions, for the caller is compiled for it: two at a time any x86-64, four at a time where
             // `P::FOURS`, and rounded once where `P::FOURS` too or where the program is built for them.
@@ -266,6 +266,14 @@ macro_rules! pieces {
                     unsafe { $add(self, x) }
                 }
                 #[inline(always)]
+                fn less(self, x: Self) -> Self {
+                    unsafe { $sub(self, x) }
+                }
+                #[inline(always)]
+                fn times(self, a: T) -> Self {
+                    unsafe { $mul($splat(a.lane(0).to_f64()), self) }
+                }
+                #[inline(always)]
                 fn plus(self, a: T, x: Self) -> Self {
                     unsafe {
                         let a = $splat(a.lane(0).to_f64());
@@ -278,9 +286,9 @@ macro_rules! pieces {
 }
 pieces! {
     __m128d: 2 doubles, _mm_loadu_pd, _mm_storeu_pd, |[x, y]: [f64; 2]| _mm_set_pd(y, x), _mm_set1_pd,
-        _mm_add_pd, _mm_mul_pd, _mm_fmadd_pd;
+        _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_fmadd_pd;
     __m256d: 4 doubles, _mm256_loadu_pd, _mm256_storeu_pd, |[x, y, z, w]: [f64; 4]| _mm256_set_pd(w, z, y, x), _mm256_set1_pd,
-        _mm256_add_pd, _mm256_mul_pd, _mm256_fmadd_pd;
+        _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_fmadd_pd;
 }
 
 /// Does the work in a function of its own, compiled for [`fma`](Batch::fma) where the processor has an instruction
@@ -304,11 +312,11 @@ pub(crate) fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
 mod tests {
     use super::*;
     use crate::fused::FusedScalar;
-    use crate::method::{Clock, Method};
+    use crate::method::{AdvanceN, Clock, Method};
     use crate::scalar::Mask;
     use crate::scalar::rows::computed;
     use crate::scalar::simd::lanes::Portable;
-    use crate::solve::one_step::{AdvanceN, OneStep};
+    use crate::solve::step::OneStep;
     use crate::test_system::Midpoint;
     use std::vec::Vec;
 

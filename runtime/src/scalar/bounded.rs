@@ -1,0 +1,229 @@
+//! Numbers that carry a bound of what rounding has left in them: running error analysis.
+//!
+//! Each operation adds half a unit in the last place of its result, and hands on what its operands carry, by its derivatives. N. J. Higham,
+//! *Accuracy and Stability of Numerical Algorithms*, 2nd ed., section 3.3. However terms cancel, the bound is that of the terms.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::scalar::{Real, Scalar};
+
+/// A number, and a bound of its error in units of epsilon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounded<T> {
+    pub(crate) value: T,
+    pub(crate) error: T,
+}
+
+/// What an elementary function of the operating system or of nalgebra is off by, in units of epsilon of its result.
+const FUNCTION: f64 = 1.0;
+/// What a Stumpff function is off by: the table in [`stumpff`](super::stumpff).
+const STUMPFF: f64 = 4.2;
+
+impl<T: Real> Bounded<T> {
+    /// The number itself.
+    #[inline]
+    pub(crate) fn exactly(value: T) -> Self {
+        Self { value, error: T::of(0.0) }
+    }
+
+    /// The number, as the nearest to one that is sought.
+    #[inline]
+    pub(crate) fn nearest(value: T) -> Self {
+        Self { value, error: T::of(0.5) * value.abs() }
+    }
+
+    /// The result of an operation, with the error that its operands bring.
+    #[inline]
+    fn rounded(value: T, brought: T) -> Self {
+        Self { value, error: brought + T::of(0.5) * value.abs() }
+    }
+
+    /// The value of a function with this derivative here.
+    #[inline]
+    fn function(self, value: T, derivative: T) -> Self {
+        let brought = if self.error > T::of(0.0) { derivative.abs() * self.error } else { T::of(0.0) };
+        Self { value, error: brought + T::of(FUNCTION) * value.abs() }
+    }
+}
+
+impl<T: Real> Add for Bounded<T> {
+    type Output = Self;
+    #[inline]
+    fn add(self, other: Self) -> Self {
+        Self::rounded(self.value + other.value, self.error + other.error)
+    }
+}
+
+impl<T: Real> Sub for Bounded<T> {
+    type Output = Self;
+    #[inline]
+    fn sub(self, other: Self) -> Self {
+        Self::rounded(self.value - other.value, self.error + other.error)
+    }
+}
+
+impl<T: Real> Mul for Bounded<T> {
+    type Output = Self;
+    #[inline]
+    fn mul(self, other: Self) -> Self {
+        let brought = self.value.abs() * other.error + other.value.abs() * self.error;
+        Self::rounded(self.value * other.value, brought)
+    }
+}
+
+impl<T: Real> Div for Bounded<T> {
+    type Output = Self;
+    #[inline]
+    fn div(self, other: Self) -> Self {
+        let value = self.value / other.value;
+        Self::rounded(value, (self.error + value.abs() * other.error) / other.value.abs())
+    }
+}
+
+impl<T: Real> Neg for Bounded<T> {
+    type Output = Self;
+    #[inline]
+    fn neg(self) -> Self {
+        Self { value: -self.value, ..self }
+    }
+}
+
+impl<T: Real> Scalar for Bounded<T> {
+    /// Constants are those that the step has, and no approximations.
+    #[inline]
+    fn of(value: f64) -> Self {
+        Self::exactly(T::of(value))
+    }
+    #[inline]
+    fn sqrt(self) -> Self {
+        let root = self.value.sqrt();
+        // correctly rounded; near zero the derivative says nothing
+        let brought = if self.error > T::of(0.0) {
+            let slope = self.error / (root + root);
+            let most = self.error.sqrt() / T::of(T::EPSILON).sqrt();
+            if slope < most { slope } else { most }
+        } else {
+            T::of(0.0)
+        };
+        Self::rounded(root, brought)
+    }
+    #[inline]
+    fn exp(self) -> Self {
+        let value = self.value.exp();
+        self.function(value, value)
+    }
+    #[inline]
+    fn ln(self) -> Self {
+        self.function(self.value.ln(), T::of(1.0) / self.value)
+    }
+    #[inline]
+    fn sin(self) -> Self {
+        self.function(self.value.sin(), self.value.cos())
+    }
+    #[inline]
+    fn cos(self) -> Self {
+        self.function(self.value.cos(), self.value.sin())
+    }
+    #[inline]
+    fn tan(self) -> Self {
+        let value = self.value.tan();
+        self.function(value, T::of(1.0) + value * value)
+    }
+    #[inline]
+    fn asin(self) -> Self {
+        self.function(self.value.asin(), T::of(1.0) / (T::of(1.0) - self.value * self.value).sqrt())
+    }
+    #[inline]
+    fn acos(self) -> Self {
+        self.function(self.value.acos(), T::of(1.0) / (T::of(1.0) - self.value * self.value).sqrt())
+    }
+    #[inline]
+    fn atan(self) -> Self {
+        self.function(self.value.atan(), T::of(1.0) / (T::of(1.0) + self.value * self.value))
+    }
+    #[inline]
+    fn sinh(self) -> Self {
+        self.function(self.value.sinh(), self.value.cosh())
+    }
+    #[inline]
+    fn cosh(self) -> Self {
+        self.function(self.value.cosh(), self.value.sinh())
+    }
+    #[inline]
+    fn tanh(self) -> Self {
+        let value = self.value.tanh();
+        self.function(value, T::of(1.0) - value * value)
+    }
+    #[inline]
+    fn powf(self, exponent: Self) -> Self {
+        let value = self.value.powf(exponent.value);
+        let of_base = self.function(value, exponent.value * value / self.value);
+        let of_exponent = exponent.function(value, value * self.value.ln());
+        Self { value, error: of_base.error + of_exponent.error }
+    }
+    #[inline]
+    fn atan2(self, x: Self) -> Self {
+        let value = self.value.atan2(x.value);
+        let square = x.value * x.value + self.value * self.value;
+        let brought = (self.value.abs() * x.error + x.value.abs() * self.error) / square;
+        Self { value, error: brought + T::of(FUNCTION) * value.abs() }
+    }
+    #[inline]
+    fn min(self, other: Self) -> Self {
+        if self.value <= other.value { self } else { other }
+    }
+    /// `|c_k′| ≤ ½ max(|c_k|, 1/k!)`; near its zeros `c_0` is off by units of one.
+    #[inline]
+    fn stumpff<const N: usize>(self) -> [Self; N] {
+        let mut factorial = 1.0;
+        let mut k = 0.0;
+        self.value.stumpff::<N>().map(|value| {
+            let most = Scalar::min(-value.abs(), T::of(-1.0 / factorial)).abs();
+            k += 1.0;
+            factorial *= k;
+            Self { value, error: T::of(0.5) * most * self.error + T::of(STUMPFF) * most }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    type B = Bounded<f64>;
+
+    #[test]
+    fn what_cancels_keeps_the_error_of_its_terms() {
+        let (a, b) = (B::exactly(1.0) / B::exactly(3.0), B::exactly(1.0 / 3.0));
+        let difference = (a * B::exactly(3e10) - B::exactly(1e10)) + b;
+        // half a unit of the quotient, of the product and of both differences
+        let expected = 3.0 * 0.5 * 1e10 + 0.5 * difference.value;
+        assert!((difference.error / expected - 1.0).abs() < 1e-6, "{difference:?}");
+    }
+
+    #[test]
+    fn operations_in_twice_the_digits_stay_within() {
+        use crate::double::Double;
+        let wide = |x: f64| Double::exactly(x);
+        let mut worst = 0.0_f64;
+        for i in 1..200 {
+            let (x, y) = (f64::from(i).sqrt() * 0.013, f64::from(i * 7 % 201).cbrt() - 2.5);
+            // terms that cancel, quotients and roots of what has cancelled
+            let of =
+                |x: B, y: B| (x * y - x / (y * y + B::of(1.0))).sqrt() * (x - y) + (x * x + y * y).sqrt() - y;
+            let exact = {
+                let (x, y) = (wide(x), wide(y));
+                (x * y - x / (y * y + Double::of(1.0))).sqrt() * (x - y) + (x * x + y * y).sqrt() - y
+            };
+            let found = of(B::exactly(x), B::exactly(y));
+            let off = (wide(found.value) - exact).parts()[0].abs();
+            if off.is_nan() {
+                continue;
+            }
+            let ratio = off / (f64::EPSILON * found.error);
+            assert!(ratio <= 1.0, "{x} {y}: {off:e} of {:e}", f64::EPSILON * found.error);
+            worst = worst.max(ratio);
+        }
+        assert!(worst > 0.1, "nor is it much too wide: {worst}");
+    }
+}

@@ -1,0 +1,52 @@
+//! The solver's numbers.
+//!
+//! A *unit* is the distance from 1 to the next larger number, relative to the norm of a block of unknowns.
+
+/// How many solutions a polynomial goes through, at most. More magnify rounding more than an iteration takes off: of nine it counts 220 fold.
+pub(super) const THROUGH: usize = 8;
+/// Of so many where controls jump.
+pub(super) const LOW: usize = 3;
+/// A prediction that is off by more than this, relative to the unknown, is forgotten.
+pub(super) const LOST: f64 = 0.1;
+
+/// Fixed-point iterations are made where they contract at least by this factor: there the equation has one solution near.
+pub(super) const STRONG: f64 = 0.25;
+/// The most of them in a step. More take longer than Newton's corrections.
+pub(super) const ITERATIONS: u32 = 12;
+/// The change of a last iteration is `c / rate²`, for `rate² × change` is what its error, `rate × change`, moves the state by: with this `c`, a
+/// fortieth of a unit.
+pub(super) const HARDLY: f64 = 0.025;
+/// But it is no less and no more than this, in units. Less would be rounding; where it is more, what is evaluated before the last iteration is not what
+/// belongs to the solution. The last one is for all iterations but the first, which contract by more than the angle of a step in some planes.
+pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
+/// The largest rate of contraction of which `c / rate²` is as much as the last of these.
+pub(super) const QUICK: f64 = 0.04;
+/// Changes up to here are rounding, in units.
+pub(super) const NOISE: f64 = 4.0;
+/// Changes from here on show the rate of contraction, in units.
+pub(super) const SHARP: f64 = 256.0;
+/// Steps between two measurements of the rate: at first, and in the long run.
+pub(super) const INTERVALS: [u16; 2] = [16, 1024];
+
+/// Newton's corrections of a step that is easily solved, at most.
+pub(super) const REGULAR: u32 = 8;
+/// A residual is taken for rounding when it is below the first, in units of the right side; below the others if what a correction leaves, the
+/// factor beside times its square, is below one.
+pub(super) const RESIDUAL: [[f64; 2]; 3] = [[2.0, 0.0], [8.0, 16.0], [256.0, 1_048_576.0]];
+/// A correction makes the residual smaller by this factor at least, or rounding is asked for.
+pub(super) const PROGRESS: f64 = 0.5;
+/// Where a solution is nearer than this to the first approximation, relative to itself, it is the one that Newton's method finds from there.
+pub(super) const NEAR: f64 = 0.125;
+/// So is it where the first correction from there leads nearer to it by this factor.
+pub(super) const TOWARDS: f64 = 0.25;
+
+/// Evaluations of a damped iteration, at most.
+pub(super) const DAMPED: u32 = 40;
+/// A correction is not made shorter than by this factor.
+pub(super) const SHORTEST: f64 = 1e-3;
+/// In how many parts a step is continued from nothing, if it takes more.
+pub(super) const PARTS: [u32; 3] = [4, 16, 64];
+/// What is left of a correction relative to the unknown where the next part may begin.
+pub(super) const ON_THE_WAY: f64 = 1e-3;
+/// Solutions that differ by more than this, relative to their size, are two.
+pub(super) const APART: f64 = 1e-6;

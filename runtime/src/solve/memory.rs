@@ -1,0 +1,136 @@
+//! What a step remembers of the ones before it: it saves time, and nothing else.
+
+use super::constants::{HARDLY, INTERVALS, SHARP, STRONG, TOLERANCE};
+use super::predictor::Predictor;
+use crate::scalar::{Batch, Components, Mask, Real};
+
+/// What is remembered of the solutions of earlier steps.
+#[derive(Clone, Copy)]
+pub(super) struct Memory<T: Batch, U> {
+    /// Where the earlier solutions point.
+    pub(super) predictor: Predictor<T, U>,
+    /// The factor by which fixed-point iterations contract, as far as it is known.
+    pub(super) rate: T,
+    /// The relative change of an iteration that may be the last; negative where iterations do not contract strongly.
+    pub(super) tolerance: T,
+    /// Steps until the next measurement of the rate.
+    due: u16,
+    /// Steps from the next measurement to the one after it.
+    interval: u16,
+    /// Whether the next step is likely to need one iteration: kept, for it is asked in each step.
+    is_ready: bool,
+}
+
+impl<T: Batch, U: Components<T>> Default for Memory<T, U> {
+    fn default() -> Self {
+        Self {
+            predictor: Predictor::default(),
+            rate: T::of(STRONG),
+            tolerance: T::of(TOLERANCE[0] * T::EPSILON),
+            due: INTERVALS[0],
+            interval: INTERVALS[0],
+            is_ready: U::LENGTH == 0,
+        }
+    }
+}
+
+impl<T: Batch, U: Components<T>> Memory<T, U> {
+    /// For how many steps one iteration is likely to be enough.
+    #[inline(always)]
+    pub(super) fn ready_for(&self) -> u64 {
+        if const { U::LENGTH == 0 } {
+            u64::MAX
+        } else if self.is_ready {
+            self.due.into()
+        } else {
+            0
+        }
+    }
+
+    /// So many steps needed one iteration.
+    #[inline(always)]
+    pub(super) fn took(&mut self, steps: u64) {
+        if const { U::LENGTH > 0 } {
+            self.due = u64::from(self.due).saturating_sub(steps) as u16;
+            self.is_ready &= self.due > 0;
+        }
+    }
+
+    /// The lanes in which iterations contract strongly.
+    #[inline(always)]
+    pub(super) fn is_strong(&self) -> T::Mask {
+        self.rate.le(T::of(STRONG))
+    }
+
+    /// Whether the rate is to be measured: the iteration then begins at the latest solution, so far off that the rate shows.
+    #[inline(always)]
+    pub(super) fn is_due(&self) -> bool {
+        self.due == 0
+    }
+
+    /// Forgets all.
+    #[inline(always)]
+    pub(super) fn forget(&mut self) {
+        self.predictor.forget();
+        (self.due, self.interval) = (INTERVALS[0], INTERVALS[0]);
+        (self.rate, self.tolerance) = (T::of(STRONG), T::of(TOLERANCE[0] * T::EPSILON));
+        self.is_ready = U::LENGTH == 0;
+    }
+
+    /// Remembers a step that needed more than one iteration: its solution, and the rate of contraction as it was seen.
+    #[inline(always)]
+    pub(super) fn learn(&mut self, blocks: &[usize], solution: &U, rate: T) {
+        if const { U::LENGTH == 0 } {
+            return;
+        }
+        if !rate.is_same(self.rate).all() {
+            (self.rate, self.tolerance) = (rate, tolerance(rate));
+        }
+        if self.due == 0 {
+            self.due = self.interval;
+            self.interval = (4 * self.interval).min(INTERVALS[1]);
+        } else {
+            self.due -= 1;
+        }
+        self.predictor.learn(blocks, solution);
+        self.settle();
+    }
+
+    fn settle(&mut self) {
+        self.is_ready = self.due > 0 && self.predictor.is_full() && self.is_strong().all();
+    }
+
+    /// Shows all that is remembered, for [`Method::memory`](crate::method::Method::memory).
+    pub(super) fn memory(&mut self, visit: &mut dyn FnMut(&mut [T])) {
+        self.predictor.memory(visit);
+        let mut numbers = [T::of(f64::from(self.due)), T::of(f64::from(self.interval))];
+        visit(&mut numbers);
+        // the same in all lanes
+        let [due, interval] = [numbers[0].lane(0).to_f64() as u16, numbers[1].lane(0).to_f64() as u16];
+        (self.due, self.interval) = (due, interval.min(INTERVALS[1]));
+        visit(core::slice::from_mut(&mut self.rate));
+        self.tolerance = tolerance(self.rate);
+        self.settle();
+    }
+}
+
+/// The relative change of an iteration that may be the last, where iterations contract by this factor.
+#[inline(always)]
+pub(super) fn tolerance<T: Batch>(rate: T) -> T {
+    let [least, most, _] = TOLERANCE;
+    let units = clamped(T::of(HARDLY) / (rate * rate), [least, most]);
+    T::select(rate.le(T::of(STRONG)), T::of(T::EPSILON) * units, T::of(-1.0))
+}
+
+/// A rate of contraction from two changes, one after the other.
+#[inline(always)]
+pub(super) fn rate<T: Batch>([last, now]: [T; 2]) -> T {
+    clamped(now / last, [1.0 / SHARP, 1.0])
+}
+
+/// No closure, which would not be compiled for the processor that the caller is compiled for.
+#[inline(always)]
+fn clamped<T: Batch>(x: T, [least, most]: [f64; 2]) -> T {
+    let x = T::select(T::of(most).lt(x), T::of(most), x);
+    T::select(x.lt(T::of(least)), T::of(least), x)
+}

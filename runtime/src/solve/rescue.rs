@@ -1,0 +1,123 @@
+//! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
+
+use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, SHORTEST};
+use super::norm::{change, is_below, less, plus, relative, select};
+use crate::error::StepError;
+use crate::kernel::{Equation, Evaluation};
+use crate::scalar::{Batch, Components, Mask, Real, Work};
+
+/// A solution, and how many evaluations it took.
+#[derive(Clone, Copy)]
+pub(super) struct Rescued<U> {
+    pub(super) unknown: U,
+    pub(super) evaluations: u32,
+}
+
+/// Solves the equation in one lane from its first approximation.
+pub(super) struct Rescue<'a, T, U> {
+    pub(super) equation: &'a dyn Equation<T, U>,
+    pub(super) blocks: &'static [usize],
+    pub(super) start: &'a U,
+    pub(super) lane: usize,
+}
+
+/// Out of line: once for all equations with as many unknowns.
+impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
+    type Home = ();
+    type Result = Result<Rescued<U>, StepError>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        let (damped, is_direct) = self.damped();
+        if let (Ok(solution), true) = (&damped, is_direct) {
+            return Ok(*solution);
+        }
+        // on the way from the first approximation, whose solution it is, to the equation
+        let Some(continued) = PARTS.iter().find_map(|parts| self.continued(*parts)) else { return damped };
+        match damped {
+            Ok(Rescued { unknown, .. })
+                if self.size(change::<T, _>(self.blocks, &unknown, &continued.unknown)) > APART =>
+            {
+                Err(StepError::SeveralSolutions)
+            }
+            _ => Ok(continued),
+        }
+    }
+}
+
+impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
+    /// The number in the lane.
+    fn size(&self, x: T) -> f64 {
+        x.lane(self.lane).to_f64()
+    }
+
+    fn rounding(&self, unknown: &U) -> U {
+        self.equation.roundoff(unknown, self.lane)
+    }
+
+    /// Newton's method with corrections that are halved where the residual, relative to its terms, does not become smaller; and whether none was.
+    fn damped(&self) -> (Result<Rescued<U>, StepError>, bool) {
+        // fixed weights: how large the terms are in the beginning
+        let terms = self.rounding(self.start);
+        let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
+        let (mut smallest, mut scale, mut is_direct) = (f64::INFINITY, 1.0, true);
+        for evaluations in 1..=DAMPED {
+            let Evaluation { residual, iterate: newest, .. } = self.equation.corrected(&trial, None);
+            let now = self.size(relative::<T, _>(self.blocks, &residual, &terms));
+            if is_below::<T, _>(self.blocks, &residual, &self.rounding(&trial)).lane(self.lane) {
+                return (Ok(Rescued { unknown: trial, evaluations }), is_direct);
+            }
+            if now < smallest {
+                (unknown, smallest, correction, scale) = (trial, now, newest, 1.0);
+                if !self.size(relative::<T, _>(self.blocks, &correction, &unknown)).is_finite() {
+                    return (Err(StepError::SingularJacobian), false);
+                }
+            } else {
+                (scale, is_direct) = (0.5 * scale, false);
+                if !(scale > SHORTEST) {
+                    let residual = smallest * T::EPSILON;
+                    return (Err(StepError::NoSolution { residual }), false);
+                }
+            }
+            trial = plus(&unknown, T::of(-scale), &correction);
+        }
+        let residual = smallest * T::EPSILON;
+        (Err(StepError::NoConvergence { iterations: DAMPED, residual }), false)
+    }
+
+    /// The solution by continuation: of equations whose residuals at the first approximation are ever smaller parts of what it is there.
+    fn continued(&self, parts: u32) -> Option<Rescued<U>> {
+        let Evaluation { residual: first, .. } = self.equation.corrected(self.start, None);
+        let (mut unknown, mut evaluations) = (*self.start, 1);
+        for part in 1..=parts {
+            let left = 1.0 - f64::from(part) / f64::from(parts);
+            let mut last = f64::INFINITY;
+            loop {
+                let Evaluation { residual, iterate: whole, .. } = self.equation.corrected(&unknown, None);
+                evaluations += 1;
+                if part == parts
+                    && is_below::<T, _>(self.blocks, &residual, &self.rounding(&unknown)).lane(self.lane)
+                {
+                    return Some(Rescued { unknown, evaluations });
+                }
+                let correction = if part == parts {
+                    whole
+                } else {
+                    self.equation.corrected(&unknown, Some(&plus(&residual, T::of(-left), &first))).iterate
+                };
+                let moves = self.size(relative::<T, _>(self.blocks, &correction, &unknown));
+                // nor is it on its way where corrections do not become smaller
+                if !(moves < last || moves <= ON_THE_WAY) || evaluations > 8 * parts {
+                    return None;
+                }
+                let next = less(&unknown, &correction);
+                unknown = select(T::Mask::splat(true), &next, &unknown);
+                last = moves;
+                if part < parts && moves <= ON_THE_WAY {
+                    break;
+                }
+            }
+        }
+        None
+    }
+}
