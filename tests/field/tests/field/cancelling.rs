@@ -279,8 +279,8 @@ fn a_satellite_holds_its_target() {
     runs.assert();
 }
 
-/// The catalogue's, with its own law, for a million seconds: eleven and a half days. With its type erased its steps are
-/// those of the catalogue's crate, which is optimised.
+/// The catalogue's, with its own law, for a million seconds: eleven and a half days. With its type erased, its steps are
+/// those that are compiled with the catalogue.
 #[test]
 fn the_catalogues_satellite_points_for_days() {
     let (satellite, start) = SatelliteWithWheels::example();
