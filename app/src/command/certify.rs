@@ -95,7 +95,7 @@ fn in_short(report: &Report) -> Report {
 }
 
 /// What the rows say, one line each.
-const LEGEND: [(&str, &str); 18] = [
+const LEGEND: [(&str, &str); 19] = [
     ("order", "the error falls with this power of the step"),
     ("consistency", "short steps follow the equations of motion"),
     ("Poisson map", "a step keeps the Poisson structure: it is symplectic"),
@@ -109,6 +109,7 @@ const LEGEND: [(&str, &str); 18] = [
     ("restarts", "the same from states that no step has led to"),
     ("control jumps", "the same where controls jump from step to step"),
     ("long steps", "the same with steps as long as can be taken"),
+    ("zeros", "the same from states where momenta are zero"),
     ("energy differential", "the generated one, against finite differences"),
     ("antisymmetry", "of the Poisson structure"),
     ("Jacobi identity", "of the Poisson structure"),

@@ -21,8 +21,8 @@ const NOISE: f64 = 3e-12;
 
 /// Steps there and back.
 const RETURN: usize = 20;
-/// How far a warm step may be from the converged one, in units in the last place: iterations leave some.
-const WARM: Bound = Bound::AtMost(8.0);
+/// How far a step may be from the converged one, in units of what rounding may leave of all its operations: no step that goes right comes near.
+const WARM: Bound = Bound::AtMost(4.0);
 
 /// Why a figure cannot be measured.
 pub(super) enum Trouble {
@@ -165,7 +165,8 @@ impl<'a> Bench<'a> {
         if !self.description.controls.is_empty() {
             self.certify("control jumps", Some(WARM), &Sample::control_jumps)?;
         }
-        self.certify("long steps", Some(WARM), &Sample::long_steps)
+        self.certify("long steps", Some(WARM), &Sample::long_steps)?;
+        self.certify("zeros", Some(WARM), &Sample::zeros)
     }
 
     /// What the system's geometry is.

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::frame::{larger, slope};
-use crate::erased::{At, Equation, converged, equation};
+use super::frame::{derivative, larger};
+use crate::erased::{At, Equation, Solved, Trial, equation};
 use crate::system::Generated;
 
 /// A state that a step's kernels are shown.
@@ -19,9 +19,30 @@ pub struct Probe<'a> {
 enum Sought {
     /// Newton corrections, at the first state: the largest difference so far, if there was anything to solve for.
     Corrections(Option<f64>),
-    /// The state after all the kernels: what the numbers leave out, unless a kernel's equation could not be solved, and how many kernels
-    /// there were.
-    End(Option<Vec<f64>>, usize),
+    /// The state after all the kernels, unless an equation could not be solved, how many kernels there were, and how their equations are solved.
+    End(Option<Rest>, usize, Solver),
+}
+
+/// What is known of a state besides its numbers.
+pub(super) struct Rest {
+    /// What the numbers leave out.
+    pub(super) left: Vec<f64>,
+    /// What rounding may leave of each, all kernels together.
+    pub(super) allowed: Vec<f64>,
+}
+
+/// Solves an equation in twice the digits.
+pub(super) type Solver = fn(&mut Trial<'_>) -> Option<Solved>;
+
+/// The solution that a step without memory takes.
+pub(super) fn as_solver(trial: &mut Trial<'_>) -> Option<Solved> {
+    trial.as_solver().filter(|solved| solved.is_good)
+}
+
+/// The solution that is found by whatever way, if there is one alone: of the solver's own rules this knows none.
+pub(super) fn by_all_ways(trial: &mut Trial<'_>) -> Option<Solved> {
+    let (direct, continued) = (trial.directly()?, trial.continued()?);
+    (direct.is_good && trial.is_same(&direct, &continued)).then_some(direct)
 }
 
 impl<'a> Probe<'a> {
@@ -41,18 +62,19 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// The state after steps with the kernels, in turns, and what its numbers leave out. None if there are no kernels, or one's equation
-    /// could not be solved.
+    /// The state after steps with the kernels, in turns. None if there are no kernels, or one's equation could not be solved.
     pub(super) fn end(
         parameters: &'a [f64],
         (state, time, control): (&[f64], f64, &'a [f64]),
+        solver: Solver,
         show: impl FnOnce(&mut Self),
-    ) -> Option<[Vec<f64>; 2]> {
-        let sought = Sought::End(Some(vec![0.0; state.len()]), 0);
+    ) -> Option<(Vec<f64>, Rest)> {
+        let zero = vec![0.0; state.len()];
+        let sought = Sought::End(Some(Rest { left: zero.clone(), allowed: zero }), 0, solver);
         let mut probe = Self { parameters, time, control, state: state.to_vec(), sought };
         show(&mut probe);
         match probe.sought {
-            Sought::End(Some(rest), 1..) => Some([probe.state, rest]),
+            Sought::End(Some(rest), 1.., _) => Some((probe.state, rest)),
             _ => None,
         }
     }
@@ -70,16 +92,23 @@ impl<'a> Probe<'a> {
     }
 
     pub(super) fn look(&mut self, equation: &dyn Equation, step: f64) {
-        let at = At { step, state: &self.state, time: self.time, control: self.control };
-        match &mut self.sought {
+        let Self { parameters, time, control, ref state, ref mut sought } = *self;
+        match sought {
             Sought::Corrections(worst) => {
                 if let Some(difference) = compare(equation) {
                     *worst = Some(worst.map_or(difference, |worst| larger(worst, difference)));
                 }
             }
-            Sought::End(rest, kernels) => {
-                let end = rest.take().and_then(|rest| converged(equation, self.parameters, &at, &rest));
-                *rest = end.map(|[state, rest]| {
+            Sought::End(rest, kernels, solver) => {
+                let end = rest.take().and_then(|Rest { left, mut allowed }| {
+                    let mut trial = Trial::new(equation, parameters, &At { step, state, time, control }, &left);
+                    let solved = solver(&mut trial)?;
+                    // of steps that are short what one may be off by is handed on as it is
+                    allowed.iter_mut().zip(trial.allowed(&solved)).for_each(|(sum, more)| *sum += more);
+                    let [state, left] = solved.next();
+                    Some((state, Rest { left, allowed }))
+                });
+                *rest = end.map(|(state, rest)| {
                     self.state = state;
                     rest
                 });
@@ -90,46 +119,70 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// The difference between an equation's Newton correction and the one that a Jacobian of differences makes, at a point off the solution.
-fn compare(equation: &dyn Equation) -> Option<f64> {
-    let mut unknown = equation.start();
-    if unknown.iter().all(|x| *x == 0.0) {
-        // at rest, or where no closed form gives the velocity: nearer to the solution, if it is elsewhere
-        let [_, correction] = equation.correction(&unknown, None);
-        unknown.iter_mut().zip(&correction).for_each(|(x, correction)| *x -= correction);
+/// How often a point and its neighbours are brought nearer, if the residual is not finite there: it may be the edge of a domain.
+const NEARER: i32 = 12;
+
+/// The residual, where it is finite.
+fn residual(equation: &dyn Equation, unknown: &[f64]) -> Option<DVector<f64>> {
+    let [residual, _] = equation.correction(unknown, None);
+    residual.iter().all(|x| x.is_finite()).then(|| DVector::from_vec(residual))
+}
+
+/// Where corrections are looked at from: the first approximation, or, if that says nothing, on the way to where its correction leads. None if the
+/// residual is finite nowhere there.
+fn origin(equation: &dyn Equation) -> Option<Vec<f64>> {
+    let start = equation.start();
+    residual(equation, &start)?;
+    if start.iter().any(|x| *x != 0.0) {
+        return Some(start);
     }
-    let largest = unknown.iter().fold(0.0, |x: f64, y| x.max(y.abs()));
+    // at rest, or where no closed form gives the velocity: nearer to the solution, if it is elsewhere
+    let [_, correction] = equation.correction(&start, None);
+    (0..NEARER)
+        .map(|halvings| correction.iter().map(|x| -x * 0.5_f64.powi(halvings)).collect::<Vec<f64>>())
+        .find(|there| residual(equation, there).is_some())
+        .or(Some(start))
+}
+
+/// The difference between an equation's Newton correction and the one that a Jacobian of differences makes, at a point off the solution. None if there
+/// is nothing to solve for, or no such point in whose neighbourhood the residual is finite.
+fn compare(equation: &dyn Equation) -> Option<f64> {
+    let origin = origin(equation)?;
+    let largest = origin.iter().fold(0.0, |x: f64, y| x.max(y.abs()));
     // a component that is small may be so by chance; turns, which stand beside momenta of any size, count in radians
     let floor = if largest > 0.0 { (1e-3 * largest).min(1.0) } else { 0.1 };
-    let scales: Vec<f64> = unknown.iter().map(|x| x.abs().max(floor)).collect();
+    let scales: Vec<f64> = origin.iter().map(|x| x.abs().max(floor)).collect();
     if scales.is_empty() {
         return None;
     }
-    for (i, (x, scale)) in unknown.iter_mut().zip(&scales).enumerate() {
-        *x += 0.1 * scale * (1.0 + i as f64).sin();
-    }
-    let residual = |unknown: &[f64]| {
-        let [residual, _] = equation.correction(unknown, None);
-        DVector::from_vec(residual)
-    };
-    let columns: Vec<_> = scales
+    (0..NEARER).find_map(|quarterings| compare_at(equation, &origin, &scales, 0.25_f64.powi(quarterings)))
+}
+
+/// The same at a point so far off, as a part of these scales; none if the residual is not finite all around it.
+fn compare_at(equation: &dyn Equation, origin: &[f64], scales: &[f64], part: f64) -> Option<f64> {
+    let displaced = origin.iter().zip(scales).enumerate();
+    let unknown: Vec<f64> =
+        displaced.map(|(i, (x, scale))| x + 0.1 * part * scale * (1.0 + i as f64).sin()).collect();
+    let here = residual(equation, &unknown)?;
+    let columns: Option<Vec<_>> = scales
         .iter()
         .enumerate()
         .map(|(i, scale)| {
             // in units in which all corrections are alike
-            slope(1e-2 * scale, &|at| {
+            derivative(1e-2 * part * scale, &mut |at| {
                 let mut there = unknown.clone();
                 there[i] += at;
-                residual(&there)
-            }) * *scale
+                residual(equation, &there).ok_or(())
+            })
+            .ok()
+            .map(|column| column * *scale)
         })
         .collect();
     let [_, correction] = equation.correction(&unknown, None);
-    let correction = correction.iter().zip(&scales).map(|(correction, scale)| correction / scale);
+    let correction = correction.iter().zip(scales).map(|(correction, scale)| correction / scale);
     let correction = DVector::from_iterator(scales.len(), correction);
-    let difference = match DMatrix::from_columns(&columns).lu().solve(&residual(&unknown)) {
+    Some(match DMatrix::from_columns(&columns?).lu().solve(&here) {
         Some(expected) => (correction - &expected).norm() / expected.norm().max(f64::MIN_POSITIVE),
         None => f64::NAN,
-    };
-    Some(difference)
+    })
 }

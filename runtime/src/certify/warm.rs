@@ -4,7 +4,7 @@
 
 use super::frame::larger;
 use super::measure::{Figure, STEP, Sample, Trouble};
-use super::probe::Probe;
+use super::probe::{Probe, Rest, Solver, as_solver, by_all_ways};
 use crate::erased::Method;
 use crate::method::Clock;
 use crate::retraction::Map;
@@ -20,8 +20,6 @@ const EVERY: usize = 47;
 const SELDOM: usize = 17;
 /// Steps after something new: more than are remembered.
 const AFTER: usize = 20;
-/// Errors of so few units in the last place need no explanation.
-const FEW: f64 = 8.0;
 /// New states, and how far away they are, in what changes the motion entirely.
 const RESTARTS: usize = 3;
 const AWAY: f64 = 0.3;
@@ -29,17 +27,13 @@ const AWAY: f64 = 0.3;
 const JUMPS: [f64; 3] = [1e-9, 1e-3, 1.0];
 /// The longest steps, in units of the ordinary one. Beyond, an equation may have several solutions.
 const LONGEST: f64 = 10.0;
+/// What is smaller has not its full precision.
+const LEAST: f64 = f64::MIN_POSITIVE / f64::EPSILON;
 
 /// A number between −1 and 1 that has nothing to do with its neighbours.
 fn noise(k: usize) -> f64 {
     let x = (k as f64 + 1.0) * 12.9898;
     2.0 * (x.sin() * 43_758.547).rem_euclid(1.0) - 1.0
-}
-
-/// The size of the numbers in these places.
-fn size(numbers: &[f64], places: &[usize]) -> f64 {
-    // what is smaller has not its full precision
-    places.iter().fold(f64::MIN_POSITIVE / f64::EPSILON, |size, &i| larger(size, numbers[i].abs()))
 }
 
 /// A stepper that is kept.
@@ -109,24 +103,24 @@ impl<'a, 'b> Warm<'a, 'b> {
 
     /// Holds the step from `state` to `next` against the converged one.
     fn compare(&mut self, time: f64, control: &[f64]) {
-        let (parameters, step) = (self.sample.system.parameters(), self.clock.step);
-        let given = Given { parameters: &parameters, state: &self.state, step, time, control };
-        let Some(end) = self.sample.converged(&given) else { return };
+        let Some((end, rest)) = self.converged(time, control, as_solver) else { return };
         let mut worst = self.worst.unwrap_or(0.0);
-        let mut responses: Option<Vec<f64>> = None;
-        for (b, block) in self.blocks.iter().enumerate() {
-            let error = block.iter().fold(0.0, |error, &i| larger(error, (self.next[i] - end[0][i]).abs()));
-            let unit = f64::EPSILON * size(&end[0], block);
-            if error <= larger(worst, FEW) * unit {
-                worst = larger(worst, error / unit);
-                continue;
-            }
-            // what is a difference of large numbers has not more digits than they leave it
-            let responses =
-                responses.get_or_insert_with(|| self.sample.responses(&given, &end, &self.blocks));
-            worst = larger(worst, error / larger(unit, responses[b]));
+        for block in &self.blocks {
+            let most = |of: &dyn Fn(usize) -> f64| block.iter().fold(0.0, |most, &i| larger(most, of(i)));
+            let error = most(&|i| ((self.next[i] - end[i]) - rest.left[i]).abs());
+            // of numbers of one unit the largest has the digits that count
+            let unit = larger(most(&|i| rest.allowed[i]), f64::EPSILON * LEAST);
+            worst = larger(worst, error / unit);
         }
         self.worst = Some(worst);
+    }
+
+    /// Where the step from `state` leads to in twice the digits.
+    fn converged(&self, time: f64, control: &[f64], solver: Solver) -> Option<(Vec<f64>, Rest)> {
+        let (parameters, step) = (self.sample.system.parameters(), self.clock.step);
+        Probe::end(&parameters, (&self.state, time, control), solver, |probe| {
+            (self.sample.scheme.kernels)(probe, step);
+        })
     }
 
     /// Takes so many steps, all of them compared; whether all could be taken.
@@ -140,62 +134,7 @@ impl<'a, 'b> Warm<'a, 'b> {
     }
 }
 
-/// What a step is a function of.
-#[derive(Clone, Copy)]
-struct Given<'a> {
-    parameters: &'a [f64],
-    state: &'a [f64],
-    step: f64,
-    time: f64,
-    control: &'a [f64],
-}
-
 impl Sample<'_> {
-    /// The state that a step leads to, and what its numbers leave out, from equations solved in twice the digits.
-    fn converged(&self, given: &Given<'_>) -> Option<[Vec<f64>; 2]> {
-        let Given { parameters, state, step, time, control } = *given;
-        Probe::end(parameters, (state, time, control), |probe| (self.scheme.kernels)(probe, step))
-    }
-
-    /// How much each block of the state that a step leads to changes with a unit in the last place of each of the numbers that the step is a
-    /// function of; all of them together as if by chance.
-    fn responses(&self, given: &Given<'_>, end: &[Vec<f64>; 2], blocks: &[Vec<usize>]) -> Vec<f64> {
-        let mut responses = vec![0.0_f64; blocks.len()];
-        let mut respond = |other: &Given<'_>| {
-            let other = self.converged(other);
-            for (response, block) in responses.iter_mut().zip(blocks) {
-                // at the limit of what can be solved
-                let change = other.as_ref().map_or(f64::INFINITY, |other| {
-                    let change = |i: usize| (other[0][i] - end[0][i]) + (other[1][i] - end[1][i]);
-                    block.iter().fold(0.0, |size, &i| larger(size, change(i).abs()))
-                });
-                *response = response.hypot(change);
-            }
-        };
-        let more = 1.0 + f64::EPSILON;
-        let changed = |numbers: &[f64], i: usize, by: f64| {
-            let mut numbers = numbers.to_vec();
-            numbers[i] += by;
-            numbers
-        };
-        for block in blocks {
-            let unit = f64::EPSILON * size(given.state, block);
-            for &i in block {
-                respond(&Given { state: &changed(given.state, i, unit), ..*given });
-            }
-        }
-        for (i, parameter) in given.parameters.iter().enumerate() {
-            let parameters = &changed(given.parameters, i, f64::EPSILON * parameter);
-            respond(&Given { parameters, ..*given });
-        }
-        for (i, control) in given.control.iter().enumerate() {
-            respond(&Given { control: &changed(given.control, i, f64::EPSILON * control), ..*given });
-        }
-        respond(&Given { time: more * given.time, ..*given });
-        respond(&Given { step: more * given.step, ..*given });
-        responses
-    }
-
     /// Of the ordinary motion.
     pub(super) fn warm_steps(&self) -> Figure {
         let mut warm = Warm::new(self, self.step)?;
@@ -219,6 +158,31 @@ impl Sample<'_> {
         }
         warm.all(self.control, AFTER)?;
         Ok(warm.worst)
+    }
+
+    /// From the state with each momentum and each advected parameter zero in turn, and with all momenta zero, where the motion is finite there: steps
+    /// of new steppers.
+    pub(super) fn zeros(&self) -> Figure {
+        let linear = &self.frame.linear;
+        let momenta = self.frame.configuration.len();
+        let mut worst: Option<f64> = None;
+        for zero in 0..=linear.len() {
+            let mut warm = Warm::new(self, self.step)?;
+            let places = if zero < linear.len() { zero..zero + 1 } else { 0..momenta };
+            linear[places].iter().for_each(|linear| warm.state[linear.component] = 0.0);
+            let rate = self.frame.rate_at(&warm.state, self.control, self.time);
+            if !(rate * self.step.abs() <= LONGEST * STEP) {
+                continue;
+            }
+            let time = warm.clock.after(0);
+            let is_taken = warm.step(self.control, true)?;
+            // a step that is there has to be found
+            if !is_taken && warm.converged(time, self.control, by_all_ways).is_some() {
+                return Ok(Some(f64::INFINITY));
+            }
+            worst = warm.worst.map_or(worst, |error| Some(larger(error, worst.unwrap_or(0.0))));
+        }
+        Ok(worst)
     }
 
     /// With controls that jump at every step, and that stay and then jump.

@@ -3,7 +3,6 @@
 use std::boxed::Box;
 use std::vec::Vec;
 
-use super::system::At;
 use crate::bytecode::{self, Function, Given};
 use crate::double::Double;
 use crate::flat::array;
@@ -21,23 +20,25 @@ pub trait Equation {
     fn correction(&self, unknown: &[f64], residual: Option<&[f64]>) -> [Vec<f64>; 2];
     /// The solution. None if it is not found.
     fn solution(&self) -> Option<Vec<f64>>;
+    /// Whether a value of the unknown is inside the retraction's domain.
+    fn is_inside(&self, unknown: &[f64]) -> bool;
     /// The step as data, in which it can be taken in twice the digits, and how many places its values have.
     fn program(&self) -> (Program, usize);
 }
 
 /// A number of twice as many digits.
-type Wide = Double<f64>;
+pub(super) type Wide = Double<f64>;
 
-/// A step's program with all that it has computed so far.
-struct Machine {
+/// A step's program with all that it has computed so far, in such numbers.
+pub(super) struct Machine<N> {
     program: Program,
-    places: Vec<Wide>,
+    places: Vec<N>,
 }
 
-impl Machine {
+impl<N: Scalar> Machine<N> {
     /// For these parameters and a step of this length.
-    fn new((program, places): (Program, usize), parameters: &[Wide], step: Wide) -> Self {
-        let mut machine = Self { program, places: [Wide::of(0.0)].repeat(places) };
+    pub(super) fn new((program, places): (Program, usize), parameters: &[N], step: N) -> Self {
+        let mut machine = Self { program, places: [N::of(0.0)].repeat(places) };
         machine.call(Function::New, |given, i| match given {
             Given::Parameters => parameters.get(i).copied(),
             Given::StepSize => Some(step),
@@ -47,7 +48,7 @@ impl Machine {
     }
 
     /// Begins a step from a state.
-    fn begin(&mut self, state: &[Wide], time: Wide, control: &[Wide]) {
+    pub(super) fn begin(&mut self, state: &[N], time: N, control: &[N]) {
         self.call(Function::Begin, |given, i| match given {
             Given::State => state.get(i).copied(),
             Given::Time => Some(time),
@@ -57,7 +58,7 @@ impl Machine {
     }
 
     /// The residual at a value of the unknown, and the state that this leads to from the one at which the step began.
-    fn evaluate(&mut self, state: &[Wide], unknown: &[Wide]) -> [Vec<Wide>; 2] {
+    pub(super) fn evaluate(&mut self, state: &[N], unknown: &[N]) -> [Vec<N>; 2] {
         let [residual, right] = self.call(Function::Evaluate, |given, i| match given {
             Given::State => state.get(i).copied(),
             Given::Unknown => unknown.get(i).copied(),
@@ -74,7 +75,7 @@ impl Machine {
     }
 
     /// Calls a function, which returns two arrays at most.
-    fn call(&mut self, function: Function, given: impl Fn(Given, usize) -> Option<Wide>) -> [Vec<Wide>; 2] {
+    fn call(&mut self, function: Function, given: impl Fn(Given, usize) -> Option<N>) -> [Vec<N>; 2] {
         let mut results = [Vec::new(), Vec::new()];
         bytecode::run(self.program[function as usize], &mut self.places, given, |array, _, value| {
             if let Some(result) = results.get_mut(array) {
@@ -85,73 +86,15 @@ impl Machine {
     }
 }
 
-/// Newton corrections in twice the digits: each of them adds nearly as many digits as a number has.
-const REFINEMENTS: [u32; 2] = [3, 12];
-/// A correction this small changes no digit that counts.
-const NOTHING: f64 = 1e-26;
-
-/// The state after the step and what its numbers leave out, from the equation solved in twice the digits; `rest` is what the numbers of the
-/// state before it leave out. None if there is no solution to be found.
-///
-/// Residuals in twice the digits, corrections from Jacobians in one number: of the solver's rules of when to stop, this knows none.
-pub(crate) fn converged(
-    equation: &dyn Equation,
-    parameters: &[f64],
-    at: &At<'_>,
-    rest: &[f64],
-) -> Option<[Vec<f64>; 2]> {
-    let blocks = equation.blocks();
-    let state = widened(at.state, rest);
-    let mut machine = Machine::new(equation.program(), &widened(parameters, &[]), Wide::exactly(at.step));
-    machine.begin(&state, Wide::exactly(at.time), &widened(at.control, &[]));
-    let mut unknown = widened(&equation.solution()?, &[]);
-    let mut last = f64::INFINITY;
-    for refinement in 0..REFINEMENTS[1] {
-        let [residual, next] = machine.evaluate(&state, &unknown);
-        if next.len() != state.len() {
-            // there is no program
-            return None;
-        }
-        let mut change = 0.0;
-        if !unknown.is_empty() {
-            let (here, residual) = (parts(&unknown, 0), parts(&residual, 0));
-            let [_, correction] = equation.correction(&here, Some(&residual));
-            change = relative(blocks, &correction, &here);
-            for (x, correction) in unknown.iter_mut().zip(&correction) {
-                *x = *x - Wide::exactly(*correction);
-            }
-        }
-        // a block that is zero but for rounding never comes to rest relative to itself
-        let rests = refinement >= REFINEMENTS[0] && change >= 0.25 * last;
-        if change <= NOTHING || rests {
-            return Some([parts(&next, 0), parts(&next, 1)]);
-        }
-        last = change;
-    }
-    None
-}
-
 /// Numbers with what they leave out, which is nothing where it is missing.
-fn widened(numbers: &[f64], rest: &[f64]) -> Vec<Wide> {
+pub(super) fn widened(numbers: &[f64], rest: &[f64]) -> Vec<Wide> {
     let rest = rest.iter().copied().chain(core::iter::repeat(0.0));
     numbers.iter().zip(rest).map(|(number, rest)| Wide::from_parts([*number, rest])).collect()
 }
 
 /// The nearest numbers, or what they leave out.
-fn parts(wide: &[Wide], part: usize) -> Vec<f64> {
+pub(super) fn parts(wide: &[Wide], part: usize) -> Vec<f64> {
     wide.iter().map(|x| x.parts()[part]).collect()
-}
-
-/// How large numbers are next to others, in the block of these lengths where they are largest.
-fn relative(blocks: &[usize], mut of: &[f64], mut to: &[f64]) -> f64 {
-    let mut worst = 0.0_f64;
-    for length in blocks {
-        let (block, size);
-        ((block, of), (size, to)) = (of.split_at(*length), to.split_at(*length));
-        let norm = |numbers: &[f64]| numbers.iter().fold(f64::MIN_POSITIVE, |sum, x| sum + x.abs());
-        worst = worst.max(norm(block) / norm(size));
-    }
-    worst
 }
 
 /// A kernel's equation, at a state.
@@ -195,6 +138,13 @@ impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
         let Evaluation { residual, iterate: correction, .. } =
             AtState { kernel, state, step }.corrected(&array(unknown), residual.as_ref());
         [residual.as_ref().to_vec(), correction.as_ref().to_vec()]
+    }
+
+    fn is_inside(&self, unknown: &[f64]) -> bool {
+        let (_, KernelEquation { kernel, state, begun }) = self;
+        let unknown = array(unknown);
+        let evaluation = kernel.evaluate(state, begun, &unknown);
+        kernel.domain(state, begun, &unknown, &evaluation).is_none_or(|margin| margin > 0.0)
     }
 
     fn solution(&self) -> Option<Vec<f64>> {

@@ -35,6 +35,7 @@ mod field;
 mod scheme;
 mod stepper;
 mod system;
+mod trial;
 
 pub use crate::ensemble::members::MemberLaw;
 pub use crate::flat::NotGenerated;
@@ -52,7 +53,9 @@ pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run}
 #[doc(hidden)]
 pub use system::At;
 pub use system::{Description, EnsembleSystem, System};
+#[doc(hidden)]
+pub use trial::{Solved, Trial, Units};
 
 pub(crate) use crate::flat::{array, of_only_lane};
-pub(crate) use equation::{converged, equation};
+pub(crate) use equation::equation;
 pub(crate) use system::{Geometry, check_length, length};

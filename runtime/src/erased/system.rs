@@ -200,6 +200,14 @@ pub struct At<'a> {
     pub(crate) control: &'a [f64],
 }
 
+impl<'a> At<'a> {
+    /// In a step of this length from a state at a time, with a control.
+    #[doc(hidden)]
+    pub fn new(step: f64, state: &'a [f64], time: f64, control: &'a [f64]) -> Self {
+        Self { step, state, time, control }
+    }
+}
+
 impl<S> System for S
 where
     S: Schemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,

@@ -685,3 +685,98 @@ fn reports_are_written_as_json() {
     assert_eq!(json["certificates"][0]["name"], "order");
     assert_eq!(json["certificates"][0]["bound"]["AtLeast"], 0.85);
 }
+
+/// A charge that is nearly as fast as light: where it would be faster its Lagrangian is not a number.
+#[lie_poisson_system(
+    group(position: R3),
+    lagrangian = {
+        let v = position_velocity;
+        charge * v.dot(&field.cross(&position)) / 2.0 - mass * light.powi(2) * (1.0 - v.norm_squared() / light.powi(2)).sqrt()
+    },
+    methods(Midpoint),
+)]
+#[derive(Clone)]
+struct FastCharge {
+    mass: f64,
+    light: f64,
+    charge: f64,
+    field: Vector3<f64>,
+}
+
+/// What moves with these parts of the speed of light.
+fn fast_charges() -> (FastCharge, Vec<FastChargeState>) {
+    let charge = FastCharge { mass: 1.5, light: 2.0, charge: 0.7, field: vector![0.1, -0.4, 1.2] };
+    let states = [[0.3, 0.1, -0.2], [0.7, 0.5, 0.1], [0.6, -0.7, 0.3], [0.55, 0.6, 0.58]]
+        .map(|part| {
+            let (velocity, position) = (charge.light * Vector3::from(part), vector![0.4, -0.3, 0.8]);
+            let factor = 1.0 / (1.0 - Vector3::from(part).norm_squared()).sqrt();
+            let potential = charge.charge * charge.field.cross(&position) / 2.0;
+            FastChargeState { position, position_momentum: charge.mass * factor * velocity + potential }
+        })
+        .to_vec();
+    (charge, states)
+}
+
+#[test]
+fn an_energy_with_an_edge() {
+    let (charge, states) = fast_charges();
+    for state in &states {
+        for report in [
+            passes::<Midpoint, _>(&charge, &[*state], &[]),
+            passes::<Order4<Midpoint>, _>(&charge, &[*state], &[]),
+        ] {
+            assert_eq!(report.certificate("Newton correction").unwrap().verdict, Verdict::Passed);
+        }
+    }
+}
+
+/// A Lagrangian that is a number at no velocity near the one that its momentum asks for: the edge of its domain is nowhere passed.
+#[test]
+fn what_is_nowhere_a_number_is_not_measured() {
+    let (charge, _) = fast_charges();
+    // lighter than nothing, and slower than everything
+    let none = FastCharge { light: 1e-160, ..charge };
+    let state = FastChargeState { position: vector![0.4, -0.3, 0.8], position_momentum: vector![0.1, 0.2, 0.3] };
+    // there are no steps to measure anything else with
+    match certify::<Midpoint, _>(&none, &[state]) {
+        Ok(report) => {
+            let correction = report.certificate("Newton correction").unwrap();
+            assert_ne!(correction.verdict, Verdict::Failed, "{report}");
+        }
+        Err(error) => println!("{error}"),
+    }
+}
+
+/// A rotor whose momentum is what keeps the body turning: its first steps from zeros are solved, and compared.
+#[test]
+fn states_with_zeros_are_measured() {
+    let (top, states) = top();
+    let report = passes::<Midpoint, _>(&top, &states, &[]);
+    let zeros = report.certificate("zeros").unwrap();
+    assert_eq!(zeros.verdict, Verdict::Passed);
+    let gyrostat = Gyrostat { mobility: Matrix3::from_diagonal(&vector![1.0, 0.5, 0.4]), rotor: vector![0.3, 0.0, -2.0] };
+    let states = [GyrostatState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] }];
+    assert_eq!(passes::<Midpoint, _>(&gyrostat, &states, &[]).certificate("zeros").unwrap().verdict, Verdict::Passed);
+}
+
+#[test]
+fn no_figure_passes_by_a_hair() {
+    let (body, states) = body();
+    let (top, of_top) = top();
+    let mut reports = vec![
+        certify::<Exponential, _>(&body, &states).unwrap(),
+        certify::<Midpoint, _>(&body, &states).unwrap(),
+        certify::<Order4<Cayley>, _>(&body, &states).unwrap(),
+        certify::<Cayley, _>(&top, &of_top).unwrap(),
+        certify::<Midpoint<Cayley>, _>(&top, &of_top).unwrap(),
+    ];
+    let (charge, of_charge) = fast_charges();
+    reports.push(certify::<Midpoint, _>(&charge, &of_charge).unwrap());
+    for report in reports {
+        for name in ["warm steps", "restarts", "long steps", "zeros"] {
+            let Some(certificate) = report.certificate(name) else { continue };
+            let Some(coadjoint::certify::Bound::AtMost(most)) = certificate.bound else { panic!("{report}") };
+            assert!(certificate.figure <= 0.5 * most, "{name}\n{report}");
+        }
+    }
+}

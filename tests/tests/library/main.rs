@@ -10,3 +10,4 @@ mod map;
 mod second_kind;
 mod systems;
 mod together;
+mod unsolved;

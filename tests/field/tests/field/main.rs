@@ -6,8 +6,10 @@
 //! Dormand and Prince's method of order 8 with a relative tolerance of 1e-13, of equations of motion that were written
 //! down by hand.
 
+mod campaign;
 mod cancelling;
 mod far;
+mod large;
 mod released;
 mod runs;
 mod settled;
