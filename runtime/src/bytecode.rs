@@ -7,7 +7,7 @@ use std::vec::Vec;
 
 use crate::double::Double;
 use crate::kernel::Program;
-use crate::scalar::Scalar;
+use crate::scalar::{Batch, Scalar, zero};
 
 /// A number of twice as many digits.
 pub(crate) type Wide = Double<f64>;
@@ -132,6 +132,10 @@ impl Machine {
                     _ => x.atan2(y),
                 }
             }
+            23 => {
+                let order = code.count() as u32;
+                Wide::exactly(zero::angle_over_sine(self.term(code).lane(0), order))
+            }
             _ => elementary(kind, self.term(code)),
         }
     }
@@ -158,7 +162,8 @@ fn elementary(kind: u8, x: Wide) -> Wide {
         18 => x.atan(),
         19 => x.sinh(),
         20 => x.cosh(),
-        _ => x.tanh(),
+        21 => x.tanh(),
+        _ => x.recip_or_zero(),
     }
 }
 
@@ -243,7 +248,7 @@ mod tests {
         assert_eq!(operation(8, &[x, y]), X.powf(Y));
         assert_eq!(operation(9, &[x, y]), X.atan2(Y));
         assert_eq!(operation(0, &[&0.1_f64.to_le_bytes()]), Wide::exactly(0.1));
-        let functions: [fn(Wide) -> Wide; 12] = [
+        let functions: [fn(Wide) -> Wide; 13] = [
             Wide::sqrt,
             Wide::exp,
             Wide::ln,
@@ -256,10 +261,12 @@ mod tests {
             Wide::sinh,
             Wide::cosh,
             Wide::tanh,
+            Wide::recip_or_zero,
         ];
         for (kind, function) in (10..).zip(functions) {
             assert_eq!(operation(kind, &[x]), function(X));
         }
+        assert_eq!(operation(23, &[&[2], x]), X.angle_over_sine::<2>());
     }
 
     #[test]

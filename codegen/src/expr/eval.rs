@@ -130,6 +130,19 @@ impl Value for f64 {
                 }
                 total
             }
+            Function::RecipOrZero if *self == 0.0 => 0.0,
+            Function::RecipOrZero => self.recip(),
+            Function::AngleOverSine(k) => {
+                // the power series in 1 − cos θ; good for angles up to a right one or so
+                let (k, z) = (f64::from(k), (1.0 - self) / 2.0);
+                let mut term = (1..=k as u32).map(f64::from).fold(1.0, |f, i| -f * i * i / (2.0 * i + 1.0));
+                let mut total = term;
+                for j in (0..400u32).map(f64::from) {
+                    term *= (k + 1.0 + j).powi(2) * z / ((k + 1.5 + j) * (j + 1.0));
+                    total += term;
+                }
+                total
+            }
         }
     }
     fn power(&self, exponent: &Self) -> Self {

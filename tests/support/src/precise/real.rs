@@ -93,6 +93,27 @@ impl Real {
         total
     }
 
+    /// `dᵏ/dcᵏ acos(c)/√(1 − c²)` at `c = self`: the power series in `1 − c`, from `a' (1 − c²) = c a − 1`. For `c` above −1/2.
+    fn angle_over_sine(&self, k: u32) -> Self {
+        // a⁽ᵏ⁾ = Σ a_n n(n − 1) … xⁿ⁻ᵏ with x = c − 1, and −(2n + 3) a_{n+1} = (n + 1) a_n; a_0 = 1
+        let x = self - Self::from(1);
+        let (mut coefficient, mut total) = (Self::from(1), Self::from(0));
+        let mut power = Self::from(1);
+        for n in 0_i64.. {
+            if n >= i64::from(k) {
+                let falling = (0..i64::from(k)).fold(Self::from(1), |product, j| product * Self::from(n - j));
+                let term = &coefficient * &power * falling;
+                total = total + &term;
+                if term.is_negligible() && n > i64::from(k) {
+                    break;
+                }
+                power = power * &x;
+            }
+            coefficient = -(coefficient * Self::ratio(n + 1, 2 * n + 3));
+        }
+        total
+    }
+
     /// `Σ x^(2j + 1) / (2j + 1)!` where exponentials cancel, else from these.
     fn sinh(&self) -> Self {
         if self.abs() < Self::from(1) {
@@ -170,6 +191,9 @@ impl Value for Real {
             Function::Cosh => return self.cosh(),
             Function::Tanh => return self.sinh() / self.cosh(),
             Function::Stumpff(k) => return self.stumpff(k as usize),
+            Function::RecipOrZero if self.is_zero() => f256::ZERO,
+            Function::RecipOrZero => f256::ONE / x,
+            Function::AngleOverSine(k) => return self.angle_over_sine(k),
         })
     }
 
