@@ -228,16 +228,16 @@ impl Vanishing {
     /// Whether there is a negative power of the base in it, in a term of a sum or a factor of a product.
     fn is_divided(&mut self, arena: &Arena, root: Id) -> bool {
         for id in arena.post_order([root], |id| self.divided.contains_key(&id)) {
-            let is_divided = match (self.exponent(arena, id), arena.node(id)) {
-                (None, Node::Product(factors)) => {
-                    factors.iter().any(|&(factor, e)| match self.exponent(arena, factor) {
+            let is_divided = match arena.node(id) {
+                Node::Product(factors) => factors.iter().any(|&(factor, e)| {
+                    match self.exponent(arena, factor) {
                         Some(exponent) => exponent.is_negative() != (e < 0),
                         None => self.divided[&factor],
-                    })
-                }
-                (None, Node::Sum(sum)) => sum.terms.iter().any(|(term, _)| self.divided[term]),
-                (None, Node::Held(inner)) => self.divided[&inner],
-                (exponent, _) => exponent.is_some_and(Number::is_negative),
+                    }
+                }),
+                Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
+                Node::Held(inner) => self.divided[&inner],
+                _ => self.exponent(arena, id).is_some_and(Number::is_negative),
             };
             self.divided.insert(id, is_divided);
         }
