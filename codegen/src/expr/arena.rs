@@ -241,8 +241,9 @@ impl Arena {
         {
             return self.intern(Node::Number(value));
         }
+        let before = self.len();
         let id = self.intern(Node::Function(function, argument));
-        if function == Function::Sqrt {
+        if function == Function::Sqrt && self.len() > before {
             self.note_radicand(argument);
         }
         id
@@ -258,10 +259,19 @@ impl Arena {
                 self.product(Number::ONE, [(root, *r.numer() as i32)])
             }
             _ => {
-                self.note_radicand(base);
-                self.intern(Node::Power(base, exponent))
+                let before = self.len();
+                let id = self.intern(Node::Power(base, exponent));
+                if self.len() > before {
+                    self.note_radicand(base);
+                }
+                id
             }
         }
+    }
+
+    /// How many nodes there are.
+    fn len(&self) -> usize {
+        self.store.borrow().nodes.len()
     }
 
     /// One of those of which roots are taken that can be zero.

@@ -155,6 +155,9 @@ impl Function {
         if let Function::Sqrt = self {
             return argument.exact_sqrt();
         }
+        if let Function::RecipOrZero = self {
+            return Some(if argument.is_zero() { Number::ZERO } else { argument.powi(-1) });
+        }
         if argument.is_zero() {
             match self {
                 Self::Sin | Self::Tan | Self::Asin | Self::Atan | Self::Sinh | Self::Tanh => {

@@ -15,7 +15,7 @@
 //! over that root is a smooth function of `s`: `sin(r)/r = c₁(s)`, `atan2(r, w)/r = a(w/ρ)/ρ` with `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth
 //! though it is written with roots, as the square of an angle, has derivatives of all orders then.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use rustc_hash::FxHashMap;
 
@@ -227,14 +227,14 @@ impl Vanishing {
 
     /// Whether there is a negative power of the base in it, in a term of a sum or a factor of a product.
     fn is_divided(&mut self, arena: &Arena, root: Id) -> bool {
-        for id in arena.post_order([root], |id| self.divided.contains_key(&id)) {
+        for id in unknown(arena, root, &self.divided) {
             let is_divided = match arena.node(id) {
-                Node::Product(factors) => factors.iter().any(|&(factor, e)| {
-                    match self.exponent(arena, factor) {
+                Node::Product(factors) => {
+                    factors.iter().any(|&(factor, e)| match self.exponent(arena, factor) {
                         Some(exponent) => exponent.is_negative() != (e < 0),
                         None => self.divided[&factor],
-                    }
-                }),
+                    })
+                }
                 Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
                 Node::Held(inner) => self.divided[&inner],
                 _ => self.exponent(arena, id).is_some_and(Number::is_negative),
@@ -246,7 +246,7 @@ impl Vanishing {
 
     /// A lower bound of the order to which a node vanishes with the base.
     fn order(&mut self, arena: &Arena, root: Id) -> f64 {
-        for id in arena.post_order([root], |id| self.orders.contains_key(&id)) {
+        for id in unknown(arena, root, &self.orders) {
             let order = self.order_of_node(arena, id);
             self.orders.insert(id, order);
         }
@@ -434,7 +434,7 @@ impl Vanishing {
 
     /// Whether it is an odd function of the root, times what depends on its square alone.
     fn is_odd(&mut self, arena: &Arena, root: Id) -> bool {
-        for id in arena.post_order([root], |id| self.odd.contains_key(&id)) {
+        for id in unknown(arena, root, &self.odd) {
             let is_odd = match (self.exponent(arena, id), arena.node(id)) {
                 (Some(exponent), _) => exponent >= half(),
                 (None, Node::Held(inner)) => self.odd[&inner],
@@ -528,6 +528,18 @@ impl Monomial {
         self.rest = merged.into_iter().filter(|&(_, e)| e != 0).collect();
         true
     }
+}
+
+/// What a node is made of and nothing is known of, itself included; operands before what is made of them.
+fn unknown<T>(arena: &Arena, id: Id, known: &FxHashMap<Id, T>) -> BTreeSet<Id> {
+    let mut unknown = BTreeSet::new();
+    let mut pending = vec![id];
+    while let Some(id) = pending.pop() {
+        if !known.contains_key(&id) && unknown.insert(id) {
+            pending.extend(arena.node(id).operands());
+        }
+    }
+    unknown
 }
 
 /// The order of a power of something of an order. What may vanish faster than is known has a reciprocal without bound.

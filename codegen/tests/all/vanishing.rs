@@ -134,7 +134,9 @@ fn differences(of: impl Fn([f64; 4]) -> Vec<f64>, at: [f64; 4], h: f64) -> Vec<f
             shifted(h).iter().zip(shifted(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect()
         })
         .collect();
-    (0..columns[0].len()).flat_map(|i| columns.iter().map(move |column| column[i]).collect::<Vec<_>>()).collect()
+    (0..columns[0].len())
+        .flat_map(|i| columns.iter().map(move |column| column[i]).collect::<Vec<_>>())
+        .collect()
 }
 
 #[track_caller]
@@ -191,7 +193,8 @@ fn away_from_zero_derivatives_are_limits_of_differences() {
     let all = SMOOTH.into_iter().chain(ONCE).chain(ROUGH);
     for (what, energy) in all {
         let Derived { value, gradient, hessian, .. } = derived(energy);
-        for at in [[0.3, -0.2, 0.4, 0.8], [0.0, 0.3, 0.0, 0.9], [0.4, 0.0, 0.0, -0.3], [2e-3, 1e-3, 0.0, 1.1]] {
+        for at in [[0.3, -0.2, 0.4, 0.8], [0.0, 0.3, 0.0, 0.9], [0.4, 0.0, 0.0, -0.3], [2e-3, 1e-3, 0.0, 1.1]]
+        {
             // |x| and |y| have none where these are zero
             if ["x|", "y|"].iter().any(|root| what.contains(root)) && (at[0] == 0.0 || at[1] == 0.0) {
                 continue;
@@ -247,7 +250,10 @@ fn near_zero_all_digits_are_right() {
             ] {
                 let size = expected.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
                 let error = found.iter().zip(&expected).fold(0.0_f64, |size, (a, b)| size.max((a - b).abs()));
-                assert!(error <= 8.0 * f64::EPSILON * size, "{degree}, {exponent}: {found:?} for {expected:?}");
+                assert!(
+                    error <= 8.0 * f64::EPSILON * size,
+                    "{degree}, {exponent}: {found:?} for {expected:?}"
+                );
             }
         }
     }
@@ -283,7 +289,9 @@ fn values_have_their_limits_too() {
         let symbols = ["x", "y", "z", "w"].map(|name| arena.symbol(name, Stage::Step));
         let value = energy(symbols).with_limits();
         let symbols = Vector(symbols.to_vec()).symbols();
-        value.evaluate(&|symbol| ORIGIN[symbols.iter().position(|other| *other == symbol).expect("one of them")])
+        value.evaluate(&|symbol| {
+            ORIGIN[symbols.iter().position(|other| *other == symbol).expect("one of them")]
+        })
     };
     assert_eq!(at_zero(|v| v[0] * v[1] / power(v, 1.0)), 0.0);
     assert_eq!(at_zero(|v| angle(v) / power(v, 1.0)), 2.0);
@@ -298,10 +306,16 @@ fn other_roots_are_as_they_were() {
     let [x, y, t] = ["x", "y", "t"].map(|name| arena.symbol(name, Stage::Step));
     let symbols = Vector(vec![x, y, t]).symbols();
     let of = |expr: Expr<'_>| gradient(expr, &symbols).0[0].to_string();
-    assert_eq!(of((x * x + y * y + 1).sqrt() * x * x), "2 x sqrt(x^2 + y^2 + 1) + x^3 sqrt(x^2 + y^2 + 1)^-1");
+    assert_eq!(
+        of((x * x + y * y + 1).sqrt() * x * x),
+        "2 x sqrt(x^2 + y^2 + 1) + x^3 sqrt(x^2 + y^2 + 1)^-1"
+    );
     // of order 1/2: it has a limit, though not for lack of size of x
     assert!(of((x * x - t * t).sqrt() * x).contains("x^2 sqrt(x^2 - t^2)^-1"));
     assert!(of((x * x + y * y).sqrt() * x).contains("recip_or_zero"));
+    // of a constant the sign is not known; that of a norm with weights is positive
+    let weight = arena.symbol("weight", Stage::Parameters);
+    assert!(of((weight * x * x + y * y).sqrt() * x).contains("recip_or_zero"));
     // nothing is divided where algebra can do without
     assert_eq!(of((x * x).sqrt() * x), "2 sqrt(x^2)");
     assert_eq!(of((x * x + y * y).sqrt().powi(3)), "3 x sqrt(x^2 + y^2)");

@@ -1,12 +1,12 @@
 //! Derivatives of methods: of one solved equation, and by the chain rule of what is composed of such.
 
+use super::blocks::all_finite;
 use super::{
     ControlPerturbation, Differentiable, Linearized, ParameterPerturbation, PerturbationArrays,
     StatePerturbation, add, no_columns, zeros,
 };
 use crate::composition::{Coefficients, Composition};
 use crate::method::{AdjointPair, Method};
-use super::blocks::all_finite;
 use crate::scalar::{Batch, Components, Scalar};
 use crate::solve::one_step::OneStep;
 use crate::system::{ConservedMomentum, Isolated, MethodOf, System};
@@ -127,7 +127,8 @@ impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> HasDerivative<S> for D
     fn is_finite(point: &D::Derivative) -> bool {
         // of the maps that were generated the first tells: the others give zeros
         let one = D::Scalar::of(1.0);
-        let (state, control, parameters) = (Components::splat(one), Components::splat(one), Components::splat(one));
+        let (state, control, parameters) =
+            (Components::splat(one), Components::splat(one), Components::splat(one));
         let tangent = D::tangent(point, &state, &control, &parameters);
         if tangent.as_ref().iter().any(|x| *x != D::Scalar::of(0.0)) {
             return all_finite(tangent.as_ref());
