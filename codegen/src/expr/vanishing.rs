@@ -285,7 +285,9 @@ impl Vanishing {
             return least;
         }
         let (rest, order) = self.reduced(sum.terms.iter().copied().collect(), f64::INFINITY);
-        rest.keys().fold(order, |least, term| least.min(self.orders[term]))
+        // of what was not in the sum there is no more to be known
+        let order_of = |term: &Id| self.orders.get(term).copied().unwrap_or(0.0);
+        rest.keys().fold(order, |least, term| least.min(order_of(term)))
     }
 
     /// A node that is multiplied by something of an order.

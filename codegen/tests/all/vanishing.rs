@@ -316,6 +316,10 @@ fn other_roots_are_as_they_were() {
     // of a constant the sign is not known; that of a norm with weights is positive
     let weight = arena.symbol("weight", Stage::Parameters);
     assert!(of((weight * x * x + y * y).sqrt() * x).contains("recip_or_zero"));
+    // what vanishes as a sum does not vanish as a part of another
+    let of_sums = (x + y).powi(2) + (y - t).powi(2);
+    assert!(of(of_sums.sqrt() * (x + t)).contains("recip_or_zero"));
+    assert!(of(of_sums.sqrt() * (x - t)).contains("^-1"));
     // nothing is divided where algebra can do without
     assert_eq!(of((x * x).sqrt() * x), "2 sqrt(x^2)");
     assert_eq!(of((x * x + y * y).sqrt().powi(3)), "3 x sqrt(x^2 + y^2)");

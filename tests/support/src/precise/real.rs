@@ -93,18 +93,29 @@ impl Real {
         total
     }
 
-    /// `dᵏ/dcᵏ acos(c)/√(1 − c²)` at `c = self`: the power series in `1 − c`, from `a' (1 − c²) = c a − 1`. For `c` above −1/2.
+    /// `dᵏ/dcᵏ acos(c)/√(1 − c²)` at `c = self`. With `(1 − c²) a' = c a − 1`, the power series in `c − 1` where that converges well, and what follows from
+    /// the equation differentiated elsewhere.
     fn angle_over_sine(&self, k: u32) -> Self {
-        // a⁽ᵏ⁾ = Σ a_n n(n − 1) … xⁿ⁻ᵏ with x = c − 1, and −(2n + 3) a_{n+1} = (n + 1) a_n; a_0 = 1
-        let x = self - Self::from(1);
-        let (mut coefficient, mut total) = (Self::from(1), Self::from(0));
-        let mut power = Self::from(1);
+        let one = Self::from(1);
+        let mut total = Self::from(0);
+        if *self < Self::from(0) {
+            let below = &one - self * self;
+            let (mut last, mut now) = (-&one, self.apply(Function::Acos) / below.sqrt());
+            for n in (0..k).map(i64::from) {
+                let next = (Self::from(2 * n + 1) * self * &now + Self::from((n * n).max(1)) * last) / &below;
+                (last, now) = (now, next);
+            }
+            return now;
+        }
+        // Σ a_n n(n − 1) … (n − k + 1) xⁿ⁻ᵏ with −(2n + 3) a_{n+1} = (n + 1) a_n
+        let (x, k) = (self - &one, i64::from(k));
+        let (mut coefficient, mut power) = (one.clone(), one);
         for n in 0_i64.. {
-            if n >= i64::from(k) {
-                let falling = (0..i64::from(k)).fold(Self::from(1), |product, j| product * Self::from(n - j));
+            if n >= k {
+                let falling = (0..k).fold(Self::from(1), |product, j| product * Self::from(n - j));
                 let term = &coefficient * &power * falling;
                 total = total + &term;
-                if term.is_negligible() && n > i64::from(k) {
+                if term.is_negligible() && n > k {
                     break;
                 }
                 power = power * &x;
