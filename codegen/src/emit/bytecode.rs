@@ -5,7 +5,8 @@
 //! input      its kind, a count, as many places; place 0 where a component is not used
 //! statement  0, place, term · 1, a count of Stumpff functions from c₀ on, as many places, term
 //! result     an array: a count and as many terms
-//! term       its kind and its operands, before which stands their count where that may differ, or which of a family of functions it is
+//! term       its kind and its operands; before these stands their count where that may differ,
+//!            or which of a family of functions it is
 //! ```
 //!
 //! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the places, so that records are

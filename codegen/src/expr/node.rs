@@ -54,9 +54,11 @@ pub enum Function {
     Tanh,
     /// `c_k(z) = Σ_j (−z)^j / (k + 2j)!`
     Stumpff(u32),
-    /// `1/x`, and 0 where `x` is 0 or so near that the square of `1/x` is infinite: where it stands, the limit of the whole is zero.
+    /// `1/x`, and 0 where `x` is 0 or so near that the square of `1/x` is infinite: where it stands, the limit of the
+    /// whole is zero.
     RecipOrZero,
-    /// The derivative, so many times, of `θ / sin θ` with respect to `cos θ`, for θ from 0 to below π. Of `acos(c) / √(1 − c²)`, that is.
+    /// The derivative, so many times, of `θ / sin θ` with respect to `cos θ`, for θ from 0 to below π: of
+    /// `acos(c) / √(1 − c²)`.
     AngleOverSine(u32),
 }
 

@@ -1,19 +1,23 @@
 //! Derivatives where a root is zero.
 //!
-//! A root `r = √s` has no derivative where `s` vanishes: `ds / 2r` is bounded there, but has no limit. What it is multiplied by decides. `|v| v` has a
-//! derivative at rest, though the rules of differentiation write `v vᵀ / |v|`; `|v|` alone has none. Every factor of a term is given the order to which
-//! it vanishes with `s`, in powers of `s`, or a lower bound of it:
+//! A root `r = √s` has no derivative where `s` vanishes: `ds / 2r` is bounded there, but has no limit. What it is
+//! multiplied by decides. `|v| v` has a derivative at rest, though the rules of differentiation write `v vᵀ / |v|`;
+//! `|v|` alone has none. Every factor of a term is given the order to which it vanishes with `s`, in powers of `s`, or
+//! a lower bound of it:
 //!
-//! * `s` has the order 1, its powers have their exponents, and `xᵢ` has 1/2 where `s = x₁² + x₂² + …`, since `|xᵢ| ≤ √s`;
+//! * `s` has the order 1, its powers have their exponents, and `xᵢ` has 1/2 where `s = x₁² + x₂² + …`, since
+//!   `|xᵢ| ≤ √s`;
 //! * a product has the sum of its factors' orders, a sum the least of its terms'.
 //!
-//! A term of positive order has the limit 0. There the negative power of the root is one that [is zero](Function::RecipOrZero) with the root. If all terms
-//! are like this, the derivative of a continuous function has a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other
-//! term stays as it is, and what is divided by zero in it is infinite or not a number: a derivative that does not exist is not made up.
+//! A term of positive order has the limit 0. There the negative power of the root is one that 
+//! [is zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function has
+//! a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other term stays as it
+//! is, and what is divided by zero in it is infinite or not a number: a derivative that does not exist is not made up.
 //!
-//! Before that, roots are taken out of denominators where algebra can do it: powers of `s` are put together, and an odd function of a root
-//! over that root is a smooth function of `s`: `sin(r)/r = c₁(s)`, `atan2(r, w)/r = a(w/ρ)/ρ` with `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth
-//! though it is written with roots, as the square of an angle, has derivatives of all orders then.
+//! Before that, roots are taken out of denominators where algebra can do it: powers of `s` are put together, and an odd
+//! function of a root over that root is a smooth function of `s`: `sin(r)/r = c₁(s)`, `atan2(r, w)/r = a(w/ρ)/ρ` with
+//! `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth though it is written with roots, as the square of an angle,
+//! has derivatives of all orders then.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -558,7 +562,8 @@ fn radicand_of_acos(arena: &Arena, x: Id) -> Id {
     (arena.one() - arena.expr(x).powi(2)).id
 }
 
-/// Whether a term is an even power of something times squares, constants and what is positive; and of what, if there is one such power.
+/// Whether a term is an even power of something times squares, constants and what is positive; and of what, if there is
+/// one such power.
 fn square(arena: &Arena, term: Id) -> Option<Option<(Id, i32)>> {
     let factors = match arena.node(term) {
         Node::Product(factors) => factors.to_vec(),

@@ -225,7 +225,8 @@ fn derivatives_that_do_not_exist_are_not_finite() {
     }
 }
 
-/// A homogeneous function of degree d has derivatives of degree d − 1 and d − 2: from the digits at one point follow those at all others, to where numbers end.
+/// A homogeneous function of degree d has derivatives of degree d − 1 and d − 2: from the digits at one point follow
+/// those at all others, to where numbers end.
 #[test]
 fn near_zero_all_digits_are_right() {
     let homogeneous: [(i32, Energy); 6] = [
@@ -259,7 +260,8 @@ fn near_zero_all_digits_are_right() {
     }
 }
 
-/// `acos(w)²` and what is like it have derivatives at 1, on the side where they are real: 2 u + u²/3 + 4 u³/45 with u = 1 − w.
+/// `acos(w)²` and what is like it have derivatives at 1, on the side where they are real: 2 u + u²/3 + 4 u³/45 with
+/// u = 1 − w.
 #[test]
 fn the_square_of_an_arc_cosine_is_smooth_at_one() {
     let square = derived(|[.., w]| w.apply(Function::Acos).powi(2));

@@ -135,7 +135,8 @@ where
     /// controls over all steps.
     ///
     /// # Errors
-    /// If a step cannot be taken, which it was when the tape was recorded, or has [no derivative](StepError::NoDerivative).
+    /// If a step cannot be taken, which it was when the tape was recorded, or has
+    /// [no derivative](StepError::NoDerivative).
     pub fn tangent(&self, perturbation: &Perturbation<S>) -> Result<S::StateVector, StepError>
     where
         S: Derives<Tangent>,
@@ -154,7 +155,8 @@ where
     /// the controls, of all steps together.
     ///
     /// # Errors
-    /// If a step cannot be taken, which it was when the tape was recorded, or has [no derivative](StepError::NoDerivative).
+    /// If a step cannot be taken, which it was when the tape was recorded, or has
+    /// [no derivative](StepError::NoDerivative).
     pub fn gradient(&self, costate: &S::StateVector) -> Result<Gradient<S>, StepError>
     where
         S: Derives<Adjoint>,
@@ -166,7 +168,8 @@ where
     /// and adds to the costate what depends on the state there. It finds the derivative with respect to the controls of this step alone.
     ///
     /// # Errors
-    /// If a step cannot be taken, which it was when the tape was recorded, or has [no derivative](StepError::NoDerivative).
+    /// If a step cannot be taken, which it was when the tape was recorded, or has
+    /// [no derivative](StepError::NoDerivative).
     pub fn gradient_with(
         &self,
         costate: &S::StateVector,

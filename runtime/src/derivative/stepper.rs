@@ -35,7 +35,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
     ///
     /// # Errors
-    /// As [`step_with`](Self::step_with), or if the step has [no derivative](StepError::NoDerivative). State and time are then as before.
+    /// As [`step_with`](Self::step_with), or if the step has [no derivative](StepError::NoDerivative). State and time
+    /// are then as before.
     #[inline]
     pub fn step_with_derivative(
         &mut self,
@@ -61,7 +62,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// coordinates](crate::derivative#coordinates).
     ///
     /// # Errors
-    /// As [`step_with`](Self::step_with), or if the step has [no derivative](StepError::NoDerivative). State and time are then as before.
+    /// As [`step_with`](Self::step_with), or if the step has [no derivative](StepError::NoDerivative). State and time
+    /// are then as before.
     #[inline]
     pub fn step_with_jacobian<B>(
         &mut self,

@@ -17,15 +17,18 @@ pub(crate) fn recip_or_zero<T: RealField + Copy>(x: T) -> T {
     if ComplexField::abs(x) <= negligible { T::zero() } else { T::one() / x }
 }
 
-/// Angles whose cosine is above have series: there `θ / sin θ = acos c / √(1 − c²)` and its derivatives are quotients of what vanishes.
+/// Angles whose cosine is above have series: there `θ / sin θ = acos c / √(1 − c²)` and its derivatives are quotients
+/// of what vanishes.
 const NEAR: f64 = 0.5;
-/// The terms of the series that matter at [`NEAR`], and at angles below half a radian. One or two more for each derivative.
+/// The terms of the series that matter at [`NEAR`], and at angles below half a radian. One or two more for each
+/// derivative.
 const TERMS: [u32; 2] = [28, 12];
 
 /// The derivative, `order` times, of `a = θ / sin θ` with respect to `c = cos θ`.
 ///
-/// With `z = (1 − c)/2`, `a = ₂F₁(1, 1; 3/2; z)`, and `dⁿa/dcⁿ = Πⱼ −j²/(2j + 1) · ₂F₁(n + 1, n + 1; n + 3/2; z)` with j from 1 to n. Farther away from 1,
-/// `(1 − c²) a' = c a − 1`, and differentiated n times more, `(1 − c²) a⁽ⁿ⁺¹⁾ = (2n + 1) c a⁽ⁿ⁾ + n² a⁽ⁿ⁻¹⁾`.
+/// With `z = (1 − c)/2`, `a = ₂F₁(1, 1; 3/2; z)`, and `dⁿa/dcⁿ = Πⱼ −j²/(2j + 1) · ₂F₁(n + 1, n + 1; n + 3/2; z)` with
+/// j from 1 to n. Farther away from 1, `(1 − c²) a' = c a − 1`, and differentiated n times more, `(1 − c²) a⁽ⁿ⁺¹⁾ = (2n
+/// + 1) c a⁽ⁿ⁾ + n² a⁽ⁿ⁻¹⁾`.
 pub(crate) fn angle_over_sine<T: RealField + Copy>(c: T, order: u32) -> T {
     let number = |x: f64| convert::<f64, T>(x);
     let n = f64::from(order);

@@ -93,8 +93,8 @@ impl Real {
         total
     }
 
-    /// `dᵏ/dcᵏ acos(c)/√(1 − c²)` at `c = self`. With `(1 − c²) a' = c a − 1`, the power series in `c − 1` where that converges well, and what follows from
-    /// the equation differentiated elsewhere.
+    /// `dᵏ/dcᵏ acos(c)/√(1 − c²)` at `c = self`. With `(1 − c²) a' = c a − 1`, the power series in `c − 1` where that
+    /// converges well, and what follows from the equation differentiated elsewhere.
     fn angle_over_sine(&self, k: u32) -> Self {
         let one = Self::from(1);
         let mut total = Self::from(0);
