@@ -27,8 +27,8 @@ const TERMS: [u32; 2] = [28, 12];
 /// The derivative, `order` times, of `a = θ / sin θ` with respect to `c = cos θ`.
 ///
 /// With `z = (1 − c)/2`, `a = ₂F₁(1, 1; 3/2; z)`, and `dⁿa/dcⁿ = Πⱼ −j²/(2j + 1) · ₂F₁(n + 1, n + 1; n + 3/2; z)` with
-/// j from 1 to n. Farther away from 1, `(1 − c²) a' = c a − 1`, and differentiated n times more, `(1 − c²) a⁽ⁿ⁺¹⁾ = (2n
-/// + 1) c a⁽ⁿ⁾ + n² a⁽ⁿ⁻¹⁾`.
+/// j from 1 to n. Farther away from 1, `(1 − c²) a' = c a − 1`, and differentiated n times more,
+/// `(1 − c²) a⁽ⁿ⁺¹⁾ = (2n + 1) c a⁽ⁿ⁾ + n² a⁽ⁿ⁻¹⁾`.
 pub(crate) fn angle_over_sine<T: RealField + Copy>(c: T, order: u32) -> T {
     let number = |x: f64| convert::<f64, T>(x);
     let n = f64::from(order);

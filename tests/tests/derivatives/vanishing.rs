@@ -218,7 +218,12 @@ fn a_hovering_quadrotor_has_a_jacobian() {
 }
 
 /// A constant part of the drag has no derivative at rest, and a potential as a cone none at its tip.
-#[lie_poisson_system(group = R3, control(push: f64), force = vector![push - drag * velocity.norm(), 0.0, 0.0], derivatives)]
+#[lie_poisson_system(
+    group = R3,
+    control(push: f64),
+    force = vector![push - drag * velocity.norm(), 0.0, 0.0],
+    derivatives,
+)]
 #[derive(Clone, Debug)]
 struct Rough {
     #[inertia]
