@@ -244,7 +244,7 @@ impl<T: Batch> Scalar for FusedScalar<T> {
     }
     functions! {
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
-        powf(exponent) atan2(x) min(other)
+        powf(exponent) atan2(x) min(other) recip_or_zero()
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
@@ -252,6 +252,10 @@ impl<T: Batch> Scalar for FusedScalar<T> {
             return family;
         }
         self.0.stumpff::<N>().map(Self)
+    }
+    #[inline(always)]
+    fn angle_over_sine<const N: u32>(self) -> Self {
+        Self(self.0.angle_over_sine::<N>())
     }
 }
 
