@@ -6,6 +6,8 @@
 pub(super) const THROUGH: usize = 8;
 /// Of so many where controls jump.
 pub(super) const LOW: usize = 3;
+/// A prediction that is off by less than this, relative to the unknown, is off by rounding.
+pub(super) const SMALL: f64 = 1e-12;
 /// A prediction that is off by more than this, relative to the unknown, is forgotten.
 pub(super) const LOST: f64 = 0.1;
 
@@ -48,5 +50,6 @@ pub(super) const SHORTEST: f64 = 1e-3;
 pub(super) const PARTS: [u32; 3] = [4, 16, 64];
 /// What is left of a correction relative to the unknown where the next part may begin.
 pub(super) const ON_THE_WAY: f64 = 1e-3;
-/// Solutions that differ by more than this, relative to their size, are two.
+/// Solutions that differ by more than this, relative to their size, and by more than so many times what rounding leaves of them, are two.
 pub(super) const APART: f64 = 1e-6;
+pub(super) const ROUNDINGS: f64 = 64.0;

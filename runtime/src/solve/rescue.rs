@@ -1,7 +1,7 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
-use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, SHORTEST};
-use super::norm::{change, is_below, less, plus, relative, select};
+use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
+use super::norm::{is_below, less, plus, relative};
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation};
 use crate::scalar::{Batch, Components, Mask, Real, Work};
@@ -35,9 +35,7 @@ impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
         // on the way from the first approximation, whose solution it is, to the equation
         let Some(continued) = PARTS.iter().find_map(|parts| self.continued(*parts)) else { return damped };
         match damped {
-            Ok(Rescued { unknown, .. })
-                if self.size(change::<T, _>(self.blocks, &unknown, &continued.unknown)) > APART =>
-            {
+            Ok(Rescued { unknown, .. }) if !self.is_same(&unknown, &continued.unknown) => {
                 Err(StepError::SeveralSolutions)
             }
             _ => Ok(continued),
@@ -49,6 +47,18 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
     /// The number in the lane.
     fn size(&self, x: T) -> f64 {
         x.lane(self.lane).to_f64()
+    }
+
+    /// Whether two solutions are one, but for what rounding leaves of the residual.
+    fn is_same(&self, a: &U, b: &U) -> bool {
+        let mut bound = self.equation.corrected(a, Some(&self.rounding(a))).iterate;
+        let mut i = 0;
+        while i < U::LENGTH {
+            let [rounding, size] = [&bound, a].map(|x| x.as_ref()[i].abs());
+            bound.as_mut()[i] = T::of(ROUNDINGS) * rounding + T::of(APART) * size;
+            i += 1;
+        }
+        is_below::<T, _>(self.blocks, &less(a, b), &bound).lane(self.lane)
     }
 
     fn rounding(&self, unknown: &U) -> U {
@@ -110,8 +120,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
                 if !(moves < last || moves <= ON_THE_WAY) || evaluations > 8 * parts {
                     return None;
                 }
-                let next = less(&unknown, &correction);
-                unknown = select(T::Mask::splat(true), &next, &unknown);
+                unknown = less(&unknown, &correction);
                 last = moves;
                 if part < parts && moves <= ON_THE_WAY {
                     break;

@@ -260,16 +260,15 @@ fn solve<T: Batch, K: Kernel<T>>(
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
         return Solution::of(equation, &guess, T::Mask::splat(true), memory.rate);
     }
-    let (solution, strong) = if const { K::HAS_FIXED_POINT_UPDATE } {
-        (fixed_point::solve(equation, memory, &guess, first), memory.is_strong())
-    } else {
-        (Solution::of(equation, &guess, T::Mask::splat(false), memory.rate), T::Mask::splat(false))
-    };
+    let elsewhere = T::Mask::splat(remembers);
+    if const { !K::HAS_FIXED_POINT_UPDATE } {
+        return newton::solve(equation, None, &guess, elsewhere, memory.rate);
+    }
+    let solution = fixed_point::solve(equation, memory, &guess, first);
     if solution.solved.all() {
         return solution;
     }
-    let elsewhere = T::Mask::splat(remembers) & !strong;
-    newton::solve(equation, &solution, &guess, elsewhere)
+    newton::solve(equation, Some(&solution), &guess, elsewhere & !memory.is_strong(), solution.rate)
 }
 
 /// The end of a step from the solution of its equation.
