@@ -126,6 +126,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     const STAGES: usize = <S::Method<FusedScalar<T>> as Method>::STAGES;
+    const HAS_FAST_PATH: bool = <S::Method<FusedScalar<T>> as Method>::HAS_FAST_PATH;
     type FastPath = <S::Method<FusedScalar<T>> as Method>::FastPath;
 
     #[inline(always)]

@@ -141,7 +141,8 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
         let is_long = low.lt(known);
         if is_long.any() {
             let by_few = self.through(low);
-            let is_jump = is_long & T::of(SMALL).lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
+            let is_jump =
+                is_long & T::of(SMALL).lt(off) & weighted::<T, _>(weights, &by_few, solution).lt(off);
             self.count = T::select(is_jump, low, self.count);
         }
         self.push::<Portable>(solution);
