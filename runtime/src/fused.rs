@@ -88,7 +88,7 @@ fn inside<T: Batch, W: Work>(work: W) -> W::Result {
 
 struct Step<'a, B: Method, C> {
     method: &'a mut B,
-    stage: usize,
+    from: Option<usize>,
     state: &'a C,
     time: B::Scalar,
     control: &'a B::Control,
@@ -101,13 +101,18 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
 
     #[inline(always)]
     fn done(self) -> Outcome<T, C> {
-        let Self { method, stage, state, time, control, known } = self;
+        let Self { method, from, state, time, control, known } = self;
         let without = |advanced: Advanced<FusedScalar<T>, B::State>| Advanced {
             state: unwrapped(&advanced.state),
             iterations: advanced.iterations,
             residual: advanced.residual.0,
         };
-        match method.advance_from(stage, &wrapped(state), time, control, known) {
+        let state = &wrapped(state);
+        let outcome = match from {
+            Some(stage) => method.advance_from(stage, state, time, control, known),
+            None => method.advance(state, time, control, known),
+        };
+        match outcome {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }
@@ -165,6 +170,18 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
+    fn advance(
+        &mut self,
+        state: &Self::State,
+        time: T,
+        control: &Self::Control,
+        known: bool,
+    ) -> Outcome<T, Self::State> {
+        let (time, control) = (FusedScalar(time), &wrapped(control));
+        inside::<T, _>(Step { method: &mut self.0, from: None, state, time, control, known })
+    }
+
+    #[inline(always)]
     fn advance_from(
         &mut self,
         stage: usize,
@@ -174,7 +191,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
         known: bool,
     ) -> Outcome<T, Self::State> {
         let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, stage, state, time, control, known })
+        inside::<T, _>(Step { method: &mut self.0, from: Some(stage), state, time, control, known })
     }
 
     #[inline(always)]

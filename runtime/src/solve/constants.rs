@@ -13,6 +13,8 @@ pub(super) const LOST: f64 = 0.1;
 
 /// Fixed-point iterations are made where they contract at least by this factor: there the equation has one solution near.
 pub(super) const STRONG: f64 = 0.25;
+/// A change, or a residual, before there is any. Finite, for sums of two numbers know no infinity.
+pub(super) const FAR: f64 = 1e30;
 /// The most of them in a step. More take longer than Newton's corrections.
 pub(super) const ITERATIONS: u32 = 12;
 /// The change of a last iteration is `c / rate²`, for `rate² × change` is what its error, `rate × change`, moves the state by: with this `c`, a
@@ -28,7 +30,7 @@ pub(super) const NOISE: f64 = 4.0;
 /// Changes from here on show the rate of contraction, in units.
 pub(super) const SHARP: f64 = 256.0;
 /// Steps between two measurements of the rate: at first, and in the long run.
-pub(super) const INTERVALS: [u16; 2] = [16, 1024];
+pub(super) const INTERVALS: [u16; 2] = [16, 2048];
 
 /// Newton's corrections of a step that is easily solved, at most.
 pub(super) const REGULAR: u32 = 8;

@@ -1,6 +1,6 @@
 //! Newton's method on a step's equation.
 
-use super::constants::{NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
+use super::constants::{FAR, NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
 use super::norm::{change, is_below, less, plus, relative, select};
 use super::{Solution, SolutionOf, count};
 use crate::kernel::{AtState, Equation, Kernel};
@@ -23,7 +23,7 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         point = select(solved, &before.point, from);
     }
     let (mut open, first_solved) = (!solved, solved);
-    let (mut last, mut moved) = (T::of(f64::INFINITY), T::of(f64::INFINITY));
+    let (mut last, mut moved) = (T::of(FAR), T::of(1.0));
     let mut round = 0;
     let evaluation = loop {
         let evaluation = equation.evaluate(&point);
@@ -34,6 +34,9 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         if stalls.any() {
             let rounding = roundoff(equation, &point, stalls);
             done = done | (stalls & is_below::<T, _>(K::BLOCKS, &evaluation.residual, &rounding));
+            // relative to the terms
+            let of_terms = T::of(T::EPSILON) * relative::<T, _>(K::BLOCKS, &evaluation.residual, &rounding);
+            residual = T::select(stalls, of_terms, residual);
         }
         solved = solved | done;
         open = open & !done & !stalls & T::Mask::splat(round < REGULAR);

@@ -339,7 +339,8 @@ impl<T: Batch, K: Kernel<T>> Work for Rescuing<'_, T, K> {
         while lane < T::LANES {
             if wanted.lane(lane) {
                 match T::dispatch(Rescue { equation, blocks: K::BLOCKS, start, lane }) {
-                    Ok(Rescued { unknown, evaluations }) => {
+                    Ok(Rescued { unknown, residual, evaluations }) => {
+                        rescued.residual.set_lane(lane, residual.lane(lane));
                         let mut k = 0;
                         while k < K::Unknown::LENGTH {
                             rescued.unknown.as_mut()[k].set_lane(lane, unknown.as_ref()[k].lane(lane));
