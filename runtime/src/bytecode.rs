@@ -150,7 +150,24 @@ fn term<N: Scalar>(code: &mut Code, places: &[N]) -> N {
                 _ => x.atan2(y),
             }
         }
+        23 => {
+            let order = code.count();
+            angle_over_sine(order, term(code, places))
+        }
         _ => elementary(kind, term(code, places)),
+    }
+}
+
+/// The derivative of this order of `θ / sin θ` with respect to `cos θ`; no generated code asks for a higher one than the sixth.
+fn angle_over_sine<N: Scalar>(order: usize, x: N) -> N {
+    match order {
+        0 => x.angle_over_sine::<0>(),
+        1 => x.angle_over_sine::<1>(),
+        2 => x.angle_over_sine::<2>(),
+        3 => x.angle_over_sine::<3>(),
+        4 => x.angle_over_sine::<4>(),
+        5 => x.angle_over_sine::<5>(),
+        _ => x.angle_over_sine::<6>(),
     }
 }
 
@@ -173,7 +190,8 @@ fn elementary<N: Scalar>(kind: u8, x: N) -> N {
         18 => x.atan(),
         19 => x.sinh(),
         20 => x.cosh(),
-        _ => x.tanh(),
+        21 => x.tanh(),
+        _ => x.recip_or_zero(),
     }
 }
 
@@ -252,7 +270,7 @@ mod tests {
         assert_eq!(operation(8, &[x, y]), X.powf(Y));
         assert_eq!(operation(9, &[x, y]), X.atan2(Y));
         assert_eq!(operation(0, &[&0.1_f64.to_le_bytes()]), Wide::exactly(0.1));
-        let functions: [fn(Wide) -> Wide; 12] = [
+        let functions: [fn(Wide) -> Wide; 13] = [
             Wide::sqrt,
             Wide::exp,
             Wide::ln,
@@ -265,10 +283,12 @@ mod tests {
             Wide::sinh,
             Wide::cosh,
             Wide::tanh,
+            Wide::recip_or_zero,
         ];
         for (kind, function) in (10..).zip(functions) {
             assert_eq!(operation(kind, &[x]), function(X));
         }
+        assert_eq!(operation(23, &[&[2], x]), X.angle_over_sine::<2>());
     }
 
     #[test]

@@ -266,6 +266,7 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
     }
 
     const STAGES: usize = C::GAMMA.len() * B::STAGES;
+    const HAS_FAST_PATH: bool = B::HAS_FAST_PATH;
     type FastPath = Paths<C, B>;
 
     #[inline(always)]

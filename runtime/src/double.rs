@@ -227,6 +227,17 @@ impl<T: Batch> Scalar for Double<T> {
         }
         self.high.stumpff::<N>().map(Self::exactly)
     }
+    #[inline(always)]
+    fn recip_or_zero(self) -> Self {
+        let zero = T::of(0.0);
+        // zero for the same numbers: both are functions of the first half alone
+        let is_zero = self.high.recip_or_zero().le(zero) & zero.le(self.high.recip_or_zero());
+        Self::select(is_zero, Self::exactly(zero), Self::exactly(T::of(1.0)) / self)
+    }
+    #[inline(always)]
+    fn angle_over_sine<const N: u32>(self) -> Self {
+        Self::exactly(self.high.angle_over_sine::<N>())
+    }
 }
 
 impl<T: Batch> crate::scalar::sealed::Sealed for Double<T> {}

@@ -115,4 +115,11 @@ pub enum StepError {
     /// step); take a smaller step or the Cayley map.
     #[error("the step leaves the retraction's domain; try a smaller step or the Cayley map")]
     OutsideDomain,
+    /// The step has no derivative, or an infinite one: somewhere in the description a root, a norm or a power is zero
+    /// that has no derivative there, as the norm of a velocity has none at rest. Times the velocity it has one, and its
+    /// square has.
+    #[error(
+        "the step has no finite derivative here: a root, a norm or a power in the description is zero; add a small number under the root"
+    )]
+    NoDerivative,
 }

@@ -88,7 +88,7 @@ fn inside<T: Batch, W: Work>(work: W) -> W::Result {
 
 struct Step<'a, B: Method, C> {
     method: &'a mut B,
-    stage: usize,
+    from: Option<usize>,
     state: &'a C,
     time: B::Scalar,
     control: &'a B::Control,
@@ -101,13 +101,18 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
 
     #[inline(always)]
     fn done(self) -> Outcome<T, C> {
-        let Self { method, stage, state, time, control, known } = self;
+        let Self { method, from, state, time, control, known } = self;
         let without = |advanced: Advanced<FusedScalar<T>, B::State>| Advanced {
             state: unwrapped(&advanced.state),
             iterations: advanced.iterations,
             residual: advanced.residual.0,
         };
-        match method.advance_from(stage, &wrapped(state), time, control, known) {
+        let state = &wrapped(state);
+        let outcome = match from {
+            Some(stage) => method.advance_from(stage, state, time, control, known),
+            None => method.advance(state, time, control, known),
+        };
+        match outcome {
             Ok(advanced) => Ok(without(advanced)),
             Err(Failure { errors, advanced }) => Err(Failure { errors, advanced: without(advanced) }),
         }
@@ -126,6 +131,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     const STAGES: usize = <S::Method<FusedScalar<T>> as Method>::STAGES;
+    const HAS_FAST_PATH: bool = <S::Method<FusedScalar<T>> as Method>::HAS_FAST_PATH;
     type FastPath = <S::Method<FusedScalar<T>> as Method>::FastPath;
 
     #[inline(always)]
@@ -164,6 +170,18 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
     }
 
     #[inline(always)]
+    fn advance(
+        &mut self,
+        state: &Self::State,
+        time: T,
+        control: &Self::Control,
+        known: bool,
+    ) -> Outcome<T, Self::State> {
+        let (time, control) = (FusedScalar(time), &wrapped(control));
+        inside::<T, _>(Step { method: &mut self.0, from: None, state, time, control, known })
+    }
+
+    #[inline(always)]
     fn advance_from(
         &mut self,
         stage: usize,
@@ -173,7 +191,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
         known: bool,
     ) -> Outcome<T, Self::State> {
         let (time, control) = (FusedScalar(time), &wrapped(control));
-        inside::<T, _>(Step { method: &mut self.0, stage, state, time, control, known })
+        inside::<T, _>(Step { method: &mut self.0, from: Some(stage), state, time, control, known })
     }
 
     #[inline(always)]
@@ -244,7 +262,7 @@ impl<T: Batch> Scalar for FusedScalar<T> {
     }
     functions! {
         sqrt() exp() ln() sin() cos() tan() asin() acos() atan() sinh() cosh() tanh()
-        powf(exponent) atan2(x) min(other)
+        powf(exponent) atan2(x) min(other) recip_or_zero()
     }
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
@@ -252,6 +270,10 @@ impl<T: Batch> Scalar for FusedScalar<T> {
             return family;
         }
         self.0.stumpff::<N>().map(Self)
+    }
+    #[inline(always)]
+    fn angle_over_sine<const N: u32>(self) -> Self {
+        Self(self.0.angle_over_sine::<N>())
     }
 }
 

@@ -56,6 +56,8 @@ pub trait Method: Clone + Send + Sync {
 
     /// How many equations a step solves, one after the other.
     const STAGES: usize = 1;
+    /// Whether there is a fast path: else [many steps](Self::advance_n) of one number are left to [`advance`](Self::advance).
+    const HAS_FAST_PATH: bool = false;
     /// What is remembered of earlier steps, as it is kept while many are taken on the fast path: in registers, as far as there are any.
     type FastPath: Clone + Send + Sync + Default;
 
@@ -194,6 +196,9 @@ impl<M: Method> LongWork for AdvanceN<'_, M> {
     fn done<P: Processor>(self) -> StepsReport<M::Scalar> {
         let Self { method, state, clock, control, most, mut known, failed } = self;
         let mut report = StepsReport::default();
+        if const { M::Scalar::LANES == 1 && !M::HAS_FAST_PATH } {
+            return report;
+        }
         // not in memory
         let mut now = *state;
         while report.steps < most {
@@ -420,6 +425,7 @@ where
     }
 
     const STAGES: usize = A::STAGES + B::STAGES;
+    const HAS_FAST_PATH: bool = A::HAS_FAST_PATH && B::HAS_FAST_PATH;
     type FastPath = (A::FastPath, B::FastPath);
 
     #[inline(always)]

@@ -5,7 +5,8 @@
 //! input      its kind, a count, as many places; place 0 where a component is not used
 //! statement  0, place, term · 1, a count of Stumpff functions from c₀ on, as many places, term
 //! result     an array: a count and as many terms
-//! term       its kind and its operands, before which stands their count where that may differ
+//! term       its kind and its operands; before these stands their count where that may differ,
+//!            or which of a family of functions it is
 //! ```
 //!
 //! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the places, so that records are
@@ -34,7 +35,7 @@ const INPUTS: [Input; 10] = [
 ];
 
 /// Elementary functions, in the order of their kinds.
-const FUNCTIONS: [Elementary; 12] = [
+const FUNCTIONS: [Elementary; 13] = [
     Elementary::Sqrt,
     Elementary::Exp,
     Elementary::Ln,
@@ -47,6 +48,7 @@ const FUNCTIONS: [Elementary; 12] = [
     Elementary::Sinh,
     Elementary::Cosh,
     Elementary::Tanh,
+    Elementary::RecipOrZero,
 ];
 
 /// The functions that lead from one state to the next, each in bytes.
@@ -152,6 +154,11 @@ impl Code {
             Term::Quotient(x, y) => self.operation(7, [x, y]),
             Term::Power(x, y) => self.operation(8, [x, y]),
             Term::Atan2(y, x) => self.operation(9, [y, x]),
+            Term::Function(Elementary::AngleOverSine(k), x) => {
+                self.0.push(23);
+                self.count(*k as usize);
+                self.term(x);
+            }
             Term::Function(function, x) => {
                 self.operation(10 + place(&FUNCTIONS, function).unwrap_or_default(), [x]);
             }

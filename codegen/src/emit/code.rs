@@ -4,7 +4,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::expr::Number;
-use crate::program::{Argument, Function, Input, Module, RecordKind, Statement, Term, Value};
+use crate::program::{Argument, Elementary, Function, Input, Module, RecordKind, Statement, Term, Value};
 
 /// An array's length, without a suffix.
 pub(super) fn size(length: usize) -> Literal {
@@ -220,6 +220,10 @@ fn bound(module: &Module, value: &Term, around: Binding) -> TokenStream {
         Term::Quotient(x, y) => {
             let (x, y) = (within(x, Binding::Product), within(y, Binding::Unary));
             (quote! { #x / #y }, Binding::Product)
+        }
+        Term::Function(Elementary::AngleOverSine(k), x) => {
+            let (k, x) = (Literal::u32_unsuffixed(*k), within(x, Binding::Sum));
+            (quote! { T::angle_over_sine::<#k>(#x) }, Binding::Unary)
         }
         Term::Function(function, x) => {
             let (name, x) = (format_ident!("{}", function.name()), within(x, Binding::Sum));

@@ -23,6 +23,8 @@ struct Store {
     roles: Vec<(Id, String)>,
     named: FxHashSet<Id>,
     differentials: Differentials,
+    /// What roots are taken of that can be zero, in the order in which they were made.
+    radicands: Vec<Id>,
 }
 
 /// Where expressions live.
@@ -239,7 +241,12 @@ impl Arena {
         {
             return self.intern(Node::Number(value));
         }
-        self.intern(Node::Function(function, argument))
+        let before = self.len();
+        let id = self.intern(Node::Function(function, argument));
+        if function == Function::Sqrt && self.len() > before {
+            self.note_radicand(argument);
+        }
+        id
     }
 
     pub(crate) fn power(&self, base: Id, exponent: Id) -> Id {
@@ -251,7 +258,31 @@ impl Arena {
                 let root = self.function(Function::Sqrt, base);
                 self.product(Number::ONE, [(root, *r.numer() as i32)])
             }
-            _ => self.intern(Node::Power(base, exponent)),
+            _ => {
+                let before = self.len();
+                let id = self.intern(Node::Power(base, exponent));
+                if self.len() > before {
+                    self.note_radicand(base);
+                }
+                id
+            }
+        }
+    }
+
+    /// How many nodes there are.
+    fn len(&self) -> usize {
+        self.store.borrow().nodes.len()
+    }
+
+    /// One of those of which roots are taken that can be zero.
+    pub(super) fn radicand(&self, place: usize) -> Option<Id> {
+        self.store.borrow().radicands.get(place).copied()
+    }
+
+    pub(super) fn insert_radicand(&self, radicand: Id) {
+        let mut store = self.store.borrow_mut();
+        if !store.radicands.contains(&radicand) {
+            store.radicands.push(radicand);
         }
     }
 

@@ -10,6 +10,7 @@ use super::expression::Expr;
 use super::linear::Vector;
 use super::node::{Function, Id, Node, Symbol};
 use super::number::Number;
+use super::vanishing::Limits;
 
 impl<'a> Expr<'a> {
     /// The partial derivative with respect to a symbol.
@@ -28,6 +29,7 @@ pub struct Derivative<'a> {
     arena: &'a Arena,
     direction: FxHashMap<Symbol, Id>,
     known: FxHashMap<Id, Id>,
+    limits: Limits,
 }
 
 impl<'a> Derivative<'a> {
@@ -39,7 +41,7 @@ impl<'a> Derivative<'a> {
     /// Along a direction: `Σ ∂/∂symbol · component`.
     pub fn along(arena: &'a Arena, direction: &[(Symbol, Expr<'a>)]) -> Self {
         let direction = direction.iter().map(|&(symbol, component)| (symbol, component.id)).collect();
-        Self { arena, direction, known: FxHashMap::default() }
+        Self { arena, direction, known: FxHashMap::default(), limits: Limits::default() }
     }
 
     /// Takes the derivative of one expression as known, wherever it occurs.
@@ -50,7 +52,7 @@ impl<'a> Derivative<'a> {
     /// Of one expression.
     pub fn of(&mut self, expr: Expr<'a>) -> Expr<'a> {
         let id = self.visit(expr.id);
-        self.arena.expr(id)
+        self.limits.of(self.arena.expr(id))
     }
 
     /// Walks along the operands with a stack of its own. A product's terms are made as soon as the derivative of their factor is known.
@@ -212,6 +214,9 @@ impl Function {
             Self::Tanh => one - x.apply(Self::Tanh).powi(2),
             // c_k' = (k c_{k+2} − c_{k+1}) / 2
             Self::Stumpff(k) => (x.stumpff(k + 2) * i64::from(k) - x.stumpff(k + 1)) / 2,
+            // away from zero; what holds there is decided of the whole
+            Self::RecipOrZero => -x.powi(-2),
+            Self::AngleOverSine(k) => x.apply(Self::AngleOverSine(k + 1)),
         }
     }
 }
@@ -270,7 +275,8 @@ pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
         }
     }
     let of = |symbol| found.get(symbol).map_or_else(|| arena.zero(), |&id| arena.expr(id));
-    Vector(symbols.iter().map(of).collect())
+    let mut limits = Limits::default();
+    Vector(symbols.iter().map(|symbol| limits.of(of(symbol))).collect())
 }
 
 /// The nodes an expression is made of, youngest first.

@@ -130,6 +130,29 @@ impl Value for f64 {
                 }
                 total
             }
+            Function::RecipOrZero if self.abs() <= f64::MIN_POSITIVE.sqrt() => 0.0,
+            Function::RecipOrZero => self.recip(),
+            Function::AngleOverSine(k) if *self > 0.0 => {
+                // the power series in 1 − cos θ
+                let (n, z) = (f64::from(k), (1.0 - self) / 2.0);
+                let mut term = (1..=k).map(f64::from).fold(1.0, |f, i| -f * i * i / (2.0 * i + 1.0));
+                let mut total = term;
+                for j in (0..200u32).map(f64::from) {
+                    term *= (n + 1.0 + j).powi(2) * z / ((n + 1.5 + j) * (j + 1.0));
+                    total += term;
+                }
+                total
+            }
+            Function::AngleOverSine(k) => {
+                // (1 − c²) a⁽ⁿ⁺¹⁾ = (2n + 1) c a⁽ⁿ⁾ + n² a⁽ⁿ⁻¹⁾, and −1 in the place of the last term for n = 0
+                let below = 1.0 - self * self;
+                let (mut last, mut now) = (-1.0, self.acos() / below.sqrt());
+                for n in (0..k).map(f64::from) {
+                    let factor = if n == 0.0 { 1.0 } else { n * n };
+                    (last, now) = (now, ((2.0 * n + 1.0) * self * now + factor * last) / below);
+                }
+                now
+            }
         }
     }
     fn power(&self, exponent: &Self) -> Self {

@@ -10,6 +10,7 @@ mod linear;
 mod node;
 mod number;
 mod quotient;
+mod vanishing;
 
 pub use arena::Arena;
 pub use diff::{Derivative, Substitution, gradient};

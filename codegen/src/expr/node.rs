@@ -54,6 +54,12 @@ pub enum Function {
     Tanh,
     /// `c_k(z) = Σ_j (−z)^j / (k + 2j)!`
     Stumpff(u32),
+    /// `1/x`, and 0 where `x` is 0 or so near that the square of `1/x` is infinite: where it stands, the limit of the
+    /// whole is zero.
+    RecipOrZero,
+    /// The derivative, so many times, of `θ / sin θ` with respect to `cos θ`, for θ from 0 to below π: of
+    /// `acos(c) / √(1 − c²)`.
+    AngleOverSine(u32),
 }
 
 /// A sum's constant and its terms with their coefficients, sorted by id; at least one term.
@@ -151,6 +157,9 @@ impl Function {
         if let Function::Sqrt = self {
             return argument.exact_sqrt();
         }
+        if let Function::RecipOrZero = self {
+            return Some(if argument.is_zero() { Number::ZERO } else { argument.powi(-1) });
+        }
         if argument.is_zero() {
             match self {
                 Self::Sin | Self::Tan | Self::Asin | Self::Atan | Self::Sinh | Self::Tanh => {
@@ -160,11 +169,12 @@ impl Function {
                 Self::Stumpff(k) => {
                     Some(Number::ratio(1, (1..=i128::from(k)).try_fold(1i128, |f, i| f.checked_mul(i))?))
                 }
-                Self::Sqrt | Self::Ln | Self::Acos => None,
+                Self::Sqrt | Self::Ln | Self::Acos | Self::RecipOrZero | Self::AngleOverSine(_) => None,
             }
         } else if argument.is_one() {
             match self {
                 Self::Ln | Self::Acos => Some(Number::ZERO),
+                Self::AngleOverSine(0) => Some(Number::ONE),
                 _ => None,
             }
         } else {
@@ -172,7 +182,7 @@ impl Function {
         }
     }
 
-    /// Its name in text and, but for Stumpff functions, in code.
+    /// Its name in text and, but for families of functions, in code.
     pub fn name(self) -> String {
         match self {
             Self::Sqrt => "sqrt",
@@ -188,7 +198,14 @@ impl Function {
             Self::Cosh => "cosh",
             Self::Tanh => "tanh",
             Self::Stumpff(k) => return format!("c{k}"),
+            Self::RecipOrZero => "recip_or_zero",
+            Self::AngleOverSine(k) => return format!("angle_over_sine_{k}"),
         }
         .to_owned()
+    }
+
+    /// Whether `f(−x) = −f(x)`, and `f(x)/x` has no zero in its denominator at 0.
+    pub(super) fn is_odd(self) -> bool {
+        matches!(self, Self::Sin | Self::Tan | Self::Asin | Self::Atan | Self::Sinh | Self::Tanh)
     }
 }

@@ -204,6 +204,8 @@ fn expressions() -> String {
          says.\n\
          * `angle()` of `SO2` is above −π and at most π: an energy of it jumps at half a turn, unless its derivative is the same on both \
          sides.\n\
+         * Zero is a state like others: `v.norm() * v`, `x.norm().powi(3)` and the square of an angle have their derivatives there. Where there \
+         is none, as of `v.norm()` alone at rest, a Jacobian is an error, and a step that needs it fails.\n\
          * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders of numbers too.\n\n",
         codes(CONSTRUCTORS),
         codes(POINTS),

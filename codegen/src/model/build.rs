@@ -289,7 +289,8 @@ fn energies<'a>(
     let (hamiltonian, hamiltonian_value) = hamiltonian.unzip();
     let (lagrangian, lagrangian_value) = lagrangian.unzip();
     (sources.potential, sources.hamiltonian, sources.lagrangian) = (potential, hamiltonian, lagrangian);
-    let or_zero = |value: Option<Option<Expr<'a>>>| value.flatten().unwrap_or_else(|| arena.zero());
+    let or_zero =
+        |value: Option<Option<Expr<'a>>>| value.flatten().map_or_else(|| arena.zero(), Expr::with_limits);
     Energies {
         potential: or_zero(potential_value),
         hamiltonian: or_zero(hamiltonian_value),
@@ -323,7 +324,7 @@ fn forces<'a>(
         let mut values = values.unwrap_or_default().into_iter();
         for factor in &mut factors[acted.indices()] {
             // of a force in error, whatever it is
-            let value = values.next();
+            let value = values.next().map(|value| value.map(Expr::with_limits));
             factor.force = Some(value.unwrap_or_else(|| Vector::zeros(arena, factor.momentum.len())));
         }
     }

@@ -77,7 +77,11 @@ impl Operations {
                 self.add(y);
             }
             Term::Function(function, x) => {
-                *(if *function == Elementary::Sqrt { &mut self.roots } else { &mut self.functions }) += 1;
+                *match function {
+                    Elementary::Sqrt => &mut self.roots,
+                    Elementary::RecipOrZero => &mut self.divisions,
+                    _ => &mut self.functions,
+                } += 1;
                 self.add(x);
             }
             Term::Power(x, y) | Term::Atan2(x, y) => {

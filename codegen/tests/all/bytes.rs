@@ -73,6 +73,11 @@ impl Machine {
             7 => next(code) / next(code),
             8 => next(code).powf(next(code)),
             9 => next(code).atan2(next(code)),
+            22 => next(code).apply(Function::RecipOrZero),
+            23 => {
+                let order = u32::try_from(code.count()).expect("a small number");
+                next(code).apply(Function::AngleOverSine(order))
+            }
             kind => {
                 let elementary = [
                     f64::sqrt,

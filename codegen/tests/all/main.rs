@@ -22,3 +22,4 @@ mod prose;
 mod reference;
 mod snapshots;
 mod steps;
+mod vanishing;

@@ -17,7 +17,7 @@ use crate::bytes::Machine;
 use crate::common::{system, tokens};
 
 /// One system for each way in which steps differ: what stands in the attribute, and the struct.
-const SYSTEMS: [(&str, &str); 13] = [
+const SYSTEMS: [(&str, &str); 15] = [
     ("group = SO3", "struct A { #[inertia] j: Vector3<f64> }"),
     ("group = SO3", "struct A { #[inertia] j: Matrix3<f64> }"),
     (
@@ -55,6 +55,15 @@ const SYSTEMS: [(&str, &str); 13] = [
         "group(first: SO3, second: R1), advected(gamma: first::R3), control(push: f64), force(second = vector![push]), \
          lagrangian = first_velocity.norm_squared() * j * (2.0 + second.x.sin()) + second_velocity.x.powi(2) - gamma.x * t",
         "struct A { j: f64 }",
+    ),
+    (
+        "group = SO3, potential = k * vector![attitude.i, attitude.j, attitude.k].norm().atan2(attitude.w).powi(2) / 8.0, \
+         force = -drag * velocity.norm() * velocity",
+        "struct A { #[inertia] j: Vector3<f64>, k: f64, drag: f64 }",
+    ),
+    (
+        "group = R2, potential = k * position.norm().powf(2.3) / 8.0, force = -drag * velocity.norm().sqrt() * velocity",
+        "struct A { #[inertia] m: f64, k: f64, drag: f64 }",
     ),
     (
         "group = R2, lagrangian = -mass * (64.0 - velocity.norm_squared() * 0.25).sqrt() - position.x.sin()",

@@ -84,6 +84,10 @@ pub trait JacobianBlocks<S: System>: DerivativeSelection {
     fn of(columns: &PerturbationArrays<S, StatePerturbation<S, S::Scalar>>) -> Self::Jacobian
     where
         S: Differentiable;
+
+    /// Whether all entries are finite.
+    #[doc(hidden)]
+    fn is_finite(jacobian: &Self::Jacobian) -> bool;
 }
 
 /// [`JacobianBlocks`] that were generated for the steps of the method `D`.
@@ -125,6 +129,12 @@ where
     }
 }
 
+/// Whether all numbers are finite, without a branch for each.
+#[inline(always)]
+pub(super) fn all_finite<T: Real>(numbers: &[T]) -> bool {
+    numbers.iter().fold(true, |all, x| all & x.is_finite())
+}
+
 /// The matrix of these columns.
 #[inline(always)]
 fn dense<T: Scalar, M: Dense<T>, C: AsRef<[T]>>(columns: &[C]) -> M {
@@ -154,6 +164,10 @@ macro_rules! single {
             fn of(columns: &PerturbationArrays<S, StatePerturbation<S, S::Scalar>>) -> Self::Jacobian {
                 dense(columns.$part.as_ref())
             }
+            #[inline(always)]
+            fn is_finite(jacobian: &Self::Jacobian) -> bool {
+                all_finite(Dense::<S::Scalar>::as_slice(jacobian))
+            }
         })*
     };
 }
@@ -174,6 +188,11 @@ macro_rules! several {
             #[inline(always)]
             fn of(columns: &PerturbationArrays<S, StatePerturbation<S, S::Scalar>>) -> Self::Jacobian {
                 ($($blocks::of(columns),)*)
+            }
+            #[inline(always)]
+            #[allow(non_snake_case)] // the matrices have the names of their types
+            fn is_finite(($($blocks,)*): &Self::Jacobian) -> bool {
+                $(<$blocks as JacobianBlocks<S>>::is_finite($blocks))&&*
             }
         }
     };

@@ -1,12 +1,13 @@
 //! Derivatives of methods: of one solved equation, and by the chain rule of what is composed of such.
 
+use super::blocks::all_finite;
 use super::{
     ControlPerturbation, Differentiable, Linearized, ParameterPerturbation, PerturbationArrays,
     StatePerturbation, add, no_columns, zeros,
 };
 use crate::composition::{Coefficients, Composition};
 use crate::method::{AdjointPair, Method};
-use crate::scalar::{Batch, Scalar};
+use crate::scalar::{Batch, Components, Scalar};
 use crate::solve::step::OneStep;
 use crate::system::{ConservedMomentum, Isolated, MethodOf, System};
 
@@ -101,6 +102,10 @@ pub trait HasDerivative<S: System>: MethodOf<S> {
         time: Self::Scalar,
         control: &Self::Control,
     ) -> Self::Point;
+
+    /// Whether all that can be made of it is finite.
+    #[doc(hidden)]
+    fn is_finite(point: &Self::Point) -> bool;
 }
 
 #[diagnostic::do_not_recommend]
@@ -118,6 +123,34 @@ impl<S: Differentiable, D: MethodOf<S> + Linearizable<S>> HasDerivative<S> for D
     ) -> D::Derivative {
         self.derivative(parameters, step, state, time, control, &self.trace())
     }
+
+    fn is_finite(point: &D::Derivative) -> bool {
+        // of the maps that were generated the first tells: the others give zeros
+        let one = D::Scalar::of(1.0);
+        let (state, control, parameters) =
+            (Components::splat(one), Components::splat(one), Components::splat(one));
+        let tangent = D::tangent(point, &state, &control, &parameters);
+        if tangent.as_ref().iter().any(|x| *x != D::Scalar::of(0.0)) {
+            return all_finite(tangent.as_ref());
+        }
+        let (state, control, parameters) = D::adjoint(point, &state);
+        let adjoint = [state.as_ref(), control.as_ref(), parameters.as_ref()];
+        if adjoint.iter().any(|part| part.iter().any(|x| *x != D::Scalar::of(0.0))) {
+            return adjoint.iter().all(|part| all_finite(part));
+        }
+        let (state, control, parameters) = D::columns::<All>(point);
+        let columns = state.as_ref().iter().chain(control.as_ref()).chain(parameters.as_ref());
+        columns.fold(true, |all, column| all & all_finite(column.as_ref()))
+    }
+}
+
+/// The selection of all derivatives.
+struct All;
+
+impl DerivativeSelection for All {
+    const STATE: bool = true;
+    const CONTROL: bool = true;
+    const PARAMETERS: bool = true;
 }
 
 /// The columns of derivatives with respect to state, controls and parameters.

@@ -3,6 +3,7 @@
 use core::fmt;
 use std::vec::Vec;
 
+use super::blocks::all_finite;
 use super::{
     Adjoint, Dense, Derives, Differentiable, Gradient, Linearizable, Perturbation, Tangent, add, to_array,
 };
@@ -134,7 +135,8 @@ where
     /// controls over all steps.
     ///
     /// # Errors
-    /// If a step cannot be taken; which it was when the tape was recorded.
+    /// If a step cannot be taken, which it was when the tape was recorded, or has
+    /// [no derivative](StepError::NoDerivative).
     pub fn tangent(&self, perturbation: &Perturbation<S>) -> Result<S::StateVector, StepError>
     where
         S: Derives<Tangent>,
@@ -153,7 +155,8 @@ where
     /// the controls, of all steps together.
     ///
     /// # Errors
-    /// If a step cannot be taken; which it was when the tape was recorded.
+    /// If a step cannot be taken, which it was when the tape was recorded, or has
+    /// [no derivative](StepError::NoDerivative).
     pub fn gradient(&self, costate: &S::StateVector) -> Result<Gradient<S>, StepError>
     where
         S: Derives<Adjoint>,
@@ -165,7 +168,8 @@ where
     /// and adds to the costate what depends on the state there. It finds the derivative with respect to the controls of this step alone.
     ///
     /// # Errors
-    /// If a step cannot be taken; which it was when the tape was recorded.
+    /// If a step cannot be taken, which it was when the tape was recorded, or has
+    /// [no derivative](StepError::NoDerivative).
     pub fn gradient_with(
         &self,
         costate: &S::StateVector,
@@ -191,6 +195,9 @@ where
                 let derivative = stepper.derivative(start, *time, control, trace);
                 let (state, control, parameters) =
                     S::Method::<S::Scalar>::adjoint(&derivative, &to_array(&total.state));
+                if ![state.as_ref(), control.as_ref(), parameters.as_ref()].into_iter().all(all_finite) {
+                    return Err(StepError::NoDerivative);
+                }
                 total.state = Dense::from_column(state.as_ref());
                 add(total.control.as_mut_slice(), control.as_ref());
                 add(total.parameters.as_mut_slice(), parameters.as_ref());

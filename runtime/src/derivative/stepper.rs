@@ -35,7 +35,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// Takes one step with `control` held from its start to its end, and gives its [derivative](crate::derivative) as a linear map.
     ///
     /// # Errors
-    /// As [`step_with`](Self::step_with).
+    /// As [`step_with`](Self::step_with), or if the step has [no derivative](StepError::NoDerivative). State and time
+    /// are then as before.
     #[inline]
     pub fn step_with_derivative(
         &mut self,
@@ -45,10 +46,13 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     where
         S::Method<S::Scalar>: HasDerivative<S>,
     {
-        let (components, time) = (state.to_components(), self.time());
+        let (components, time, before) = (state.to_components(), self.time(), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
         let (parameters, control) = (self.system.to_parameters(), control.to_components());
         let derivative = self.method.last_derivative(&parameters, self.step, &components, time, &control);
+        if !S::Method::<S::Scalar>::is_finite(&derivative) {
+            return Err(self.take_back(state, before));
+        }
         Ok((StepDerivative::new(derivative), report))
     }
 
@@ -58,7 +62,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     /// coordinates](crate::derivative#coordinates).
     ///
     /// # Errors
-    /// As [`step_with`](Self::step_with).
+    /// As [`step_with`](Self::step_with), or if the step has [no derivative](StepError::NoDerivative). State and time
+    /// are then as before.
     #[inline]
     pub fn step_with_jacobian<B>(
         &mut self,
@@ -69,7 +74,7 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     where
         B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
     {
-        let (components, time) = (state.to_components(), self.time());
+        let (components, time, before) = (state.to_components(), self.time(), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
         let work = JacobianWork::<S, M, S::Method<S::Scalar>, B> {
             stepper: self,
@@ -79,7 +84,24 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
             blocks: PhantomData,
         };
         // for wide registers where there are some: what comes of it is the same, the operations are
-        Ok(StepJacobian { jacobian: S::Scalar::dispatch_fused(work), report })
+        let jacobian = S::Scalar::dispatch_fused(work);
+        if !B::is_finite(&jacobian) {
+            return Err(self.take_back(state, before));
+        }
+        Ok(StepJacobian { jacobian, report })
+    }
+
+    /// Takes back a step that has no derivative.
+    #[cold]
+    fn take_back(
+        &mut self,
+        state: &mut S::State,
+        (start, left): (S::State, Option<S::StateComponents<S::Scalar>>),
+    ) -> StepError {
+        *state = start;
+        self.left = left;
+        self.taken -= 1;
+        StepError::NoDerivative
     }
 }
 

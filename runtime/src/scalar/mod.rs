@@ -9,6 +9,7 @@ mod components;
 pub(crate) mod rows;
 pub(crate) mod simd;
 pub(crate) mod stumpff;
+pub(crate) mod zero;
 
 pub use components::Components;
 use simd::lanes::{Portable, Processor};
@@ -79,6 +80,10 @@ pub trait Scalar:
     fn min(self, other: Self) -> Self;
     /// The Stumpff functions `c_0(self), …, c_{N−1}(self)`.
     fn stumpff<const N: usize>(self) -> [Self; N];
+    /// `1/self`; 0 where `self` is 0, or below the root of the least normal number.
+    fn recip_or_zero(self) -> Self;
+    /// The `N`th derivative of `θ / sin θ` with respect to `cos θ`, at `cos θ = self`.
+    fn angle_over_sine<const N: u32>(self) -> Self;
 }
 
 macro_rules! delegate {
@@ -119,6 +124,14 @@ impl<T: RealField + Copy> Scalar for T {
     #[inline(always)]
     fn stumpff<const N: usize>(self) -> [Self; N] {
         stumpff::family(self)
+    }
+    #[inline(always)]
+    fn recip_or_zero(self) -> Self {
+        zero::recip_or_zero(self)
+    }
+    #[inline]
+    fn angle_over_sine<const N: u32>(self) -> Self {
+        zero::angle_over_sine(self, N)
     }
 }
 

@@ -6,11 +6,15 @@
 pub(super) const THROUGH: usize = 8;
 /// Of so many where controls jump.
 pub(super) const LOW: usize = 3;
+/// A prediction that is off by less than this, relative to the unknown, is off by rounding.
+pub(super) const SMALL: f64 = 1e-12;
 /// A prediction that is off by more than this, relative to the unknown, is forgotten.
 pub(super) const LOST: f64 = 0.1;
 
 /// Fixed-point iterations are made where they contract at least by this factor: there the equation has one solution near.
 pub(super) const STRONG: f64 = 0.25;
+/// A change, or a residual, before there is any. Finite, for sums of two numbers know no infinity.
+pub(super) const FAR: f64 = 1e30;
 /// The most of them in a step. More take longer than Newton's corrections.
 pub(super) const ITERATIONS: u32 = 12;
 /// The change of a last iteration is `c / rate²`, for `rate² × change` is what its error, `rate × change`, moves the state by: with this `c`, a
@@ -26,7 +30,7 @@ pub(super) const NOISE: f64 = 4.0;
 /// Changes from here on show the rate of contraction, in units.
 pub(super) const SHARP: f64 = 256.0;
 /// Steps between two measurements of the rate: at first, and in the long run.
-pub(super) const INTERVALS: [u16; 2] = [16, 1024];
+pub(super) const INTERVALS: [u16; 2] = [16, 2048];
 
 /// Newton's corrections of a step that is easily solved, at most.
 pub(super) const REGULAR: u32 = 8;
@@ -48,5 +52,6 @@ pub(super) const SHORTEST: f64 = 1e-3;
 pub(super) const PARTS: [u32; 3] = [4, 16, 64];
 /// What is left of a correction relative to the unknown where the next part may begin.
 pub(super) const ON_THE_WAY: f64 = 1e-3;
-/// Solutions that differ by more than this, relative to their size, are two.
+/// Solutions that differ by more than this, relative to their size, and by more than so many times what rounding leaves of them, are two.
 pub(super) const APART: f64 = 1e-6;
+pub(super) const ROUNDINGS: f64 = 64.0;

@@ -3,7 +3,7 @@
 //! Both have the same solution. The first one is for a prediction, which is known before the state is, so that the quotient is there in time.
 //! Every other iterate waits for the one before it, and is not to wait for a division.
 
-use super::constants::{ITERATIONS, NOISE, QUICK, SHARP, STRONG, TOLERANCE};
+use super::constants::{FAR, ITERATIONS, NOISE, QUICK, SHARP, STRONG, TOLERANCE};
 use super::memory::{Memory, rate};
 use super::norm::{change, is_within, select};
 use super::{Solution, SolutionOf, count};
@@ -27,13 +27,13 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     let (mut solved, mut again) = (none, memory.is_strong() | T::Mask::splat(memory.is_due()));
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
-    let (mut last, mut round) = (T::of(f64::INFINITY), 0);
+    let (mut last, mut round) = (T::of(FAR), 0);
     let is_predicted = memory.predictor.remembers() && !memory.is_due();
     if let Some(first) = first {
         (unknown, round, iterations) = (first, 1, T::all(1));
         last = change::<T, _>(K::BLOCKS, guess, &first);
         solved = is_within::<T, _>(K::BLOCKS, guess, &first, memory.tolerance);
-        residual = memory.rate * memory.tolerance;
+        residual = memory.tolerance;
         again = again & !solved;
     }
     while again.any() {

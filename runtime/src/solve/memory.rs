@@ -68,6 +68,12 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.due == 0
     }
 
+    /// Whether a few iterations, or corrections, are likely to be enough for the next step.
+    #[inline(always)]
+    pub(super) fn is_regular(&self) -> bool {
+        U::LENGTH > 0 && self.due > 0 && self.predictor.remembers() && self.is_strong().all()
+    }
+
     /// Forgets all.
     #[inline(always)]
     pub(super) fn forget(&mut self) {

@@ -1,24 +1,29 @@
 //! Newton's method on a step's equation.
 
-use super::constants::{NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
+use super::constants::{FAR, NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
 use super::norm::{change, is_below, less, plus, relative, select};
 use super::{Solution, SolutionOf, count};
 use crate::kernel::{AtState, Equation, Kernel};
 use crate::scalar::{Batch, Components, Mask};
 
-/// Solves in the lanes that are not solved, from `from` on; in others all stays as it is. Lanes in which the corrections do not lead to a solution,
+/// Solves in the lanes that were not solved `before`, from `from` on; in others all stays as it is. Lanes in which the corrections do not lead to a solution,
 /// or to one that may not be the one that they lead to from the equation's own first approximation if they begin `elsewhere`, stay unsolved.
 #[inline(always)]
 pub(super) fn solve<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
-    before: &SolutionOf<T, K>,
+    before: Option<&SolutionOf<T, K>>,
     from: &K::Unknown,
     elsewhere: T::Mask,
+    rate: T,
 ) -> SolutionOf<T, K> {
-    let mut point = select(before.solved, &before.point, from);
-    let (mut open, mut solved) = (!before.solved, before.solved);
-    let (mut iterations, mut residual) = (before.iterations, before.residual);
-    let (mut last, mut moved) = (T::of(f64::INFINITY), T::of(f64::INFINITY));
+    let (mut point, mut solved) = (*from, T::Mask::splat(false));
+    let (mut iterations, mut residual) = (T::all(0), T::of(0.0));
+    if let Some(before) = before {
+        (solved, iterations, residual) = (before.solved, before.iterations, before.residual);
+        point = select(solved, &before.point, from);
+    }
+    let (mut open, first_solved) = (!solved, solved);
+    let (mut last, mut moved) = (T::of(FAR), T::of(1.0));
     let mut round = 0;
     let evaluation = loop {
         let evaluation = equation.evaluate(&point);
@@ -29,6 +34,9 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         if stalls.any() {
             let rounding = roundoff(equation, &point, stalls);
             done = done | (stalls & is_below::<T, _>(K::BLOCKS, &evaluation.residual, &rounding));
+            // relative to the terms
+            let of_terms = T::of(T::EPSILON) * relative::<T, _>(K::BLOCKS, &evaluation.residual, &rounding);
+            residual = T::select(stalls, of_terms, residual);
         }
         solved = solved | done;
         open = open & !done & !stalls & T::Mask::splat(round < REGULAR);
@@ -41,12 +49,12 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         round += 1;
         count::<T>(&mut iterations, open);
     };
-    let doubtful = elsewhere & solved & !before.solved;
+    let doubtful = elsewhere & solved & !first_solved;
     if doubtful.any() {
         solved = solved & !(doubtful & !is_found_from_start(equation, &point));
     }
-    let unknown = select(before.solved, &before.unknown, &point);
-    Solution { point, unknown, evaluation, solved, iterations, residual, ..*before }
+    let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
+    Solution { point, unknown, evaluation, solved, iterations, residual, rate }
 }
 
 /// Whether a residual is rounding, after a correction that moved the unknown by so much.

@@ -1,15 +1,16 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
-use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, SHORTEST};
-use super::norm::{change, is_below, less, plus, relative, select};
+use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
+use super::norm::{is_below, less, plus, relative};
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation};
 use crate::scalar::{Batch, Components, Mask, Real, Work};
 
-/// A solution, and how many evaluations it took.
+/// A solution, what is left of its terms, and how many evaluations it took.
 #[derive(Clone, Copy)]
-pub(super) struct Rescued<U> {
+pub(super) struct Rescued<T, U> {
     pub(super) unknown: U,
+    pub(super) residual: T,
     pub(super) evaluations: u32,
 }
 
@@ -24,7 +25,7 @@ pub(super) struct Rescue<'a, T, U> {
 /// Out of line: once for all equations with as many unknowns.
 impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
     type Home = ();
-    type Result = Result<Rescued<U>, StepError>;
+    type Result = Result<Rescued<T, U>, StepError>;
 
     #[inline(always)]
     fn done(self) -> Self::Result {
@@ -35,9 +36,7 @@ impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
         // on the way from the first approximation, whose solution it is, to the equation
         let Some(continued) = PARTS.iter().find_map(|parts| self.continued(*parts)) else { return damped };
         match damped {
-            Ok(Rescued { unknown, .. })
-                if self.size(change::<T, _>(self.blocks, &unknown, &continued.unknown)) > APART =>
-            {
+            Ok(Rescued { unknown, .. }) if !self.is_same(&unknown, &continued.unknown) => {
                 Err(StepError::SeveralSolutions)
             }
             _ => Ok(continued),
@@ -51,12 +50,32 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         x.lane(self.lane).to_f64()
     }
 
+    /// Whether two solutions are one, but for what rounding leaves of the residual.
+    fn is_same(&self, a: &U, b: &U) -> bool {
+        let mut bound = self.equation.corrected(a, Some(&self.rounding(a))).iterate;
+        let mut i = 0;
+        while i < U::LENGTH {
+            let [rounding, size] = [&bound, a].map(|x| x.as_ref()[i].abs());
+            bound.as_mut()[i] = T::of(ROUNDINGS) * rounding + T::of(APART) * size;
+            i += 1;
+        }
+        is_below::<T, _>(self.blocks, &less(a, b), &bound).lane(self.lane)
+    }
+
+    /// What is left of the terms of a residual, if that is what rounding leaves.
+    fn solved(&self, residual: &U, unknown: &U) -> Option<T> {
+        let rounding = &self.rounding(unknown);
+        let left = T::of(T::EPSILON) * relative::<T, _>(self.blocks, residual, rounding);
+        is_below::<T, _>(self.blocks, residual, rounding).lane(self.lane).then_some(left)
+    }
+
+    /// What rounding leaves of the residual.
     fn rounding(&self, unknown: &U) -> U {
         self.equation.roundoff(unknown, self.lane)
     }
 
     /// Newton's method with corrections that are halved where the residual, relative to its terms, does not become smaller; and whether none was.
-    fn damped(&self) -> (Result<Rescued<U>, StepError>, bool) {
+    fn damped(&self) -> (Result<Rescued<T, U>, StepError>, bool) {
         // fixed weights: how large the terms are in the beginning
         let terms = self.rounding(self.start);
         let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
@@ -64,8 +83,8 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         for evaluations in 1..=DAMPED {
             let Evaluation { residual, iterate: newest, .. } = self.equation.corrected(&trial, None);
             let now = self.size(relative::<T, _>(self.blocks, &residual, &terms));
-            if is_below::<T, _>(self.blocks, &residual, &self.rounding(&trial)).lane(self.lane) {
-                return (Ok(Rescued { unknown: trial, evaluations }), is_direct);
+            if let Some(residual) = self.solved(&residual, &trial) {
+                return (Ok(Rescued { unknown: trial, residual, evaluations }), is_direct);
             }
             if now < smallest {
                 (unknown, smallest, correction, scale) = (trial, now, newest, 1.0);
@@ -86,7 +105,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
     }
 
     /// The solution by continuation: of equations whose residuals at the first approximation are ever smaller parts of what it is there.
-    fn continued(&self, parts: u32) -> Option<Rescued<U>> {
+    fn continued(&self, parts: u32) -> Option<Rescued<T, U>> {
         let Evaluation { residual: first, .. } = self.equation.corrected(self.start, None);
         let (mut unknown, mut evaluations) = (*self.start, 1);
         for part in 1..=parts {
@@ -95,10 +114,8 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
             loop {
                 let Evaluation { residual, iterate: whole, .. } = self.equation.corrected(&unknown, None);
                 evaluations += 1;
-                if part == parts
-                    && is_below::<T, _>(self.blocks, &residual, &self.rounding(&unknown)).lane(self.lane)
-                {
-                    return Some(Rescued { unknown, evaluations });
+                if let (true, Some(residual)) = (part == parts, self.solved(&residual, &unknown)) {
+                    return Some(Rescued { unknown, residual, evaluations });
                 }
                 let correction = if part == parts {
                     whole
@@ -110,8 +127,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
                 if !(moves < last || moves <= ON_THE_WAY) || evaluations > 8 * parts {
                     return None;
                 }
-                let next = less(&unknown, &correction);
-                unknown = select(T::Mask::splat(true), &next, &unknown);
+                unknown = less(&unknown, &correction);
                 last = moves;
                 if part < parts && moves <= ON_THE_WAY {
                     break;

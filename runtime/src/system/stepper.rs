@@ -12,7 +12,7 @@ use crate::scalar::Real;
 /// stepper only remembers where the last solutions were, to start the next one where they point. It counts the time from 0, or from where
 /// [`set_time`](Self::set_time) put it; systems that do not depend on time take no notice. The method `D` follows from system and scheme.
 ///
-/// Its size is that of ten earlier solutions, the state, and what depends on the parameters: with three unknowns 0.4 to 0.7 kB, and 0.8 to 1.0 kB
+/// Its size is that of sixteen earlier solutions, the state, and what depends on the parameters: with three unknowns 0.8 to 1.0 kB, and 1.4 to 1.9 kB
 /// where a step solves two equations, as [`StormerVerlet`](crate::StormerVerlet) does on most groups; up to 0.2 kB more where there are many
 /// parameters or advected ones. A composition has one for each of its steps.
 pub struct Stepper<S: System, M, D = <S as Discretized<M>>::Method<<S as System>::Scalar>> {

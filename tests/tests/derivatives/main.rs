@@ -4,3 +4,4 @@
 mod controlled;
 mod derivatives;
 mod tangent_lifts;
+mod vanishing;

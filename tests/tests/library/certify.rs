@@ -406,7 +406,16 @@ impl<T: Batch> Method for Leak<T> {
         Self(Method::new(parameters, step))
     }
 
-    fn advance(&mut self, state: &[T; 7], time: T, control: &[T; 0], known: bool) -> Outcome<T, [T; 7]> {
+    type FastPath = ();
+
+    fn advance_from(
+        &mut self,
+        _: usize,
+        state: &[T; 7],
+        time: T,
+        control: &[T; 0],
+        known: bool,
+    ) -> Outcome<T, [T; 7]> {
         let mut advanced = self.0.advance(state, time, control, known)?;
         advanced.state[4..].iter_mut().for_each(|x| *x = *x * T::of(1.0 - 1e-8));
         Ok(advanced)
@@ -459,7 +468,16 @@ impl<T: Batch, const STUCK: bool> Method for Aged<T, STUCK> {
         Self { base: Method::new(parameters, step), follows: 0 }
     }
 
-    fn advance(&mut self, state: &[T; 7], time: T, control: &[T; 0], known: bool) -> Outcome<T, [T; 7]> {
+    type FastPath = ();
+
+    fn advance_from(
+        &mut self,
+        _: usize,
+        state: &[T; 7],
+        time: T,
+        control: &[T; 0],
+        known: bool,
+    ) -> Outcome<T, [T; 7]> {
         self.follows = if known { self.follows + 1 } else { 0 };
         if STUCK && self.follows >= STALE {
             return self.base.advance(&[T::of(f64::NAN); 7], time, control, known);

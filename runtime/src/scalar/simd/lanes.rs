@@ -7,7 +7,7 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 #[cfg(not(all(feature = "std", target_arch = "x86_64")))]
 use crate::scalar::OutOfLine;
-use crate::scalar::{Batch, Mask, Real, Scalar, Work, stumpff};
+use crate::scalar::{Batch, Mask, Real, Scalar, Work, stumpff, zero};
 
 /// `N` numbers side by side, for code that is compiled for `P`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -250,6 +250,16 @@ impl<X: Real, const N: usize, P: Processor> Scalar for Lanes<X, N, P> {
             Some(family) => family,
             None => self.stumpff_of_each(),
         }
+    }
+    #[inline(always)]
+    fn recip_or_zero(self) -> Self {
+        let negligible = if X::IS_DOUBLE { zero::NEGLIGIBLE } else { zero::NEGLIGIBLE_SINGLE };
+        let is_negligible = Batch::abs(self).le(Self::of(negligible));
+        Self::select(is_negligible, Self::of(0.0), Self::of(1.0) / self)
+    }
+    #[inline(always)]
+    fn angle_over_sine<const K: u32>(self) -> Self {
+        self.map(|x| x.angle_over_sine::<K>())
     }
 }
 

@@ -93,6 +93,38 @@ impl Real {
         total
     }
 
+    /// `dᵏ/dcᵏ acos(c)/√(1 − c²)` at `c = self`. With `(1 − c²) a' = c a − 1`, the power series in `c − 1` where that
+    /// converges well, and what follows from the equation differentiated elsewhere.
+    fn angle_over_sine(&self, k: u32) -> Self {
+        let one = Self::from(1);
+        let mut total = Self::from(0);
+        if *self < Self::from(0) {
+            let below = &one - self * self;
+            let (mut last, mut now) = (-&one, self.apply(Function::Acos) / below.sqrt());
+            for n in (0..k).map(i64::from) {
+                let next = (Self::from(2 * n + 1) * self * &now + Self::from((n * n).max(1)) * last) / &below;
+                (last, now) = (now, next);
+            }
+            return now;
+        }
+        // Σ a_n n(n − 1) … (n − k + 1) xⁿ⁻ᵏ with −(2n + 3) a_{n+1} = (n + 1) a_n
+        let (x, k) = (self - &one, i64::from(k));
+        let (mut coefficient, mut power) = (one.clone(), one);
+        for n in 0_i64.. {
+            if n >= k {
+                let falling = (0..k).fold(Self::from(1), |product, j| product * Self::from(n - j));
+                let term = &coefficient * &power * falling;
+                total = total + &term;
+                if term.is_negligible() && n > k {
+                    break;
+                }
+                power = power * &x;
+            }
+            coefficient = -(coefficient * Self::ratio(n + 1, 2 * n + 3));
+        }
+        total
+    }
+
     /// `Σ x^(2j + 1) / (2j + 1)!` where exponentials cancel, else from these.
     fn sinh(&self) -> Self {
         if self.abs() < Self::from(1) {
@@ -170,6 +202,9 @@ impl Value for Real {
             Function::Cosh => return self.cosh(),
             Function::Tanh => return self.sinh() / self.cosh(),
             Function::Stumpff(k) => return self.stumpff(k as usize),
+            Function::RecipOrZero if self.is_zero() => f256::ZERO,
+            Function::RecipOrZero => f256::ONE / x,
+            Function::AngleOverSine(k) => return self.angle_over_sine(k),
         })
     }
 

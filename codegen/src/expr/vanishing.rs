@@ -1,0 +1,582 @@
+//! Derivatives where a root is zero.
+//!
+//! A root `r = √s` has no derivative where `s` vanishes: `ds / 2r` is bounded there, but has no limit. What it is
+//! multiplied by decides. `|v| v` has a derivative at rest, though the rules of differentiation write `v vᵀ / |v|`;
+//! `|v|` alone has none. Every factor of a term is given the order to which it vanishes with `s`, in powers of `s`, or
+//! a lower bound of it:
+//!
+//! * `s` has the order 1, its powers have their exponents, and `xᵢ` has 1/2 where `s = x₁² + x₂² + …`, since
+//!   `|xᵢ| ≤ √s`;
+//! * a product has the sum of its factors' orders, a sum the least of its terms'.
+//!
+//! A term of positive order has the limit 0. There the negative power of the root is one that
+//! [is zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function
+//! has a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other term stays as it
+//! is, and what is divided by zero in it is infinite or not a number: a derivative that does not exist is not made up.
+//!
+//! Before that, roots are taken out of denominators where algebra can do it: powers of `s` are put together, and an odd
+//! function of a root over that root is a smooth function of `s`: `sin(r)/r = c₁(s)`, `atan2(r, w)/r = a(w/ρ)/ρ` with
+//! `ρ² = s + w²` and `a(cos θ) = θ / sin θ`. What is smooth though it is written with roots, as the square of an angle,
+//! has derivatives of all orders then.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rustc_hash::FxHashMap;
+
+use super::arena::Arena;
+use super::expression::Expr;
+use super::node::{Function, Id, Node, Stage, Sum};
+use super::number::Number;
+
+/// An order that is positive, and not by rounding.
+const POSITIVE: f64 = 1e-9;
+/// Of what may be infinite faster than anything else vanishes.
+const UNBOUNDED: f64 = -1e6;
+
+/// The exponents of a root, and of its reciprocal.
+fn half() -> Number {
+    Number::ratio(1, 2)
+}
+
+impl<'a> Expr<'a> {
+    /// The same value, and its limit where that of a root is zero and the expression has one.
+    pub fn with_limits(self) -> Self {
+        Limits::default().of(self)
+    }
+}
+
+/// Gives derivatives their limits where roots are zero.
+#[derive(Default)]
+pub(super) struct Limits(Vec<Vanishing>);
+
+impl Limits {
+    /// Of one expression.
+    pub(super) fn of<'a>(&mut self, expr: Expr<'a>) -> Expr<'a> {
+        let arena = expr.arena;
+        let (mut id, mut place) = (expr.id, 0);
+        // one base after the other; what is made for one can have another
+        while let Some(base) = arena.radicand(place) {
+            if self.0.len() == place {
+                self.0.push(Vanishing::new(arena, base));
+            }
+            id = self.0[place].limit(arena, id, 0.0);
+            place += 1;
+        }
+        if id != expr.id {
+            arena.pass_role(expr.id, id);
+        }
+        arena.expr(id)
+    }
+}
+
+impl Arena {
+    /// Takes note of what a root is taken of, if it can be zero and depends on the state.
+    pub(super) fn note_radicand(&self, mut radicand: Id) {
+        while let Node::Function(Function::Sqrt, inner) | Node::Power(inner, _) = self.node(radicand) {
+            radicand = inner;
+        }
+        let is_constant = matches!(self.node(radicand), Node::Number(_));
+        if !is_constant && !self.is_positive(radicand) && self.expr(radicand).stage() > Stage::Parameters {
+            self.insert_radicand(radicand);
+        }
+    }
+
+    /// Whether it is positive for all values of its symbols, as far as signs and squares tell.
+    fn is_positive(&self, id: Id) -> bool {
+        match self.node(id) {
+            Node::Number(number) => !number.is_negative() && !number.is_zero(),
+            Node::Sum(Sum { constant, terms }) => {
+                let is_no_less = terms.iter().all(|&(term, c)| !c.is_negative() && self.is_nonnegative(term));
+                let is_more = !constant.is_zero() || terms.iter().any(|&(term, _)| self.is_positive(term));
+                is_no_less && !constant.is_negative() && is_more
+            }
+            Node::Product(factors) => factors.iter().all(|&(factor, _)| self.is_positive(factor)),
+            Node::Function(Function::Exp | Function::Cosh, _) => true,
+            Node::Function(Function::Sqrt, x) | Node::Held(x) | Node::Power(x, _) => self.is_positive(x),
+            _ => false,
+        }
+    }
+
+    /// Whether it is not negative where it is real.
+    fn is_nonnegative(&self, id: Id) -> bool {
+        match self.node(id) {
+            Node::Number(number) => !number.is_negative(),
+            Node::Sum(Sum { constant, terms }) => {
+                let is_no_less = terms.iter().all(|&(term, c)| !c.is_negative() && self.is_nonnegative(term));
+                is_no_less && !constant.is_negative()
+            }
+            Node::Product(factors) => {
+                factors.iter().all(|&(factor, e)| e % 2 == 0 || self.is_nonnegative(factor))
+            }
+            Node::Function(Function::Exp | Function::Cosh | Function::Sqrt | Function::Acos, _) => true,
+            Node::Held(x) => self.is_nonnegative(x),
+            Node::Power(..) => true,
+            _ => false,
+        }
+    }
+}
+
+/// What vanishes with the base of a root, and what becomes of derivatives there.
+struct Vanishing {
+    base: Id,
+    /// The base as a product of powers.
+    factors: Vec<(Id, i32)>,
+    /// What vanishes with it, with the orders.
+    orders: FxHashMap<Id, f64>,
+    /// Those sums among them as rows in echelon form, each with the least of the orders that it is made of.
+    rows: Vec<(BTreeMap<Id, Number>, f64)>,
+    /// Whether nodes have negative powers of the base in them.
+    divided: FxHashMap<Id, bool>,
+    /// Whether nodes are odd.
+    odd: FxHashMap<Id, bool>,
+    /// What has become of nodes that are multiplied by something of an order.
+    limits: FxHashMap<(Id, u64), Id>,
+}
+
+impl Vanishing {
+    fn new(arena: &Arena, base: Id) -> Self {
+        let factors = match arena.node(base) {
+            Node::Product(factors) => factors.to_vec(),
+            _ => Vec::new(),
+        };
+        let (orders, rows) = Default::default();
+        let (divided, odd, limits) = Default::default();
+        let mut vanishing = Self { base, factors, orders, rows, divided, odd, limits };
+        vanishing.learn(arena, base, 1.0);
+        vanishing
+    }
+
+    /// Takes note of what vanishes with a node that vanishes to an order.
+    fn learn(&mut self, arena: &Arena, id: Id, order: f64) {
+        self.orders.insert(id, order);
+        match arena.node(id) {
+            Node::Held(inner) => self.learn(arena, inner, order),
+            Node::Product(_) => self.learn_square(arena, id, order),
+            Node::Sum(sum) => {
+                let is_positive =
+                    |&(term, c): &(Id, Number)| !c.is_negative() && square(arena, term).is_some();
+                if sum.constant.is_zero() && sum.terms.iter().all(is_positive) {
+                    // none of them is more than the sum
+                    sum.terms.iter().for_each(|&(term, _)| self.learn_square(arena, term, order));
+                } else if sum.constant.is_zero() {
+                    self.learn_row(sum.terms.iter().copied().collect(), order);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Of a square times what is positive.
+    fn learn_square(&mut self, arena: &Arena, term: Id, order: f64) {
+        self.orders.insert(term, order);
+        if let Some(Some((factor, exponent))) = square(arena, term) {
+            self.learn(arena, factor, order / f64::from(exponent));
+        }
+    }
+
+    /// Of a sum, which stands for itself and together with others for all that they span.
+    fn learn_row(&mut self, row: BTreeMap<Id, Number>, order: f64) {
+        let (row, order) = self.reduced(row, order);
+        if !row.is_empty() {
+            self.rows.push((row, order));
+        }
+    }
+
+    /// What is left of a sum without multiples of those known, and the least order of these.
+    fn reduced(&self, mut row: BTreeMap<Id, Number>, mut order: f64) -> (BTreeMap<Id, Number>, f64) {
+        for (known, of_known) in &self.rows {
+            let Some((pivot, leading)) = known.first_key_value() else { continue };
+            let Some(&entry) = row.get(pivot) else { continue };
+            let factor = -(entry * leading.powi(-1));
+            for (&term, &c) in known {
+                let sum = row.get(&term).copied().unwrap_or(Number::ZERO) + factor * c;
+                row.insert(term, sum);
+            }
+            row.retain(|_, c| !c.is_zero());
+            order = order.min(*of_known);
+        }
+        (row, order)
+    }
+
+    /// The exponent of a power of the base.
+    fn exponent(&self, arena: &Arena, id: Id) -> Option<Number> {
+        if id == self.base {
+            return Some(Number::ONE);
+        }
+        match arena.node(id) {
+            Node::Function(Function::Sqrt, x) => Some(self.exponent(arena, x)? * half()),
+            Node::Function(Function::RecipOrZero, x) => Some(-self.exponent(arena, x)?),
+            Node::Power(x, exponent) => match arena.node(exponent) {
+                Node::Number(number) => Some(self.exponent(arena, x)? * number),
+                _ => None,
+            },
+            Node::Product(factors) => factors.iter().try_fold(Number::ZERO, |sum, &(factor, e)| {
+                Some(sum + self.exponent(arena, factor)? * Number::from(i64::from(e)))
+            }),
+            _ => None,
+        }
+    }
+
+    /// The base to a power.
+    fn power(&self, arena: &Arena, exponent: Number) -> Id {
+        let quarters = exponent * Number::from(4);
+        if let (Some((_, 1)), Some((_, 4))) = (quarters.fraction(), exponent.fraction()) {
+            return arena.power(
+                arena.function(Function::Sqrt, self.base),
+                arena.number(exponent * Number::from(2)).id,
+            );
+        }
+        arena.power(self.base, arena.number(exponent).id)
+    }
+
+    /// Whether there is a negative power of the base in it, in a term of a sum or a factor of a product.
+    fn is_divided(&mut self, arena: &Arena, root: Id) -> bool {
+        for id in unknown(arena, root, &self.divided) {
+            let is_divided = match arena.node(id) {
+                Node::Product(factors) => {
+                    factors.iter().any(|&(factor, e)| match self.exponent(arena, factor) {
+                        Some(exponent) => exponent.is_negative() != (e < 0),
+                        None => self.divided[&factor],
+                    })
+                }
+                Node::Sum(sum) => sum.terms.iter().any(|(term, _)| self.divided[term]),
+                Node::Held(inner) => self.divided[&inner],
+                _ => self.exponent(arena, id).is_some_and(Number::is_negative),
+            };
+            self.divided.insert(id, is_divided);
+        }
+        self.divided[&root]
+    }
+
+    /// A lower bound of the order to which a node vanishes with the base.
+    fn order(&mut self, arena: &Arena, root: Id) -> f64 {
+        for id in unknown(arena, root, &self.orders) {
+            let order = self.order_of_node(arena, id);
+            self.orders.insert(id, order);
+        }
+        self.orders[&root]
+    }
+
+    /// The same, when those of what it is made of are known.
+    fn order_of_node(&self, arena: &Arena, id: Id) -> f64 {
+        if let Some(exponent) = self.exponent(arena, id) {
+            return exponent.to_f64();
+        }
+        match arena.node(id) {
+            Node::Number(number) if number.is_zero() => f64::INFINITY,
+            Node::Number(_) | Node::Symbol(_) | Node::Atan2(..) => 0.0,
+            Node::Held(inner) => self.orders[&inner],
+            Node::Sum(sum) => self.order_of_sum(&sum),
+            Node::Product(factors) => {
+                factors.iter().map(|(factor, e)| powered(self.orders[factor], f64::from(*e))).sum()
+            }
+            Node::Function(Function::Sqrt, x) => powered(self.orders[&x], 0.5),
+            Node::Function(Function::RecipOrZero, x) => powered(self.orders[&x], -1.0),
+            Node::Function(function, x) if function.is_odd() => self.orders[&x].max(0.0),
+            Node::Function(..) => 0.0,
+            Node::Power(x, exponent) => match arena.node(exponent) {
+                Node::Number(number) => powered(self.orders[&x], number.to_f64()),
+                _ => 0.0,
+            },
+        }
+    }
+
+    /// The least order of the terms, or of the sums that vanish of which it is a combination.
+    fn order_of_sum(&self, sum: &Sum) -> f64 {
+        let constant = if sum.constant.is_zero() { f64::INFINITY } else { 0.0 };
+        let least = sum.terms.iter().fold(constant, |least, (term, _)| least.min(self.orders[term]));
+        if least != 0.0 || !sum.constant.is_zero() {
+            return least;
+        }
+        let (rest, order) = self.reduced(sum.terms.iter().copied().collect(), f64::INFINITY);
+        // of what was not in the sum there is no more to be known
+        let order_of = |term: &Id| self.orders.get(term).copied().unwrap_or(0.0);
+        rest.keys().fold(order, |least, term| least.min(order_of(term)))
+    }
+
+    /// A node that is multiplied by something of an order.
+    fn limit(&mut self, arena: &Arena, id: Id, around: f64) -> Id {
+        if !self.is_divided(arena, id) || arena.is_exhausted() {
+            return id;
+        }
+        let key = (id, around.to_bits());
+        if let Some(&known) = self.limits.get(&key) {
+            return known;
+        }
+        let limit = match arena.node(id) {
+            Node::Sum(sum) => {
+                let terms: Vec<_> =
+                    sum.terms.iter().map(|&(x, c)| (self.limit(arena, x, around), c)).collect();
+                arena.sum(sum.constant, terms)
+            }
+            Node::Held(inner) => arena.held(self.limit(arena, inner, around)),
+            Node::Product(factors) => self.limit_of_product(arena, &factors, around),
+            _ => self.limit_of_product(arena, &[(id, 1)], around),
+        };
+        if limit != id {
+            arena.pass_role(id, limit);
+        }
+        self.limits.insert(key, limit);
+        limit
+    }
+
+    fn limit_of_product(&mut self, arena: &Arena, factors: &[(Id, i32)], around: f64) -> Id {
+        let Monomial { power, mut rest, is_simpler, .. } = self.simplified(arena, factors);
+        let mut total = around + power.to_f64();
+        for &(factor, e) in &rest {
+            total += powered(self.order(arena, factor), f64::from(e));
+        }
+        let has_limit = power.is_negative() && total > POSITIVE;
+        if !is_simpler && !has_limit {
+            // as it was, but for the sums among the factors
+            rest = factors.to_vec();
+        }
+        for (factor, e) in &mut rest {
+            if *e > 0 && self.exponent(arena, *factor).is_none() {
+                let others = total - self.order(arena, *factor);
+                *factor = self.limit(arena, *factor, others);
+            }
+        }
+        if has_limit {
+            rest.push((arena.function(Function::RecipOrZero, self.power(arena, -power)), 1));
+        } else if is_simpler {
+            rest.push((self.power(arena, power), 1));
+        }
+        arena.product(Number::ONE, rest)
+    }
+
+    /// A product with as few powers of the base in the denominator as there can be.
+    fn simplified(&mut self, arena: &Arena, factors: &[(Id, i32)]) -> Monomial {
+        let mut monomial = self.monomial(arena, factors);
+        if monomial.has_positive || self.odd_factor(arena, &monomial).is_some() {
+            self.take_denominators_out(arena, &mut monomial);
+        }
+        // what the base is a product of
+        while monomial.power.is_negative() && !self.factors.is_empty() && monomial.divide(&self.factors) {
+            monomial.power = monomial.power + Number::ONE;
+            monomial.is_simpler = true;
+        }
+        while monomial.power.is_negative() {
+            let Some(place) = self.odd_factor(arena, &monomial) else { break };
+            let factor = monomial.rest[place].0;
+            monomial.rest[place].1 -= 1;
+            monomial.rest.retain(|&(_, e)| e != 0);
+            let quotient = self.over_root(arena, factor);
+            let more = self.monomial(arena, &[(quotient, 1)]);
+            monomial.power = monomial.power + half() + more.power;
+            monomial.rest.extend(more.rest);
+            monomial.is_simpler = true;
+        }
+        monomial
+    }
+
+    /// The place of a factor that is odd.
+    fn odd_factor(&mut self, arena: &Arena, monomial: &Monomial) -> Option<usize> {
+        monomial.rest.iter().position(|&(factor, e)| e > 0 && self.is_odd(arena, factor))
+    }
+
+    /// A product, with all powers of the base together.
+    fn monomial(&self, arena: &Arena, factors: &[(Id, i32)]) -> Monomial {
+        let (mut power, mut rest) = (Number::ZERO, Vec::new());
+        let (mut has_positive, mut has_negative, mut is_simpler) = (false, false, false);
+        let mut pending = factors.to_vec();
+        while let Some((factor, e)) = pending.pop() {
+            match (self.exponent(arena, factor), arena.node(factor)) {
+                (Some(exponent), node) => {
+                    let exponent = exponent * Number::from(i64::from(e));
+                    power = power + exponent;
+                    has_positive |= !exponent.is_negative();
+                    has_negative |= exponent.is_negative();
+                    // whether its limit is zero is to be found anew
+                    is_simpler |= matches!(node, Node::Function(Function::RecipOrZero, _));
+                }
+                (None, Node::Product(inner)) => {
+                    pending.extend(inner.iter().map(|&(id, k)| (id, k.saturating_mul(e))));
+                }
+                (None, Node::Sum(sum)) if sum.is_scaled_term() => {
+                    let (term, number) = sum.terms[0];
+                    rest.push((arena.number(number.powi(e)).id, 1));
+                    pending.push((term, e));
+                }
+                (None, _) => rest.push((factor, e)),
+            }
+        }
+        is_simpler |= has_positive && has_negative;
+        Monomial { power, rest, has_positive, is_simpler }
+    }
+
+    /// Takes the root out of the denominators in the sums among the factors: `r (x/r + y) = r r⁻¹ (x + y r)`.
+    fn take_denominators_out(&mut self, arena: &Arena, monomial: &mut Monomial) {
+        for place in 0..monomial.rest.len() {
+            let (factor, e) = monomial.rest[place];
+            let inner = match arena.node(factor) {
+                Node::Held(inner) => inner,
+                _ => factor,
+            };
+            let Node::Sum(sum) = arena.node(inner) else { continue };
+            if e != 1 || !self.is_divided(arena, factor) {
+                continue;
+            }
+            let terms: Vec<(Monomial, Number)> =
+                sum.terms.iter().map(|&(term, c)| (self.monomial(arena, &[(term, 1)]), c)).collect();
+            let powers = terms.iter().map(|(term, _)| term.power);
+            let Some(least) = powers.reduce(|a, b| if b < a { b } else { a }) else { continue };
+            if !least.is_negative() {
+                continue;
+            }
+            let terms: Vec<_> = terms
+                .into_iter()
+                .map(|(Monomial { power, rest, .. }, c)| {
+                    let of_base = self.power(arena, power + -least);
+                    (arena.product(Number::ONE, rest.into_iter().chain([(of_base, 1)])), c)
+                })
+                .chain((!sum.constant.is_zero()).then(|| (self.power(arena, -least), sum.constant)))
+                .collect();
+            monomial.rest[place].0 = arena.sum(Number::ZERO, terms);
+            monomial.power = monomial.power + least;
+            monomial.is_simpler = true;
+        }
+    }
+
+    /// Whether it is an odd function of the root, times what depends on its square alone.
+    fn is_odd(&mut self, arena: &Arena, root: Id) -> bool {
+        for id in unknown(arena, root, &self.odd) {
+            let is_odd = match (self.exponent(arena, id), arena.node(id)) {
+                (Some(exponent), _) => exponent >= half(),
+                (None, Node::Held(inner)) => self.odd[&inner],
+                (None, Node::Sum(sum)) => {
+                    sum.constant.is_zero() && sum.terms.iter().all(|(term, _)| self.odd[term])
+                }
+                (None, Node::Product(factors)) => {
+                    factors.iter().any(|(factor, e)| *e > 0 && self.odd[factor])
+                }
+                (None, Node::Function(Function::Acos, x)) => radicand_of_acos(arena, x) == self.base,
+                (None, Node::Function(function, x)) => function.is_odd() && self.odd[&x],
+                (None, Node::Atan2(y, _)) => self.odd[&y],
+                (None, Node::Number(_) | Node::Symbol(_) | Node::Power(..)) => false,
+            };
+            self.odd.insert(id, is_odd);
+        }
+        self.odd[&root]
+    }
+
+    /// The quotient of what is odd by the root.
+    fn over_root(&mut self, arena: &Arena, id: Id) -> Id {
+        if let Some(exponent) = self.exponent(arena, id) {
+            return self.power(arena, exponent + -half());
+        }
+        let expr = |id: Id| arena.expr(id);
+        let one = arena.one();
+        // θ/sin θ over ρ, at cos θ = w/ρ: the angle over y, where y = ρ sin θ
+        let angle = |w: Expr<'_>, squared: Id| {
+            let rho = expr(squared).sqrt();
+            arena.function(Function::AngleOverSine(0), (expr(w.id) / rho).id)
+        };
+        match arena.node(id) {
+            Node::Held(inner) => self.over_root(arena, inner),
+            Node::Sum(sum) => {
+                let terms: Vec<_> = sum.terms.iter().map(|&(x, c)| (self.over_root(arena, x), c)).collect();
+                arena.sum(Number::ZERO, terms)
+            }
+            Node::Product(factors) => {
+                let mut factors = factors.to_vec();
+                let place = factors.iter().position(|&(factor, e)| e > 0 && self.is_odd(arena, factor));
+                if let Some(place) = place {
+                    factors[place].1 -= 1;
+                    let quotient = self.over_root(arena, factors[place].0);
+                    factors.push((quotient, 1));
+                }
+                arena.product(Number::ONE, factors)
+            }
+            Node::Function(Function::Acos, x) => arena.function(Function::AngleOverSine(0), x),
+            Node::Function(function, x) => {
+                let z = expr(x).powi(2);
+                let smooth = match function {
+                    Function::Sin => z.stumpff(1),
+                    Function::Sinh => (-z).stumpff(1),
+                    Function::Tan => z.stumpff(1) / z.stumpff(0),
+                    Function::Tanh => (-z).stumpff(1) / (-z).stumpff(0),
+                    Function::Asin => (one - z).sqrt().apply(Function::AngleOverSine(0)),
+                    _ => expr(angle(one, (one + z).id)) / (one + z).sqrt(),
+                };
+                (smooth * expr(self.over_root(arena, x))).id
+            }
+            Node::Atan2(y, x) => {
+                let squared = expr(y).powi(2) + expr(x).powi(2);
+                (expr(angle(expr(x), squared.id)) / squared.sqrt() * expr(self.over_root(arena, y))).id
+            }
+            _ => id,
+        }
+    }
+}
+
+/// A power of the base times other factors.
+struct Monomial {
+    power: Number,
+    rest: Vec<(Id, i32)>,
+    /// Whether some of the powers of the base are positive.
+    has_positive: bool,
+    /// Whether it is simpler than what it was made of.
+    is_simpler: bool,
+}
+
+impl Monomial {
+    /// Divides by a product, if all factors of it are there.
+    fn divide(&mut self, by: &[(Id, i32)]) -> bool {
+        let exponent =
+            |id: Id| self.rest.iter().filter(|(factor, _)| *factor == id).map(|(_, e)| e).sum::<i32>();
+        if by.iter().any(|&(id, e)| e > 0 && exponent(id) < e) {
+            return false;
+        }
+        self.rest.extend(by.iter().map(|&(id, e)| (id, -e)));
+        let mut merged: BTreeMap<Id, i32> = BTreeMap::new();
+        self.rest.iter().for_each(|&(id, e)| *merged.entry(id).or_default() += e);
+        self.rest = merged.into_iter().filter(|&(_, e)| e != 0).collect();
+        true
+    }
+}
+
+/// What a node is made of and nothing is known of, itself included; operands before what is made of them.
+fn unknown<T>(arena: &Arena, id: Id, known: &FxHashMap<Id, T>) -> BTreeSet<Id> {
+    let mut unknown = BTreeSet::new();
+    let mut pending = vec![id];
+    while let Some(id) = pending.pop() {
+        if !known.contains_key(&id) && unknown.insert(id) {
+            pending.extend(arena.node(id).operands());
+        }
+    }
+    unknown
+}
+
+/// The order of a power of something of an order. What may vanish faster than is known has a reciprocal without bound.
+fn powered(order: f64, exponent: f64) -> f64 {
+    match (order > 0.0, exponent > 0.0) {
+        (_, true) => order * exponent,
+        (true, false) => UNBOUNDED,
+        (false, false) => 0.0,
+    }
+}
+
+/// What the root is taken of in the derivative of an arc cosine.
+fn radicand_of_acos(arena: &Arena, x: Id) -> Id {
+    (arena.one() - arena.expr(x).powi(2)).id
+}
+
+/// Whether a term is an even power of something times squares, constants and what is positive; and of what, if there is
+/// one such power.
+fn square(arena: &Arena, term: Id) -> Option<Option<(Id, i32)>> {
+    let factors = match arena.node(term) {
+        Node::Product(factors) => factors.to_vec(),
+        _ => vec![(term, 1)],
+    };
+    let is_constant = |id: Id| arena.expr(id).stage() == Stage::Parameters;
+    let others: Vec<_> =
+        factors.into_iter().filter(|&(id, _)| !is_constant(id) && !arena.is_positive(id)).collect();
+    if others.iter().any(|&(id, e)| e % 2 != 0 && !arena.is_nonnegative(id)) {
+        return None;
+    }
+    match others[..] {
+        [(factor, e)] if e > 0 => Some(Some((factor, e))),
+        _ => Some(None),
+    }
+}
