@@ -17,14 +17,18 @@ pub struct Around {
     pub configuration: Vec<usize>,
     /// The places of momenta, then of advected parameters: in tangent vectors, and in the state's array.
     pub linear: Vec<[usize; 2]>,
+    /// The places of the state's numbers, by blocks that have a unit in common.
+    pub blocks: Vec<Vec<usize>>,
 }
 
 impl Around {
     /// What lies around this state. None if the displacements there make no local coordinates.
     pub fn state(system: &dyn System, state: &[f64], time: f64, control: &[f64]) -> Option<Self> {
-        let Frame { rate, scale, configuration, linear, .. } = Frame::new(system, state, control, time)?;
+        let frame = Frame::new(system, state, control, time)?;
+        let blocks = frame.blocks(state);
+        let Frame { rate, scale, configuration, linear, .. } = frame;
         let linear = linear.iter().map(|linear| [linear.tangent, linear.component]).collect();
-        Some(Self { rate, scale, configuration, linear })
+        Some(Self { rate, scale, configuration, linear, blocks })
     }
 
     /// The state with its configurations displaced by multiples of their scales.

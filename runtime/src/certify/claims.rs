@@ -189,6 +189,7 @@ impl<S: Geometry<Scalar = f64>, M: Claims<S>> Claims<S> for RightLift<M> {
 
     fn kernels(probe: &mut Probe<'_>, step: f64) {
         M::kernels(probe, step);
+        probe.carries();
     }
 }
 

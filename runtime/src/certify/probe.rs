@@ -19,7 +19,8 @@ pub struct Probe<'a> {
 enum Sought {
     /// Newton corrections, at the first state: the largest difference so far, if there was anything to solve for.
     Corrections(Option<f64>),
-    /// The state after all the kernels, unless an equation could not be solved, how many kernels there were, and how their equations are solved.
+    /// The state after all the kernels, unless an equation could not be solved, how many kernels there were, and how
+    /// their equations are solved.
     End(Option<Rest>, usize, Solver),
 }
 
@@ -46,8 +47,8 @@ pub(super) fn by_all_ways(trial: &mut Trial<'_>) -> Option<Solved> {
 }
 
 impl<'a> Probe<'a> {
-    /// The largest difference between Newton corrections of the kernels and those that a Jacobian of differences makes, if there is anything
-    /// to solve for.
+    /// The largest difference between Newton corrections of the kernels and those that a Jacobian of differences makes,
+    /// if there is anything to solve for.
     pub(super) fn corrections(
         parameters: &'a [f64],
         (state, time, control): (&[f64], f64, &'a [f64]),
@@ -62,7 +63,8 @@ impl<'a> Probe<'a> {
         }
     }
 
-    /// The state after steps with the kernels, in turns. None if there are no kernels, or one's equation could not be solved.
+    /// The state after steps with the kernels, in turns. None if there are no kernels, or one's equation could not be
+    /// solved.
     pub(super) fn end(
         parameters: &'a [f64],
         (state, time, control): (&[f64], f64, &'a [f64]),
@@ -86,6 +88,14 @@ impl<'a> Probe<'a> {
         self.look(&*equation, step);
     }
 
+    /// Momenta are carried in space, and brought back into the body: what that may round away, besides what the kernels
+    /// do.
+    pub(super) fn carries(&mut self) {
+        if let Sought::End(Some(Rest { allowed, .. }), ..) = &mut self.sought {
+            allowed.iter_mut().zip(&self.state).for_each(|(sum, x)| *sum += CARRIED * f64::EPSILON * x.abs());
+        }
+    }
+
     /// Where equations are looked at, of a step of this length.
     pub(super) fn at(&self, step: f64) -> At<'_> {
         At { step, state: &self.state, time: self.time, control: self.control }
@@ -101,7 +111,8 @@ impl<'a> Probe<'a> {
             }
             Sought::End(rest, kernels, solver) => {
                 let end = rest.take().and_then(|Rest { left, mut allowed }| {
-                    let mut trial = Trial::new(equation, parameters, &At { step, state, time, control }, &left);
+                    let mut trial =
+                        Trial::new(equation, parameters, &At { step, state, time, control }, &left);
                     let solved = solver(&mut trial)?;
                     // of steps that are short what one may be off by is handed on as it is
                     allowed.iter_mut().zip(trial.allowed(&solved)).for_each(|(sum, more)| *sum += more);
@@ -119,8 +130,16 @@ impl<'a> Probe<'a> {
     }
 }
 
-/// How often a point and its neighbours are brought nearer, if the residual is not finite there: it may be the edge of a domain.
+/// What a rotation there and one back may round away, in units in the last place: some sixteen operations each, half a
+/// unit each.
+const CARRIED: f64 = 16.0;
+/// How often a point and its neighbours are brought nearer, if the residual is not finite there: it may be the edge of
+/// a domain.
 const NEARER: i32 = 12;
+
+/// How often they are then brought nearer still, unless corrections agree to so many digits.
+const AGAIN: usize = 4;
+const ENOUGH: f64 = 1e-9;
 
 /// The residual, where it is finite.
 fn residual(equation: &dyn Equation, unknown: &[f64]) -> Option<DVector<f64>> {
@@ -128,8 +147,8 @@ fn residual(equation: &dyn Equation, unknown: &[f64]) -> Option<DVector<f64>> {
     residual.iter().all(|x| x.is_finite()).then(|| DVector::from_vec(residual))
 }
 
-/// Where corrections are looked at from: the first approximation, or, if that says nothing, on the way to where its correction leads. None if the
-/// residual is finite nowhere there.
+/// Where corrections are looked at from: the first approximation, or, if that says nothing, on the way to where its
+/// correction leads. None if the residual is finite nowhere there.
 fn origin(equation: &dyn Equation) -> Option<Vec<f64>> {
     let start = equation.start();
     residual(equation, &start)?;
@@ -144,8 +163,9 @@ fn origin(equation: &dyn Equation) -> Option<Vec<f64>> {
         .or(Some(start))
 }
 
-/// The difference between an equation's Newton correction and the one that a Jacobian of differences makes, at a point off the solution. None if there
-/// is nothing to solve for, or no such point in whose neighbourhood the residual is finite.
+/// The difference between an equation's Newton correction and the one that a Jacobian of differences makes, at a point
+/// off the solution. None if there is nothing to solve for, or no such point in whose neighbourhood the residual is
+/// finite.
 fn compare(equation: &dyn Equation) -> Option<f64> {
     let origin = origin(equation)?;
     let largest = origin.iter().fold(0.0, |x: f64, y| x.max(y.abs()));
@@ -155,7 +175,18 @@ fn compare(equation: &dyn Equation) -> Option<f64> {
     if scales.is_empty() {
         return None;
     }
-    (0..NEARER).find_map(|quarterings| compare_at(equation, &origin, &scales, 0.25_f64.powi(quarterings)))
+    let mut figures = (0..NEARER)
+        .map(|quarterings| compare_at(equation, &origin, &scales, 0.25_f64.powi(quarterings)))
+        .skip_while(Option::is_none);
+    // near an edge differences have few digits: what is wrong is so nearer by too
+    let mut least = figures.next()??;
+    for figure in figures.take(AGAIN).flatten() {
+        if !(least > ENOUGH) {
+            break;
+        }
+        least = if figure <= least { figure } else { least };
+    }
+    Some(least)
 }
 
 /// The same at a point so far off, as a part of these scales; none if the residual is not finite all around it.

@@ -1,6 +1,7 @@
 //! Warm steps: every step is a map, whatever the stepper remembers of earlier ones.
 //!
-//! A stepper is kept as users keep it, and its steps are held against the same steps from equations that are solved in twice the digits.
+//! A stepper is kept as users keep it, and its steps are held against the same steps from equations that are solved in
+//! twice the digits.
 
 use super::frame::larger;
 use super::measure::{Figure, STEP, Sample, Trouble};
@@ -10,10 +11,11 @@ use crate::method::Clock;
 use crate::retraction::Map;
 use crate::stepper::check_step;
 
-/// Steps of ordinary motion: so many that the solver looks three times, ever more rarely, at how it predicts and when it may stop, and then
-/// goes on for as long as it ever does without looking.
+/// Steps of ordinary motion: so many that the solver looks three times, ever more rarely, at how it predicts and when
+/// it may stop, and then goes on for as long as it ever does without looking.
 const ORDINARY: usize = 2_500;
-/// Of them, the first are all compared; later every so many, and those that take another number of iterations than the one before.
+/// Of them, the first are all compared; later every so many, and those that take another number of iterations than the
+/// one before.
 const FIRST: usize = 40;
 const EVERY: usize = 47;
 /// But not more of these than one in so many.
@@ -71,8 +73,8 @@ impl<'a, 'b> Warm<'a, 'b> {
         })
     }
 
-    /// Takes a step, and compares it, always or if it took other iterations than the last one. `false` if it cannot be taken, not even by a
-    /// stepper that remembers nothing.
+    /// Takes a step, and compares it, always or if it took other iterations than the last one. `false` if it cannot be
+    /// taken, not even by a stepper that remembers nothing.
     fn step(&mut self, control: &[f64], always: bool) -> Result<bool, Trouble> {
         let time = self.clock.after(0);
         let outcome = self.method.advance(&self.state, &mut self.next, time, control, self.is_known);
@@ -160,8 +162,8 @@ impl Sample<'_> {
         Ok(warm.worst)
     }
 
-    /// From the state with each momentum and each advected parameter zero in turn, and with all momenta zero, where the motion is finite there: steps
-    /// of new steppers.
+    /// From the state with each momentum and each advected parameter zero in turn, and with all momenta zero, where the
+    /// motion is finite there: steps of new steppers.
     pub(super) fn zeros(&self) -> Figure {
         let linear = &self.frame.linear;
         let momenta = self.frame.configuration.len();
@@ -226,7 +228,8 @@ impl Sample<'_> {
         Ok(worst)
     }
 
-    /// What a control is large next to: what all those of its kind are, or else what moves the system as much as it moves by itself.
+    /// What a control is large next to: what all those of its kind are, or else what moves the system as much as it
+    /// moves by itself.
     fn control_scale(&self, index: usize) -> f64 {
         let mut offset = 0;
         for quantity in self.description.controls {

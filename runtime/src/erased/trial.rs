@@ -1,11 +1,12 @@
 //! Steps on trial: their equations solved in twice the digits, and what rounding may leave of where they lead.
 //!
-//! That an equation has a solution, and which, is found here by other rules than the solver's: residuals in twice the digits, corrections until they
-//! are nothing next to what rounding moves the solution by.
+//! That an equation has a solution, and which, is found here by other rules than the solver's: residuals in twice the
+//! digits, corrections until they are nothing next to what rounding moves the solution by.
 //!
-//! What rounding may leave is a bound to first order. Of the residual it is the sum of what each operation rounds away, magnified by those after it,
-//! from the parameters on; of the solution the inverse Jacobian's magnitude times that; and of the next state what the solution's error
-//! brings, and what the operations do that lead there. A step that ends within it is as good as one that is computed with these operations can be.
+//! What rounding may leave is a bound to first order. Of the residual it is the sum of what each operation rounds away,
+//! magnified by those after it, from the parameters on; of the solution the inverse Jacobian's magnitude times that;
+//! and of the next state what the solution's error brings, and what the operations do that lead there. A step that ends
+//! within it is as good as one that is computed with these operations can be.
 
 use std::vec::Vec;
 
@@ -24,7 +25,8 @@ const LITTLE: f64 = 1.0;
 const PARTS: [u32; 4] = [4, 16, 64, 256];
 /// What is left of a correction, relative to the unknown, on the way.
 const ON_THE_WAY: f64 = 1e-4;
-/// How far a part of the way leads, relative to the unknown, at most: one that leads farther may have come to another path.
+/// How far a part of the way leads, relative to the unknown, at most: one that leads farther may have come to another
+/// path.
 const STRIDE: f64 = 0.25;
 /// By how much more than rounding the unknown is moved, for its effect to stand out.
 const MAGNIFIED: f64 = 65_536.0;
@@ -58,11 +60,11 @@ impl Solved {
 /// How far a step has ended from where it should have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// In units of what rounding may leave, in the component where that is most.
+    /// In units of what rounding may leave, in the block where that is most.
     pub of_rounding: f64,
-    /// That component.
-    pub component: usize,
-    /// What rounding may leave of it, relative to the largest number of the state's quantities.
+    /// The number of that block.
+    pub block: usize,
+    /// What rounding may leave of it, relative to its largest number.
     pub allowed: f64,
 }
 
@@ -88,7 +90,8 @@ impl<'a> Trial<'a> {
         self.solved(start)
     }
 
-    /// The solution to which a path leads along which the residual at the first approximation is taken away, part by part.
+    /// The solution to which a path leads along which the residual at the first approximation is taken away, part by
+    /// part.
     pub fn continued(&mut self) -> Option<Solved> {
         PARTS.into_iter().find_map(|parts| {
             let end = self.path(parts)?;
@@ -117,16 +120,20 @@ impl<'a> Trial<'a> {
         allowed
     }
 
-    /// How far a state is from the one to which a solution leads.
-    pub fn units(&mut self, solved: &Solved, next: &[f64]) -> Units {
-        let size = next.iter().fold(LEAST, |size, x| size.max(x.abs()));
+    /// How far a state is from the one to which a solution leads, in these blocks of numbers of one unit each: the
+    /// digits of a block are those of its largest number.
+    pub fn units(&mut self, solved: &Solved, next: &[f64], blocks: &[Vec<usize>]) -> Units {
         let allowed = self.allowed(solved);
-        let mut worst = Units { of_rounding: 0.0, component: 0, allowed: 0.0 };
-        for (component, ((next, should), allowed)) in next.iter().zip(&solved.next).zip(&allowed).enumerate() {
-            let off = (Wide::exactly(*next) - *should).parts()[0].abs();
+        let off = |i: usize| (Wide::exactly(next[i]) - solved.next[i]).parts()[0].abs();
+        let mut worst = Units { of_rounding: 0.0, block: 0, allowed: 0.0 };
+        for (block, places) in blocks.iter().enumerate() {
+            let most = |of: &dyn Fn(usize) -> f64| {
+                places.iter().fold(0.0, |most: f64, i| if of(*i) <= most { most } else { of(*i) })
+            };
+            let (off, allowed, size) = (most(&off), most(&|i| allowed[i]), most(&|i| next[i].abs()));
             let of_rounding = off / allowed.max(f64::EPSILON * LEAST);
             if !(of_rounding <= worst.of_rounding) {
-                worst = Units { of_rounding, component, allowed: allowed / size };
+                worst = Units { of_rounding, block, allowed: allowed / size.max(LEAST) };
             }
         }
         worst
@@ -150,8 +157,9 @@ impl<'a> Trial<'a> {
         ends.map(|end| end.iter().map(|x| f64::EPSILON * x.error).collect())
     }
 
-    /// Where the rounding of each component of the residual, as much as in its whole block, moves the solution, and that of each component of the
-    /// unknown: blocks are solved to the digits of their largest numbers. None where the Jacobian is singular.
+    /// Where the rounding of each component of the residual, as much as in its whole block, moves the solution, and
+    /// that of each component of the unknown: blocks are solved to the digits of their largest numbers. None where the
+    /// Jacobian is singular.
     fn moved(&mut self, unknown: &[f64]) -> Option<Vec<Vec<f64>>> {
         let [residual, _] = self.rounding(unknown);
         let blocks = self.equation.blocks();
@@ -200,9 +208,10 @@ impl<'a> Trial<'a> {
                 return None;
             }
             let uncertain = sums(blocks, &self.uncertain(&here)?);
-            let left = sums(blocks, &correction).iter().zip(&uncertain).fold(0.0_f64, |left, (correction, u)| {
-                left.max(correction / u.max(f64::EPSILON * LEAST))
-            });
+            let left = sums(blocks, &correction)
+                .iter()
+                .zip(&uncertain)
+                .fold(0.0_f64, |left, (correction, u)| left.max(correction / u.max(f64::EPSILON * LEAST)));
             unknown = plus(&unknown, -1.0, &correction);
             if left <= NOTHING || (left <= LITTLE && left >= 0.25 * last) || here.is_empty() {
                 let [_, next] = self.wide.evaluate(&self.state, &unknown);
@@ -231,10 +240,12 @@ impl<'a> Trial<'a> {
                 let [_, correction] = self.equation.correction(&here, Some(&residual));
                 unknown = plus(&unknown, -1.0, &correction);
                 let (before, after) = (sums(blocks, &here), sums(blocks, &parts(&unknown, 0)));
-                let moves = sums(blocks, &correction).iter().zip(before.iter().zip(after)).fold(
-                    0.0_f64,
-                    |moves, (by, (before, after))| moves.max(by / before.max(after).max(LEAST)),
-                );
+                let moves = sums(blocks, &correction)
+                    .iter()
+                    .zip(before.iter().zip(after))
+                    .fold(0.0_f64, |moves, (by, (before, after))| {
+                        moves.max(by / before.max(after).max(LEAST))
+                    });
                 let strides = is_first && part > 1 && moves > STRIDE;
                 if strides || !(moves < last || moves <= ON_THE_WAY) {
                     return None;

@@ -754,7 +754,8 @@ fn what_is_nowhere_a_number_is_not_measured() {
     let (charge, _) = fast_charges();
     // lighter than nothing, and slower than everything
     let none = FastCharge { light: 1e-160, ..charge };
-    let state = FastChargeState { position: vector![0.4, -0.3, 0.8], position_momentum: vector![0.1, 0.2, 0.3] };
+    let state =
+        FastChargeState { position: vector![0.4, -0.3, 0.8], position_momentum: vector![0.1, 0.2, 0.3] };
     // there are no steps to measure anything else with
     match certify::<Midpoint, _>(&none, &[state]) {
         Ok(report) => {
@@ -772,9 +773,15 @@ fn states_with_zeros_are_measured() {
     let report = passes::<Midpoint, _>(&top, &states, &[]);
     let zeros = report.certificate("zeros").unwrap();
     assert_eq!(zeros.verdict, Verdict::Passed);
-    let gyrostat = Gyrostat { mobility: Matrix3::from_diagonal(&vector![1.0, 0.5, 0.4]), rotor: vector![0.3, 0.0, -2.0] };
+    let gyrostat = Gyrostat {
+        mobility: Matrix3::from_diagonal(&vector![1.0, 0.5, 0.4]),
+        rotor: vector![0.3, 0.0, -2.0],
+    };
     let states = [GyrostatState { attitude: turned(0.3, -0.7, 1.1), momentum: vector![0.4, -0.8, 1.5] }];
-    assert_eq!(passes::<Midpoint, _>(&gyrostat, &states, &[]).certificate("zeros").unwrap().verdict, Verdict::Passed);
+    assert_eq!(
+        passes::<Midpoint, _>(&gyrostat, &states, &[]).certificate("zeros").unwrap().verdict,
+        Verdict::Passed
+    );
 }
 
 #[test]

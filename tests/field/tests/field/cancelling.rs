@@ -12,6 +12,7 @@ use coadjoint_app::Example;
 use coadjoint_support::random::Random;
 use coadjoint_systems::satellite_with_wheels::{SatelliteWithWheels, SatelliteWithWheelsState};
 
+use crate::campaign::Subject;
 use crate::runs::{Runs, scheme, steer, walk};
 
 /// A body with a rotor whose angular momentum stays as it is.
@@ -320,4 +321,23 @@ fn the_catalogues_satellite_points_for_days() {
         runs.close(format!("{what}, off target"), farthest, 0.0, 1e-12);
     }
     runs.assert();
+}
+
+/// For the [campaign](crate::campaign).
+pub(crate) fn subjects() -> Vec<Subject> {
+    vec![
+        Subject::of(
+            Gyrostat { inertia: INERTIA, rotor: SPIN },
+            &GyrostatState { attitude: UnitQuaternion::identity(), momentum: vector![3.0, -7.0, 20.0] },
+        ),
+        Subject::of(
+            Pointing { inertia: vector![12.0, 14.0, 9.0], wheel: 2e-3 },
+            &PointingState {
+                attitude: UnitQuaternion::identity(),
+                attitude_momentum: vector![0.3, -0.2, 0.5],
+                wheels: Vector3::zeros(),
+                wheels_momentum: vector![0.2, -0.4, 0.3],
+            },
+        ),
+    ]
 }

@@ -4,6 +4,7 @@
 use coadjoint::Discretized;
 use coadjoint::prelude::*;
 
+use crate::campaign::Subject;
 use crate::runs::{Runs, scheme, walk};
 
 /// Two craft on a tether, in orbit: the earth is at the origin.
@@ -198,4 +199,17 @@ fn a_body_that_is_held_far_away() {
     held_far_away::<Exponential>(&mut runs);
     held_far_away::<Midpoint>(&mut runs);
     runs.assert();
+}
+
+/// For the [campaign](crate::campaign).
+pub(crate) fn subjects() -> Vec<Subject> {
+    vec![Subject::of(
+        Tether { mass: 100.0, mu: MU, stiffness: 10.0, rest: 1_000.0 },
+        &TetherState {
+            a: vector![7e6, 0.0, 0.0],
+            a_momentum: vector![0.0, 7.5e5, 0.0],
+            b: vector![7.001e6, 0.0, 0.0],
+            b_momentum: vector![0.0, 7.5e5, 10.0],
+        },
+    )]
 }

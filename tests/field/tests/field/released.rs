@@ -6,6 +6,7 @@ use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_support::random::Random;
 
+use crate::campaign::Subject;
 use crate::runs::{Runs, scheme, steer, walk};
 
 /// A cart with a pole.
@@ -369,4 +370,12 @@ fn a_hull_whose_centre_is_elsewhere() {
         }
     }
     runs.assert();
+}
+
+/// For the [campaign](crate::campaign).
+pub(crate) fn subjects() -> Vec<Subject> {
+    vec![Subject::of(
+        CART,
+        &CartPoleState { cart_momentum: vector![0.3], pole_momentum: vector![0.1], ..at_rest(0.4) },
+    )]
 }

@@ -3,6 +3,7 @@
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 
+use crate::campaign::Subject;
 use crate::runs::{Runs, scheme, steer, walk};
 
 /// A top with friction; without weight it is a body that comes to rest anywhere.
@@ -286,4 +287,17 @@ fn a_quadrotor_that_hovers() {
     quad::<Exponential>(&mut runs);
     quad::<Midpoint>(&mut runs);
     runs.assert();
+}
+
+/// For the [campaign](crate::campaign).
+pub(crate) fn subjects() -> Vec<Subject> {
+    vec![Subject::of(
+        Crane { gravity: 9.81, stiffness: 3.0, friction: 0.3 },
+        &CraneState {
+            cart: vector![0.5],
+            cart_momentum: vector![0.1],
+            load: UnitComplex::new(-0.5),
+            load_momentum: vector![0.2],
+        },
+    )]
 }

@@ -5,6 +5,7 @@ use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_support::random::Random;
 
+use crate::campaign::Subject;
 use crate::runs::{Runs, scheme, walk};
 
 /// A satellite with a mass on a spring, along an axis of its own.
@@ -164,4 +165,23 @@ fn an_arm_on_a_floating_base() {
     let mut runs = Runs::default();
     check::<Order4<Cayley>, _>(&mut runs, &arm, start, momenta, (200, 0.01, 3_000), 1e-6);
     runs.assert();
+}
+
+/// For the [campaign](crate::campaign).
+pub(crate) fn subjects() -> Vec<Subject> {
+    vec![Subject::of(
+        Sprung {
+            inertia: vector![1.0, 2.0, 2.5],
+            mass: 0.4,
+            stiffness: 5.0,
+            rest: 0.3,
+            axis: vector![0.6, 0.0, 0.8],
+        },
+        &SprungState {
+            attitude: UnitQuaternion::identity(),
+            attitude_momentum: vector![0.4, -0.2, 0.3],
+            slider: vector![0.4],
+            slider_momentum: vector![0.1],
+        },
+    )]
 }

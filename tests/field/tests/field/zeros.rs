@@ -4,6 +4,7 @@ use coadjoint::derivative::{WrtControl, WrtState};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 
+use crate::campaign::Subject;
 use crate::runs::{Runs, scheme, steer, walk};
 
 /// A ball in the air.
@@ -510,4 +511,29 @@ fn a_mass_on_a_spring_with_drag() {
         }
     }
     runs.assert();
+}
+
+/// For the [campaign](crate::campaign).
+pub(crate) fn subjects() -> Vec<Subject> {
+    vec![
+        Subject::of(
+            Quad {
+                inertia: vector![0.02, 0.02, 0.04],
+                mass: 1.3,
+                gravity: 9.81,
+                drag: 0.05,
+                spin_drag: 0.001,
+            },
+            &QuadState {
+                attitude: UnitQuaternion::identity(),
+                attitude_momentum: vector![0.01, -0.02, 0.01],
+                position: vector![1.0, -0.5, 1.0],
+                position_momentum: vector![0.3, 1.0, -0.4],
+            },
+        ),
+        Subject::of(
+            Cubic { mass: 1.0, stiffness: 4.0 },
+            &CubicState { position: vector![0.4, -0.3, 0.2], momentum: vector![0.1, 0.3, -0.2] },
+        ),
+    ]
 }
