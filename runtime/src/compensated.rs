@@ -120,7 +120,7 @@ impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
         let same = state.as_ref().iter().zip(self.state.as_ref());
         let same = same.fold(T::Mask::splat(known), |same, (x, wide)| same & x.is_same(wide.parts()[0]));
         let wide: S::StateComponents<Wide<T>> = widened(state);
-        let wide = crate::solve::norm::select::<Wide<T>, _>(same, &self.state, &wide);
+        let wide = crate::scalar::blocks::select::<Wide<T>, _>(same, &self.state, &wide);
         match self.base.advance(&wide, Double::exactly(time), &widened(control), same.all()) {
             Ok(advanced) => Ok(self.remember(advanced)),
             Err(Failure { errors, advanced }) => {

@@ -8,7 +8,7 @@
 
 use crate::bytecode::{self, Function, Given};
 use crate::scalar::bounded::Bounded;
-use crate::scalar::{Batch, Components, OutOfLine, Scalar, Work};
+use crate::scalar::{Batch, Components, Mask, OutOfLine, Scalar, Work};
 
 /// The step's equation `left(x) = right(x)`, evaluated at one `x`.
 #[derive(Clone, Copy, Debug)]
@@ -187,6 +187,15 @@ impl<T: Scalar, K: Kernel<T>> AtState<'_, T, K> {
         self.kernel.evaluate(self.state, self.step, unknown)
     }
 
+    /// The same, out of line: where it comes rarely, and in lanes, where it is long.
+    #[inline(always)]
+    pub(crate) fn evaluate_apart(&self, unknown: &K::Unknown) -> Evaluation<K::Unknown, K::Iterate>
+    where
+        T: Batch,
+    {
+        T::dispatch(Evaluate { equation: self, unknown })
+    }
+
     /// See [`Kernel::correction`].
     #[inline(always)]
     pub(crate) fn correction(
@@ -222,6 +231,22 @@ impl<T: Batch, K: Kernel<T>> Equation<T, K::Unknown> for AtState<'_, T, K> {
 
     extern "C" fn roundoff(&self, unknown: &K::Unknown, lane: usize) -> K::Unknown {
         K::portable(Roundoff { equation: self, unknown, lane })
+    }
+}
+
+/// [`AtState::evaluate_apart`].
+struct Evaluate<'a, T: Batch, K: Kernel<T>> {
+    equation: &'a AtState<'a, T, K>,
+    unknown: &'a K::Unknown,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Evaluate<'_, T, K> {
+    type Home = K;
+    type Result = Evaluation<K::Unknown, K::Iterate>;
+
+    #[inline(always)]
+    fn done(self) -> Self::Result {
+        self.equation.evaluate(self.unknown)
     }
 }
 
@@ -283,4 +308,63 @@ impl<T: Batch, K: Kernel<T>> Work for Roundoff<'_, T, K> {
         });
         bound
     }
+}
+
+/// Whether a solution is inside the retraction's domain.
+#[inline(always)]
+pub(crate) fn is_inside<T: Batch, K: Kernel<T>>(
+    kernel: &K,
+    state: &K::State,
+    step: &K::Step,
+    unknown: &K::Unknown,
+    evaluation: &Evaluation<K::Unknown, K::Iterate>,
+) -> T::Mask {
+    match kernel.domain(state, step, unknown, evaluation) {
+        Some(margin) => T::of(0.0).lt(margin),
+        None => T::Mask::splat(true),
+    }
+}
+/// Whether all numbers of a lane are finite after a step, of which state and solution were; not so if their sum is too large.
+#[inline(always)]
+pub(crate) fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Control) -> T::Mask {
+    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+    let mut sums = [T::of(-0.0); 4];
+    let mut terms = 0;
+    let mut k = 0;
+    while k < K::State::LENGTH {
+        if !K::is_bounded(k) {
+            sums[terms % 4] = sums[terms % 4] + state.as_ref()[k];
+            terms += 1;
+        }
+        k += 1;
+    }
+    k = 0;
+    while k < K::Control::LENGTH {
+        sums[terms % 4] = sums[terms % 4] + control.as_ref()[k];
+        (terms, k) = (terms + 1, k + 1);
+    }
+    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).le(T::of(0.0))
+}
+
+/// Whether all numbers of a lane are finite.
+#[inline(always)]
+pub(crate) fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
+    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
+    let mut sums = [T::of(-0.0); 4];
+    let mut k = 0;
+    while k < C::LENGTH {
+        sums[k % 4] = sums[k % 4] + components.as_ref()[k];
+        k += 1;
+    }
+    let mut are_finite = ((sums[0] + sums[1]) + (sums[2] + sums[3])).is_finite();
+    if !are_finite.all() {
+        // the sum may be too large
+        are_finite = T::Mask::splat(true);
+        k = 0;
+        while k < C::LENGTH {
+            are_finite = are_finite & components.as_ref()[k].is_finite();
+            k += 1;
+        }
+    }
+    are_finite
 }

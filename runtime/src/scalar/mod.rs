@@ -4,6 +4,7 @@ use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 
+pub(crate) mod blocks;
 pub(crate) mod bounded;
 mod components;
 pub(crate) mod rows;

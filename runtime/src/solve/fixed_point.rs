@@ -5,12 +5,12 @@
 
 use super::constants::{FAR, ITERATIONS, NOISE, QUICK, SHARP, STRONG, TOLERANCE};
 use super::memory::{Memory, rate};
-use super::norm::{change, is_within, select};
 use super::{Solution, SolutionOf, count};
 use crate::kernel::{AtState, Kernel};
+use crate::scalar::blocks::{change, is_within, select};
 use crate::scalar::{Batch, Mask};
 
-/// Iterates from a guess, as long as iterations contract strongly; `first` is where the first one led to, if it was made.
+/// Iterates from a guess, in lanes where it is to be [tried](Memory::tries), as long as iterations contract strongly; `first` is where the first one led to, if it was made.
 ///
 /// What is left after an iteration is its change times the rate of contraction: that of the changes before, as long as these were more than
 /// rounding, or the one that was known before.
@@ -23,8 +23,8 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
 ) -> SolutionOf<T, K> {
     let AtState { kernel, state, step } = *equation;
     let none = T::Mask::splat(false);
-    let (mut point, mut unknown, mut evaluation) = (*guess, *guess, None);
-    let (mut solved, mut again) = (none, memory.is_strong() | T::Mask::splat(memory.is_due()));
+    let (mut point, mut unknown) = (*guess, *guess);
+    let (mut solved, mut again) = (none, memory.tries());
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
@@ -36,16 +36,16 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         residual = memory.tolerance;
         again = again & !solved;
     }
-    while again.any() {
+    let evaluation = loop {
         // the other lanes wait
         point = select(again, &unknown, &point);
-        let here = equation.evaluate(&point);
+        let evaluation =
+            if const { T::LANES > 1 } { equation.evaluate_apart(&point) } else { equation.evaluate(&point) };
         let next = if round == 0 && is_predicted {
-            kernel.fixed_point_update(state, step, &here.right)
+            kernel.fixed_point_update(state, step, &evaluation.right)
         } else {
-            kernel.cleared_update(state, step, &point, &here)
+            kernel.cleared_update(state, step, &point, &evaluation)
         };
-        evaluation = Some(here);
         unknown = select(again, &next, &unknown);
         round += 1;
         count::<T>(&mut iterations, again);
@@ -62,11 +62,10 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
         residual = T::select(is_last, now, residual);
         let contracts = now.le(T::of(STRONG) * last) | now.le(T::of(NOISE * T::EPSILON));
         again = again & !is_last & contracts & T::Mask::splat(round < ITERATIONS);
+        if !again.any() {
+            break evaluation;
+        }
         last = now;
-    }
-    let evaluation = match evaluation {
-        Some(evaluation) => evaluation,
-        None => equation.evaluate(&point),
     };
     let rate = rate(sharp);
     Solution { point, unknown, evaluation, solved, iterations, residual: rate * residual, rate }

@@ -62,6 +62,12 @@ impl<T: Batch, U: Components<T>> Memory<T, U> {
         self.rate.le(T::of(STRONG))
     }
 
+    /// The lanes in which iterations are to be tried: one at least, or there is nothing to be tried.
+    #[inline(always)]
+    pub(super) fn tries(&self) -> T::Mask {
+        self.is_strong() | T::Mask::splat(self.is_due())
+    }
+
     /// Whether the rate is to be measured: the iteration then begins at the latest solution, so far off that the rate shows.
     #[inline(always)]
     pub(super) fn is_due(&self) -> bool {

@@ -18,7 +18,6 @@ mod constants;
 mod fixed_point;
 mod memory;
 mod newton;
-pub(crate) mod norm;
 mod predictor;
 mod rescue;
 pub(crate) mod step;

@@ -1,60 +1,78 @@
 //! Newton's method on a step's equation.
 
 use super::constants::{FAR, NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
-use super::norm::{change, is_below, less, plus, relative, select};
 use super::{Solution, SolutionOf, count};
 use crate::kernel::{AtState, Equation, Kernel};
-use crate::scalar::{Batch, Components, Mask};
+use crate::scalar::blocks::{change, is_below, less, plus, relative, select};
+use crate::scalar::{Batch, Components, Mask, Work};
 
-/// Solves in the lanes that were not solved `before`, from `from` on; in others all stays as it is. Lanes in which the corrections do not lead to a solution,
-/// or to one that may not be the one that they lead to from the equation's own first approximation if they begin `elsewhere`, stay unsolved.
-#[inline(always)]
-pub(super) fn solve<T: Batch, K: Kernel<T>>(
-    equation: &AtState<'_, T, K>,
-    before: Option<&SolutionOf<T, K>>,
-    from: &K::Unknown,
-    elsewhere: T::Mask,
-    rate: T,
-) -> SolutionOf<T, K> {
-    let (mut point, mut solved) = (*from, T::Mask::splat(false));
-    let (mut iterations, mut residual) = (T::all(0), T::of(0.0));
-    if let Some(before) = before {
-        (solved, iterations, residual) = (before.solved, before.iterations, before.residual);
-        point = select(solved, &before.point, from);
-    }
-    let (mut open, first_solved) = (!solved, solved);
-    let (mut last, mut moved) = (T::of(FAR), T::of(1.0));
-    let mut round = 0;
-    let evaluation = loop {
-        let evaluation = equation.evaluate(&point);
-        let now = relative::<T, _>(K::BLOCKS, &evaluation.residual, &evaluation.right);
-        let mut done = open & is_rounding(now, moved);
-        residual = T::select(open, now, residual);
-        let stalls = open & !done & !now.le(T::of(PROGRESS) * last);
-        if stalls.any() {
-            let rounding = roundoff(equation, &point, stalls);
-            done = done | (stalls & is_below::<T, _>(K::BLOCKS, &evaluation.residual, &rounding));
-            // relative to the terms
-            let of_terms = T::of(T::EPSILON) * relative::<T, _>(K::BLOCKS, &evaluation.residual, &rounding);
-            residual = T::select(stalls, of_terms, residual);
+/// The lanes that were not solved `before`, solved from `from` on; in others all stays as it is. Lanes in which the corrections do not lead to a
+/// solution, or to one that may not be the one that they lead to from the equation's own first approximation if they begin `elsewhere`, stay
+/// unsolved.
+pub(super) struct Newton<'a, T: Batch, K: Kernel<T>> {
+    pub(super) equation: &'a AtState<'a, T, K>,
+    pub(super) before: Option<&'a SolutionOf<T, K>>,
+    pub(super) from: &'a K::Unknown,
+    pub(super) elsewhere: T::Mask,
+    pub(super) rate: T,
+}
+
+impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
+    type Home = K;
+    type Result = SolutionOf<T, K>;
+
+    #[inline(always)]
+    fn done(self) -> SolutionOf<T, K> {
+        let Self { equation, before, from, elsewhere, rate } = self;
+        let (mut point, mut solved) = (*from, T::Mask::splat(false));
+        let (mut iterations, mut residual) = (T::all(0), T::of(0.0));
+        if let Some(before) = before {
+            (solved, iterations, residual) = (before.solved, before.iterations, before.residual);
+            point = select(solved, &before.point, from);
         }
-        solved = solved | done;
-        open = open & !done & !stalls & T::Mask::splat(round < REGULAR);
-        if !open.any() {
-            break evaluation;
+        let (mut open, first_solved) = (!solved, solved);
+        let (mut last, mut moved) = (T::of(FAR), T::of(1.0));
+        let mut round = 0;
+        let evaluation = loop {
+            let evaluation = if const { T::LANES > 1 } {
+                equation.evaluate_apart(&point)
+            } else {
+                equation.evaluate(&point)
+            };
+            let now = relative::<T, _>(K::BLOCKS, &evaluation.residual, &evaluation.right);
+            let mut done = open & is_rounding(now, moved);
+            residual = T::select(open, now, residual);
+            let stalls = open & !done & !now.le(T::of(PROGRESS) * last);
+            if stalls.any() {
+                let rounding = roundoff(equation, &point, stalls);
+                done = done | (stalls & is_below::<T, _>(K::BLOCKS, &evaluation.residual, &rounding));
+                // relative to the terms
+                let of_terms =
+                    T::of(T::EPSILON) * relative::<T, _>(K::BLOCKS, &evaluation.residual, &rounding);
+                residual = T::select(stalls, of_terms, residual);
+            }
+            solved = solved | done;
+            open = open & !done & !stalls & T::Mask::splat(round < REGULAR);
+            if !open.any() {
+                break evaluation;
+            }
+            let correction = if const { T::LANES > 1 || K::HAS_FIXED_POINT_UPDATE } {
+                equation.corrected(&point, Some(&evaluation.residual)).iterate
+            } else {
+                equation.correction(&point, &evaluation)
+            };
+            (last, moved) = (now, relative::<T, _>(K::BLOCKS, &correction, &point));
+            point = select(open, &less(&point, &correction), &point);
+            round += 1;
+            count::<T>(&mut iterations, open);
+        };
+        let doubtful = elsewhere & solved & !first_solved;
+        if doubtful.any() {
+            solved = solved & !(doubtful & !is_found_from_start(equation, &point));
         }
-        let correction = equation.correction(&point, &evaluation);
-        (last, moved) = (now, relative::<T, _>(K::BLOCKS, &correction, &point));
-        point = select(open, &less(&point, &correction), &point);
-        round += 1;
-        count::<T>(&mut iterations, open);
-    };
-    let doubtful = elsewhere & solved & !first_solved;
-    if doubtful.any() {
-        solved = solved & !(doubtful & !is_found_from_start(equation, &point));
+        let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
+        Solution { point, unknown, evaluation, solved, iterations, residual, rate }
     }
-    let unknown = before.map_or(point, |before| select(first_solved, &before.unknown, &point));
-    Solution { point, unknown, evaluation, solved, iterations, residual, rate }
 }
 
 /// Whether a residual is rounding, after a correction that moved the unknown by so much.
@@ -97,7 +115,7 @@ fn is_found_from_start<T: Batch, K: Kernel<T>>(
     if is_near.all() {
         return is_near;
     }
-    let correction = equation.correction(&start, &equation.evaluate(&start));
+    let correction = equation.corrected(&start, None).iterate;
     let away = change::<T, _>(K::BLOCKS, &start, solution);
     let left = change::<T, _>(K::BLOCKS, &less(&start, &correction), solution);
     is_near | left.le(T::of(TOWARDS) * away)

@@ -19,7 +19,7 @@
 //! degree 10, are five equations; the [least `w`](WEIGHTS) that satisfies them magnifies rounding 60 fold.
 
 use super::constants::{LOST, LOW, SMALL, THROUGH};
-use super::norm::{is_within, plus, select, weighted, weights};
+use crate::scalar::blocks::{is_within, plus, select, weighted, weights};
 use crate::scalar::rows::{Formula, Piece, Row, computed};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::{Batch, Components, Mask, Scalar};

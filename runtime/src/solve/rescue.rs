@@ -1,9 +1,9 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
 use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
-use super::norm::{is_below, less, plus, relative};
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation};
+use crate::scalar::blocks::{is_below, less, plus, relative};
 use crate::scalar::{Batch, Components, Mask, Real, Work};
 
 /// A solution, what is left of its terms, and how many evaluations it took.

@@ -1,16 +1,17 @@
 //! A step that is one equation, from its kernel: the whole story.
 
 use super::memory::Memory;
-use super::norm::{is_within, select};
+use super::newton::Newton;
 use super::predictor::Predictor;
 use super::rescue::{Rescue, Rescued};
-use super::{Solution, SolutionOf, fixed_point, newton};
+use super::{Solution, SolutionOf, fixed_point};
 use crate::error::StepError;
-use crate::kernel::{self, AtState, Evaluation, Kernel};
+use crate::kernel::{self, AtState, Kernel, finite, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
+use crate::scalar::blocks::{is_within, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
 use crate::scalar::simd::loads::{apart, one_by_one};
-use crate::scalar::{Batch, Components, Mask, Work};
+use crate::scalar::{Batch, Components, Mask, Scalar, Work};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
 #[derive(Clone, Copy)]
@@ -141,16 +142,12 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
                 Err(ended) => first = ended,
             }
         }
-        // in line, so that numbers stay in registers: a twentieth of a step with one iteration, a third of one with four
-        if known && self.memory.is_regular() {
+        // in line, so that numbers stay in registers: a step with four iterations takes a third less
+        if known && const { K::HAS_FIXED_POINT_UPDATE } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
-            let (step, guess) = (&kernel.begin(state, time, control), &memory.predictor.next());
+            let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
-            let solution = if const { K::HAS_FIXED_POINT_UPDATE } {
-                fixed_point::solve(equation, memory, guess, first)
-            } else {
-                newton::solve(equation, None, guess, T::Mask::splat(true), memory.rate)
-            };
+            let solution = fixed_point::solve(equation, memory, &memory.predictor.next(), first);
             if solution.solved.all() {
                 let accepted = accept(equation, &solution, time, control);
                 if accepted.good.all() {
@@ -252,14 +249,35 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         }
         let step = &kernel.begin(state, time, control);
         let equation = &AtState { kernel: &*kernel, state, step };
-        let solution = solve(equation, memory, first);
-        let accepted = accept(equation, &solution, time, control);
-        if accepted.good.all() {
-            memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+        let (mut solution, mut errors, mut is_rescued) =
+            (solve(equation, memory, first), T::all(None), false);
+        loop {
+            let Accepted { next, good, inside } = accept(equation, &solution, time, control);
             let Solution { iterations, residual, .. } = solution;
-            return Ok(Advanced { state: accepted.next, iterations, residual });
+            let advanced = Advanced { state: next, iterations, residual };
+            if good.all() {
+                memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+                return Ok(advanced);
+            }
+            let given = finite(state) & finite(control) & time.is_finite();
+            if is_rescued {
+                if good.any() {
+                    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+                } else {
+                    memory.forget();
+                }
+                let errors = T::each(|lane| {
+                    let late =
+                        if inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain };
+                    let error = errors.as_ref()[lane].unwrap_or(late);
+                    let is_given = given.lane(lane);
+                    (!good.lane(lane)).then_some(if is_given { error } else { StepError::NotFinite })
+                });
+                return Err(Failure { errors, advanced });
+            }
+            errors = rescue(equation, &mut solution, given & !good);
+            is_rescued = true;
         }
-        T::dispatch(Rescuing { equation, memory, solution: &solution, accepted: &accepted, time, control })
     }
 }
 
@@ -279,15 +297,55 @@ fn solve<T: Batch, K: Kernel<T>>(
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
         return Solution::of(equation, &guess, T::Mask::splat(true), memory.rate);
     }
-    let elsewhere = T::Mask::splat(remembers);
-    if const { !K::HAS_FIXED_POINT_UPDATE } {
-        return newton::solve(equation, None, &guess, elsewhere, memory.rate);
+    let (mut before, mut elsewhere, mut rate) = (None, T::Mask::splat(remembers), memory.rate);
+    if const { K::HAS_FIXED_POINT_UPDATE } && memory.tries().any() {
+        let solution = fixed_point::solve(equation, memory, &guess, first);
+        if solution.solved.all() {
+            return solution;
+        }
+        (elsewhere, rate) = (elsewhere & !memory.is_strong(), solution.rate);
+        before = Some(solution);
     }
-    let solution = fixed_point::solve(equation, memory, &guess, first);
-    if solution.solved.all() {
-        return solution;
+    T::dispatch(Newton { equation, before: before.as_ref(), from: &guess, elsewhere, rate })
+}
+
+/// Solves the lanes that are `wanted` once more, from nothing that is remembered. Returns what is wrong with them.
+#[inline(always)]
+fn rescue<T: Batch, K: Kernel<T>>(
+    equation: &AtState<'_, T, K>,
+    solution: &mut SolutionOf<T, K>,
+    wanted: T::Mask,
+) -> T::Each<Option<StepError>> {
+    let (start, mut errors, mut failed, mut lane) = (&equation.start(), T::all(None), T::of(0.0), 0);
+    while lane < T::LANES {
+        if wanted.lane(lane) {
+            match T::dispatch(Rescue { equation, blocks: K::BLOCKS, start, lane }) {
+                Ok(Rescued { unknown, residual, evaluations }) => {
+                    let mut k = 0;
+                    while k < K::Unknown::LENGTH {
+                        solution.unknown.as_mut()[k].set_lane(lane, unknown.as_ref()[k].lane(lane));
+                        k += 1;
+                    }
+                    solution.residual.set_lane(lane, residual.lane(lane));
+                    solution.iterations.as_mut()[lane] = evaluations;
+                }
+                Err(error) => {
+                    errors.as_mut()[lane] = Some(error);
+                    failed.set_lane(lane, Scalar::of(1.0));
+                }
+            }
+        }
+        lane += 1;
     }
-    newton::solve(equation, Some(&solution), &guess, elsewhere & !memory.is_strong(), solution.rate)
+    solution.point = select(wanted, &solution.unknown, &solution.point);
+    solution.solved = solution.solved | wanted;
+    // with all lanes solved it does no more than to evaluate
+    let (before, elsewhere) = (Some(&*solution), T::Mask::splat(false));
+    let (from, rate) = (&solution.point, solution.rate);
+    let evaluated = T::dispatch(Newton { equation, before, from, elsewhere, rate });
+    *solution = evaluated;
+    solution.solved = solution.solved & failed.le(T::of(0.0));
+    errors
 }
 
 /// The end of a step from the solution of its equation.
@@ -312,131 +370,4 @@ fn accept<T: Batch, K: Kernel<T>>(
     // a component that is not finite before the step is not finite after it
     let good = *solved & inside & finite(&next) & finite(control) & time.is_finite();
     Accepted { next, good, inside }
-}
-
-/// A step that is not good in some lanes, once more there from nothing that is remembered; and what is wrong with it.
-struct Rescuing<'a, T: Batch, K: Kernel<T>> {
-    equation: &'a AtState<'a, T, K>,
-    memory: &'a mut Memory<T, K::Unknown>,
-    solution: &'a SolutionOf<T, K>,
-    accepted: &'a Accepted<T, K::State>,
-    time: T,
-    control: &'a K::Control,
-}
-
-impl<T: Batch, K: Kernel<T>> Work for Rescuing<'_, T, K> {
-    type Home = K;
-    type Result = Outcome<T, K::State>;
-
-    #[inline(always)]
-    fn done(self) -> Outcome<T, K::State> {
-        let Self { equation, memory, solution, accepted, time, control } = self;
-        let given = finite(equation.state) & finite(control) & time.is_finite();
-        let wanted = given & !accepted.good;
-        let (mut rescued, mut errors) = (*solution, T::all(None));
-        let start = &equation.start();
-        let mut lane = 0;
-        while lane < T::LANES {
-            if wanted.lane(lane) {
-                match T::dispatch(Rescue { equation, blocks: K::BLOCKS, start, lane }) {
-                    Ok(Rescued { unknown, residual, evaluations }) => {
-                        rescued.residual.set_lane(lane, residual.lane(lane));
-                        let mut k = 0;
-                        while k < K::Unknown::LENGTH {
-                            rescued.unknown.as_mut()[k].set_lane(lane, unknown.as_ref()[k].lane(lane));
-                            k += 1;
-                        }
-                        rescued.iterations.as_mut()[lane] = evaluations;
-                    }
-                    Err(error) => errors.as_mut()[lane] = Some(error),
-                }
-            }
-            lane += 1;
-        }
-        let point = select(wanted, &rescued.unknown, &solution.point);
-        rescued = Solution { point, evaluation: equation.evaluate(&point), solved: given, ..rescued };
-        let again = accept(equation, &rescued, time, control);
-        let next = select(accepted.good, &accepted.next, &again.next);
-        let good = T::each(|lane| {
-            let error = errors.as_ref()[lane];
-            error.is_none() && (accepted.good.lane(lane) || again.good.lane(lane))
-        });
-        let errors = T::each(|lane| {
-            if good.as_ref()[lane] {
-                return None;
-            }
-            if !given.lane(lane) {
-                return Some(StepError::NotFinite);
-            }
-            let late = if again.inside.lane(lane) { StepError::NotFinite } else { StepError::OutsideDomain };
-            Some(errors.as_ref()[lane].unwrap_or(late))
-        });
-        let (iterations, residual) = (rescued.iterations, rescued.residual);
-        let advanced = Advanced { state: next, iterations, residual };
-        if good.as_ref().iter().any(|good| *good) {
-            memory.learn(K::BLOCKS, &rescued.unknown, rescued.rate);
-        } else {
-            memory.forget();
-        }
-        if good.as_ref().iter().all(|good| *good) { Ok(advanced) } else { Err(Failure { errors, advanced }) }
-    }
-}
-
-/// Whether a solution is inside the retraction's domain.
-#[inline(always)]
-fn is_inside<T: Batch, K: Kernel<T>>(
-    kernel: &K,
-    state: &K::State,
-    step: &K::Step,
-    unknown: &K::Unknown,
-    evaluation: &Evaluation<K::Unknown, K::Iterate>,
-) -> T::Mask {
-    match kernel.domain(state, step, unknown, evaluation) {
-        Some(margin) => T::of(0.0).lt(margin),
-        None => T::Mask::splat(true),
-    }
-}
-/// Whether all numbers of a lane are finite after a step, of which state and solution were; not so if their sum is too large.
-#[inline(always)]
-fn is_surely_finite<T: Batch, K: Kernel<T>>(state: &K::State, control: &K::Control) -> T::Mask {
-    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
-    let mut sums = [T::of(-0.0); 4];
-    let mut terms = 0;
-    let mut k = 0;
-    while k < K::State::LENGTH {
-        if !K::is_bounded(k) {
-            sums[terms % 4] = sums[terms % 4] + state.as_ref()[k];
-            terms += 1;
-        }
-        k += 1;
-    }
-    k = 0;
-    while k < K::Control::LENGTH {
-        sums[terms % 4] = sums[terms % 4] + control.as_ref()[k];
-        (terms, k) = (terms + 1, k + 1);
-    }
-    (T::of(0.0) * ((sums[0] + sums[1]) + (sums[2] + sums[3]))).le(T::of(0.0))
-}
-
-/// Whether all numbers of a lane are finite.
-#[inline(always)]
-fn finite<T: Batch, C: Components<T>>(components: &C) -> T::Mask {
-    // four sums, for each has to wait for itself; the compiler knows that −0 is nothing to add
-    let mut sums = [T::of(-0.0); 4];
-    let mut k = 0;
-    while k < C::LENGTH {
-        sums[k % 4] = sums[k % 4] + components.as_ref()[k];
-        k += 1;
-    }
-    let mut are_finite = ((sums[0] + sums[1]) + (sums[2] + sums[3])).is_finite();
-    if !are_finite.all() {
-        // the sum may be too large
-        are_finite = T::Mask::splat(true);
-        k = 0;
-        while k < C::LENGTH {
-            are_finite = are_finite & components.as_ref()[k].is_finite();
-            k += 1;
-        }
-    }
-    are_finite
 }

@@ -30,7 +30,7 @@ fn floor<T: Batch>() -> T {
 
 /// `Σ_b |of|_b / |to|_b`; not-a-number if any component is.
 #[inline(always)]
-pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to: &U) -> T {
+pub(crate) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to: &U) -> T {
     let (of, to, mut ratios) = (of.as_ref(), to.as_ref(), T::of(0.0));
     blocks!(blocks, U::LENGTH, i, [change = T::of(0.0) => of[i].abs(), size = floor() => to[i].abs()], {
         ratios = ratios + change / size;
@@ -40,13 +40,13 @@ pub(super) fn relative<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, to:
 
 /// The change from one unknown to another, relative to this one.
 #[inline(always)]
-pub(super) fn change<T: Batch, U: Components<T>>(blocks: &[usize], from: &U, to: &U) -> T {
+pub(crate) fn change<T: Batch, U: Components<T>>(blocks: &[usize], from: &U, to: &U) -> T {
     relative(blocks, &less(to, from), to)
 }
 
 /// One over the size of its block for each component.
 #[inline(always)]
-pub(super) fn weights<T: Batch, U: Components<T>>(blocks: &[usize], to: &U) -> U {
+pub(crate) fn weights<T: Batch, U: Components<T>>(blocks: &[usize], to: &U) -> U {
     let (mut weights, mut from) = (*to, 0_usize);
     blocks!(blocks, U::LENGTH, i, [size = floor() => to.as_ref()[i].abs()], {
         let weight = T::of(1.0) / size;
@@ -60,7 +60,7 @@ pub(super) fn weights<T: Batch, U: Components<T>>(blocks: &[usize], to: &U) -> U
 
 /// The change from one unknown to another with such weights.
 #[inline(always)]
-pub(super) fn weighted<T: Batch, U: Components<T>>(weights: &U, from: &U, to: &U) -> T {
+pub(crate) fn weighted<T: Batch, U: Components<T>>(weights: &U, from: &U, to: &U) -> T {
     let (mut size, mut k) = (T::of(0.0), 0);
     while k < U::LENGTH {
         size = size + weights.as_ref()[k] * (to.as_ref()[k] - from.as_ref()[k]).abs();
@@ -71,7 +71,7 @@ pub(super) fn weighted<T: Batch, U: Components<T>>(weights: &U, from: &U, to: &U
 
 /// Whether no block changes by more than `tolerance` times its size: without a division, which takes long.
 #[inline(always)]
-pub(super) fn is_within<T: Batch, U: Components<T>>(
+pub(crate) fn is_within<T: Batch, U: Components<T>>(
     blocks: &[usize],
     from: &U,
     to: &U,
@@ -90,7 +90,7 @@ pub(super) fn is_within<T: Batch, U: Components<T>>(
 
 /// Whether each block of one is no larger than that of the other.
 #[inline(always)]
-pub(super) fn is_below<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, bound: &U) -> T::Mask {
+pub(crate) fn is_below<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, bound: &U) -> T::Mask {
     let (of, bound, mut is_below) = (of.as_ref(), bound.as_ref(), T::Mask::splat(true));
     blocks!(blocks, U::LENGTH, i, [size = T::of(0.0) => of[i].abs(), most = floor() => bound[i].abs()], {
         is_below = is_below & size.le(most);
@@ -112,13 +112,13 @@ pub(crate) fn select<T: Batch, U: Components<T>>(mask: T::Mask, yes: &U, no: &U)
 
 /// The difference of two unknowns.
 #[inline(always)]
-pub(super) fn less<T: Batch, U: Components<T>>(a: &U, b: &U) -> U {
+pub(crate) fn less<T: Batch, U: Components<T>>(a: &U, b: &U) -> U {
     plus(a, T::of(-1.0), b)
 }
 
 /// `a + factor b`
 #[inline(always)]
-pub(super) fn plus<T: Batch, U: Components<T>>(a: &U, factor: T, b: &U) -> U {
+pub(crate) fn plus<T: Batch, U: Components<T>>(a: &U, factor: T, b: &U) -> U {
     let mut sum = *a;
     let mut i = 0;
     while i < U::LENGTH {
