@@ -8,6 +8,10 @@ use crate::scalar::Scalar;
 
 /// The functions of a step, in the order in which they are called.
 #[derive(Clone, Copy)]
+#[cfg_attr(
+    not(feature = "std"),
+    expect(dead_code, reason = "certificates take whole steps, the solver evaluates")
+)]
 pub(crate) enum Function {
     New,
     Begin,

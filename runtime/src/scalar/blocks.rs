@@ -88,12 +88,12 @@ pub(crate) fn is_within<T: Batch, U: Components<T>>(
     is_within
 }
 
-/// Whether each block of one is no larger than that of the other.
+/// Whether each block of one is no larger than that of the other, which is finite.
 #[inline(always)]
 pub(crate) fn is_below<T: Batch, U: Components<T>>(blocks: &[usize], of: &U, bound: &U) -> T::Mask {
     let (of, bound, mut is_below) = (of.as_ref(), bound.as_ref(), T::Mask::splat(true));
     blocks!(blocks, U::LENGTH, i, [size = T::of(0.0) => of[i].abs(), most = floor() => bound[i].abs()], {
-        is_below = is_below & size.le(most);
+        is_below = is_below & size.le(most) & most.is_finite();
     });
     is_below
 }

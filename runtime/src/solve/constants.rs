@@ -48,8 +48,10 @@ pub(super) const TOWARDS: f64 = 0.25;
 pub(super) const DAMPED: u32 = 40;
 /// A correction is not made shorter than by this factor.
 pub(super) const SHORTEST: f64 = 1e-3;
-/// In how many parts a step is continued from nothing, if it takes more.
-pub(super) const PARTS: [u32; 3] = [4, 16, 64];
+/// In how many parts a step is continued from its first approximation, if it takes more; one is Newton's method as it is.
+pub(super) const PARTS: [u32; 4] = [1, 4, 16, 64];
+/// Evaluations of such a step, and of each part.
+pub(super) const EVALUATIONS: [u32; 2] = [12, 8];
 /// What is left of a correction relative to the unknown where the next part may begin.
 pub(super) const ON_THE_WAY: f64 = 1e-3;
 /// Solutions that differ by more than this, relative to their size, and by more than so many times what rounding leaves of them, are two.

@@ -23,7 +23,7 @@ mod rescue;
 pub(crate) mod step;
 
 use crate::kernel::{AtState, Evaluation, Kernel};
-use crate::scalar::{Batch, Mask, Work};
+use crate::scalar::{Batch, Mask};
 
 /// A solution of a step's equation, or what has become of the search for it.
 #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@ impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
 /// The solution of a step's equation from nothing that is remembered. None if it is not found.
 #[cfg(feature = "std")]
 pub(crate) fn cold<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>) -> Option<K::Unknown> {
-    use crate::scalar::Components;
+    use crate::scalar::{Components, Work};
     let start = &equation.start();
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
         return Some(*start);

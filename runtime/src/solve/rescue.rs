@@ -1,6 +1,6 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
-use super::constants::{APART, DAMPED, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
+use super::constants::{APART, DAMPED, EVALUATIONS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation};
 use crate::scalar::blocks::{is_below, less, plus, relative};
@@ -124,7 +124,9 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
                 };
                 let moves = self.size(relative::<T, _>(self.blocks, &correction, &unknown));
                 // nor is it on its way where corrections do not become smaller
-                if !(moves < last || moves <= ON_THE_WAY) || evaluations > 8 * parts {
+                if !(moves < last || moves <= ON_THE_WAY)
+                    || evaluations > EVALUATIONS[0] + EVALUATIONS[1] * parts
+                {
                     return None;
                 }
                 unknown = less(&unknown, &correction);
