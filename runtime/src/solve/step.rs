@@ -143,7 +143,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             }
         }
         // in line, so that numbers stay in registers: a step with four iterations takes a third less
-        if known && const { K::HAS_FIXED_POINT_UPDATE } && self.memory.is_regular() {
+        if known && const { K::HAS_FIXED_POINT_UPDATE && Self::IS_SMALL } && self.memory.is_regular() {
             let Self { kernel, memory } = self;
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
@@ -170,6 +170,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     /// Whether there is nothing to solve for.
     const IS_EXPLICIT: bool = <K::Unknown as Components<T>>::LENGTH == 0;
+    /// Whether a step is short, so that a call for it counts; to compile a long one once more takes long.
+    const IS_SMALL: bool = <K::Places<T> as Components<T>>::LENGTH <= 400;
 
     /// The solution of the last step's equation.
     pub(crate) fn solution(&self) -> K::Unknown {
