@@ -1,4 +1,6 @@
 //! Zero is a state like others: steps and their derivatives where a norm or a root is zero.
+// in a test, a panic is the report
+#![allow(clippy::unwrap_used)]
 
 use coadjoint::derivative::{CheckpointedTape, Perturbation, WrtControl, WrtState};
 use coadjoint::ensemble::Instructions;

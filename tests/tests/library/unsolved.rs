@@ -115,7 +115,7 @@ fn an_equation_with_several_solutions() {
     let start = corrugated(1.2286027709088607, 0.5848260803007996);
     assert_eq!(error::<Midpoint, _>(&system, &start, 1.920976180090911), StepError::SeveralSolutions);
     // a smaller step has one
-    let mut state = start.clone();
+    let mut state = start;
     system.stepper::<Midpoint>(0.1).unwrap().step(&mut state).unwrap();
 }
 
