@@ -171,7 +171,7 @@ impl<'a> Drawer<'a> {
             }
             Kind::Balanced => {
                 self.balance(&mut state, time, &control);
-                if self.random.bits() % 2 == 0 {
+                if self.random.bits().is_multiple_of(2) {
                     let by = self.power(-14.0, -3.0);
                     for k in 0..momenta {
                         state[place(k)] += by * scale[linear[k][0]] * self.unit();
@@ -185,7 +185,7 @@ impl<'a> Drawer<'a> {
             Kind::Settled => {
                 (0..momenta).for_each(|k| state[place(k)] = 0.0);
                 state = self.settled(state, time, &control);
-                if self.random.bits() % 2 == 0 {
+                if self.random.bits().is_multiple_of(2) {
                     let by = self.power(-14.0, -3.0);
                     for k in 0..momenta {
                         state[place(k)] += by * scale[linear[k][0]] * self.unit();
@@ -331,11 +331,8 @@ fn eliminated(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
             return None;
         }
         for other in (0..n).filter(|other| *other != k) {
-            let factor = rows[other][k] / rows[k][k];
-            for column in k..=n {
-                let by = factor * rows[k][column];
-                rows[other][column] -= by;
-            }
+            let (factor, row) = (rows[other][k] / rows[k][k], rows[k].clone());
+            rows[other].iter_mut().zip(&row).skip(k).for_each(|(x, by)| *x -= factor * by);
         }
     }
     Some((0..n).map(|k| rows[k][n] / rows[k][k]).collect())
