@@ -2,7 +2,7 @@
 
 use super::constants::{APART, DAMPED, EVALUATIONS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
 use crate::error::StepError;
-use crate::kernel::{Equation, Evaluation};
+use crate::kernel::{Equation, Evaluation, finite};
 use crate::scalar::blocks::{is_below, less, plus, relative};
 use crate::scalar::{Batch, Components, Mask, Real, Work};
 
@@ -78,6 +78,9 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
     fn damped(&self) -> (Result<Rescued<T, U>, StepError>, bool) {
         // fixed weights: how large the terms are in the beginning
         let terms = self.rounding(self.start);
+        if !finite::<T, _>(&terms).lane(self.lane) {
+            return (Err(StepError::NoSolution { residual: f64::INFINITY }), false);
+        }
         let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
         let (mut smallest, mut scale, mut is_direct) = (f64::INFINITY, 1.0, true);
         for evaluations in 1..=DAMPED {
