@@ -21,7 +21,7 @@ const NOISE: f64 = 3e-12;
 
 /// Steps there and back.
 const RETURN: usize = 20;
-/// How far a step may be from the converged one, in units of what rounding may leave of all its operations: no step that goes right comes near.
+/// How far a step may be from the converged one, in units of what rounding may leave of all its operations.
 const WARM: Bound = Bound::AtMost(8.0);
 
 /// Why a figure cannot be measured.
