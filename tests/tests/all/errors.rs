@@ -195,8 +195,9 @@ fn a_step_that_is_far_too_large_is_refused() {
                         let begun = iterations >= 1 || !residual.is_finite();
                         assert!(begun && !(residual < 5e-14), "{what}: {iterations}, {residual:e}");
                     }
+                    // of the terms at the first approximation, which may be much larger than those where it ended
                     Err(StepError::NoSolution { residual }) => {
-                        assert!(!(residual < 5e-14), "{what}: {residual:e}");
+                        assert!(!(residual <= f64::EPSILON), "{what}: {residual:e}");
                     }
                     Err(
                         StepError::OutsideDomain | StepError::SeveralSolutions | StepError::SingularJacobian,
