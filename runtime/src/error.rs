@@ -89,17 +89,17 @@ pub enum StepError {
     NoConvergence {
         /// Iterations made.
         iterations: u32,
-        /// The smallest residual reached, relative to the terms of the equation.
+        /// The smallest residual reached, relative to the right side of the equation there.
         residual: f64,
     },
     /// The step's equation has no solution near the state: the residual is smallest where it is not zero. The step is longer than the motion
     /// can be continued by it.
     #[error(
-        "the step's equation has no solution near the state: its residual becomes no smaller than {residual:e} of its terms; the step is too \
+        "the step's equation has no solution near the state: its residual becomes no smaller than {residual:e} of its right side; the step is too \
          long for this motion, take a smaller one"
     )]
     NoSolution {
-        /// The smallest residual reached, relative to the terms of the equation.
+        /// The smallest residual reached, relative to the right side of the equation there.
         residual: f64,
     },
     /// The step's equation has several solutions near the state, and none of them is the one that the motion goes on with.

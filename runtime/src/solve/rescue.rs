@@ -82,29 +82,29 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
             return (Err(StepError::NoSolution { residual: f64::INFINITY }), false);
         }
         let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
-        let (mut smallest, mut scale, mut is_direct) = (f64::INFINITY, 1.0, true);
+        let (mut smallest, mut left, mut scale, mut is_direct) = (f64::INFINITY, f64::INFINITY, 1.0, true);
         for evaluations in 1..=DAMPED {
-            let Evaluation { residual, iterate: newest, .. } = self.equation.corrected(&trial, None);
+            let Evaluation { residual, right, iterate: newest } = self.equation.corrected(&trial, None);
             let now = self.size(relative::<T, _>(self.blocks, &residual, &terms));
             if let Some(residual) = self.solved(&residual, &trial) {
                 return (Ok(Rescued { unknown: trial, residual, evaluations }), is_direct);
             }
             if now < smallest {
                 (unknown, smallest, correction, scale) = (trial, now, newest, 1.0);
+                // what an error tells, next to the right side as it is there
+                left = self.size(relative::<T, _>(self.blocks, &residual, &right));
                 if !self.size(relative::<T, _>(self.blocks, &correction, &unknown)).is_finite() {
                     return (Err(StepError::SingularJacobian), false);
                 }
             } else {
                 (scale, is_direct) = (0.5 * scale, false);
                 if !(scale > SHORTEST) {
-                    let residual = smallest * T::EPSILON;
-                    return (Err(StepError::NoSolution { residual }), false);
+                    return (Err(StepError::NoSolution { residual: left }), false);
                 }
             }
             trial = plus(&unknown, T::of(-scale), &correction);
         }
-        let residual = smallest * T::EPSILON;
-        (Err(StepError::NoConvergence { iterations: DAMPED, residual }), false)
+        (Err(StepError::NoConvergence { iterations: DAMPED, residual: left }), false)
     }
 
     /// The solution by continuation: of equations whose residuals at the first approximation are ever smaller parts of what it is there.
