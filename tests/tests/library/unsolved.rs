@@ -105,7 +105,8 @@ fn corrections_that_do_not_end() {
     let found =
         error::<Midpoint, _>(&system, &falling(-1.1240817721159173, -0.14568360691685314), 7.495662694865789);
     let StepError::NoConvergence { iterations: 40, residual } = found else { panic!("{found:?}") };
-    assert!(residual > 1e-6 && residual < 1.0, "{residual}");
+    // next to the right side, which is smaller than the terms it is made of
+    assert!(residual > 2.5 && residual < 2.7, "{residual}");
 }
 
 /// A step across several hills: corrections lead to another solution than the way from the first approximation does.
