@@ -290,19 +290,20 @@ impl<C: Coefficients, B: Method> Method for Composition<C, B> {
         state: &B::State,
         time: B::Scalar,
         control: &B::Control,
-    ) -> Result<B::State, (usize, B::State)> {
+    ) -> (B::State, Option<usize>) {
         let (mut state, mut done, mut stages, whole) = (*state, 0.0, 0, self.step);
         let steps = self.steps.as_mut().iter_mut().zip(path.0.as_mut());
         for ((step, path), gamma) in steps.zip(C::GAMMA) {
             let start = time + B::Scalar::of(done) * whole;
-            state = match step.advance_fast::<P>(path, &state, start, control) {
-                Ok(next) => next,
-                Err((stage, at)) => return Err((stages + stage, at)),
-            };
+            let (next, halted) = step.advance_fast::<P>(path, &state, start, control);
+            if let Some(stage) = halted {
+                return (next, Some(stages + stage));
+            }
+            state = next;
             done += gamma;
             stages += B::STAGES;
         }
-        Ok(state)
+        (state, None)
     }
 
     #[inline(always)]

@@ -58,8 +58,9 @@ pub enum ParameterError {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// The state, time or control handed in, or the state after the step, is infinite somewhere or not a number.
-    #[error("the state, its time or a control is not finite")]
+    /// The state, time or control handed in, the state after the step, or what moves it is infinite somewhere or not a number: as at a pole of the
+    /// potential.
+    #[error("the state, its time, a control or what moves it is not finite")]
     NotFinite,
     /// The list of numbers handed in is no state of the system.
     #[error("the state must have {expected} numbers: it is of another system")]

@@ -151,11 +151,10 @@ impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
         state: &Self::State,
         time: T,
         control: &Self::Control,
-    ) -> Result<Self::State, (usize, Self::State)> {
-        match self.0.advance_fast::<P>(path, &wrapped(state), FusedScalar(time), &wrapped(control)) {
-            Ok(next) => Ok(unwrapped(&next)),
-            Err((stage, at)) => Err((stage, unwrapped(&at))),
-        }
+    ) -> (Self::State, Option<usize>) {
+        let (time, control) = (FusedScalar(time), wrapped(control));
+        let (state, halted) = self.0.advance_fast::<P>(path, &wrapped(state), time, &control);
+        (unwrapped(&state), halted)
     }
 
     #[inline(always)]

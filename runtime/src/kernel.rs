@@ -97,29 +97,17 @@ pub trait Kernel<T: Scalar>: Copy + Send + Sync + 'static {
     /// Whether there is a [`fixed_point_update`](Self::fixed_point_update): the left side is linear with constant coefficients. Known when
     /// the code is compiled, so that of what needs it nothing is compiled where there is none.
     const HAS_FIXED_POINT_UPDATE: bool = true;
-    /// The solution `x` of `left(x) = right` for a given right side: the next iterate of the fixed-point iteration. Not to be called where there
-    /// is none.
+    /// The next iterate of the fixed-point iteration: with `left(x) = L x` it is `L⁻¹ right(x)`, or, where `right` is `n/(1 + d)`, `L⁻¹ n − d x`,
+    /// which has the same fixed point and waits for no division. Not to be called where there is none.
     #[inline(always)]
     fn fixed_point_update(
         &self,
         _state: &Self::State,
         _step: &Self::Step,
-        right: &Self::Unknown,
-    ) -> Self::Unknown {
-        *right
-    }
-    /// The next iterate of the fixed-point iteration on the equation without denominators: where `right` is `n/(1 + d)`, and `left(x) = L x`, it is
-    /// `L⁻¹ n − d x`. It has the same solution and waits for no division. Where there are no denominators it is the
-    /// [other](Self::fixed_point_update) update.
-    #[inline(always)]
-    fn cleared_update(
-        &self,
-        state: &Self::State,
-        step: &Self::Step,
         _unknown: &Self::Unknown,
         evaluation: &Evaluation<Self::Unknown, Self::Iterate>,
     ) -> Self::Unknown {
-        self.fixed_point_update(state, step, &evaluation.right)
+        evaluation.right
     }
     /// Positive inside the retraction's domain, zero on its edge. None if there is no edge.
     #[inline(always)]
@@ -205,6 +193,19 @@ impl<T: Scalar, K: Kernel<T>> AtState<'_, T, K> {
     ) -> K::Unknown {
         self.kernel.correction(self.state, self.step, unknown, evaluation)
     }
+
+    /// The same, out of line.
+    #[inline(always)]
+    pub(crate) fn correction_apart(
+        &self,
+        unknown: &K::Unknown,
+        evaluation: &Evaluation<K::Unknown, K::Iterate>,
+    ) -> K::Unknown
+    where
+        T: Batch,
+    {
+        T::dispatch(Correct { equation: self, unknown, evaluation })
+    }
 }
 
 /// An equation through a table: for code that is compiled once for all kernels with as many unknowns.
@@ -226,7 +227,10 @@ impl<T: Batch, K: Kernel<T>> Equation<T, K::Unknown> for AtState<'_, T, K> {
         unknown: &K::Unknown,
         residual: Option<&K::Unknown>,
     ) -> Evaluation<K::Unknown, K::Unknown> {
-        T::dispatch(Correct { equation: self, unknown, residual })
+        let mut evaluation = self.evaluate_apart(unknown);
+        evaluation.residual = *residual.unwrap_or(&evaluation.residual);
+        let iterate = self.correction_apart(unknown, &evaluation);
+        Evaluation { residual: evaluation.residual, right: evaluation.right, iterate }
     }
 
     extern "C" fn roundoff(&self, unknown: &K::Unknown, lane: usize) -> K::Unknown {
@@ -250,26 +254,20 @@ impl<T: Batch, K: Kernel<T>> Work for Evaluate<'_, T, K> {
     }
 }
 
-/// [`Equation::corrected`], compiled beside its kernel.
+/// [`AtState::correction_apart`].
 struct Correct<'a, T: Batch, K: Kernel<T>> {
     equation: &'a AtState<'a, T, K>,
     unknown: &'a K::Unknown,
-    residual: Option<&'a K::Unknown>,
+    evaluation: &'a Evaluation<K::Unknown, K::Iterate>,
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Correct<'_, T, K> {
     type Home = K;
-    type Result = Evaluation<K::Unknown, K::Unknown>;
+    type Result = K::Unknown;
 
     #[inline(always)]
     fn done(self) -> Self::Result {
-        let Self { equation, unknown, residual } = self;
-        let mut evaluation = equation.evaluate(unknown);
-        if let Some(residual) = residual {
-            evaluation.residual = *residual;
-        }
-        let iterate = equation.correction(unknown, &evaluation);
-        Evaluation { residual: evaluation.residual, right: evaluation.right, iterate }
+        self.equation.correction(self.unknown, self.evaluation)
     }
 }
 

@@ -71,10 +71,8 @@ pub trait Method: Clone + Send + Sync {
     fn enter(&self) -> Self::FastPath {
         Self::FastPath::default()
     }
-    /// A step on the fast path. What is not enough for is not done: then this is the state from which the stage of this number is to be taken.
-    ///
-    /// # Errors
-    /// If a stage needs more than there is on the fast path.
+    /// The state after a step on the fast path; or, if a stage needs more than there is on it, the state from which that is to be taken, and its
+    /// number. Not an enum, whose variants would overlap: parts of a register.
     #[inline(always)]
     fn advance_fast<P: Processor>(
         &mut self,
@@ -82,8 +80,8 @@ pub trait Method: Clone + Send + Sync {
         state: &Self::State,
         _time: Self::Scalar,
         _control: &Self::Control,
-    ) -> Result<Self::State, (usize, Self::State)> {
-        Err((0, *state))
+    ) -> (Self::State, Option<usize>) {
+        (*state, Some(0))
     }
     /// Remembers what was on the fast path: so many steps, and so many stages of one more.
     #[inline(always)]
@@ -210,21 +208,20 @@ impl<M: Method> LongWork for AdvanceN<'_, M> {
                 let mut halted = None;
                 while report.steps < until {
                     let time = M::Scalar::of(clock.after(report.steps));
-                    match method.advance_fast::<P>(&mut path, &now, time, control) {
-                        Ok(next) => now = next,
-                        Err(halt) => {
-                            halted = Some(halt);
-                            break;
-                        }
+                    let (next, halts) = method.advance_fast::<P>(&mut path, &now, time, control);
+                    if halts.is_some() {
+                        (halted, at) = (halts, next);
+                        break;
                     }
+                    now = next;
                     report.steps += 1;
                 }
                 let steps = report.steps - before;
-                method.leave(&mut path, steps, halted.map_or(0, |(stage, _)| stage));
+                method.leave(&mut path, steps, halted.unwrap_or(0));
                 let (iterations, residual) = method.on_fast_path();
                 report.count(steps, &iterations, residual);
                 let Some(halted) = halted else { continue };
-                (stage, at) = halted;
+                stage = halted;
             }
             let time = M::Scalar::of(clock.after(report.steps));
             let slow = Stage { method, from: Some(stage), state: &at, time, control, known };
@@ -445,12 +442,13 @@ where
         state: &A::State,
         time: A::Scalar,
         control: &A::Control,
-    ) -> Result<A::State, (usize, A::State)> {
-        let middle = self.first.advance_fast::<P>(first, state, time, control)?;
-        match self.second.advance_fast::<P>(second, &middle, time + self.half, control) {
-            Ok(next) => Ok(next),
-            Err((stage, at)) => Err((A::STAGES + stage, at)),
+    ) -> (A::State, Option<usize>) {
+        let (middle, halted) = self.first.advance_fast::<P>(first, state, time, control);
+        if halted.is_some() {
+            return (middle, halted);
         }
+        let (next, halted) = self.second.advance_fast::<P>(second, &middle, time + self.half, control);
+        (next, halted.map(|stage| A::STAGES + stage))
     }
 
     #[inline(always)]

@@ -516,8 +516,14 @@ impl<T: Scalar> Kernel<T> for Midpoint<T> {
     }
 
     #[inline(always)]
-    fn fixed_point_update(&self, _: &[T; 3], _: &[T; 0], right: &[T; 3]) -> [T; 3] {
-        *right
+    fn fixed_point_update(
+        &self,
+        _: &[T; 3],
+        _: &[T; 0],
+        _: &[T; 3],
+        evaluation: &Evaluation<[T; 3], ()>,
+    ) -> [T; 3] {
+        evaluation.right
     }
 
     #[inline(always)]

@@ -72,8 +72,7 @@ fn argument_name(input: Input) -> Ident {
         Input::Time => "time",
         Input::Control | Input::ControlPerturbation => "control",
         Input::Unknown => "unknown",
-        Input::Right => "right",
-        Input::Residual | Input::Record(RecordKind::Iterate) => "evaluation",
+        Input::Residual | Input::Right | Input::Record(RecordKind::Iterate) => "evaluation",
         Input::Record(RecordKind::Constants) => "self",
         Input::Record(RecordKind::Point) => "point",
         Input::Costate => "costate",
@@ -126,6 +125,7 @@ fn unpacked(module: &Module, argument: &Argument) -> TokenStream {
     let from = match input {
         Input::StepSize | Input::Time => return quote! { #(let #used = #name;)* },
         Input::Residual => quote! { evaluation.residual },
+        Input::Right => quote! { evaluation.right },
         Input::Record(RecordKind::Iterate) => quote! { evaluation.iterate },
         Input::Record(RecordKind::Constants) => quote! { self.0 },
         _ => quote! { *#name },

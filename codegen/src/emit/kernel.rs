@@ -111,8 +111,7 @@ fn purpose(role: Role) -> &'static str {
         Role::Start => "A first approximation of the unknown",
         Role::Evaluate => "Once an iteration: the residual and the right side of the equation",
         Role::Correction => "Once an iteration: the Newton correction",
-        Role::FixedPointUpdate => "Once an iteration from a prediction: the solution of `left(x) = right`",
-        Role::ClearedUpdate => "Once any other iteration: the same of the equation without denominators",
+        Role::FixedPointUpdate => "Once an iteration: the next iterate of the fixed-point iteration",
         Role::Domain => "Positive within the retraction's domain",
         _ => "Once a step: the next state",
     }
@@ -149,19 +148,8 @@ fn signature(function: &Function) -> TokenStream {
                 unknown: &[T; #unknown],
             ) -> Evaluation<[T; #unknown], Self::Iterate>
         },
-        Role::FixedPointUpdate => {
-            let right = length(Input::Right);
-            quote! {
-                fn fixed_point_update(
-                    &self,
-                    state: &[T; #state],
-                    step: &Self::Step,
-                    right: &[T; #right],
-                ) -> [T; #right]
-            }
-        }
         Role::Correction => quote! { fn correction(#solved) -> [T; #unknown] },
-        Role::ClearedUpdate => quote! { fn cleared_update(#solved) -> [T; #unknown] },
+        Role::FixedPointUpdate => quote! { fn fixed_point_update(#solved) -> [T; #unknown] },
         Role::Domain => quote! { fn domain(#solved) -> ::core::option::Option<T> },
         _ => quote! { fn finish(#solved) -> [T; #state] },
     }

@@ -1,11 +1,11 @@
-//! The updates of the fixed-point iteration on a step's equation `L x = right(x)`.
+//! The update of the fixed-point iteration on a step's equation `L x = right(x)`.
 
 use crate::expr::{Expr, Matrix, Quotient, Stage, Vector};
 use crate::method::Step;
 
 /// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it is then computed once,
 /// when the stepper is built.
-pub(super) fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
+fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();
     if symbols.is_empty() {
@@ -27,16 +27,17 @@ pub(super) fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
     Some(Matrix::from_columns(&columns))
 }
 
-/// `L⁻¹ right`, the solution of the equation with this right side.
-pub(super) fn update<'a>(inverse: &Matrix<'a>, right: &Vector<'a>) -> Vector<'a> {
-    inverse.map(Expr::hold).times(right)
+/// The next iterate: `L⁻¹ right`, or that of the equation without denominators, if there are any.
+pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'a>> {
+    let inverse = inverse(step)?;
+    Some(cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right)))
 }
 
-/// The same of the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and `d` zero where the unknown is, so that
+/// The next iterate on the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and `d` zero where the unknown is, so that
 /// `(1 + d) L x = n`, it is `L⁻¹ n − d x`. If the derivative of the other update is `J`, its own is `(1 + d) J − d` at the solution, and `d` mostly
 /// of the second order: it contracts as strongly, and does not wait for a division, which takes as long as all else. Rows of the equation that
 /// `L` couples are to have the same denominator.
-pub(super) fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a>> {
+fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();
     let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();

@@ -62,10 +62,7 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
     };
     let (residual, right) = (numbered("residual"), numbered("right"));
     let none = || Vector(Vec::new());
-    let inverse = fixed_point::inverse(step);
-    let update = inverse.as_ref().map_or_else(none, |inverse| fixed_point::update(inverse, &right));
-    let cleared = inverse.as_ref().and_then(|inverse| fixed_point::cleared_update(step, inverse));
-    let cleared = cleared.unwrap_or_else(none);
+    let update = fixed_point::update(step, &right).unwrap_or_else(none);
     let correction = correction(step, &residual);
     let inputs = inputs
         .with(Input::StepSize, step.h.as_symbol().into_iter().collect())
@@ -74,9 +71,9 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
         .with(Input::Right, right.symbols());
 
     let domain = Vector(step.domain.clone());
-    let all = [&step.start, &step.left, &step.right, &correction, &update, &cleared, &domain, &step.next];
+    let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next];
     let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
-    let [start, left, right, correction, update, cleared, domain, next] = all.map(|vector| code.plan(vector));
+    let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
     code.names.carry_over(arena, &code.factoring, &code.plan);
     let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
     code.plan.eliminate_common_pairs();
@@ -92,7 +89,6 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
         returned(Role::Correction, vec![correction]),
     ];
     functions.extend((!update.is_empty()).then(|| returned(Role::FixedPointUpdate, vec![update])));
-    functions.extend((!cleared.is_empty()).then(|| returned(Role::ClearedUpdate, vec![cleared])));
     functions.extend((!domain.is_empty()).then(|| returned(Role::Domain, vec![domain])));
     functions.push(returned(Role::Finish, vec![next]));
     let placement = Placement::of_step(&code.plan, &functions, &step.given);
@@ -215,7 +211,7 @@ impl<'a> Code<'a> {
         let role = function.role;
         let count = function.results().count();
         let named = match role {
-            Role::Start | Role::FixedPointUpdate | Role::ClearedUpdate => names(Input::Unknown, ""),
+            Role::Start | Role::FixedPointUpdate => names(Input::Unknown, ""),
             Role::Evaluate => [names(Input::Residual, ""), names(Input::Right, "")].concat(),
             Role::Finish => names(Input::State, "_next"),
             _ => derivative::result_names(role, &self.inputs, self.arena),
@@ -236,8 +232,10 @@ impl Role {
             Self::Begin => vec![constants, Input::State, Input::Time, Input::Control],
             Self::Start => vec![constants, Input::State, step],
             Self::Evaluate => vec![constants, Input::State, step, Input::Unknown],
-            Self::FixedPointUpdate => vec![constants, Input::State, step, Input::Right],
-            Self::Correction | Self::ClearedUpdate | Self::Domain | Self::Finish => {
+            Self::FixedPointUpdate => {
+                vec![constants, Input::State, step, Input::Unknown, Input::Right, iterate]
+            }
+            Self::Correction | Self::Domain | Self::Finish => {
                 vec![constants, Input::State, step, Input::Unknown, Input::Residual, iterate]
             }
             Self::Point => vec![

@@ -53,9 +53,7 @@ impl Placement {
         };
         let reachable = |roles: &[Role]| plan.reachable_from(roots(roles));
         let evaluating = reachable(&[Role::Evaluate]);
-        let solving =
-            [Role::Evaluate, Role::Correction, Role::FixedPointUpdate, Role::ClearedUpdate, Role::Domain];
-        let solving = reachable(&solving);
+        let solving = reachable(&[Role::Evaluate, Role::Correction, Role::FixedPointUpdate, Role::Domain]);
         let arguments: FxHashSet<Op> =
             evaluating.iter().filter_map(|&op| plan.stumpff_argument(op)).collect();
         let is_given = |op: Op| matches!(plan.operation(op), Operation::Symbol(s) if given.contains(s));

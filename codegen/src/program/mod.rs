@@ -117,11 +117,9 @@ pub enum Role {
     Evaluate,
     /// Of a step: the solution `d` of `(∂residual/∂x) d = residual`.
     Correction,
-    /// Of a step: the solution `x` of `left(x) = right`, the next iterate of the fixed-point iteration. There where the left side is linear
-    /// with constant coefficients.
+    /// Of a step: the next iterate of the fixed-point iteration: the solution `x` of `left(x) = right`, or of that equation without
+    /// denominators. There where the left side is linear with constant coefficients.
     FixedPointUpdate,
-    /// Of a step: the next iterate of the fixed-point iteration on the equation without denominators, if it has any.
-    ClearedUpdate,
     /// Of a step: the distances to the edges of the retraction's domain, positive within. There where it has an edge.
     Domain,
     /// Of a step: the next state.

@@ -8,9 +8,7 @@ use super::Failed;
 use crate::error::StepError;
 use crate::flat::Method;
 use crate::method::Clock;
-use crate::scalar::simd::lanes::Lanes;
-#[cfg(not(target_arch = "x86_64"))]
-use crate::scalar::simd::lanes::Portable;
+use crate::scalar::simd::lanes::{Lanes, Portable};
 #[cfg(target_arch = "x86_64")]
 use crate::scalar::simd::processor::{Avx2, Avx512};
 use crate::scalar::{Batch, Real, Scalar};
@@ -26,8 +24,8 @@ pub struct Member {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Instructions {
-    /// What the program was built for. On x86-64 members are then stepped one by one: nearly all such processors have one of the others. Elsewhere
-    /// the compiler finds some registers by itself.
+    /// What the program was built for: on x86-64 two doubles in a register, and single-precision numbers one by one. Elsewhere the compiler finds
+    /// some registers by itself.
     Portable,
     /// Four doubles in a register.
     #[cfg(target_arch = "x86_64")]
@@ -109,7 +107,7 @@ impl Members {
             #[cfg(target_arch = "x86_64")]
             Instructions::Avx2 if Avx2::is_here() => blocks!(Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>),
             #[cfg(target_arch = "x86_64")]
-            _ => blocks!(f64, f32),
+            _ => blocks!(Lanes<f64, 2, Portable>, f32),
             #[cfg(not(target_arch = "x86_64"))]
             _ => blocks!(Lanes<f64, 4, Portable>, Lanes<f32, 8, Portable>),
         };
@@ -219,7 +217,7 @@ macro_rules! sides {
     };
 }
 #[cfg(target_arch = "x86_64")]
-sides!(f64, f32, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
+sides!(f32, Lanes<f64, 2, Portable>, Lanes<f64, 4, Avx2>, Lanes<f32, 8, Avx2>, Lanes<f64, 8, Avx512>, Lanes<f32, 16, Avx512>);
 #[cfg(not(target_arch = "x86_64"))]
 sides!(Lanes<f64, 4, Portable>, Lanes<f32, 8, Portable>);
 

@@ -1,13 +1,11 @@
-//! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, and where the right side is `n(x)/(1 + d(x))`, `x ← L⁻¹ n(x) − d(x) x`.
-//!
-//! Both have the same solution. The first one is for a prediction, which is known before the state is, so that the quotient is there in time.
-//! Every other iterate waits for the one before it, and is not to wait for a division.
+//! Fixed-point iteration on a step's equation, `x ← L⁻¹ right(x)`, or, where the right side is `n(x)/(1 + d(x))`, `x ← L⁻¹ n(x) − d(x) x`: no
+//! iterate waits for a division.
 
 use super::constants::{FAR, ITERATIONS, NOISE, QUICK, SHARP, STRONG, TOLERANCE};
 use super::memory::{Memory, rate};
-use super::{Solution, SolutionOf, count};
+use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Kernel};
-use crate::scalar::blocks::{change, is_within, select};
+use crate::scalar::blocks::{change, is_within};
 use crate::scalar::{Batch, Mask};
 
 /// Iterates from a guess, in lanes where it is to be [tried](Memory::tries), as long as iterations contract strongly; `first` is where the first one led to, if it was made.
@@ -28,7 +26,6 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     // of changes, one after the other, that are no rounding
     let (mut iterations, mut residual, mut sharp) = (T::all(0), T::of(0.0), [T::of(1.0), memory.rate]);
     let (mut last, mut round) = (T::of(FAR), 0);
-    let is_predicted = memory.predictor.remembers() && !memory.is_due();
     if let Some(first) = first {
         (unknown, round, iterations) = (first, 1, T::all(1));
         last = change::<T, _>(K::BLOCKS, guess, &first);
@@ -38,15 +35,11 @@ pub(super) fn solve<T: Batch, K: Kernel<T>>(
     }
     let evaluation = loop {
         // the other lanes wait
-        point = select(again, &unknown, &point);
+        point = go_on::<T, _>(again, &unknown, &point);
         let evaluation =
             if const { T::LANES > 1 } { equation.evaluate_apart(&point) } else { equation.evaluate(&point) };
-        let next = if round == 0 && is_predicted {
-            kernel.fixed_point_update(state, step, &evaluation.right)
-        } else {
-            kernel.cleared_update(state, step, &point, &evaluation)
-        };
-        unknown = select(again, &next, &unknown);
+        let next = kernel.fixed_point_update(state, step, &point, &evaluation);
+        unknown = go_on::<T, _>(again, &next, &unknown);
         round += 1;
         count::<T>(&mut iterations, again);
         let now = change::<T, _>(K::BLOCKS, &point, &unknown);

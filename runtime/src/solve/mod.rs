@@ -23,7 +23,8 @@ mod rescue;
 pub(crate) mod step;
 
 use crate::kernel::{AtState, Evaluation, Kernel};
-use crate::scalar::{Batch, Mask};
+use crate::scalar::blocks::select;
+use crate::scalar::{Batch, Components, Mask};
 
 /// A solution of a step's equation, or what has become of the search for it.
 #[derive(Clone, Copy)]
@@ -61,13 +62,19 @@ impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
 /// The solution of a step's equation from nothing that is remembered. None if it is not found.
 #[cfg(feature = "std")]
 pub(crate) fn cold<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>) -> Option<K::Unknown> {
-    use crate::scalar::{Components, Work};
+    use crate::scalar::Work;
     let start = &equation.start();
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
         return Some(*start);
     }
     let work = rescue::Rescue { equation, blocks: K::BLOCKS, start, lane: 0 };
     work.done().ok().map(|rescued| rescued.unknown)
+}
+
+/// The next iterate, in the lanes that go on. One number alone goes on, or there is no next iterate: it is not to wait for what decides that.
+#[inline(always)]
+fn go_on<T: Batch, U: Components<T>>(again: T::Mask, next: &U, last: &U) -> U {
+    if const { T::LANES == 1 } { *next } else { select(again, next, last) }
 }
 
 /// Counts one more in the lanes where the mask is true.

@@ -1,7 +1,7 @@
 //! Newton's method on a step's equation.
 
 use super::constants::{FAR, NEAR, PROGRESS, REGULAR, RESIDUAL, TOWARDS};
-use super::{Solution, SolutionOf, count};
+use super::{Solution, SolutionOf, count, go_on};
 use crate::kernel::{AtState, Equation, Kernel};
 use crate::scalar::blocks::{change, is_below, less, plus, relative, select};
 use crate::scalar::{Batch, Components, Mask, Work};
@@ -56,13 +56,14 @@ impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
             if !open.any() {
                 break evaluation;
             }
+            // in lanes it is long, and where there are fixed-point iterations it is rare
             let correction = if const { T::LANES > 1 || K::HAS_FIXED_POINT_UPDATE } {
-                equation.corrected(&point, Some(&evaluation.residual)).iterate
+                equation.correction_apart(&point, &evaluation)
             } else {
                 equation.correction(&point, &evaluation)
             };
             (last, moved) = (now, relative::<T, _>(K::BLOCKS, &correction, &point));
-            point = select(open, &less(&point, &correction), &point);
+            point = go_on::<T, _>(open, &less(&point, &correction), &point);
             round += 1;
             count::<T>(&mut iterations, open);
         };

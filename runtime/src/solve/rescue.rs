@@ -79,7 +79,7 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         // fixed weights: how large the terms are in the beginning
         let terms = self.rounding(self.start);
         if !finite::<T, _>(&terms).lane(self.lane) {
-            return (Err(StepError::NoSolution { residual: f64::INFINITY }), false);
+            return (Err(StepError::NotFinite), false);
         }
         let (mut unknown, mut trial, mut correction) = (*self.start, *self.start, *self.start);
         let (mut smallest, mut left, mut scale, mut is_direct) = (f64::INFINITY, f64::INFINITY, 1.0, true);

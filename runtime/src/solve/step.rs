@@ -2,7 +2,7 @@
 
 use super::memory::Memory;
 use super::newton::Newton;
-use super::predictor::Predictor;
+use super::predictor::{Guess, Predictor};
 use super::rescue::{Rescue, Rescued};
 use super::{Solution, SolutionOf, fixed_point};
 use crate::error::StepError;
@@ -10,7 +10,7 @@ use crate::kernel::{self, AtState, Kernel, finite, is_inside, is_surely_finite};
 use crate::method::{AdvanceN, Advanced, Clock, Failure, Method, Outcome, StepsReport};
 use crate::scalar::blocks::{is_within, select};
 use crate::scalar::simd::lanes::{Portable, Processor};
-use crate::scalar::simd::loads::{apart, one_by_one};
+use crate::scalar::simd::loads::{apart, apart_here, one_by_one};
 use crate::scalar::{Batch, Components, Mask, Scalar, Work};
 
 /// One generated kernel: a step is one equation, solved from where the solutions of earlier steps point.
@@ -18,17 +18,6 @@ use crate::scalar::{Batch, Components, Mask, Scalar, Work};
 pub struct OneStep<T: Batch, K: Kernel<T>> {
     kernel: K,
     memory: Memory<T, K::Unknown>,
-}
-
-/// Where the solutions before point, while many steps are taken.
-#[derive(Clone, Copy, Debug)]
-pub struct Guess<U>(Option<U>);
-
-impl<U> Default for Guess<U> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self(None)
-    }
 }
 
 impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
@@ -44,7 +33,7 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || Self::IS_EXPLICIT;
     /// The next solution.
-    type FastPath = Guess<K::Unknown>;
+    type FastPath = Guess<T, K::Unknown>;
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
@@ -53,29 +42,24 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn enter(&self) -> Self::FastPath {
-        Guess(Some(self.memory.predictor.next()))
+        self.memory.predictor.guess()
     }
 
     #[inline(always)]
     fn advance_fast<P: Processor>(
         &mut self,
-        Guess(guess): &mut Self::FastPath,
+        guess: &mut Self::FastPath,
         state: &K::State,
         time: T,
         control: &K::Control,
-    ) -> Result<K::State, (usize, K::State)> {
-        let Some(guess) = guess else { return Err((0, *state)) };
-        match fast_path::<P, _, _>(&self.kernel, &mut self.memory, guess, state, time, control) {
-            Ok(next) => Ok(next),
-            Err(_) => Err((0, *state)),
-        }
+    ) -> (K::State, Option<usize>) {
+        let (next, done) = fast_path::<P, _, _>(&self.kernel, &mut self.memory, guess, state, time, control);
+        (next, done.err().map(|_| 0))
     }
 
     #[inline(always)]
-    fn leave(&mut self, Guess(guess): &mut Self::FastPath, steps: u64, _stages: usize) {
-        if let Some(guess) = guess {
-            self.memory.predictor.set_next(guess);
-        }
+    fn leave(&mut self, guess: &mut Self::FastPath, steps: u64, _stages: usize) {
+        self.memory.predictor.set(guess);
         self.memory.took(steps);
     }
 
@@ -124,18 +108,11 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let mut first = None;
         // nearly all steps go this way
         if known && self.ready_for() > 0 {
-            let mut guess = self.memory.predictor.next();
-            match fast_path::<Portable, _, _>(
-                &self.kernel,
-                &mut self.memory,
-                &mut guess,
-                state,
-                time,
-                control,
-            ) {
-                Ok(next) => {
-                    self.memory.predictor.set_next(&guess);
-                    self.memory.took(1);
+            let (mut guess, Self { kernel, memory }) = (self.enter(), &mut *self);
+            let (next, done) = fast_path::<Portable, _, _>(kernel, memory, &mut guess, state, time, control);
+            match done {
+                Ok(()) => {
+                    self.leave(&mut guess, 1, 0);
                     let (iterations, residual) = self.on_fast_path();
                     return Ok(Advanced { state: next, iterations, residual });
                 }
@@ -148,13 +125,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
             let step = &kernel.begin(state, time, control);
             let equation = &AtState { kernel: &*kernel, state, step };
             let solution = fixed_point::solve(equation, memory, &memory.predictor.next(), first);
-            if solution.solved.all() {
-                let accepted = accept(equation, &solution, time, control);
-                if accepted.good.all() {
-                    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
-                    let Solution { iterations, residual, .. } = solution;
-                    return Ok(Advanced { state: accepted.next, iterations, residual });
-                }
+            if let Some(advanced) = advanced(equation, memory, &solution, time, control) {
+                return Ok(advanced);
             }
         }
         // copies, so that the fast path needs no addresses
@@ -192,38 +164,40 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
     }
 }
 
-/// The state after a step as nearly all are: one iteration, from where the solutions before it point, changes the unknown by little, and
-/// everything is finite. The `guess` is the next step's then. Else nothing has changed, and if there was an iteration, this is where it led to.
+/// Takes a step as nearly all are: one iteration, from where the solutions before it point, changes the unknown by little, and everything is
+/// finite. The `guess` is the next step's then. Else nothing has changed, and if there was an iteration, this is where it led to.
+///
+/// Numbers that the next step waits for are computed one by one: the compiler would put them together, and take them apart again.
 #[inline(always)]
 fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     kernel: &K,
     memory: &mut Memory<T, K::Unknown>,
-    guess: &mut K::Unknown,
+    guess: &mut Guess<T, K::Unknown>,
     state: &K::State,
     time: T,
     control: &K::Control,
-) -> Result<K::State, Option<K::Unknown>> {
+) -> (K::State, Result<(), Option<K::Unknown>>) {
     let step = kernel.begin(state, time, control);
-    let evaluation = kernel.evaluate(state, &step, guess);
-    let (mut unknown, mut then) = (*guess, *guess);
+    let point = guess.next;
+    let evaluation = kernel.evaluate(state, &step, &point);
+    let (mut unknown, mut then) = (point, point);
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        unknown = kernel.fixed_point_update(state, &step, &evaluation.right);
-        if !is_within::<T, _>(K::BLOCKS, guess, &unknown, memory.tolerance).all() {
-            return Err(Some(unknown));
+        unknown = apart::<T, _>(&kernel.fixed_point_update(state, &step, &point, &evaluation));
+        if !is_within::<T, _>(K::BLOCKS, &point, &unknown, memory.tolerance).all() {
+            return (*state, Err(Some(unknown)));
         }
         // before what follows from this solution, for the next step waits for it
-        then = apart::<T, _>(&Predictor::then(&memory.predictor.begun::<P>(), &unknown));
+        then = apart_here::<T, _>(&Predictor::then(&memory.predictor.begun::<P>(guess.oldest), &unknown));
     }
-    let next = kernel.finish(state, &step, &unknown, &evaluation);
+    let next = apart::<T, _>(&kernel.finish(state, &step, &unknown, &evaluation));
     let inside = is_inside(kernel, state, &step, &unknown, &evaluation).all();
     if !(inside & is_surely_finite::<T, K>(&next, control).all()) {
-        return Err(None);
+        return (*state, Err(None));
     }
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        memory.predictor.push::<P>(&unknown);
-        *guess = then;
+        *guess = Guess::new(then, memory.predictor.keep::<P>(guess.oldest, &unknown));
     }
-    Ok(next)
+    (next, Ok(()))
 }
 
 /// A step, with all that can happen.
@@ -251,8 +225,21 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
         }
         let step = &kernel.begin(state, time, control);
         let equation = &AtState { kernel: &*kernel, state, step };
+        let mut before = None;
+        if const { K::HAS_FIXED_POINT_UPDATE && <K::Unknown as Components<T>>::LENGTH > 0 }
+            && memory.tries().any()
+        {
+            let solution = fixed_point::solve(equation, memory, &guess(equation, memory), first);
+            // numbers stay in registers; in lanes there are too few
+            if const { T::LANES == 1 }
+                && let Some(advanced) = advanced(equation, memory, &solution, time, control)
+            {
+                return Ok(advanced);
+            }
+            before = Some(solution);
+        }
         let (mut solution, mut errors, mut is_rescued) =
-            (solve(equation, memory, first), T::all(None), false);
+            (solve(equation, memory, before), T::all(None), false);
         loop {
             let Accepted { next, good, inside } = accept(equation, &solution, time, control);
             let Solution { iterations, residual, .. } = solution;
@@ -283,32 +270,37 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
     }
 }
 
-/// The solution by what is fast: fixed-point iterations where they contract strongly, else Newton's method.
+/// Where the search for a solution begins.
+#[inline(always)]
+fn guess<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>, memory: &Memory<T, K::Unknown>) -> K::Unknown {
+    match memory.predictor.remembers() {
+        true if memory.is_due() && K::HAS_FIXED_POINT_UPDATE => memory.predictor.latest(),
+        true => memory.predictor.next(),
+        false => equation.start(),
+    }
+}
+
+/// The solution by Newton's method, in the lanes in which fixed-point iterations did not lead to one.
 #[inline(always)]
 fn solve<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
     memory: &Memory<T, K::Unknown>,
-    first: Option<K::Unknown>,
+    before: Option<SolutionOf<T, K>>,
 ) -> SolutionOf<T, K> {
-    let remembers = memory.predictor.remembers();
-    let guess = match remembers {
-        true if memory.is_due() && K::HAS_FIXED_POINT_UPDATE => memory.predictor.latest(),
-        true => memory.predictor.next(),
-        false => equation.start(),
-    };
+    let guess = guess(equation, memory);
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
         return Solution::of(equation, &guess, T::Mask::splat(true), memory.rate);
     }
-    let (mut before, mut elsewhere, mut rate) = (None, T::Mask::splat(remembers), memory.rate);
-    if const { K::HAS_FIXED_POINT_UPDATE } && memory.tries().any() {
-        let solution = fixed_point::solve(equation, memory, &guess, first);
-        if solution.solved.all() {
-            return solution;
+    let (mut elsewhere, mut rate) = (T::Mask::splat(memory.predictor.remembers()), memory.rate);
+    if let Some(before) = &before {
+        if before.solved.all() {
+            return *before;
         }
-        (elsewhere, rate) = (elsewhere & !memory.is_strong(), solution.rate);
-        before = Some(solution);
+        (elsewhere, rate) = (elsewhere & !memory.is_strong(), before.rate);
     }
-    T::dispatch(Newton { equation, before: before.as_ref(), from: &guess, elsewhere, rate })
+    let newton = Newton { equation, before: before.as_ref(), from: &guess, elsewhere, rate };
+    // numbers stay in registers; in lanes it is long
+    if const { T::LANES == 1 && !K::HAS_FIXED_POINT_UPDATE } { newton.done() } else { T::dispatch(newton) }
 }
 
 /// Solves the lanes that are `wanted` once more, from nothing that is remembered. Returns what is wrong with them.
@@ -340,14 +332,30 @@ fn rescue<T: Batch, K: Kernel<T>>(
         lane += 1;
     }
     solution.point = select(wanted, &solution.unknown, &solution.point);
-    solution.solved = solution.solved | wanted;
-    // with all lanes solved it does no more than to evaluate
-    let (before, elsewhere) = (Some(&*solution), T::Mask::splat(false));
-    let (from, rate) = (&solution.point, solution.rate);
-    let evaluated = T::dispatch(Newton { equation, before, from, elsewhere, rate });
-    *solution = evaluated;
-    solution.solved = solution.solved & failed.le(T::of(0.0));
+    solution.evaluation = equation.evaluate_apart(&solution.point);
+    solution.solved = (solution.solved | wanted) & failed.le(T::of(0.0));
     errors
+}
+
+/// Where a step has led to, if its equation is solved in all lanes and nothing is wrong.
+#[inline(always)]
+fn advanced<T: Batch, K: Kernel<T>>(
+    equation: &AtState<'_, T, K>,
+    memory: &mut Memory<T, K::Unknown>,
+    solution: &SolutionOf<T, K>,
+    time: T,
+    control: &K::Control,
+) -> Option<Advanced<T, K::State>> {
+    if !solution.solved.all() {
+        return None;
+    }
+    let accepted = accept(equation, solution, time, control);
+    if !accepted.good.all() {
+        return None;
+    }
+    memory.learn(K::BLOCKS, &solution.unknown, solution.rate);
+    let Solution { iterations, residual, .. } = *solution;
+    Some(Advanced { state: accepted.next, iterations, residual })
 }
 
 /// The end of a step from the solution of its equation.

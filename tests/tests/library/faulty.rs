@@ -73,18 +73,14 @@ impl<T: Scalar, K: Kernel<T>, F: Fault> Kernel<T> for FaultyKernel<K, F> {
         correction
     }
 
-    fn fixed_point_update(&self, state: &K::State, step: &K::Step, right: &K::Unknown) -> K::Unknown {
-        self.0.fixed_point_update(state, step, right)
-    }
-
-    fn cleared_update(
+    fn fixed_point_update(
         &self,
         state: &K::State,
         step: &K::Step,
         x: &K::Unknown,
         evaluation: &Evaluation<K::Unknown, K::Iterate>,
     ) -> K::Unknown {
-        self.0.cleared_update(state, step, x, evaluation)
+        self.0.fixed_point_update(state, step, x, evaluation)
     }
 
     fn domain(

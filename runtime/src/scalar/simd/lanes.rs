@@ -345,25 +345,23 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
     }
 }
 
-/// Adds `Σ columns[k] · by[k]`, four entries at a time.
+/// Adds `Σ columns[k] · by[k]`, two entries at a time.
 #[inline(always)]
 pub(crate) fn add_product<const N: usize, const K: usize>(
     sum: &mut [f64; N],
     columns: &[[f64; N]; K],
     by: &[f64; K],
 ) {
-    type Four = Lanes<f64, 4, Portable>;
+    type Two = Lanes<f64, 2, Portable>;
     let mut start = 0;
-    while start + 4 <= N {
-        let of = |column: &[f64; N]| {
-            Four::from([column[start], column[start + 1], column[start + 2], column[start + 3]])
-        };
+    while start + 2 <= N {
+        let of = |column: &[f64; N]| Two::from([column[start], column[start + 1]]);
         let mut total = of(sum);
         for (column, by) in columns.iter().zip(by) {
-            total = of(column).mul_add(Four::from([*by; 4]), total);
+            total = of(column).mul_add(Two::from([*by; 2]), total);
         }
-        sum[start..start + 4].copy_from_slice(&total.0);
-        start += 4;
+        sum[start..start + 2].copy_from_slice(&total.0);
+        start += 2;
     }
     while start < N {
         for (column, by) in columns.iter().zip(by) {

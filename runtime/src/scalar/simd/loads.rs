@@ -20,23 +20,34 @@ pub(crate) fn one_by_one<T: Batch, C: Components<T>>(numbers: &C) -> C {
     loaded
 }
 
-/// The same numbers, computed here, and each in a register of its own. The processor does not see far ahead: what the next step waits for is to
-/// come first. And the compiler does not put them together to compute two at a time, which costs more to take apart again than it saves.
-#[inline(always)]
-pub(crate) fn apart<T: Batch, C: Components<T>>(numbers: &C) -> C {
-    let mut apart = *numbers;
-    #[cfg(target_arch = "x86_64")]
-    if const { T::PAIRS } {
-        let mut k = 0;
-        while k < C::LENGTH {
-            let mut x = apart.as_ref()[k].lane(0).to_f64();
-            // SAFETY: no instruction
-            unsafe {
-                core::arch::asm!("/* {0} */", inout(xmm_reg) x, options(nomem, nostack, preserves_flags))
-            };
-            apart.as_mut()[k] = T::of(x);
-            k += 1;
+/// A function that puts each number in a register of its own, with these options of an instruction that is none.
+macro_rules! apart {
+    ($(#[$doc:meta])* $name:ident: $($option:ident),*) => {
+        $(#[$doc])*
+        #[inline(always)]
+        pub(crate) fn $name<T: Batch, C: Components<T>>(numbers: &C) -> C {
+            let mut apart = *numbers;
+            #[cfg(target_arch = "x86_64")]
+            if const { T::PAIRS } {
+                let mut k = 0;
+                while k < C::LENGTH {
+                    let mut x = apart.as_ref()[k].lane(0).to_f64();
+                    // SAFETY: no instruction
+                    unsafe { core::arch::asm!("/* {0} */", inout(xmm_reg) x, options($($option),*)) };
+                    apart.as_mut()[k] = T::of(x);
+                    k += 1;
+                }
+            }
+            apart
         }
-    }
-    apart
+    };
+}
+apart! {
+    /// The same numbers, each in a register of its own: the compiler does not put them together to compute two at a time, which costs more to
+    /// take apart again than it saves (a quarter of a step).
+    apart: pure, nomem, nostack, preserves_flags
+}
+apart! {
+    /// The same, and computed here: the processor does not see far ahead, and what the next step waits for is to come first.
+    apart_here: nomem, nostack, preserves_flags
 }

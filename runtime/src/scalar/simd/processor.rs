@@ -150,9 +150,6 @@ processors! {
     }
 }
 
-/// Two registers, as every x86-64 has them.
-type Two = [__m128d; 2];
-
 impl Processor for Portable {
     type Alignment = ();
 
@@ -162,36 +159,25 @@ impl Processor for Portable {
     }
 
     operations! {
-        Two of 4 doubles, fuses: FUSED, fours: false;
+        __m128d of 2 doubles, fuses: FUSED, fours: false;
         fma(a, b, c) = if FUSED {
-            [_mm_fmadd_pd(a[0], b[0], c[0]), _mm_fmadd_pd(a[1], b[1], c[1])]
+            _mm_fmadd_pd(a, b, c)
         } else {
             // not asked for
             a
         };
-        add(a, b) = [_mm_add_pd(a[0], b[0]), _mm_add_pd(a[1], b[1])];
-        sub(a, b) = [_mm_sub_pd(a[0], b[0]), _mm_sub_pd(a[1], b[1])];
-        mul(a, b) = [_mm_mul_pd(a[0], b[0]), _mm_mul_pd(a[1], b[1])];
-        mul_add(a, b, c) = if FUSED {
-            [_mm_fmadd_pd(a[0], b[0], c[0]), _mm_fmadd_pd(a[1], b[1], c[1])]
-        } else {
-            [_mm_add_pd(c[0], _mm_mul_pd(a[0], b[0])), _mm_add_pd(c[1], _mm_mul_pd(a[1], b[1]))]
-        };
-        neg_mul_add(a, b, c) = if FUSED {
-            [_mm_fnmadd_pd(a[0], b[0], c[0]), _mm_fnmadd_pd(a[1], b[1], c[1])]
-        } else {
-            [_mm_sub_pd(c[0], _mm_mul_pd(a[0], b[0])), _mm_sub_pd(c[1], _mm_mul_pd(a[1], b[1]))]
-        };
-        div(a, b) = [_mm_div_pd(a[0], b[0]), _mm_div_pd(a[1], b[1])];
-        sqrt(a) = [_mm_sqrt_pd(a[0]), _mm_sqrt_pd(a[1])];
-        neg(a) = [_mm_xor_pd(a[0], _mm_set1_pd(-0.0)), _mm_xor_pd(a[1], _mm_set1_pd(-0.0))];
-        abs(a) = [_mm_andnot_pd(_mm_set1_pd(-0.0), a[0]), _mm_andnot_pd(_mm_set1_pd(-0.0), a[1])];
-        le(a, b) = [_mm_cmple_pd(a[0], b[0]), _mm_cmple_pd(a[1], b[1])];
-        lt(a, b) = [_mm_cmplt_pd(a[0], b[0]), _mm_cmplt_pd(a[1], b[1])];
-        select(mask, yes, no) = [
-            _mm_or_pd(_mm_and_pd(mask[0], yes[0]), _mm_andnot_pd(mask[0], no[0])),
-            _mm_or_pd(_mm_and_pd(mask[1], yes[1]), _mm_andnot_pd(mask[1], no[1])),
-        ];
+        add(a, b) = _mm_add_pd(a, b);
+        sub(a, b) = _mm_sub_pd(a, b);
+        mul(a, b) = _mm_mul_pd(a, b);
+        mul_add(a, b, c) = if FUSED { _mm_fmadd_pd(a, b, c) } else { _mm_add_pd(c, _mm_mul_pd(a, b)) };
+        neg_mul_add(a, b, c) = if FUSED { _mm_fnmadd_pd(a, b, c) } else { _mm_sub_pd(c, _mm_mul_pd(a, b)) };
+        div(a, b) = _mm_div_pd(a, b);
+        sqrt(a) = _mm_sqrt_pd(a);
+        neg(a) = _mm_xor_pd(a, _mm_set1_pd(-0.0));
+        abs(a) = _mm_andnot_pd(_mm_set1_pd(-0.0), a);
+        le(a, b) = _mm_cmple_pd(a, b);
+        lt(a, b) = _mm_cmplt_pd(a, b);
+        select(mask, yes, no) = _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no));
     }
 }
 
@@ -287,8 +273,29 @@ macro_rules! pieces {
 pieces! {
     __m128d: 2 doubles, _mm_loadu_pd, _mm_storeu_pd, |[x, y]: [f64; 2]| _mm_set_pd(y, x), _mm_set1_pd,
         _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_fmadd_pd;
-    __m256d: 4 doubles, _mm256_loadu_pd, _mm256_storeu_pd, |[x, y, z, w]: [f64; 4]| _mm256_set_pd(w, z, y, x), _mm256_set1_pd,
+    __m256d: 4 doubles, _mm256_loadu_pd, store_whole, |[x, y, z, w]: [f64; 4]| _mm256_set_pd(w, z, y, x), _mm256_set1_pd,
         _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_fmadd_pd;
+}
+
+/// Stores four doubles by one instruction. The compiler would store what it has put together in two pieces, and a load of all four then has to wait
+/// until both are in the cache.
+///
+/// # Safety
+/// Only where the processor has the instructions, and four doubles may be written.
+#[inline(always)]
+unsafe fn store_whole(at: *mut f64, doubles: __m256d) {
+    // SAFETY: as said above
+    unsafe {
+        let [low, high] = [_mm256_castpd256_pd128(doubles), _mm256_extractf128_pd::<1>(doubles)];
+        core::arch::asm!(
+            "vinsertf128 {low:y}, {low:y}, {high}, 1",
+            "vmovupd [{at}], {low:y}",
+            low = inout(xmm_reg) low => _,
+            high = in(xmm_reg) high,
+            at = in(reg) at,
+            options(nostack, preserves_flags)
+        );
+    }
 }
 
 /// Does the work in a function of its own, compiled for [`fma`](Batch::fma) where the processor has an instruction
@@ -301,7 +308,9 @@ pub(crate) fn dispatch_fused<W: Work>(work: W) -> W::Result {
 /// [`Batch::dispatch_wide`] of numbers alone.
 #[inline]
 pub(crate) fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
-    if Avx2::is_here() {
+    if Avx512::is_here() {
+        Avx512::dispatch(On::<Avx512, W>::new(work))
+    } else if Avx2::is_here() {
         Avx2::dispatch(On::<Avx2, W>::new(work))
     } else {
         Portable::dispatch(On::<Portable, W>::new(work))

@@ -26,10 +26,8 @@ pub struct Stages {
     pub right: Column,
     /// The Newton correction.
     pub correction: Column,
-    /// The solution of `left(x) = right`, where there is an update of the fixed-point iteration.
+    /// The next iterate of the fixed-point iteration, where there is one.
     pub update: Option<Column>,
-    /// The next iterate of the equation without denominators, where there are any.
-    pub cleared_update: Option<Column>,
     /// The distances to the edges of the domain.
     pub margins: Column,
     /// The next state.
@@ -63,7 +61,6 @@ pub fn stages(module: &Module, given: &Given<Real>) -> Stages {
         right: right.clone(),
         correction: one(Role::Correction, &given),
         update: maybe(Role::FixedPointUpdate, &given),
-        cleared_update: maybe(Role::ClearedUpdate, &given),
         margins: maybe(Role::Domain, &given).unwrap_or_else(|| Column(Vec::new())),
         next: one(Role::Finish, &given),
     }
