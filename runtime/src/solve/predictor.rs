@@ -17,9 +17,7 @@
 //!
 //! Of even powers of the distance from `x₈` this holds whatever `w` is. That it holds of the odd ones up to the ninth, and so of all polynomials of
 //! degree 10, determines five weights. Of all choices of five differences [this one](PAIRS) magnifies rounding least, 61 fold, hardly more than the
-//! best weights of all seven (59.5).
-
-use core::marker::PhantomData;
+//! best weights of all seven (59.5); and its weights are exact.
 
 use super::constants::{LOST, LOW, SMALL, THROUGH};
 use crate::scalar::blocks::{is_within, plus, select, weighted, weights};
@@ -33,53 +31,11 @@ pub(super) const WINDOW: usize = 16;
 /// The `j` of which there is a difference `x_j − x_{16 − j}`.
 const PAIRS: [usize; 5] = [1, 2, 3, 5, 7];
 
-/// Their weights.
-const WEIGHTS: [f64; 5] = weights_of(PAIRS);
+/// Their weights, exact as numbers of any kind.
+const WEIGHTS: [f64; 5] = [231.0 / 32.0, -20.0, 735.0 / 32.0, -637.0 / 32.0, 715.0 / 32.0];
 
-/// The weights with which odd polynomials of degree 9 are continued to the distance of half a window from its middle: those of Lagrange, of
-/// `p(x)/x` as a polynomial of `x²`.
-const fn weights_of(pairs: [usize; 5]) -> [f64; 5] {
-    let half = (WINDOW / 2) as f64;
-    let (mut weights, mut i) = ([1.0; 5], 0);
-    while i < 5 {
-        let at = half - pairs[i] as f64;
-        // numbers of fewer digits than a double has: each is rounded once
-        let (mut above, mut below, mut k) = (half, at, 0);
-        while k < 5 {
-            if k != i {
-                let other = half - pairs[k] as f64;
-                above *= half * half - other * other;
-                below *= at * at - other * other;
-            }
-            k += 1;
-        }
-        weights[i] = above / below;
-        i += 1;
-    }
-    weights
-}
-
-/// Where the solutions before point while many steps are taken, and the place that the next one will take: in registers, as far as there are any.
-#[derive(Clone, Copy, Debug)]
-pub struct Guess<T, U> {
-    pub(super) next: U,
-    pub(super) oldest: u32,
-    of: PhantomData<T>,
-}
-
-impl<T: Batch, U: Components<T>> Guess<T, U> {
-    #[inline(always)]
-    pub(super) fn new(next: U, oldest: u32) -> Self {
-        Self { next, oldest, of: PhantomData }
-    }
-}
-
-impl<T: Batch, U: Components<T>> Default for Guess<T, U> {
-    #[inline(always)]
-    fn default() -> Self {
-        Self::new(U::splat(T::of(0.0)), 0)
-    }
-}
+/// Where the solutions before point, and the place that the next one will take: in registers while many steps are taken.
+pub(super) type Guess<U> = (U, u32);
 
 /// The solutions that point to the next one.
 #[derive(Clone, Copy, Debug)]
@@ -174,14 +130,14 @@ impl<T: Batch, U: Components<T>> Predictor<T, U> {
 
     /// What the fast path goes on from.
     #[inline(always)]
-    pub(super) fn guess(&self) -> Guess<T, U> {
-        Guess::new(self.next, self.oldest)
+    pub(super) fn guess(&self) -> Guess<U> {
+        (self.next, self.oldest)
     }
 
     /// Sets where the fast path has led to.
     #[inline(always)]
-    pub(super) fn set(&mut self, guess: &Guess<T, U>) {
-        (self.next, self.oldest) = (guess.next, guess.oldest);
+    pub(super) fn set(&mut self, guess: &Guess<U>) {
+        (self.next, self.oldest) = *guess;
     }
 
     /// Takes one more solution, whatever there is. Where a few of the earlier solutions predict it better than all, as where a control has jumped,
@@ -324,6 +280,19 @@ impl<T: Batch, U: Components<T>> Formula<T> for Keep<'_, T, U> {
 mod tests {
     use super::*;
 
+    /// The weights with which odd polynomials of degree 9 are continued to the distance of half a window from its middle: those of Lagrange, of
+    /// `p(x)/x` as a polynomial of `x²`.
+    fn weights_of(pairs: [usize; 5]) -> [f64; 5] {
+        let half = (WINDOW / 2) as f64;
+        let at = pairs.map(|j| half - j as f64);
+        // numbers of fewer digits than a double has: each is rounded once
+        let product = |i: usize, x: f64| {
+            let others = (0..5).filter(|k| *k != i).map(|k| x * x - at[k] * at[k]);
+            x * others.product::<f64>()
+        };
+        core::array::from_fn(|i| product(i, half) / product(i, at[i]))
+    }
+
     fn magnifies(weights: [f64; 5]) -> f64 {
         (1.0 + weights.iter().map(|w| 2.0 * w * w).sum::<f64>()).sqrt()
     }
@@ -335,6 +304,7 @@ mod tests {
             let sum: f64 = WEIGHTS.iter().zip(PAIRS).map(|(w, j)| w * at(j)).sum();
             assert!((sum - 1.0).abs() < 1e-14, "{power}: {sum}");
         }
+        assert_eq!(WEIGHTS, weights_of(PAIRS));
         // of all choices of five of seven
         let mut all = Vec::new();
         for (first, second) in (1..=7).flat_map(|i| (i + 1..=7).map(move |k| (i, k))) {
@@ -371,7 +341,7 @@ mod tests {
                 let x = [polynomial(step)];
                 let then = Predictor::then(&predictor.begun::<Portable>(predictor.oldest), &x);
                 let oldest = predictor.keep::<Portable>(predictor.oldest, &x);
-                predictor.set(&Guess::new(then, oldest));
+                predictor.set(&(then, oldest));
                 assert!((then[0] / polynomial(step + 1) - 1.0).abs() < 1e-12, "{degree}, {step}");
             }
         }

@@ -32,8 +32,8 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
     }
 
     const HAS_FAST_PATH: bool = K::HAS_FIXED_POINT_UPDATE || Self::IS_EXPLICIT;
-    /// The next solution.
-    type FastPath = Guess<T, K::Unknown>;
+    /// There is one wherever steps are [ready](Method::ready_for).
+    type FastPath = Option<Guess<K::Unknown>>;
 
     #[inline(always)]
     fn ready_for(&self) -> u64 {
@@ -42,24 +42,27 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
 
     #[inline(always)]
     fn enter(&self) -> Self::FastPath {
-        self.memory.predictor.guess()
+        Some(self.memory.predictor.guess())
     }
 
     #[inline(always)]
     fn advance_fast<P: Processor>(
         &mut self,
-        guess: &mut Self::FastPath,
+        path: &mut Self::FastPath,
         state: &K::State,
         time: T,
         control: &K::Control,
     ) -> (K::State, Option<usize>) {
+        let Some(guess) = path else { return (*state, Some(0)) };
         let (next, done) = fast_path::<P, _, _>(&self.kernel, &mut self.memory, guess, state, time, control);
         (next, done.err().map(|_| 0))
     }
 
     #[inline(always)]
-    fn leave(&mut self, guess: &mut Self::FastPath, steps: u64, _stages: usize) {
-        self.memory.predictor.set(guess);
+    fn leave(&mut self, path: &mut Self::FastPath, steps: u64, _stages: usize) {
+        if let Some(guess) = path {
+            self.memory.predictor.set(guess);
+        }
         self.memory.took(steps);
     }
 
@@ -108,11 +111,13 @@ impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
         let mut first = None;
         // nearly all steps go this way
         if known && self.ready_for() > 0 {
-            let (mut guess, Self { kernel, memory }) = (self.enter(), &mut *self);
+            let Self { kernel, memory } = self;
+            let mut guess = memory.predictor.guess();
             let (next, done) = fast_path::<Portable, _, _>(kernel, memory, &mut guess, state, time, control);
             match done {
                 Ok(()) => {
-                    self.leave(&mut guess, 1, 0);
+                    memory.predictor.set(&guess);
+                    memory.took(1);
                     let (iterations, residual) = self.on_fast_path();
                     return Ok(Advanced { state: next, iterations, residual });
                 }
@@ -172,13 +177,13 @@ impl<T: Batch, K: Kernel<T>> OneStep<T, K> {
 fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
     kernel: &K,
     memory: &mut Memory<T, K::Unknown>,
-    guess: &mut Guess<T, K::Unknown>,
+    guess: &mut Guess<K::Unknown>,
     state: &K::State,
     time: T,
     control: &K::Control,
 ) -> (K::State, Result<(), Option<K::Unknown>>) {
     let step = kernel.begin(state, time, control);
-    let point = guess.next;
+    let (point, oldest) = *guess;
     let evaluation = kernel.evaluate(state, &step, &point);
     let (mut unknown, mut then) = (point, point);
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
@@ -187,7 +192,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
             return (*state, Err(Some(unknown)));
         }
         // before what follows from this solution, for the next step waits for it
-        then = apart_here::<T, _>(&Predictor::then(&memory.predictor.begun::<P>(guess.oldest), &unknown));
+        then = apart_here::<T, _>(&Predictor::then(&memory.predictor.begun::<P>(oldest), &unknown));
     }
     let next = apart::<T, _>(&kernel.finish(state, &step, &unknown, &evaluation));
     let inside = is_inside(kernel, state, &step, &unknown, &evaluation).all();
@@ -195,7 +200,7 @@ fn fast_path<P: Processor, T: Batch, K: Kernel<T>>(
         return (*state, Err(None));
     }
     if const { !OneStep::<T, K>::IS_EXPLICIT } {
-        *guess = Guess::new(then, memory.predictor.keep::<P>(guess.oldest, &unknown));
+        *guess = (then, memory.predictor.keep::<P>(oldest, &unknown));
     }
     (next, Ok(()))
 }
