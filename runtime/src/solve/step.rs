@@ -244,7 +244,7 @@ impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
             before = Some(solution);
         }
         let (mut solution, mut errors, mut is_rescued) =
-            (solve(equation, memory, before), T::all(None), false);
+            (by_newton(equation, memory, before), T::all(None), false);
         loop {
             let Accepted { next, good, inside } = accept(equation, &solution, time, control);
             let Solution { iterations, residual, .. } = solution;
@@ -287,7 +287,7 @@ fn guess<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>, memory: &Memory<T
 
 /// The solution by Newton's method, in the lanes in which fixed-point iterations did not lead to one.
 #[inline(always)]
-fn solve<T: Batch, K: Kernel<T>>(
+fn by_newton<T: Batch, K: Kernel<T>>(
     equation: &AtState<'_, T, K>,
     memory: &Memory<T, K::Unknown>,
     before: Option<SolutionOf<T, K>>,

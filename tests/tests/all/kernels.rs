@@ -257,7 +257,7 @@ fn kernels_of_rigid_bodies_compute_their_steps() {
                 update.expect("an inertia is linear and constant")
             });
             updates += 1;
-            if !(whole < Real::ten_to(-69)) {
+            if !(whole < Real::ten_to(-70)) {
                 assert!(cleared < Real::ten_to(-69), "{what}: {whole:?} {cleared:?}");
                 assert!(retraction == Retraction::Cayley, "{what}");
                 cleared_updates += 1;
