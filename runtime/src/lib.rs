@@ -76,7 +76,6 @@ pub mod error;
 mod flat;
 #[cfg(feature = "std")]
 mod fused;
-pub mod generic;
 #[cfg(feature = "std")]
 pub mod guide;
 mod inertia;
@@ -172,7 +171,7 @@ pub use nalgebra;
 pub use observe::Record;
 pub use observe::{Invariants, Observer};
 pub use retraction::{Cayley, Exponential, SecondKind};
-pub use run::{Controller, Run, RunError, RunReport, Tick, Uncontrolled};
+pub use run::{Run, RunError, RunReport, Tick};
 pub use scheme::{
     Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
     TangentMidpoint,

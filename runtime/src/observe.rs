@@ -7,11 +7,11 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::scalar::{Batch, Real, Scalar};
-use crate::system::System;
+use crate::system::{Dynamics, System};
 use crate::tick::Tick;
 
 /// Observes a run.
-pub trait Observer<S: System> {
+pub trait Observer<S: Dynamics + ?Sized> {
     /// Looks at one tick. [`ControlFlow::Break`] ends the run there.
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()>;
     /// The index of the next tick after `index` that it needs; it may be shown others, too. Steps that no observer needs are taken [together](crate::stepper::Stepper::steps_with).
@@ -21,7 +21,7 @@ pub trait Observer<S: System> {
     }
 }
 
-impl<S: System, O: Observer<S> + ?Sized> Observer<S> for &mut O {
+impl<S: Dynamics + ?Sized, O: Observer<S> + ?Sized> Observer<S> for &mut O {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         (**self).observe(tick)
@@ -33,7 +33,7 @@ impl<S: System, O: Observer<S> + ?Sized> Observer<S> for &mut O {
 }
 
 /// No observer.
-impl<S: System> Observer<S> for () {
+impl<S: Dynamics + ?Sized> Observer<S> for () {
     #[inline]
     fn observe(&mut self, _: &Tick<'_, S>) -> ControlFlow<()> {
         ControlFlow::Continue(())
@@ -45,7 +45,7 @@ impl<S: System> Observer<S> for () {
 }
 
 /// Both see every tick, also when the first ends the run.
-impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
+impl<S: Dynamics + ?Sized, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         let first = self.0.observe(tick);
@@ -58,7 +58,7 @@ impl<S: System, A: Observer<S>, B: Observer<S>> Observer<S> for (A, B) {
     }
 }
 
-impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
+impl<S: Dynamics + ?Sized, O: Observer<S>> Observer<S> for Option<O> {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         match self {
@@ -76,7 +76,7 @@ impl<S: System, O: Observer<S>> Observer<S> for Option<O> {
 #[derive(Clone, Copy, Debug)]
 pub struct Each<F>(pub F);
 
-impl<S: System, F: FnMut(&Tick<'_, S>)> Observer<S> for Each<F> {
+impl<S: Dynamics + ?Sized, F: FnMut(&Tick<'_, S>)> Observer<S> for Each<F> {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         (self.0)(tick);
@@ -88,7 +88,7 @@ impl<S: System, F: FnMut(&Tick<'_, S>)> Observer<S> for Each<F> {
 #[derive(Clone, Copy, Debug)]
 pub struct Until<F>(pub F);
 
-impl<S: System, F: FnMut(&Tick<'_, S>) -> bool> Observer<S> for Until<F> {
+impl<S: Dynamics + ?Sized, F: FnMut(&Tick<'_, S>) -> bool> Observer<S> for Until<F> {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         if (self.0)(tick) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -114,7 +114,7 @@ impl<O> Every<O> {
     }
 }
 
-impl<S: System, O: Observer<S>> Observer<S> for Every<O> {
+impl<S: Dynamics + ?Sized, O: Observer<S>> Observer<S> for Every<O> {
     #[inline]
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
         if tick.index.is_multiple_of(self.interval) {
@@ -236,17 +236,17 @@ pub use record::Record;
 
 #[cfg(feature = "std")]
 mod record {
-    use super::{ControlFlow, Observer, System, Tick, fmt};
+    use super::{ControlFlow, Dynamics, Observer, Tick, fmt};
     use std::vec::Vec;
 
     /// Keeps every n-th state with its time, the initial one included.
-    pub struct Record<S: System> {
+    pub struct Record<S: Dynamics + ?Sized> {
         interval: u64,
         times: Vec<f64>,
         states: Vec<S::State>,
     }
 
-    impl<S: System> Record<S> {
+    impl<S: Dynamics + ?Sized> Record<S> {
         /// Keeps the states of ticks 0, `interval`, 2 `interval`, …; an interval of 0 counts as 1.
         pub fn every(interval: u64) -> Self {
             Self { interval: interval.max(1), times: Vec::new(), states: Vec::new() }
@@ -268,7 +268,7 @@ mod record {
         }
     }
 
-    impl<S: System> Observer<S> for Record<S> {
+    impl<S: Dynamics + ?Sized> Observer<S> for Record<S> {
         fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()> {
             if tick.index.is_multiple_of(self.interval) {
                 self.times.push(tick.time);
@@ -281,13 +281,13 @@ mod record {
         }
     }
 
-    impl<S: System> Clone for Record<S> {
+    impl<S: Dynamics + ?Sized> Clone for Record<S> {
         fn clone(&self) -> Self {
             Self { interval: self.interval, times: self.times.clone(), states: self.states.clone() }
         }
     }
 
-    impl<S: System> fmt::Debug for Record<S> {
+    impl<S: Dynamics + ?Sized> fmt::Debug for Record<S> {
         fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             f.debug_struct("Record")
                 .field("interval", &self.interval)

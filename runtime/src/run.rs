@@ -1,7 +1,7 @@
 //! Runs: many steps, watched by [observers](crate::observe).
 //!
 //! A stepper takes steps and knows nothing else. Whatever is to happen along the way hangs on a [`Run`]: observers see every
-//! state, and a [`Controller`] says what acts on the system over each step.
+//! state, and a control, or a law for it, says what acts on the system over each step.
 //!
 //! ```
 //! use coadjoint::prelude::*;
@@ -46,70 +46,78 @@ use crate::observe::{Each, Every, Observer, Until};
 use crate::stepper::Stepper;
 pub use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping};
-use crate::system::System;
+use crate::system::Dynamics;
 pub use crate::tick::Tick;
 
-/// Chooses the control of each step of a run; closures do, by [`Run::controlled_by`].
-pub trait Controller<S: System> {
-    /// The control to be held over the step that starts from `state` at `time`.
+/// A law that controls a run.
+#[doc(hidden)]
+pub trait ControlLaw<S: Dynamics + ?Sized> {
+    /// Returns the control to be held over the step that starts from `state` at `time`.
     fn control(&mut self, state: &S::State, time: f64) -> S::Control;
     /// Whether it is the same at all times, so that it need not be asked for before every step.
-    fn is_constant(&self) -> bool {
-        false
-    }
+    const IS_CONSTANT: bool;
 }
 
-impl<S: System, F: FnMut(&S::State, f64) -> S::Control> Controller<S> for F {
-    #[inline]
-    fn control(&mut self, state: &S::State, time: f64) -> S::Control {
-        self(state, time)
-    }
-}
+/// The same control at all times.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Constant<C>(C);
 
-/// All controls are zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Uncontrolled;
-
-impl<S: System> Controller<S> for Uncontrolled {
+impl<S: Dynamics + ?Sized> ControlLaw<S> for Constant<S::Control> {
     #[inline]
     fn control(&mut self, _: &S::State, _: f64) -> S::Control {
-        S::Control::default()
+        self.0.clone()
     }
-    #[inline]
-    fn is_constant(&self) -> bool {
-        true
-    }
+    const IS_CONSTANT: bool = true;
 }
 
+/// A control that follows from state and time.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Feedback<F>(F);
+
+impl<S: Dynamics + ?Sized, F: FnMut(&S::State, f64) -> S::Control> ControlLaw<S> for Feedback<F> {
+    #[inline]
+    fn control(&mut self, state: &S::State, time: f64) -> S::Control {
+        (self.0)(state, time)
+    }
+    const IS_CONSTANT: bool = false;
+}
+
+/// The state and the control of a stepper's system.
+type StateOf<T> = <<T as Stepping>::System as Dynamics>::State;
+type ControlOf<T> = <<T as Stepping>::System as Dynamics>::Control;
+
 /// How the last step went, and the control held over it; none before the first.
-type Last<S> = Option<(StepReport, <S as System>::Control)>;
+type Last<S> = Option<(StepReport, <S as Dynamics>::Control)>;
 
 /// A run to be made: a stepper, a state to start from, who watches, and who controls.
 ///
 /// The observers see the initial state and the state after every step, in the order in which they were added.
 #[must_use = "a run starts with `steps`"]
-pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Uncontrolled> {
+pub struct Run<'a, T: Stepping + ?Sized, O = (), C = Constant<ControlOf<T>>> {
     stepper: &'a mut T,
-    state: &'a mut <T::System as System>::State,
+    state: &'a mut StateOf<T>,
     /// None to go on at the stepper's own.
     start: Option<f64>,
     observer: O,
-    controller: C,
+    law: C,
 }
 
 impl<'a, T: Stepping + ?Sized> Run<'a, T> {
     /// A run from `state` on, at the stepper's time, that nobody watches or controls yet. It goes on where the stepper is: time and index are
     /// counted on, and the ticks of several runs are those of one that was not interrupted. A new stepper is at time 0.
-    pub fn new(stepper: &'a mut T, state: &'a mut <T::System as System>::State) -> Self {
-        Self { stepper, state, start: None, observer: (), controller: Uncontrolled }
+    pub fn new(stepper: &'a mut T, state: &'a mut StateOf<T>) -> Self {
+        let law = Constant(stepper.system().no_control());
+        Self { stepper, state, start: None, observer: (), law }
     }
 }
 
-impl<'a, S: System, T, O, C> Run<'a, T, O, C>
+impl<'a, S: Dynamics + ?Sized, T, O, C> Run<'a, T, O, C>
 where
     T: Stepping<System = S> + ?Sized,
     O: Observer<S>,
-    C: Controller<S>,
+    C: ControlLaw<S>,
 {
     /// Starts at this time instead of the stepper's, with index 0.
     pub fn starting_at(mut self, time: f64) -> Self {
@@ -117,21 +125,27 @@ where
         self
     }
 
-    /// Asks `controller` before each step, with the state and the time from which it starts, for the control to be held over it.
-    /// Without a controller all controls are zero; of two, the later one counts.
-    pub fn controlled_by<F>(self, controller: F) -> Run<'a, T, O, F>
+    /// Holds `control` over the whole run. Without it all controls are zero; of several laws the last one counts.
+    ///
+    /// Steps that no observer needs are taken [together](crate::Stepper::steps_with).
+    pub fn with_control(self, control: S::Control) -> Run<'a, T, O, Constant<S::Control>> {
+        let Self { stepper, state, start, observer, .. } = self;
+        Run { stepper, state, start, observer, law: Constant(control) }
+    }
+
+    /// Asks `law` before each step, with the state and the time from which it starts, for the control to be held over it.
+    pub fn controlled_by<F>(self, law: F) -> Run<'a, T, O, Feedback<F>>
     where
-        // not `Controller<S>`, so that the compiler knows the types of a closure's arguments
         F: FnMut(&S::State, f64) -> S::Control,
     {
         let Self { stepper, state, start, observer, .. } = self;
-        Run { stepper, state, start, observer, controller }
+        Run { stepper, state, start, observer, law: Feedback(law) }
     }
 
     /// Shows every tick to `observer`; pass it by `&mut` to ask it for its findings afterwards.
     pub fn observe<P: Observer<S>>(self, observer: P) -> Run<'a, T, (O, P), C> {
-        let Self { stepper, state, start, observer: earlier, controller } = self;
-        Run { stepper, state, start, observer: (earlier, observer), controller }
+        let Self { stepper, state, start, observer: earlier, law } = self;
+        Run { stepper, state, start, observer: (earlier, observer), law }
     }
 
     /// Calls `action` at every tick.
@@ -215,7 +229,7 @@ where
 
     fn begin(&mut self) {
         if let Some(time) = self.start {
-            self.stepper.start_at(time);
+            self.stepper.set_time(time);
         }
     }
 
@@ -223,7 +237,7 @@ where
     fn way(&mut self, time: f64) -> Result<(u64, f64), RunError> {
         // above that not every number of steps is a number
         const MOST: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
-        let now = self.start.unwrap_or_else(|| self.stepper.now());
+        let now = self.start.unwrap_or_else(|| self.stepper.time());
         let step = self.stepper.step_size();
         let steps = (time - now) / step;
         if !time.is_finite() || !(steps <= MOST) {
@@ -265,7 +279,7 @@ where
             if taken >= count {
                 return Ok(last);
             }
-            let control = self.controller.control(self.state, self.stepper.now());
+            let control = self.law.control(self.state, self.stepper.time());
             let unseen = self.unseen(count - taken);
             if unseen > 0 {
                 match self.stepper.steps_with(self.state, &control, unseen) {
@@ -276,7 +290,7 @@ where
                     }
                 }
             }
-            let time = self.stepper.now();
+            let time = self.stepper.time();
             match self.stepper.step_with(self.state, &control) {
                 Ok(step) => {
                     report.count(&step);
@@ -293,7 +307,7 @@ where
     /// How many of the next steps, at most so many, are all the same to those who watch and control; the one after these is not.
     #[inline]
     fn unseen(&self, most: u64) -> u64 {
-        if !self.controller.is_constant() {
+        if const { !C::IS_CONSTANT } {
             return 0;
         }
         let index = self.stepper.steps_taken();
@@ -305,13 +319,13 @@ where
         let stepper = &*self.stepper;
         self.observer.observe(&Tick {
             index: stepper.steps_taken(),
-            time: stepper.now(),
+            time: stepper.time(),
             system: stepper.system(),
             state: self.state,
             report: last.map(|(report, _)| *report),
             control: last.map(|(_, control)| control),
             #[cfg(feature = "std")]
-            memory: Some(&|| stepper.snapshot()),
+            snapshot: Some(&|| stepper.snapshot()),
         })
     }
 }
@@ -319,7 +333,7 @@ where
 impl<T: Stepping + ?Sized, O, C> fmt::Debug for Run<'_, T, O, C> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Run")
-            .field("system", &T::System::NAME)
+            .field("system", &self.stepper.system().name())
             .field("state", &self.state)
             .field("start", &self.start)
             .finish_non_exhaustive()
@@ -332,6 +346,7 @@ mod tests {
     use crate::composition::Order4;
     use crate::observe::{Invariants, Record};
     use crate::retraction::{Cayley, Exponential};
+    use crate::system::System;
     use crate::test_system::{Body, BodyState, Oscillator, OscillatorControl, OscillatorState};
     use nalgebra::{UnitQuaternion, Vector3};
     use std::vec::Vec;

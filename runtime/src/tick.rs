@@ -3,11 +3,11 @@
 use core::fmt;
 
 use crate::stepper::StepReport;
-use crate::system::System;
+use crate::system::Dynamics;
 
 /// One moment of a run: the initial state, or the state after a step.
 #[non_exhaustive]
-pub struct Tick<'a, S: System> {
+pub struct Tick<'a, S: Dynamics + ?Sized> {
     /// Steps taken so far; 0 for the initial state.
     pub index: u64,
     /// The run's start plus `index` steps, in f64 whatever the scalar: not accumulated, so that it does not drift.
@@ -21,10 +21,10 @@ pub struct Tick<'a, S: System> {
     /// The control held over the step that led here; none for the initial state.
     pub control: Option<&'a S::Control>,
     #[cfg(feature = "std")]
-    pub(crate) memory: Option<&'a dyn Fn() -> std::vec::Vec<f64>>,
+    pub(crate) snapshot: Option<&'a dyn Fn() -> std::vec::Vec<f64>>,
 }
 
-impl<'a, S: System> Tick<'a, S> {
+impl<'a, S: Dynamics + ?Sized> Tick<'a, S> {
     /// A moment that no run led to: an observer can be tested with it alone.
     ///
     /// ```
@@ -55,21 +55,21 @@ impl<'a, S: System> Tick<'a, S> {
             report,
             control,
             #[cfg(feature = "std")]
-            memory: None,
+            snapshot: None,
         }
     }
 }
 
 #[cfg(feature = "std")]
-impl<S: System> Tick<'_, S> {
+impl<S: Dynamics + ?Sized> Tick<'_, S> {
     /// What the stepper carries at this moment: written down with the state, the run can go on from here later, to the last bit the same.
     /// See [`Stepper::snapshot`](crate::Stepper::snapshot). Empty if no run led here.
     pub fn snapshot(&self) -> std::vec::Vec<f64> {
-        self.memory.map_or_else(std::vec::Vec::new, |memory| memory())
+        self.snapshot.map_or_else(std::vec::Vec::new, |snapshot| snapshot())
     }
 }
 
-impl<S: System> fmt::Debug for Tick<'_, S> {
+impl<S: Dynamics + ?Sized> fmt::Debug for Tick<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Tick")
             .field("index", &self.index)
@@ -80,10 +80,10 @@ impl<S: System> fmt::Debug for Tick<'_, S> {
     }
 }
 
-impl<S: System> Clone for Tick<'_, S> {
+impl<S: Dynamics + ?Sized> Clone for Tick<'_, S> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S: System> Copy for Tick<'_, S> {}
+impl<S: Dynamics + ?Sized> Copy for Tick<'_, S> {}

@@ -3,7 +3,7 @@
 // a benchmark that cannot be made is to say so
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::generic::{
+use coadjoint_systems::classical::generic::{
     GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SO3, Side, Translations,
 };
 use coadjoint::nalgebra::{SMatrix, SVector};

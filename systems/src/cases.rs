@@ -6,7 +6,7 @@ use std::fmt;
 use std::hint::black_box;
 
 use coadjoint::ensemble::Instructions;
-use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
+use crate::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::{Control, Discretized, Ensemble, State, System};
@@ -452,7 +452,7 @@ fn generic<G, R, const N: usize, const D: usize>(
     mut g: SMatrix<f64, N, N>,
 ) -> Result<Case, ParameterError>
 where
-    G: coadjoint::generic::MatrixGroup<N, D> + 'static,
+    G: crate::classical::generic::MatrixGroup<N, D> + 'static,
     R: MatrixRetraction<G, N, D> + 'static,
 {
     let mut stepper = GenericStepper::new(group, retraction, hamiltonian, 0.01)?;

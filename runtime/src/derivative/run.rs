@@ -9,6 +9,7 @@ use super::{
 };
 use crate::error::StepError;
 use crate::run::{RunError, RunReport};
+use crate::scalar::Scalar;
 use crate::stepper::Stepper;
 use crate::system::{Control, Discretized, State};
 
@@ -113,7 +114,7 @@ where
             match stepper.step_with(state, &control(step)) {
                 Ok(taken) => report.count(&taken),
                 Err(source) => {
-                    let time = crate::stepper::Stepping::now(stepper);
+                    let time = stepper.time();
                     return Err(RunError { step: step + 1, time, report, cause: source });
                 }
             }
@@ -186,7 +187,7 @@ where
             taken.clear();
             for step in first..self.steps.min(first + self.spacing) {
                 let control = (self.control)(step);
-                let (start, time) = (state.to_components(), stepper.time());
+                let (start, time) = (state.to_components(), S::Scalar::of(stepper.time()));
                 stepper.step_with(&mut state, &control)?;
                 taken.push((start, time, control.to_components(), stepper.trace()));
             }

@@ -1,7 +1,7 @@
 //! Ensembles of any system.
 
 use core::fmt;
-use std::boxed::Box;
+use std::sync::Arc;
 use std::vec::Vec;
 
 use super::system::{EnsembleSystem, System, check_length, length};
@@ -15,7 +15,7 @@ use crate::stepper::check_state;
 /// [`Ensemble`](crate::Ensemble) with its types erased.
 pub struct Ensemble {
     /// The system with each member's parameters.
-    systems: Vec<Box<dyn System>>,
+    systems: Vec<Arc<dyn System>>,
     members: Members,
     controls: usize,
 }

@@ -2,9 +2,10 @@
 //! of groups, to compare with.
 
 use std::boxed::Box;
+use std::sync::Arc;
 use std::vec::Vec;
 
-use super::system::Geometry;
+use super::system::{At, Geometry, System};
 use crate::error::StepError;
 use crate::flat::Method;
 use crate::method::{Clock, Counted, StepsReport};
@@ -81,20 +82,22 @@ fn along(
     sum
 }
 
-/// A step that was not generated, as a [`Method`]: see [`by_hand`].
-struct ByHand<F>(F);
+/// Writes the state after a step of a system to its last argument, and returns how many iterations that took.
+pub(super) type StepFn = dyn Fn(&dyn System, &At<'_>, &mut [f64]) -> Result<u32, StepError> + Send + Sync;
 
-/// Writes the state after a step to its last argument, from the state, the time and the control; the answer is how many iterations it took.
-type StepFn = dyn FnMut(&[f64], f64, &[f64], &mut [f64]) -> Result<u32, StepError> + Send + Sync;
-
-/// What takes a step of one size as a function: of the state, the time, the control held over it, and the numbers to write the next state to.
-/// The answer is how many iterations it took. A [`Stepper`](super::Stepper) takes its steps by
-/// [`with_method`](super::Stepper::with_method).
-pub fn by_hand(step: Box<StepFn>) -> Box<dyn Method<f64>> {
-    Box::new(ByHand(step))
+/// A step that was not generated.
+#[derive(Clone)]
+pub(super) struct ByFunction {
+    pub(super) system: Arc<dyn System>,
+    pub(super) step: f64,
+    pub(super) function: Arc<StepFn>,
 }
 
-impl Method<f64> for ByHand<Box<StepFn>> {
+impl Method<f64> for ByFunction {
+    fn duplicate(&self) -> Box<dyn Method<f64>> {
+        Box::new(self.clone())
+    }
+
     // there is but one member
     fn rebuild(&mut self, _: &[f64], _: f64) {}
 
@@ -106,7 +109,7 @@ impl Method<f64> for ByHand<Box<StepFn>> {
         control: &[f64],
         _: bool,
     ) -> Counted<f64> {
-        match (self.0)(state, time, control, next) {
+        match (self.function)(&*self.system, &At { step: self.step, state, time, control }, next) {
             Ok(iterations) if next.iter().all(|x| x.is_finite()) => Ok(([iterations], 0.0)),
             Ok(_) => Err([Some(StepError::NotFinite)]),
             Err(error) => Err([Some(error)]),

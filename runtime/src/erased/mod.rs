@@ -9,6 +9,7 @@
 //! use coadjoint::erased::{self, Scheme};
 //! use coadjoint::erased::Map;
 //! use coadjoint::prelude::*;
+//! use std::sync::Arc;
 //!
 //! #[lie_poisson_system(group = SO3)]
 //! struct Body {
@@ -16,12 +17,12 @@
 //!     inertia: Vector3<f64>,
 //! }
 //!
-//! let body: Box<dyn erased::System> = Box::new(Body { inertia: vector![1.0, 2.0, 2.5] });
+//! let body: Arc<dyn erased::System> = Arc::new(Body { inertia: vector![1.0, 2.0, 2.5] });
 //! assert_eq!(body.parameters(), [1.0, 2.0, 2.5]);
 //! // attitude (w, x, y, z) and momentum
 //! let mut state = [1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
 //! let energy = body.energy(&state, 0.0, &[]);
-//! let mut stepper = erased::Stepper::new(&*body, &Scheme::Standard(Map::Cayley), 0.01)?;
+//! let mut stepper = erased::Stepper::new(body.clone(), &Scheme::Standard(Map::Cayley), 0.01)?;
 //! let report = stepper.steps(&mut state, &[], 10_000)?;
 //! assert_eq!((report.steps, stepper.time()), (10_000, 100.0));
 //! assert!((body.energy(&state, 0.0, &[]) - energy).abs() < 1e-4);
@@ -46,13 +47,9 @@ pub use crate::scheme::Rule;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;
-#[doc(hidden)]
-pub use field::by_hand;
 pub use scheme::{Composed, Scheme};
-pub use stepper::{Controls, Law, RunOptions, Sample, Stepper, StepperError, run};
-#[doc(hidden)]
-pub use system::At;
-pub use system::{Description, EnsembleSystem, System};
+pub use stepper::{Stepper, StepperError};
+pub use system::{At, Description, EnsembleSystem, System};
 #[doc(hidden)]
 pub use trial::{Solved, Trial, Units};
 

@@ -1,35 +1,52 @@
-//! The stepper of any system and scheme, and its runs.
+//! The stepper of any system and scheme.
 
 use core::fmt;
-use core::ops::ControlFlow;
 use std::boxed::Box;
+use std::sync::Arc;
 use std::vec::Vec;
 
 use thiserror::Error;
 
+use super::field::ByFunction;
 use super::scheme::Scheme;
-use super::system::{System, check_length, length};
+use super::system::{At, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Method, NotGenerated, of_only_lane};
 use crate::method::{Clock, Counted};
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{StepReport, check_deviation, check_step};
+use crate::stepper::{StepReport, Stepping, Trajectory, check_deviation, check_step};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
-pub struct Stepper<'s> {
-    system: &'s dyn System,
-    method: Box<dyn Method<f64>>,
+#[derive(Clone)]
+pub struct Stepper {
+    system: Arc<dyn System>,
+    make: Arc<MakeMethod>,
+    method: AnyMethod,
     step: f64,
     /// The time before the steps counted by `taken`.
     start: f64,
-    /// Steps since `start`.
+    /// Steps since `start`, all of this size.
     taken: u64,
+    /// Steps before these, of other sizes.
+    before: u64,
     /// Whether there was a step, and the state that the last one led to.
     has_left: bool,
     left: Vec<f64>,
     /// Where the next step leads to, until it is known to succeed.
     next: Vec<f64>,
+}
+
+/// Makes what takes the steps of a system of this size; none if they were not generated.
+type MakeMethod = dyn Fn(&Arc<dyn System>, f64) -> Option<Box<dyn Method<f64>>> + Send + Sync;
+
+/// What takes the steps.
+struct AnyMethod(Box<dyn Method<f64>>);
+
+impl Clone for AnyMethod {
+    fn clone(&self) -> Self {
+        Self(self.0.duplicate())
+    }
 }
 
 /// A stepper that cannot be built.
@@ -44,42 +61,135 @@ pub enum StepperError {
     NotGenerated(#[from] NotGenerated),
 }
 
-impl<'s> Stepper<'s> {
-    /// A stepper with the given step; negative steps go back in time.
+impl Stepper {
+    /// Builds a stepper with the given step; negative steps go back in time.
     ///
     /// # Errors
     /// If the parameters are not valid, the step is zero or not finite, or the scheme's steps were not generated.
-    pub fn new(system: &'s dyn System, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
+    pub fn new(system: Arc<dyn System>, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
         system.validate()?;
         check_step(step)?;
-        let method = scheme.of(system, step)?;
-        Ok(Self::assembled(system, method, step))
+        let method = scheme.of(&*system, step)?;
+        let scheme = scheme.clone();
+        let make = Arc::new(move |system: &Arc<dyn System>, step| scheme.of(&**system, step).ok());
+        Ok(Self::assembled(system, make, method, step))
     }
 
-    /// A stepper that takes its steps by this method, which is of the same system and step.
+    /// Builds a stepper whose steps were not generated: those of a method of one's own.
+    ///
+    /// The function writes the state after a step to its last argument, and returns how many iterations that took.
+    ///
+    /// ```
+    /// use coadjoint::erased::{self, At, System};
+    /// use coadjoint::prelude::*;
+    /// use std::sync::Arc;
+    ///
+    /// #[lie_poisson_system(group = SO3)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let body = Arc::new(Body { inertia: vector![1.0, 2.0, 2.5] });
+    /// let euler = |system: &dyn System, at: &At<'_>, next: &mut [f64]| {
+    ///     let rates = system.vector_field(at.state, at.time, at.control);
+    ///     next.iter_mut().zip(at.state).zip(rates).for_each(|((next, x), rate)| *next = x + at.step * rate);
+    ///     Ok(0)
+    /// };
+    /// let mut stepper = erased::Stepper::from_fn(body, 1e-3, euler)?;
+    /// let mut state = [1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
+    /// stepper.step(&mut state, &[])?;
+    /// assert_eq!(state[1], 1e-3 * 0.5 * 0.4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// If the parameters are not valid, or the step is zero or not finite.
-    #[doc(hidden)]
-    pub fn with_method(
-        system: &'s dyn System,
-        method: Box<dyn Method<f64>>,
+    pub fn from_fn(
+        system: Arc<dyn System>,
         step: f64,
+        function: impl Fn(&dyn System, &At<'_>, &mut [f64]) -> Result<u32, StepError> + Send + Sync + 'static,
+    ) -> Result<Self, ParameterError> {
+        let function = Arc::new(function);
+        Self::with_methods(system, step, move |system, step| {
+            Some(Box::new(ByFunction { system: system.clone(), step, function: function.clone() }))
+        })
+    }
+
+    /// Builds a stepper that takes its steps by the method that the function makes for a system and a step.
+    ///
+    /// # Errors
+    /// If the parameters are not valid, the step is zero or not finite, or no method is made.
+    #[doc(hidden)]
+    pub fn with_methods(
+        system: Arc<dyn System>,
+        step: f64,
+        make: impl Fn(&Arc<dyn System>, f64) -> Option<Box<dyn Method<f64>>> + Send + Sync + 'static,
     ) -> Result<Self, ParameterError> {
         system.validate()?;
         check_step(step)?;
-        Ok(Self::assembled(system, method, step))
+        let method = make(&system, step).ok_or(ParameterError::Step { step })?;
+        Ok(Self::assembled(system, Arc::new(make), method, step))
     }
 
-    fn assembled(system: &'s dyn System, method: Box<dyn Method<f64>>, step: f64) -> Self {
-        let nothing = std::vec![0.0; length(system.description().state)];
-        let (left, next) = (nothing.clone(), nothing);
-        Self { system, method, step, start: 0.0, taken: 0, has_left: false, left, next }
+    fn assembled(
+        system: Arc<dyn System>,
+        make: Arc<MakeMethod>,
+        method: Box<dyn Method<f64>>,
+        step: f64,
+    ) -> Self {
+        let left = std::vec![0.0; length(system.description().state)];
+        let (method, next) = (AnyMethod(method), left.clone());
+        Self { system, make, method, step, start: 0.0, taken: 0, before: 0, has_left: false, left, next }
     }
 
     /// The system.
-    pub fn system(&self) -> &'s dyn System {
-        self.system
+    pub fn system(&self) -> &Arc<dyn System> {
+        &self.system
+    }
+
+    /// The step size.
+    pub fn step_size(&self) -> f64 {
+        self.step
+    }
+
+    /// Takes steps of this size from now on: see [`Stepper::set_step_size`](crate::Stepper::set_step_size).
+    ///
+    /// # Errors
+    /// If the step is zero or not finite; the stepper is then as before.
+    pub fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        check_step(step)?;
+        self.method = AnyMethod((self.make)(&self.system, step).ok_or(ParameterError::Step { step })?);
+        (self.start, self.before, self.taken) = (self.time(), self.steps_taken(), 0);
+        (self.step, self.has_left) = (step, false);
+        Ok(())
+    }
+
+    /// Takes the steps of the system with other parameters from now on: see [`Stepper::set_system`](crate::Stepper::set_system).
+    ///
+    /// # Errors
+    /// If there are not as many, or they are not those of a system that can move; the stepper is then as before.
+    pub fn set_parameters(&mut self, parameters: &[f64]) -> Result<(), ParameterError> {
+        let (expected, got) = (self.system.parameters().len(), parameters.len());
+        if got != expected {
+            return Err(ParameterError::Length { expected, got });
+        }
+        let system = self.system.with_parameters(parameters);
+        system.validate()?;
+        let step = self.step;
+        self.method = AnyMethod((self.make)(&system, step).ok_or(ParameterError::Step { step })?);
+        (self.system, self.has_left) = (system, false);
+        Ok(())
+    }
+
+    /// Forgets all steps: time 0, and no step taken.
+    pub fn reset(&mut self) {
+        (self.start, self.taken, self.before, self.has_left) = (0.0, 0, 0, false);
+    }
+
+    /// The motion from a state on: see [`Stepper::trajectory`](crate::Stepper::trajectory).
+    pub fn trajectory(&mut self, from: &[f64]) -> Trajectory<'_, Self> {
+        Trajectory::new(self, from.to_vec())
     }
 
     /// The time, at which the next step starts: see [`Stepper::time`](crate::Stepper::time).
@@ -89,21 +199,22 @@ impl<'s> Stepper<'s> {
 
     /// Sets the time: the next step starts at `time`.
     pub fn set_time(&mut self, time: f64) {
-        (self.start, self.taken) = (time, 0);
+        (self.start, self.taken, self.before) = (time, 0, 0);
         // at no time in particular the next step is not one like the last
         self.has_left &= time.is_finite();
     }
 
     /// The steps taken since the start, or since the time was set.
     pub fn steps_taken(&self) -> u64 {
-        self.taken
+        self.before + self.taken
     }
 
     /// What is carried from one step to the next: see [`Stepper::snapshot`](crate::Stepper::snapshot).
-    pub fn snapshot(&mut self) -> Vec<f64> {
-        snapshot::written(self.start, [self.taken, 0], &mut |visit| {
-            show(&mut self.has_left, &mut self.left, &mut *self.method, visit);
-        })
+    pub fn snapshot(&self) -> Vec<f64> {
+        // what is shown could be replaced, so that a copy is shown
+        let Self { start, taken, before, .. } = *self;
+        let mut copy = self.clone();
+        snapshot::written(start, [taken, before], &mut |visit| copy.show(visit))
     }
 
     /// Takes back what [`snapshot`](Self::snapshot) gave, of a stepper for the same system, scheme and step.
@@ -111,11 +222,7 @@ impl<'s> Stepper<'s> {
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
     pub fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        let (start, [taken, before]) = snapshot::read(memory, &mut |visit| {
-            show(&mut self.has_left, &mut self.left, &mut *self.method, visit);
-        })?;
-        // here all steps are of one size
-        (self.start, self.taken) = (start - before as f64 * self.clock().step, taken + before);
+        (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| self.show(visit))?;
         self.has_left &= self.start.is_finite();
         Ok(())
     }
@@ -144,7 +251,7 @@ impl<'s> Stepper<'s> {
     /// Takes a step from a state from elsewhere.
     fn start(&mut self, state: &[f64], control: &[f64]) -> Result<StepReport, StepError> {
         let time = self.time();
-        let outcome = self.method.advance(state, &mut self.next, time, control, false);
+        let outcome = self.method.0.advance(state, &mut self.next, time, control, false);
         self.arrive(outcome)
     }
 
@@ -152,7 +259,7 @@ impl<'s> Stepper<'s> {
     #[inline]
     fn follow(&mut self, control: &[f64]) -> Result<StepReport, StepError> {
         let time = self.time();
-        let outcome = self.method.advance(&self.left, &mut self.next, time, control, true);
+        let outcome = self.method.0.advance(&self.left, &mut self.next, time, control, true);
         self.arrive(outcome)
     }
 
@@ -171,26 +278,14 @@ impl<'s> Stepper<'s> {
     /// # Errors
     /// If a step cannot be taken; state and time are then the last ones that were reached.
     pub fn steps(&mut self, state: &mut [f64], control: &[f64], count: u64) -> Result<RunReport, RunError> {
-        self.go(state, &mut Acting::Held(control), count)
-    }
-
-    /// Takes `count` steps. What would happen once a step for the caller's sake, happens once: until the last one, states are where the stepper
-    /// has them.
-    fn go(&mut self, state: &mut [f64], acting: &mut Acting<'_>, count: u64) -> Result<RunReport, RunError> {
         let mut report = RunReport::default();
         let mut known = self.is_left_at(state);
         // not every method takes steps together
         let mut batches = true;
         let outcome = loop {
-            if report.steps == count {
-                break Ok(());
-            }
-            if known
-                && batches
-                && let Acting::Held(control) = acting
-            {
-                let clock = self.clock();
-                let advanced = self.method.advance_n(&mut self.left, clock, control, count - report.steps);
+            if known && batches {
+                let (clock, most) = (self.clock(), count - report.steps);
+                let advanced = self.method.0.advance_n(&mut self.left, clock, control, most);
                 batches = advanced.steps > 0;
                 self.taken += advanced.steps;
                 report.add(&RunReport {
@@ -201,19 +296,17 @@ impl<'s> Stepper<'s> {
                     max_iterations: advanced.max_iterations.iter().sum(),
                     max_residual: advanced.max_residual,
                 });
-                if report.steps == count {
-                    break Ok(());
-                }
             }
-            if !known && let Err(source) = self.check(state) {
-                break Err(source);
+            if report.steps == count {
+                break Ok(());
             }
-            let now = if known { &self.left[..] } else { &*state };
-            let control = acting.control(now, self.clock().after(0));
-            let step = if known { self.follow(control) } else { self.start(state, control) };
+            let step = match known {
+                true => self.follow(control),
+                false => self.check(state).and_then(|()| self.start(state, control)),
+            };
             match step {
                 Ok(step) => report.count(&step),
-                Err(source) => break Err(source),
+                Err(cause) => break Err(cause),
             }
             known = true;
         };
@@ -221,10 +314,8 @@ impl<'s> Stepper<'s> {
         if report.steps > 0 {
             state.copy_from_slice(&self.left);
         }
-        match outcome {
-            Ok(()) => Ok(report),
-            Err(cause) => Err(RunError { step: self.taken + 1, time: self.time(), report, cause }),
-        }
+        let (step, time) = (self.steps_taken() + 1, self.time());
+        outcome.map(|()| report).map_err(|cause| RunError { step, time, report, cause })
     }
 
     fn clock(&self) -> Clock {
@@ -237,170 +328,70 @@ impl<'s> Stepper<'s> {
     }
 }
 
-/// Shows all numbers that are carried, besides the time: in the order in which the typed stepper does.
-fn show(
-    has_left: &mut bool,
-    left: &mut [f64],
-    method: &mut dyn Method<f64>,
-    visit: &mut dyn FnMut(&mut [f64]),
-) {
-    visit_flag(has_left, visit);
-    visit(left);
-    method.memory(visit);
+impl Stepper {
+    /// Shows all numbers that are carried, besides the time: in the order in which the typed stepper does.
+    fn show(&mut self, visit: &mut dyn FnMut(&mut [f64])) {
+        visit_flag(&mut self.has_left, visit);
+        visit(&mut self.left);
+        self.method.0.memory(visit);
+    }
 }
 
-impl fmt::Debug for Stepper<'_> {
+impl Stepping for Stepper {
+    type System = dyn System;
+
+    fn system(&self) -> &(dyn System + 'static) {
+        &*self.system
+    }
+
+    fn time(&self) -> f64 {
+        Self::time(self)
+    }
+
+    fn set_time(&mut self, time: f64) {
+        Self::set_time(self, time);
+    }
+
+    fn steps_taken(&self) -> u64 {
+        Self::steps_taken(self)
+    }
+
+    fn step_size(&self) -> f64 {
+        self.step
+    }
+
+    fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
+        Self::set_step_size(self, step)
+    }
+
+    fn snapshot(&self) -> Vec<f64> {
+        Self::snapshot(self)
+    }
+
+    fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
+        Self::restore(self, memory)
+    }
+
+    fn step_with(&mut self, state: &mut Vec<f64>, control: &Vec<f64>) -> Result<StepReport, StepError> {
+        self.step(state, control)
+    }
+
+    fn steps_with(
+        &mut self,
+        state: &mut Vec<f64>,
+        control: &Vec<f64>,
+        count: u64,
+    ) -> Result<RunReport, RunError> {
+        self.steps(state, control, count)
+    }
+}
+
+impl fmt::Debug for Stepper {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Stepper")
             .field("system", &self.system.description().name)
             .field("step", &self.step)
             .field("time", &self.time())
             .finish_non_exhaustive()
-    }
-}
-
-/// One sample of a run: the initial state, or the state after a step.
-pub struct Sample<'a> {
-    /// Steps taken so far.
-    pub index: u64,
-    /// The time.
-    pub time: f64,
-    /// The state.
-    pub state: &'a [f64],
-    /// The energy, with the controls of the step that starts here.
-    pub energy: f64,
-    /// The Casimirs.
-    pub casimirs: &'a [f64],
-    memory: core::cell::RefCell<&'a mut dyn FnMut() -> Vec<f64>>,
-}
-
-impl<'a> Sample<'a> {
-    /// A moment of a motion; what carries it on gives its numbers by the function.
-    pub fn new(
-        (index, time): (u64, f64),
-        state: &'a [f64],
-        energy: f64,
-        casimirs: &'a [f64],
-        memory: &'a mut dyn FnMut() -> Vec<f64>,
-    ) -> Self {
-        Self { index, time, state, energy, casimirs, memory: core::cell::RefCell::new(memory) }
-    }
-
-    /// What the stepper carries here: see [`Stepper::snapshot`].
-    pub fn snapshot(&self) -> Vec<f64> {
-        (self.memory.borrow_mut())()
-    }
-}
-
-impl fmt::Debug for Sample<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { index, time, state, .. } = self;
-        f.debug_struct("Sample")
-            .field("index", index)
-            .field("time", time)
-            .field("state", state)
-            .finish_non_exhaustive()
-    }
-}
-
-/// Writes the control to be held over the step from a state at a time to numbers that are zero.
-pub type Law<'a> = dyn Fn(&[f64], f64, &mut [f64]) + 'a;
-
-/// What acts on the system from outside.
-#[derive(Clone, Copy)]
-#[non_exhaustive]
-pub enum Controls<'a> {
-    /// Always the same; what is missing is zero. Steps that no observer needs are taken together.
-    Held(&'a [f64]),
-    /// Chosen anew before each step.
-    Chosen(&'a Law<'a>),
-}
-
-impl fmt::Debug for Controls<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Held(control) => f.debug_tuple("Held").field(control).finish(),
-            Self::Chosen(_) => f.debug_tuple("Chosen").finish_non_exhaustive(),
-        }
-    }
-}
-
-/// [`Controls`] with a place for what is chosen.
-enum Acting<'a> {
-    Held(&'a [f64]),
-    Chosen(&'a Law<'a>, Vec<f64>),
-}
-
-impl Acting<'_> {
-    /// What acts over the step from this state at this time.
-    #[inline]
-    fn control(&mut self, state: &[f64], time: f64) -> &[f64] {
-        match self {
-            Self::Held(control) => control,
-            Self::Chosen(law, control) => {
-                control.fill(0.0);
-                law(state, time, control);
-                control
-            }
-        }
-    }
-}
-
-/// The options of a [`run`].
-pub struct RunOptions<'a> {
-    /// How many steps to take.
-    pub steps: u64,
-    /// What acts from outside; `Controls::Held(&[])` where there are no controls.
-    pub controls: Controls<'a>,
-    /// The index of the next sample after an index that the observer needs.
-    pub next: &'a dyn Fn(u64) -> u64,
-}
-
-/// Goes on from where the stepper is, and shows the state it starts from, every sample that is needed, and the last. The report tells of
-/// the new steps only.
-///
-/// # Errors
-/// If a step cannot be taken; state and stepper's time are then the last ones that were reached.
-pub fn run(
-    stepper: &mut Stepper<'_>,
-    state: &mut [f64],
-    run: &RunOptions<'_>,
-    observer: &mut dyn FnMut(&Sample<'_>) -> ControlFlow<()>,
-) -> Result<RunReport, RunError> {
-    let mut report = RunReport::default();
-    // no law is asked about a state of another system
-    if let Err(cause) = check_length(state, stepper.left.len()) {
-        return Err(RunError { step: stepper.taken + 1, time: stepper.time(), report, cause });
-    }
-    let mut acting = match run.controls {
-        Controls::Held(control) => Acting::Held(control),
-        Controls::Chosen(law) => {
-            Acting::Chosen(law, std::vec![0.0; length(stepper.system.description().controls)])
-        }
-    };
-    loop {
-        let (index, time) = (stepper.taken, stepper.time());
-        let system = stepper.system;
-        let mut memory = || stepper.snapshot();
-        report.stopped = observer(&Sample {
-            index,
-            time,
-            energy: system.energy(state, time, acting.control(state, time)),
-            casimirs: &system.casimirs(state),
-            state,
-            memory: core::cell::RefCell::new(&mut memory),
-        })
-        .is_break();
-        if report.stopped || report.steps >= run.steps {
-            return Ok(report);
-        }
-        let until_needed = (run.next)(index).saturating_sub(index).clamp(1, run.steps - report.steps);
-        match stepper.go(state, &mut acting, until_needed) {
-            Ok(steps) => report.add(&steps),
-            Err(error) => {
-                report.add(&error.report);
-                return Err(RunError { report, ..error });
-            }
-        }
     }
 }

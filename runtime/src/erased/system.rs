@@ -2,6 +2,7 @@
 
 use core::marker::PhantomData;
 use std::boxed::Box;
+use std::sync::Arc;
 use std::vec::Vec;
 
 use super::equation::{Equation, equation};
@@ -14,7 +15,7 @@ use crate::retraction::Map;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule};
 use crate::solve::step::OneStep;
-use crate::system::{self, Control, Generated, Quantity, Schemes, State, Visitor};
+use crate::system::{self, Control, Dynamics, Generated, Quantity, Schemes, State, Visitor};
 
 /// What a system is, besides its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,7 +172,7 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
 /// is missing counts as zero, what is too much does not count.
 pub trait System: Geometry + Send + Sync {
     /// The same system with other parameters; what is missing is as in this one.
-    fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System>;
+    fn with_parameters(&self, parameters: &[f64]) -> Arc<dyn System>;
 
     /// What takes a generated step of this length; none if it was not generated.
     #[doc(hidden)]
@@ -191,18 +192,22 @@ pub trait EnsembleSystem: System {
     fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members>;
 }
 
-/// Where a step's equation is looked at.
+/// Where a step starts, and how long it is.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub struct At<'a> {
-    pub(crate) step: f64,
-    pub(crate) state: &'a [f64],
-    pub(crate) time: f64,
-    pub(crate) control: &'a [f64],
+    /// The length of the step.
+    pub step: f64,
+    /// The state at its start.
+    pub state: &'a [f64],
+    /// The time at its start.
+    pub time: f64,
+    /// The control held until its end.
+    pub control: &'a [f64],
 }
 
 impl<'a> At<'a> {
-    /// In a step of this length from a state at a time, with a control.
-    #[doc(hidden)]
+    /// Returns the start of a step of this length from a state at a time, with a control.
     pub fn new(step: f64, state: &'a [f64], time: f64, control: &'a [f64]) -> Self {
         Self { step, state, time, control }
     }
@@ -212,10 +217,10 @@ impl<S> System for S
 where
     S: Schemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
 {
-    fn with_parameters(&self, parameters: &[f64]) -> Box<dyn System> {
+    fn with_parameters(&self, parameters: &[f64]) -> Arc<dyn System> {
         let mut own = self.to_parameters();
         crate::flat::copy(own.as_mut(), parameters);
-        Box::new(S::from_parameters(&own))
+        Arc::new(S::from_parameters(&own))
     }
 
     fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>> {
@@ -233,6 +238,19 @@ where
 {
     fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members> {
         Members::new::<f64, _>(instructions, members, step, &Standard::<S>(PhantomData)).ok()
+    }
+}
+
+impl Dynamics for dyn System {
+    type State = Vec<f64>;
+    type Control = Vec<f64>;
+
+    fn name(&self) -> &'static str {
+        self.description().name
+    }
+
+    fn no_control(&self) -> Vec<f64> {
+        std::vec![0.0; length(self.description().controls)]
     }
 }
 

@@ -45,9 +45,16 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
         self.step
     }
 
-    /// The time, at which the next step starts: the start plus the steps taken since, not accumulated, so that it does not drift.
-    pub fn time(&self) -> S::Scalar {
-        S::Scalar::of(self.now())
+    /// The time in f64 whatever the scalar, at which the next step starts: the start plus the steps taken since, not accumulated, so that it does not drift.
+    #[inline]
+    pub fn time(&self) -> f64 {
+        self.clock().after(0)
+    }
+
+    /// The time as a number of the system's.
+    #[inline(always)]
+    fn now(&self) -> S::Scalar {
+        S::Scalar::of(self.time())
     }
 
     /// The steps taken since the start, or since the time was set.
@@ -56,8 +63,10 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     }
 
     /// Sets the time: the next step starts at `time`.
-    pub fn set_time(&mut self, time: S::Scalar) {
-        self.start_at(time.to_f64());
+    #[inline]
+    pub fn set_time(&mut self, time: f64) {
+        (self.start, self.taken, self.before) = (time, 0, 0);
+        self.forget_at_no_time();
     }
 
     /// Forgets all steps: time 0, and no step taken.
@@ -89,7 +98,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     /// If the step is zero or not finite; the stepper is then as before.
     pub fn set_step_size(&mut self, step: S::Scalar) -> Result<(), ParameterError> {
         check_step(step.to_f64())?;
-        (self.start, self.before, self.taken) = (Stepping::now(self), self.steps_taken(), 0);
+        (self.start, self.before, self.taken) = (self.time(), self.steps_taken(), 0);
         (self.step, self.left) = (step, None);
         self.method = D::new(&self.system.to_parameters(), step);
         Ok(())
@@ -129,7 +138,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn trajectory(&mut self, from: S::State) -> Trajectory<'_, Self> {
-        Trajectory { stepper: self, state: from, begun: false, ended: false }
+        Trajectory::new(self, from)
     }
 
     /// What the stepper carries from one step to the next, besides the state: the time, and where the last solution was. Written
@@ -224,7 +233,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
         if !self.is_left_at(&components) {
             return self.step_anew(state, control);
         }
-        match self.method.advance(&components, self.time(), &control.to_components(), true) {
+        match self.method.advance(&components, self.now(), &control.to_components(), true) {
             Ok(Advanced { state: next, iterations, residual }) => {
                 *state = S::State::from_components(&next);
                 self.left = Some(next);
@@ -241,7 +250,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     #[inline(never)]
     fn step_anew(&mut self, state: &mut S::State, control: &S::Control) -> Result<StepReport, StepError> {
         check_deviation(state.deviation().to_f64())?;
-        match self.method.advance(&state.to_components(), self.time(), &control.to_components(), false) {
+        match self.method.advance(&state.to_components(), self.now(), &control.to_components(), false) {
             // in a function with the same lines above, what is in registers there would go through memory
             Ok(Advanced { state: next, iterations, residual }) => {
                 let next = one_by_one::<S::Scalar, _>(&next);
@@ -311,7 +320,7 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
             match self.step_apart(state, control) {
                 Ok(step) => report.count(&step),
                 Err(source) => {
-                    let (step, time) = (self.steps_taken() + 1, Stepping::now(self));
+                    let (step, time) = (self.steps_taken() + 1, self.time());
                     return Err(RunError { step, time, report, cause: source });
                 }
             }

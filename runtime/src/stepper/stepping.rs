@@ -4,7 +4,7 @@ use super::report::{RunError, RunReport};
 use super::{StepReport, Stepper};
 use crate::error::{ParameterError, StepError};
 use crate::scalar::{Real, Scalar};
-use crate::system::{MethodOf, System};
+use crate::system::{Dynamics, MethodOf, System};
 
 /// What takes steps: a [`Stepper`] of whatever scheme.
 ///
@@ -36,14 +36,14 @@ use crate::system::{MethodOf, System};
 /// ```
 pub trait Stepping {
     /// The system that it takes steps of.
-    type System: System;
+    type System: Dynamics + ?Sized;
 
     /// [`Stepper::system`]
     fn system(&self) -> &Self::System;
-    /// [`Stepper::time`], in f64 whatever the scalar.
-    fn now(&self) -> f64;
-    /// [`Stepper::set_time`], in f64 whatever the scalar.
-    fn start_at(&mut self, time: f64);
+    /// [`Stepper::time`]
+    fn time(&self) -> f64;
+    /// [`Stepper::set_time`]
+    fn set_time(&mut self, time: f64);
     /// [`Stepper::steps_taken`]
     fn steps_taken(&self) -> u64;
     /// [`Stepper::step_size`]
@@ -67,8 +67,8 @@ pub trait Stepping {
     /// As there.
     fn step_with(
         &mut self,
-        state: &mut <Self::System as System>::State,
-        control: &<Self::System as System>::Control,
+        state: &mut <Self::System as Dynamics>::State,
+        control: &<Self::System as Dynamics>::Control,
     ) -> Result<StepReport, StepError>;
     /// [`Stepper::steps_with`]
     ///
@@ -76,8 +76,8 @@ pub trait Stepping {
     /// As there.
     fn steps_with(
         &mut self,
-        state: &mut <Self::System as System>::State,
-        control: &<Self::System as System>::Control,
+        state: &mut <Self::System as Dynamics>::State,
+        control: &<Self::System as Dynamics>::Control,
         count: u64,
     ) -> Result<RunReport, RunError>;
 }
@@ -91,14 +91,13 @@ impl<S: System, M, D: MethodOf<S>> Stepping for Stepper<S, M, D> {
     }
 
     #[inline]
-    fn now(&self) -> f64 {
-        self.clock().after(0)
+    fn time(&self) -> f64 {
+        Stepper::time(self)
     }
 
     #[inline]
-    fn start_at(&mut self, time: f64) {
-        (self.start, self.taken, self.before) = (time, 0, 0);
-        self.forget_at_no_time();
+    fn set_time(&mut self, time: f64) {
+        Stepper::set_time(self, time);
     }
 
     #[inline]

@@ -12,6 +12,8 @@
 //! | [`Partitioned`], `q' = f₁`, `p' = f₂` | [`PhasePoint`] | [`PartitionedRungeKutta`] of any [`PartitionedTableau`] |
 //! | [`OnSo3`], `R' = R ω̂`, `y' = f` | [`AttitudeState`] | [`Rk4Quaternion`], [`Rkmk4`], written by hand |
 //!
+//! [`generic`] is the yardstick of another kind: coadjoint's own discrete steps on any matrix Lie group, written the ordinary way.
+//!
 //! Tableaux are exact: they know their order, whether they are symplectic, symmetric or explicit.
 //!
 //! The sources cited as HNW and HLW are E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I* (1993),
@@ -19,6 +21,7 @@
 //! D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving Integrators for Mechanical Systems* (2026).
 
 pub mod bodies;
+pub mod generic;
 
 mod attitude;
 mod exact;

@@ -5,7 +5,7 @@
 use coadjoint::__private::{Batch, Geometry, Isolated};
 use coadjoint::certify::{Certification, Claim, Claims, Report, Verdict, Walk};
 use coadjoint::erased::{Map, NotGenerated, Scheme};
-use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
+use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, TangentMidpoint, erased};
 

@@ -1,7 +1,7 @@
 //! The paper's numbered methods of chapters 3, 5 and 6, as they are generated, against the same methods from definitions alone: five steps, both
 //! retractions, and five members of every family. What the definitions know of a system is its energy and its force, as plain functions.
 
-use coadjoint::generic::{
+use coadjoint_systems::classical::generic::{
     GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SE2, SO3, SO3Semidirect, SU2,
     Side, Translations,
 };

@@ -2,7 +2,7 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::generic::{
+use coadjoint_systems::classical::generic::{
     GenericStepper, Hamiltonian, MatrixGroup, MatrixRetraction, Product, SE2, SO2, SO3, SO3Semidirect, SU2,
     Translations,
 };

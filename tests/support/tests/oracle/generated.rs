@@ -1,7 +1,7 @@
 //! Generated steppers against the generic one, which takes the same steps from definitions alone.
 
 use coadjoint::Discretized;
-use coadjoint::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
+use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{SMatrix, SVector};
 use coadjoint::prelude::*;
 use coadjoint_support::for_each_system_and_retraction;
@@ -58,7 +58,7 @@ fn generic_step<G, M, const N: usize, const D: usize>(
     components: &[f64],
 ) -> (Matrix3<f64>, Vec<f64>)
 where
-    G: coadjoint::generic::MatrixGroup<N, D>,
+    G: coadjoint_systems::classical::generic::MatrixGroup<N, D>,
     M: MatrixRetraction<G, N, D>,
 {
     let q = &components[..4];

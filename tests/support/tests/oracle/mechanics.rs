@@ -2,7 +2,7 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::generic::{
+use coadjoint_systems::classical::generic::{
     GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SO3, SO3Semidirect, Side,
     Translations,
 };
@@ -153,7 +153,7 @@ impl Mechanics<SO3, 3, 3> for HeavyTop {
 /// The same, with it advected.
 struct Reduced;
 
-impl coadjoint::generic::Hamiltonian<6> for Reduced {
+impl coadjoint_systems::classical::generic::Hamiltonian<6> for Reduced {
     fn energy(&self, mu: &SVector<f64, 6>) -> f64 {
         let momentum = mu.fixed_rows::<3>(0);
         momentum.dot(&momentum.component_div(&INERTIA)) / 2.0 + mu.fixed_rows::<3>(3).dot(&LEVER)

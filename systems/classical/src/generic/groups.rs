@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 use nalgebra::linalg::try_invert_to;
 use nalgebra::{Matrix2, Matrix3, Matrix4, SMatrix, SVector, Vector1, Vector3};
 
-use crate::matrix;
+use coadjoint::matrix;
 
 /// A Lie group of `N × N` matrices, with coordinates `R^D` on its Lie algebra.
 ///

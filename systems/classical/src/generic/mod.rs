@@ -40,7 +40,7 @@
 //! A heavy top, on SE(3) = SO(3) ⋉ R³: the vertical `Γ` seen from the body is the momentum dual to the translations.
 //!
 //! ```
-//! use coadjoint::generic::{GenericStepper, Hamiltonian, SO3Semidirect};
+//! use coadjoint_classical::generic::{GenericStepper, Hamiltonian, SO3Semidirect};
 //! use coadjoint::Exponential;
 //! use coadjoint::nalgebra::{Matrix4, Vector3, Vector6};
 //! use coadjoint::vector;
@@ -83,7 +83,7 @@
 //! The same top without the advected vertical: its potential is then one on SO(3), whose gradient is a difference quotient of the energy.
 //!
 //! ```
-//! use coadjoint::generic::{GenericStepper, Mechanics, Phase, SO3};
+//! use coadjoint_classical::generic::{GenericStepper, Mechanics, Phase, SO3};
 //! use coadjoint::Cayley;
 //! use coadjoint::nalgebra::{Matrix3, Vector3};
 //! use coadjoint::vector;
@@ -122,9 +122,7 @@ use core::marker::PhantomData;
 use groups::inverse;
 use nalgebra::{SMatrix, SVector};
 
-use crate::error::{ParameterError, StepError};
-use crate::retraction::{Cayley, Exponential};
-use crate::stepper::StepReport;
+use coadjoint::{Cayley, Exponential, ParameterError, StepError};
 
 /// More Newton corrections than any solvable step takes.
 const MAX_ITERATIONS: u32 = 40;
@@ -340,8 +338,16 @@ struct Intermediate<const N: usize, const D: usize> {
 /// A solution of the step's equation.
 struct Solution<const D: usize> {
     eta: SVector<f64, D>,
-    iterations: u32,
-    residual: f64,
+    solved: Solved,
+}
+
+/// How the equation of a step was solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solved {
+    /// Newton corrections made.
+    pub iterations: u32,
+    /// The residual left, relative to the right side of the equation.
+    pub residual: f64,
 }
 
 impl<G, R, H, const N: usize, const D: usize> GenericStepper<G, R, H, N, D>
@@ -405,7 +411,7 @@ where
         &mut self,
         g: &mut SMatrix<f64, N, N>,
         mu: &mut SVector<f64, D>,
-    ) -> Result<StepReport, StepError> {
+    ) -> Result<Solved, StepError> {
         self.step_with(g, mu, &H::Control::default(), 0.0)
     }
 
@@ -419,7 +425,7 @@ where
         mu: &mut SVector<f64, D>,
         control: &H::Control,
         time: f64,
-    ) -> Result<StepReport, StepError> {
+    ) -> Result<Solved, StepError> {
         if !is_finite(g) || !is_finite(mu) || !time.is_finite() {
             return Err(StepError::NotFinite);
         }
@@ -428,7 +434,7 @@ where
             Some(memory) if memory.mu == *mu => memory.eta,
             _ => self.system.velocity(&start.at) * self.step,
         };
-        let Solution { eta, iterations, residual } = self.solve(&start, guess)?;
+        let Solution { eta, solved } = self.solve(&start, guess)?;
 
         let (early, late) = (eta * -self.s, eta * (1.0 - self.s));
         if !R::is_regular(&early) || !R::is_regular(&late) {
@@ -444,7 +450,7 @@ where
 
         (*g, *mu) = (next_g, next_mu);
         self.memory = Some(Memory { mu: next_mu, eta });
-        Ok(StepReport { iterations, residual })
+        Ok(solved)
     }
 
     /// Where the equation is set up if the solution is `eta`.
@@ -585,7 +591,7 @@ where
         }
         let residual = relative(&residual, &eta);
         if residual <= ROUNDOFF {
-            Ok(Solution { eta, iterations, residual })
+            Ok(Solution { eta, solved: Solved { iterations, residual } })
         } else {
             Err(StepError::NoConvergence { iterations, residual })
         }

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::{MatrixGroup, MatrixRetraction};
-use crate::retraction::SecondKind;
+use coadjoint::SecondKind;
 
 /// `exp(t E_i)`
 fn along<G: MatrixGroup<N, D>, const N: usize, const D: usize>(axis: usize, t: f64) -> SMatrix<f64, N, N> {
