@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use coadjoint::Run;
 use coadjoint::StepError;
 use coadjoint::ensemble::Spread;
-use coadjoint::erased::{self, Controls, Ensemble, RunOptions};
+use coadjoint::erased::{self, Ensemble};
 use rayon::prelude::*;
 
 use crate::entry::{ControlLaw, Entry};
@@ -148,15 +149,10 @@ pub fn run(
         (own.parameters, own.state)
     });
     let system = entry.system(&setup.parameters);
-    let (mut systems, mut states) = (Vec::new(), Vec::new());
     let mut moving = if spec.is_side_by_side() {
         Moving::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
     } else {
-        for (parameters, state) in members {
-            systems.push(entry.system(&parameters));
-            states.push(state);
-        }
-        Moving::OneByOne(one_by_one(entry, &spec.job, &systems, states)?)
+        Moving::OneByOne(one_by_one(entry, &spec.job, members)?)
     };
     let mut spreads = vec![Vec::new(); observables.len()];
     let every = spec.every.max(1);
@@ -177,7 +173,7 @@ pub fn run(
         // up to the next sample
         let count = (every - taken % every).min(steps - taken);
         let start = std::time::Instant::now();
-        member_steps += moving.advance(count, &laws);
+        member_steps += moving.advance(count, &laws, entry);
         seconds += start.elapsed().as_secs_f64();
         taken += count;
     }
@@ -187,45 +183,45 @@ pub fn run(
 }
 
 /// Members on their way.
-enum Moving<'s> {
+enum Moving {
     /// In registers.
     SideBySide(Ensemble),
     /// Each with a stepper of its own, on all processors.
-    OneByOne(Vec<Member<'s>>),
+    OneByOne(Vec<Member>),
 }
 
-struct Member<'s> {
-    stepper: erased::Stepper<'s>,
+struct Member {
+    stepper: erased::Stepper,
     state: Vec<f64>,
     failure: Option<(u64, StepError)>,
 }
 
-fn one_by_one<'s>(
+fn one_by_one(
     entry: &Entry,
     job: &Job,
-    systems: &'s [Box<dyn erased::EnsembleSystem>],
-    states: Vec<Vec<f64>>,
-) -> Result<Vec<Member<'s>>, SimulationError> {
-    let member = |member: usize, system: &'s dyn erased::System, state: Vec<f64>| {
+    members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
+) -> Result<Vec<Member>, SimulationError> {
+    let member = |(member, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
         let stepper = entry
-            .stepper(system, job)
+            .stepper(entry.system(&parameters), job)
             .map_err(|source| SimulationError::Member { member, source: Box::new(source) })?;
         Ok(Member { stepper, state, failure: None })
     };
-    let members = systems.iter().zip(states).enumerate();
-    members.map(|(index, (system, state))| member(index, &**system, state)).collect()
+    members.into_iter().enumerate().map(member).collect()
 }
 
-impl Member<'_> {
+impl Member {
     /// Takes so many steps, unless it failed before; returns how many were taken.
-    fn advance(&mut self, steps: u64, law: Option<&ControlLaw>) -> u64 {
+    fn advance(&mut self, steps: u64, law: Option<&ControlLaw>, entry: &Entry) -> u64 {
         if self.failure.is_some() {
             return 0;
         }
-        let controls = law.map_or(Controls::Held(&[]), |law| Controls::Chosen(law));
-        let options = RunOptions { steps, controls, next: &|_| u64::MAX };
-        let unwatched = &mut |_: &erased::Sample<'_>| ControlFlow::Continue(());
-        match erased::run(&mut self.stepper, &mut self.state, &options, unwatched) {
+        let run = Run::new(&mut self.stepper, &mut self.state);
+        let ran = match law {
+            Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
+            None => run.steps(steps),
+        };
+        match ran {
             Ok(report) => report.steps,
             Err(error) => {
                 self.failure = Some((error.step, error.cause));
@@ -235,16 +231,16 @@ impl Member<'_> {
     }
 }
 
-impl Moving<'_> {
+impl Moving {
     /// All members that have not failed take so many steps; returns how many they are together.
-    fn advance(&mut self, steps: u64, laws: &[ControlLaw]) -> u64 {
+    fn advance(&mut self, steps: u64, laws: &[ControlLaw], entry: &Entry) -> u64 {
         match self {
             Self::SideBySide(ensemble) if laws.is_empty() => ensemble.run(steps),
             Self::SideBySide(ensemble) => ensemble
                 .run_controlled(steps, &|member, state, time, control| laws[member](state, time, control)),
             Self::OneByOne(members) => {
                 let advance =
-                    |(index, member): (usize, &mut Member<'_>)| member.advance(steps, laws.get(index));
+                    |(index, member): (usize, &mut Member)| member.advance(steps, laws.get(index), entry);
                 members.par_iter_mut().enumerate().map(advance).sum()
             }
         }
@@ -262,7 +258,7 @@ impl Moving<'_> {
             }
             Self::OneByOne(members) => {
                 let alive = members.iter().enumerate().filter(|(_, member)| member.failure.is_none());
-                alive.map(|(index, member)| value(index, member.stepper.system(), &member.state)).collect()
+                alive.map(|(index, member)| value(index, &**member.stepper.system(), &member.state)).collect()
             }
         };
         values.retain(|value| !value.is_nan());
@@ -280,7 +276,7 @@ impl Moving<'_> {
                 ensemble.failed().iter().map(failure).collect()
             }
             Self::OneByOne(members) => {
-                let failure = |(index, member): (usize, &Member<'_>)| {
+                let failure = |(index, member): (usize, &Member)| {
                     member.failure.map(|(step, cause)| Failure { member: index, step, cause })
                 };
                 members.iter().enumerate().filter_map(failure).collect()

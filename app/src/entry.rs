@@ -1,5 +1,7 @@
 //! Systems as the program sees them: each behind the same [`Entry`], and the [`Catalogue`] of them.
 
+use std::sync::Arc;
+
 use coadjoint::erased::{self, Description, Flat};
 use coadjoint::prelude::*;
 use coadjoint::system::{Isolated, Quantity};
@@ -32,7 +34,7 @@ pub struct Entry {
     /// The example's parameters and initial state.
     pub example: Setup,
     units: &'static [(&'static str, &'static str)],
-    build: fn(&[f64]) -> Box<dyn erased::EnsembleSystem>,
+    build: fn(&[f64]) -> Arc<dyn erased::EnsembleSystem>,
     /// Its own control law with these parameters. None if it has no controls.
     pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
     /// What takes its steps with the momentum carried in space, with these parameters, of this size. None if something acts on it.
@@ -57,7 +59,7 @@ impl Entry {
         let description = Description::of::<S>();
         let example = flat(&S::example());
         let build =
-            |parameters: &[f64]| -> Box<dyn erased::EnsembleSystem> { Box::new(system::<S>(parameters)) };
+            |parameters: &[f64]| -> Arc<dyn erased::EnsembleSystem> { Arc::new(system::<S>(parameters)) };
         Self {
             name: snake_case(S::NAME).leak(),
             about: S::ABOUT,
@@ -108,7 +110,7 @@ impl Entry {
     }
 
     /// The system with these parameters; what is missing is as in the example.
-    pub fn system(&self, parameters: &[f64]) -> Box<dyn erased::EnsembleSystem> {
+    pub fn system(&self, parameters: &[f64]) -> Arc<dyn erased::EnsembleSystem> {
         (self.build)(parameters)
     }
 
@@ -276,7 +278,7 @@ impl Catalogue {
     ///
     /// # Errors
     /// If it is not among them.
-    pub fn erased<S: System<Scalar = f64>>(self, system: &S) -> Result<Box<dyn erased::System>, Error> {
+    pub fn erased<S: System<Scalar = f64>>(self, system: &S) -> Result<Arc<dyn erased::System>, Error> {
         Ok(self.system(S::NAME)?.system(system.to_parameters().as_ref()))
     }
 }

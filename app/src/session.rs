@@ -4,6 +4,7 @@ mod files;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use coadjoint::erased;
@@ -116,7 +117,7 @@ impl CheckpointFile {
 /// A run in progress.
 pub struct Session {
     entry: &'static Entry,
-    system: Box<dyn erased::System>,
+    system: Arc<dyn erased::System>,
     plan: Plan,
     files: Files,
     guard: Guard,

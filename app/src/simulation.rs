@@ -7,15 +7,18 @@ mod method;
 mod too_far;
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::time::Instant;
 
 pub(crate) use classical::tangent_places;
 use coadjoint::__private::Map;
 use coadjoint::RunReport;
 use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
-pub use coadjoint::erased::Sample;
-use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
+use coadjoint::erased::{self, StepperError};
+use coadjoint::observe::Observer;
 use coadjoint::prelude::*;
+use coadjoint::scheme::{Rule, Scheme};
+use coadjoint::{Run, Tick};
 
 pub use error::SimulationError;
 pub use method::{Classical, Method};
@@ -49,7 +52,7 @@ impl Retraction {
         let system = entry.system(&entry.example.parameters);
         let is_there = |retraction: &Self| {
             let first = Scheme::member(retraction.map(), 0, 1);
-            erased::Stepper::new(&*system, &first, entry.step).is_ok()
+            erased::Stepper::new(system.clone(), &first, entry.step).is_ok()
         };
         Self::ALL.into_iter().filter(is_there).collect()
     }
@@ -147,7 +150,7 @@ pub struct Checkpoint {
 impl Checkpoint {
     /// The checkpoint at a sample.
     pub fn at(sample: &Sample<'_>) -> Self {
-        Self { state: sample.state.to_vec(), memory: sample.snapshot() }
+        Self { state: sample.state.to_vec(), memory: (sample.snapshot)() }
     }
 }
 
@@ -197,12 +200,52 @@ fn check_order(method: Method, order: Order) -> Result<(), SimulationError> {
 /// # Errors
 /// If the parameters are not valid, or the step is zero or not finite.
 pub fn classical_stepper(
-    system: &dyn erased::System,
+    system: Arc<dyn erased::System>,
     method: Classical,
     step: f64,
-) -> Result<erased::Stepper<'_>, ParameterError> {
-    let method = classical::method(method, system.with_parameters(&[]), step);
-    erased::Stepper::with_method(system, method, step)
+) -> Result<erased::Stepper, ParameterError> {
+    classical::stepper(method, system, step)
+}
+
+/// One sample of a run: the initial state, or the state after a step.
+pub struct Sample<'a> {
+    /// Steps taken so far.
+    pub index: u64,
+    /// The time.
+    pub time: f64,
+    /// The state.
+    pub state: &'a [f64],
+    /// The energy, with the controls of the step that starts here.
+    pub energy: f64,
+    /// The Casimirs.
+    pub casimirs: &'a [f64],
+    /// Returns what the stepper carries here: see [`erased::Stepper::snapshot`].
+    pub snapshot: &'a dyn Fn() -> Vec<f64>,
+}
+
+/// Shows samples of a run.
+struct Shown<'a, 'o> {
+    entry: &'a Entry,
+    law: Option<&'a ControlLaw>,
+    held: &'a [f64],
+    next: &'a dyn Fn(u64) -> u64,
+    observer: &'a mut SampleObserver<'o>,
+}
+
+impl Observer<dyn erased::System> for Shown<'_, '_> {
+    fn observe(&mut self, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
+        let (index, time, state) = (tick.index, tick.time, &tick.state[..]);
+        let energy = match self.law {
+            Some(_) => self.entry.energy(tick.system, self.law, (state, time)),
+            None => tick.system.energy(state, time, self.held),
+        };
+        let (casimirs, snapshot) = (&tick.system.casimirs(state)[..], &|| tick.snapshot());
+        (self.observer)(&Sample { index, time, state, energy, casimirs, snapshot })
+    }
+
+    fn next(&self, index: u64) -> u64 {
+        (self.next)(index)
+    }
 }
 
 impl Entry {
@@ -254,11 +297,11 @@ impl Entry {
     ///
     /// # Errors
     /// If parameters or step are not valid, or there are no such steps.
-    pub(crate) fn stepper<'s>(
+    pub(crate) fn stepper(
         &self,
-        system: &'s dyn erased::System,
+        system: Arc<dyn erased::System>,
         job: &Job,
-    ) -> Result<erased::Stepper<'s>, SimulationError> {
+    ) -> Result<erased::Stepper, SimulationError> {
         let &Job { method, retraction, order, step, .. } = job;
         let stepper = match method {
             Method::Classical(classical) => {
@@ -268,9 +311,12 @@ impl Entry {
             Method::RightLift => {
                 check_order(method, order)?;
                 let lifted = self.right_lift.ok_or(SimulationError::NotIsolated { system: self.name })?;
-                let lifted = lifted(&system.parameters(), retraction, step);
-                let lifted = lifted.ok_or(SimulationError::NotLifted { retraction: retraction.name() })?;
-                erased::Stepper::with_method(system, lifted, step)
+                lifted(&system.parameters(), retraction, step)
+                    .ok_or(SimulationError::NotLifted { retraction: retraction.name() })?;
+                let make = move |system: &Arc<dyn erased::System>, step| {
+                    lifted(&system.parameters(), retraction, step)
+                };
+                erased::Stepper::with_methods(system, step, make)
             }
             _ => return Ok(erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?),
         };
@@ -291,7 +337,7 @@ impl Entry {
         observer: &mut SampleObserver<'_>,
     ) -> Result<RunReport, SimulationError> {
         let system = self.system(&setup.parameters);
-        let mut stepper = self.stepper(&*system, job)?;
+        let mut stepper = self.stepper(system.clone(), job)?;
         let mut state = setup.state.clone();
         if let Some(from) = from {
             state.clone_from(&from.state);
@@ -299,12 +345,16 @@ impl Entry {
         }
         let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
         let law = if held.is_some() { None } else { self.law(setup) };
-        let controls = match (&law, &held) {
-            (Some(law), _) => Controls::Chosen(law),
-            (None, held) => Controls::Held(held.as_deref().unwrap_or(&[])),
-        };
+        let held = held.unwrap_or_default();
         let steps = job.steps.saturating_sub(stepper.steps_taken());
-        let ran = erased::run(&mut stepper, &mut state, &RunOptions { steps, controls, next }, observer);
+        let shown = Shown { entry: self, law: law.as_ref(), held: &held, next, observer };
+        let run = Run::new(&mut stepper, &mut state).observe(shown);
+        let ran = match &law {
+            Some(law) => {
+                run.controlled_by(|state: &Vec<f64>, time| self.chosen(law, (state, time))).steps(steps)
+            }
+            None => run.with_control(held.clone()).steps(steps),
+        };
         ran.map_err(|error| too_far::explained(error, &*system, &state, job))
     }
 
@@ -334,7 +384,7 @@ impl Entry {
         let system = self.system(&self.example.parameters);
         let is_there = |retraction: Retraction| {
             let job = Job { method, retraction, order: Order::Two, step: self.step, steps: 0 };
-            self.stepper(&*system, &job).is_ok()
+            self.stepper(system.clone(), &job).is_ok()
         };
         Retraction::COMMON.into_iter().any(is_there)
     }

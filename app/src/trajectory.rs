@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use coadjoint::State;
-use coadjoint::erased::Sample;
 
 use crate::conservation::ConservationReport;
 use crate::entry::{Catalogue, Entry};
@@ -14,7 +13,7 @@ use crate::page::{Heading, HtmlPlayer, Page};
 use crate::plot::Figure;
 use crate::provenance::Provenance;
 use crate::run_plot::RunPlot;
-use crate::simulation::{Job, Method, Order, Retraction, Setup};
+use crate::simulation::{Job, Method, Order, Retraction, Sample, Setup};
 
 /// States of a system at times: of a stepper, a [`Record`](coadjoint::Record), a filter, measurements.
 ///
@@ -141,8 +140,8 @@ impl Trajectory {
 
     fn each(&self, mut show: impl FnMut(&Sample<'_>) -> Result<(), Error>) -> Result<(), Error> {
         for (index, Moment { time, state, energy, casimirs }) in (0..).zip(&self.moments) {
-            let mut memory = Vec::new;
-            show(&Sample::new((index, *time), state, *energy, casimirs, &mut memory))?;
+            let (time, energy) = (*time, *energy);
+            show(&Sample { index, time, state, energy, casimirs, snapshot: &Vec::new })?;
         }
         Ok(())
     }

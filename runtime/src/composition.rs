@@ -196,22 +196,6 @@ pub(crate) const fn checked(gamma: &'static [f64]) -> &'static [f64] {
     gamma
 }
 
-/// The composition as users write it, of the type of its coefficients and its base.
-#[cfg(feature = "std")]
-pub(crate) fn name(coefficients: &str, base: &str) -> std::string::String {
-    use core::any::type_name;
-    let orders = [
-        (type_name::<Suzuki4>(), "Order4"),
-        (type_name::<KahanLi6>(), "Order6"),
-        (type_name::<KahanLi8>(), "Order8"),
-        (type_name::<SofroniouSpaletta10>(), "Order10"),
-    ];
-    match orders.iter().find(|(own, _)| *own == coefficients) {
-        Some((_, order)) => std::format!("{order}<{base}>"),
-        None => std::format!("Composed<{}, {base}>", crate::scheme::without_paths(coefficients)),
-    }
-}
-
 /// The composed method: a base method for each step, each with a memory of its own.
 #[derive(Debug)]
 #[doc(hidden)]

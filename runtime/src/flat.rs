@@ -101,7 +101,9 @@ impl<M: method::Method> Work for Step<'_, M> {
 }
 
 // with an empty array of its home, so that the compiler puts it there: see `OutOfLine`
-impl<M: method::Method + 'static, const BATCHES: bool> Method<M::Scalar> for ([M::Home; 0], Flat<M, BATCHES>) {
+impl<M: method::Method + 'static, const BATCHES: bool> Method<M::Scalar>
+    for ([M::Home; 0], Flat<M, BATCHES>)
+{
     fn duplicate(&self) -> Box<dyn Method<M::Scalar>> {
         Box::new(([], Flat::<M, BATCHES>(self.1.0.clone())))
     }

@@ -3,13 +3,13 @@
 // a benchmark that cannot be made is to say so
 #![allow(clippy::unwrap_used)]
 
-use coadjoint_systems::classical::generic::{
-    GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SO3, Side, Translations,
-};
 use coadjoint::nalgebra::{SMatrix, SVector};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, System};
 use coadjoint_app::Example;
+use coadjoint_systems::classical::generic::{
+    GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SO3, Side, Translations,
+};
 use coadjoint_systems::coupled_bodies::{CoupledBodies, CoupledBodiesState};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorControl, QuadrotorState};
 use divan::Bencher;

@@ -5,8 +5,8 @@
 use std::fmt;
 use std::hint::black_box;
 
-use coadjoint::ensemble::Instructions;
 use crate::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
+use coadjoint::ensemble::Instructions;
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::{Control, Discretized, Ensemble, State, System};

@@ -34,7 +34,7 @@ fn is_there(entry: &Entry, method: Method) -> bool {
     let retraction = Retraction::of(entry).first().copied().unwrap_or(Retraction::Exponential);
     let system = entry.system(&entry.example.parameters);
     let scheme = scheme(method, retraction, Order::Two);
-    scheme.is_ok_and(|scheme| coadjoint::erased::Stepper::new(&*system, &scheme, entry.step).is_ok())
+    scheme.is_ok_and(|scheme| coadjoint::erased::Stepper::new(system.clone(), &scheme, entry.step).is_ok())
 }
 
 /// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests; fails if a claim is

@@ -51,7 +51,7 @@ pub(super) fn scan(
     let scans = asked.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
     // else all of them would fail in the same way
-    entry.stepper(&*entry.system(&setup.parameters), job)?;
+    entry.stepper(entry.system(&setup.parameters), job)?;
     let threads = threads::start()?;
     if !arguments.long {
         let runs = points.len().div_ceil(threads) as u64;

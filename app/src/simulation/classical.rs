@@ -1,18 +1,20 @@
 //! Classical methods for any system, by its vector field: for comparison, not for speed.
 
-use coadjoint::StepError;
-use coadjoint::erased::{self, by_hand};
+use std::sync::Arc;
+
+use coadjoint::erased::{self, At};
 use coadjoint::system::{Quantity, Role};
+use coadjoint::{ParameterError, StepError};
 
 use super::method::Classical;
 use coadjoint_classical::{Diverged, RungeKutta};
 
-/// What takes a step of this size.
-pub(super) fn method(
+/// Builds a stepper of this size.
+pub(super) fn stepper(
     classical: Classical,
-    system: Box<dyn erased::System>,
+    system: Arc<dyn erased::System>,
     step: f64,
-) -> Box<dyn erased::Method<f64>> {
+) -> Result<erased::Stepper, ParameterError> {
     let scheme = classical.runge_kutta();
     match classical {
         Classical::Rkmk4 => munthe_kaas(scheme, system, step),
@@ -23,38 +25,38 @@ pub(super) fn method(
 /// For the numbers of the state as they are stored.
 fn in_coordinates(
     scheme: RungeKutta,
-    system: Box<dyn erased::System>,
+    system: Arc<dyn erased::System>,
     step: f64,
-) -> Box<dyn erased::Method<f64>> {
-    by_hand(Box::new(move |state, time, control, next| {
+) -> Result<erased::Stepper, ParameterError> {
+    erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
         let mut field = |time: f64, x: &[f64], rate: &mut [f64]| {
-            rate.copy_from_slice(&system.vector_field(x, time, control));
+            rate.copy_from_slice(&system.vector_field(x, time, at.control));
         };
-        let (end, iterations) = scheme.advance(&mut field, time, state, step).map_err(failure)?;
+        let (end, iterations) = scheme.advance(&mut field, at.time, at.state, at.step).map_err(failure)?;
         next.copy_from_slice(&end);
         Ok(iterations)
-    }))
+    })
 }
 
 /// In exponential coordinates about the start of the step, in which configurations stay on their groups: the unknown is the displacement `z` from
 /// there, with `z' = (dL exp_z)⁻¹ ξ` for configurations. Its series is cut off after the term of 1/12, which leaves an order of 4.
 fn munthe_kaas(
     scheme: RungeKutta,
-    system: Box<dyn erased::System>,
+    system: Arc<dyn erased::System>,
     step: f64,
-) -> Box<dyn erased::Method<f64>> {
+) -> Result<erased::Stepper, ParameterError> {
     let algebra = Algebra::of(&*system);
-    by_hand(Box::new(move |state, time, control, next| {
-        let moved = |z: &[f64]| system.displace(state, erased::Map::Exponential, z);
+    erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
+        let moved = |z: &[f64]| system.displace(at.state, erased::Map::Exponential, z);
         let mut field = |time: f64, z: &[f64], rate: &mut [f64]| {
-            rate.copy_from_slice(&system.motion(&moved(z), time, control));
+            rate.copy_from_slice(&system.motion(&moved(z), time, at.control));
             algebra.correct(z, rate);
         };
         let start = vec![0.0; algebra.length];
-        let (end, iterations) = scheme.advance(&mut field, time, &start, step).map_err(failure)?;
+        let (end, iterations) = scheme.advance(&mut field, at.time, &start, at.step).map_err(failure)?;
         next.copy_from_slice(&moved(&end));
         Ok(iterations)
-    }))
+    })
 }
 
 fn failure(error: Diverged) -> StepError {

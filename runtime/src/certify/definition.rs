@@ -7,12 +7,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::frame::Frame;
-use crate::erased::Scheme;
 use crate::retraction::Map;
-use crate::scheme::Rule;
+use crate::scheme::{Rule, Scheme};
 
 /// A state on its way through steps taken from their definition.
-pub struct Walk<'a> {
+pub(super) struct Walk<'a> {
     frame: &'a Frame<'a>,
     pub(super) state: Vec<f64>,
     time: f64,
@@ -44,8 +43,19 @@ impl<'a> Walk<'a> {
         Self { frame, state: state.to_vec(), time, control, lost: false }
     }
 
+    /// Takes a step with a scheme; `false` if there is no definition to take it from.
+    pub(super) fn step(&mut self, scheme: &Scheme, invariant: bool, step: f64) -> bool {
+        scheme.parts(invariant).into_iter().all(|(map, rule, share)| match rule {
+            Rule::Member(numerator, denominator) => {
+                self.family(map, f64::from(numerator) / f64::from(denominator), share * step);
+                true
+            }
+            Rule::TangentLift(..) => false,
+        })
+    }
+
     /// Takes a step with the member `s` of the [family](crate::scheme::Family).
-    pub fn family(&mut self, map: Map, s: f64, step: f64) {
+    fn family(&mut self, map: Map, s: f64, step: f64) {
         match self.solve(map, s, step) {
             Some(state) => self.state = state,
             None => self.lost = true,
@@ -194,18 +204,4 @@ pub(super) fn series(a: &DMatrix<f64>, m: &DVector<f64>) -> Option<DVector<f64>>
     }
     // as for arguments so large that the series has no digits left
     None
-}
-
-impl Scheme {
-    /// Takes the same step from its definition; `false` if there is none to compare with.
-    pub(crate) fn walk(&self, invariant: bool, walk: &mut Walk<'_>, step: f64) -> bool {
-        let mut is_defined = true;
-        self.parts(invariant, step, &mut |map, rule, step| match rule {
-            Rule::Member(numerator, denominator) => {
-                walk.family(map, f64::from(numerator) / f64::from(denominator), step);
-            }
-            Rule::TangentLift(..) => is_defined = false,
-        });
-        is_defined
-    }
 }

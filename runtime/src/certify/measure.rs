@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
-use super::claims::{Claim, Kept};
 use super::definition::{Walk, series};
 use super::frame::{Frame, derivative, larger, slope};
 use super::probe::Probe;
@@ -12,6 +11,7 @@ use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, l
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
 use crate::retraction::Map;
+use crate::scheme::{ConservedCasimirs, Properties, Scheme};
 use crate::stepper::{check_state, check_step};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.
@@ -32,16 +32,18 @@ pub(super) enum Trouble {
     Degenerate,
 }
 
-/// What a scheme does, as values: the measurements are compiled once for all systems and schemes.
-pub(super) struct Scheme<'a> {
-    pub(super) name: String,
-    pub(super) claim: Claim,
-    /// What takes steps of a length.
-    pub(super) method: &'a dyn Fn(f64) -> Result<Box<dyn Method<f64>>, NotGenerated>,
-    /// Takes the same step from its definition; whether there is one.
-    pub(super) walk: &'a dyn Fn(&mut Walk<'_>, f64) -> bool,
+/// Steps under the claims of a scheme, as values: the measurements are compiled once for all systems and schemes.
+pub struct Claimed<'a> {
+    /// The scheme's name.
+    pub name: String,
+    /// What it promises.
+    pub properties: Properties,
+    /// The scheme from whose definition the same steps are to follow; none if there is nothing to compare with.
+    pub definition: Option<Scheme>,
+    /// Makes what takes steps of a length.
+    pub method: &'a dyn Fn(f64) -> Result<Box<dyn Method<f64>>, NotGenerated>,
     /// Shows the kernels of a step.
-    pub(super) kernels: &'a dyn Fn(&mut Probe<'_>, f64),
+    pub kernels: &'a dyn Fn(&mut Probe<'_>, f64),
 }
 
 /// States to measure at, each with its control, and how.
@@ -62,13 +64,13 @@ pub(super) struct Sample<'a> {
     pub(super) control: &'a [f64],
     pub(super) time: f64,
     pub(super) step: f64,
-    pub(super) scheme: &'a Scheme<'a>,
+    pub(super) scheme: &'a Claimed<'a>,
 }
 
 /// A figure; none if there is nothing to measure.
 pub(super) type Figure = Result<Option<f64>, Trouble>;
 
-pub(super) fn certificates(subject: &Subject<'_>, scheme: &Scheme<'_>) -> Result<Report, CertifyError> {
+pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Result<Report, CertifyError> {
     let Subject { system, states, controls, time, step } = subject;
     let description = system.description();
     system.validate()?;
@@ -99,12 +101,12 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Scheme<'_>) -> Result
     }
     let step = samples.iter().map(|sample| sample.step).reduce(f64::min).ok_or(CertifyError::NoStates)?;
     let mut bench = Bench { samples: &samples, description, certificates: Vec::new() };
-    bench.scheme(scheme.claim)?;
+    bench.scheme(scheme.properties)?;
     bench.geometry()?;
     Ok(Report {
         system: description.name,
         scheme: scheme.name.clone(),
-        claim: scheme.claim,
+        properties: scheme.properties,
         step,
         certificates: bench.certificates,
     })
@@ -129,16 +131,16 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     /// What the scheme claims.
-    fn scheme(&mut self, claim: Claim) -> Result<(), CertifyError> {
+    fn scheme(&mut self, claim: Properties) -> Result<(), CertifyError> {
         let order = f64::from(claim.order);
         self.certify("order", Some(Bound::AtLeast(order - (0.05 * order).max(0.15))), &Sample::order)?;
         self.certify("consistency", Some(Bound::AtMost(1e-9)), &Sample::consistency)?;
         self.certify("Poisson map", claim.poisson.then_some(Bound::AtMost(1e-9)), &Sample::poisson_map)?;
         for (index, name) in self.description.casimirs.iter().enumerate() {
             let kept = match claim.casimirs {
-                Kept::All => true,
-                Kept::Advected => self.samples.iter().all(|sample| sample.is_advected(index)),
-                Kept::None => false,
+                ConservedCasimirs::All => true,
+                ConservedCasimirs::Advected => self.samples.iter().all(|sample| sample.is_advected(index)),
+                ConservedCasimirs::None => false,
             };
             let bound = kept.then_some(Bound::AtMost(1e-11));
             self.certify(name, bound, &|sample| sample.casimir_drift(index))?;
@@ -391,7 +393,7 @@ impl Sample<'_> {
             let share = slope.abs() * 2.0 * middle / range;
             figure = Some(share);
             // a slow oscillation is a line at first
-            if !self.scheme.claim.poisson || share < 0.5 {
+            if !self.scheme.properties.poisson || share < 0.5 {
                 break;
             }
         }
@@ -430,11 +432,12 @@ impl Sample<'_> {
     }
 
     fn definition(&self) -> Figure {
+        let Some(scheme) = &self.scheme.definition else { return Ok(None) };
         let mut step = self.step;
         // a fixed-point iteration asks for shorter steps than Newton's
         for _ in 0..6 {
             let mut walk = Walk::new(&self.frame, self.state, self.time, self.control);
-            if !(self.scheme.walk)(&mut walk, step) {
+            if !walk.step(scheme, self.description.invariant, step) {
                 return Ok(None);
             }
             if !walk.lost {

@@ -65,7 +65,6 @@
 
 mod about;
 mod around;
-mod claims;
 mod definition;
 mod frame;
 mod laws;
@@ -78,20 +77,20 @@ use thiserror::Error;
 
 #[doc(hidden)]
 pub use around::Around;
-pub use claims::{Claim, Claims, Kept};
-#[doc(hidden)]
-pub use definition::Walk;
 #[doc(hidden)]
 pub use laws::group_laws_of;
 pub use laws::{Laws, group_laws};
 #[doc(hidden)]
+pub use measure::Claimed;
+#[doc(hidden)]
 pub use probe::Probe;
 pub use report::{Bound, Certificate, Report, Verdict};
 
-use crate::erased::{self, Flat, NotGenerated};
+use crate::erased::{self, Description, Flat, NotGenerated};
 use crate::error::{ParameterError, StepError};
+use crate::scheme::{Scheme, SchemeType};
 use crate::system::{Control, Discretized, Geometry, State};
-use measure::{Scheme, Subject};
+use measure::Subject;
 
 /// Certifies the steps that the scheme `M` takes of a system, at sample states; with all controls zero and from the time 0. For other
 /// ones there is [`Certification`].
@@ -100,8 +99,8 @@ use measure::{Scheme, Subject};
 /// If the parameters are not valid, there is no state, or a step cannot be taken.
 pub fn certify<M, S>(system: &S, states: &[S::State]) -> Result<Report, CertifyError>
 where
-    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
-    M: Claims<S> + 'static,
+    S: Geometry<Scalar = f64> + Discretized<M> + erased::System,
+    M: SchemeType,
 {
     Certification::new(system).states(states).run::<M>()
 }
@@ -172,24 +171,44 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
         self
     }
 
-    /// Measures what the scheme `M` claims.
+    /// Measures what the scheme `M` promises.
     ///
     /// # Errors
     /// If the parameters are not valid, there is no state, or a step cannot be taken.
     pub fn run<M>(&self) -> Result<Report, CertifyError>
     where
+        S: Discretized<M> + erased::System,
+        M: SchemeType,
+    {
+        let (scheme, description) = (M::scheme(), Description::of::<S>());
+        let claimed = Claimed {
+            name: scheme.to_string(),
+            properties: scheme.properties(&description),
+            definition: Some(scheme.clone()),
+            method: &self.method::<M>(),
+            kernels: &|probe, step| kernels(self.system, &scheme, probe, step),
+        };
+        self.run_as(&claimed)
+    }
+
+    /// Measures steps under the claims of whatever scheme.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    #[doc(hidden)]
+    pub fn run_as(&self, claimed: &Claimed<'_>) -> Result<Report, CertifyError> {
+        measure::certificates(&self.subject(), claimed)
+    }
+
+    /// Makes what takes the steps of the scheme `M`.
+    #[doc(hidden)]
+    pub fn method<M>(&self) -> impl Fn(f64) -> Result<Box<dyn erased::Method<f64>>, NotGenerated> + use<S, M>
+    where
         S: Discretized<M> + 'static,
-        M: Claims<S> + 'static,
+        M: 'static,
     {
         let parameters: Vec<f64> = self.system.to_parameters().as_ref().to_vec();
-        let scheme = Scheme {
-            name: M::name(),
-            claim: M::CLAIM,
-            method: &|step| Ok(Flat::<S::Method<f64>, false>::boxed(&parameters, step)),
-            walk: &M::walk,
-            kernels: &M::kernels,
-        };
-        measure::certificates(&self.subject(), &scheme)
+        move |step| Ok(Flat::<S::Method<f64>, false>::boxed(&parameters, step))
     }
 
     /// What is measured, whatever the scheme.
@@ -212,28 +231,34 @@ impl<'a, S: Geometry<Scalar = f64>> Certification<'a, S> {
 /// As [`Certification::run`], or if the scheme's steps were not generated.
 pub fn certify_erased(
     system: &dyn erased::System,
-    scheme: &erased::Scheme,
+    scheme: &Scheme,
     states: &[Vec<f64>],
     controls: &[Vec<f64>],
     step: Option<f64>,
 ) -> Result<Report, CertifyError> {
-    let description = system.description();
-    let scheme = Scheme {
-        name: scheme.name(),
-        claim: scheme.claim(&description),
-        method: &|step| scheme.of(system, step),
-        walk: &|walk, step| scheme.walk(description.invariant, walk, step),
-        kernels: &|probe, step| {
-            let system = system.with_parameters(probe.parameters);
-            scheme.parts(description.invariant, step, &mut |map, rule, step| {
-                if let Some(equation) = system.equation(map, rule, &probe.at(step)) {
-                    probe.look(&*equation, step);
-                }
-            });
-        },
+    let claimed = Claimed {
+        name: scheme.to_string(),
+        properties: scheme.properties(&system.description()),
+        definition: Some(scheme.clone()),
+        method: &|step| erased::method(scheme, system, step),
+        kernels: &|probe, step| kernels(system, scheme, probe, step),
     };
     let subject = Subject { system, states: states.to_vec(), controls: controls.to_vec(), time: 0.0, step };
-    measure::certificates(&subject, &scheme)
+    measure::certificates(&subject, &claimed)
+}
+
+/// Shows the kernels that a step is made of.
+fn kernels(system: &dyn erased::System, scheme: &Scheme, probe: &mut Probe<'_>, step: f64) {
+    let system = system.with_parameters(probe.parameters);
+    for (map, rule, share) in scheme.parts(system.description().invariant) {
+        let step = share * step;
+        if let Some(equation) = system.equation(map, rule, &probe.at(step)) {
+            probe.look(&*equation, step);
+        }
+    }
+    if matches!(scheme, Scheme::RightLift(_)) {
+        probe.carries();
+    }
 }
 
 /// Why there is no report.

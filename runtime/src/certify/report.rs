@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::claims::Claim;
+use crate::scheme::Properties;
 
 /// Certificates of the steps of one scheme for one system.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +13,8 @@ pub struct Report {
     pub system: &'static str,
     /// The scheme's type.
     pub scheme: String,
-    /// What the scheme claims.
-    pub claim: Claim,
+    /// What the scheme promises.
+    pub properties: Properties,
     /// The step; the smallest, where the samples' motions ask for different ones.
     pub step: f64,
     /// What was measured.

@@ -46,7 +46,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     where
         S::Method<S::Scalar>: HasDerivative<S>,
     {
-        let (components, time, before) = (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
+        let (components, time, before) =
+            (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
         let (parameters, control) = (self.system.to_parameters(), control.to_components());
         let derivative = self.method.last_derivative(&parameters, self.step, &components, time, &control);
@@ -74,7 +75,8 @@ impl<S: Discretized<M>, M> Stepper<S, M> {
     where
         B: JacobianBlocksOf<S, S::Method<S::Scalar>>,
     {
-        let (components, time, before) = (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
+        let (components, time, before) =
+            (state.to_components(), S::Scalar::of(self.time()), (state.clone(), self.left));
         let report = self.step_with(state, control)?;
         let work = JacobianWork::<S, M, S::Method<S::Scalar>, B> {
             stepper: self,

@@ -1,12 +1,58 @@
 //! Steps made of others, one after the other.
 
 use std::boxed::Box;
+use std::string::ToString;
 use std::vec::Vec;
 
-use crate::flat::Method;
+use super::system::{Description, System};
+use crate::flat::{Method, NotGenerated};
 use crate::method::{Clock, Counted, StageAccumulator, StepsReport};
+use crate::retraction::Map;
 use crate::scalar::Batch;
+use crate::scheme::{Rule, Scheme};
 use crate::snapshot::visit_flag;
+
+/// Makes what takes the steps of a system with a scheme.
+///
+/// # Errors
+/// If a step that it is made of was not generated.
+pub(crate) fn method(
+    scheme: &Scheme,
+    system: &dyn System,
+    step: f64,
+) -> Result<Box<dyn Method<f64>>, NotGenerated> {
+    let Description { name, invariant, .. } = system.description();
+    composed(scheme, invariant, step, &mut |map, rule, step| {
+        system.method(map, rule, step).ok_or_else(|| {
+            // with a retraction, this one is generated for every system
+            let has_map = system.method(map, Rule::Member(0, 1), step).is_some();
+            let key = if has_map { "methods" } else { "retractions" };
+            NotGenerated { scheme: scheme.to_string(), system: name, key }
+        })
+    })
+}
+
+/// The same; `generated` makes what takes steps that the macro generated.
+pub(super) fn composed<T: Batch, E>(
+    scheme: &Scheme,
+    invariant: bool,
+    step: T,
+    generated: &mut dyn FnMut(Map, Rule, T) -> Result<Box<dyn Method<T>>, E>,
+) -> Result<Box<dyn Method<T>>, E> {
+    match scheme.resolved(invariant) {
+        Scheme::Step(map, rule) => generated(map, rule, step),
+        Scheme::Composed(set, base) => {
+            let part = |_, step| composed(&base, invariant, step, generated);
+            Ok(Box::new(Composition::new(set.gamma(), step, part)?))
+        }
+        Scheme::StormerVerlet(map) | Scheme::Standard(map) => {
+            let halves = [Rule::Member(0, 1), Rule::Member(1, 1)];
+            let part = |place: usize, step| generated(map, halves[place], step);
+            Ok(Box::new(Composition::new(&[0.5, 0.5], step, part)?))
+        }
+        Scheme::RightLift(base) => composed(&base, invariant, step, generated),
+    }
+}
 
 /// Stages of a step, each with its share of the length.
 pub(super) struct Composition<T: Batch> {
@@ -43,10 +89,10 @@ impl<T: Batch> Composition<T> {
 
 impl<T: Batch> Method<T> for Composition<T> {
     fn duplicate(&self) -> Box<dyn Method<T>> {
-        let stages = self.stages.iter().map(|Stage { method, gamma }| Stage {
-            method: method.duplicate(),
-            gamma: *gamma,
-        });
+        let stages = self
+            .stages
+            .iter()
+            .map(|Stage { method, gamma }| Stage { method: method.duplicate(), gamma: *gamma });
         Box::new(Self { stages: stages.collect(), between: self.between.clone(), ..*self })
     }
 

@@ -6,8 +6,7 @@
 //! where the system is known, a [`Stepper`](crate::Stepper) has the same steps, to the last bit, and takes less for each call.
 //!
 //! ```
-//! use coadjoint::erased::{self, Scheme};
-//! use coadjoint::erased::Map;
+//! use coadjoint::erased;
 //! use coadjoint::prelude::*;
 //! use std::sync::Arc;
 //!
@@ -22,7 +21,7 @@
 //! // attitude (w, x, y, z) and momentum
 //! let mut state = [1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
 //! let energy = body.energy(&state, 0.0, &[]);
-//! let mut stepper = erased::Stepper::new(body.clone(), &Scheme::Standard(Map::Cayley), 0.01)?;
+//! let mut stepper = erased::Stepper::new(body.clone(), &"Cayley".parse()?, 0.01)?;
 //! let report = stepper.steps(&mut state, &[], 10_000)?;
 //! assert_eq!((report.steps, stepper.time()), (10_000, 100.0));
 //! assert!((body.energy(&state, 0.0, &[]) - energy).abs() < 1e-4);
@@ -33,7 +32,6 @@ mod composition;
 mod ensemble;
 mod equation;
 mod field;
-mod scheme;
 mod stepper;
 mod system;
 mod trial;
@@ -43,16 +41,15 @@ pub use crate::flat::NotGenerated;
 #[doc(hidden)]
 pub use crate::flat::{Flat, Method};
 pub use crate::retraction::Map;
-pub use crate::scheme::Rule;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;
-pub use scheme::{Composed, Scheme};
 pub use stepper::{Stepper, StepperError};
 pub use system::{At, Description, EnsembleSystem, System};
 #[doc(hidden)]
 pub use trial::{Solved, Trial, Units};
 
 pub(crate) use crate::flat::{array, of_only_lane};
+pub(crate) use composition::method;
 pub(crate) use equation::equation;
 pub(crate) use system::{Geometry, check_length, length};

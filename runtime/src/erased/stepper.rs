@@ -7,12 +7,13 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
+use super::composition;
 use super::field::ByFunction;
-use super::scheme::Scheme;
 use super::system::{At, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Method, NotGenerated, of_only_lane};
 use crate::method::{Clock, Counted};
+use crate::scheme::Scheme;
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping, Trajectory, check_deviation, check_step};
@@ -69,9 +70,11 @@ impl Stepper {
     pub fn new(system: Arc<dyn System>, scheme: &Scheme, step: f64) -> Result<Self, StepperError> {
         system.validate()?;
         check_step(step)?;
-        let method = scheme.of(&*system, step)?;
+        let method = composition::method(scheme, &*system, step)?;
         let scheme = scheme.clone();
-        let make = Arc::new(move |system: &Arc<dyn System>, step| scheme.of(&**system, step).ok());
+        let make = Arc::new(move |system: &Arc<dyn System>, step| {
+            composition::method(&scheme, &**system, step).ok()
+        });
         Ok(Self::assembled(system, make, method, step))
     }
 

@@ -5,15 +5,15 @@ use std::boxed::Box;
 use std::sync::Arc;
 use std::vec::Vec;
 
+use super::composition::composed;
 use super::equation::{Equation, equation};
-use super::scheme::Scheme;
 use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, array};
 use crate::retraction::Map;
 use crate::scalar::Batch;
-use crate::scheme::{Base, Rule};
+use crate::scheme::{Base, Rule, Scheme};
 use crate::solve::step::OneStep;
 use crate::system::{self, Control, Dynamics, Generated, Quantity, Schemes, State, Visitor};
 
@@ -170,7 +170,7 @@ impl<S: system::Geometry<Scalar = f64>> Geometry for S {
 /// `differential(state, time, control)`, `hamiltonian_vector(state, covector)`, `force(state, time, control)` and `motion(state, time, control)`; besides,
 /// `vector_field(state, time, control)`, the motion as the derivative of the stored numbers. Slices have the lengths of the system's arrays: what
 /// is missing counts as zero, what is too much does not count.
-pub trait System: Geometry + Send + Sync {
+pub trait System: Geometry + Send + Sync + 'static {
     /// The same system with other parameters; what is missing is as in this one.
     fn with_parameters(&self, parameters: &[f64]) -> Arc<dyn System>;
 
@@ -295,7 +295,7 @@ impl<S: Schemes> Builder for Standard<S> {
     fn method<T: Batch>(&self, parameters: &[T], step: T) -> Result<Box<dyn Method<T>>, ()> {
         let mut generated =
             |map, rule, step| S::visit(map, rule, OfLanes { parameters, step }).flatten().ok_or(());
-        Scheme::Standard(Map::Cayley).method(S::INVARIANT, step, &mut generated)
+        composed(&Scheme::Standard(Map::Cayley), S::INVARIANT, step, &mut generated)
     }
 }
 

@@ -5,9 +5,9 @@
 use coadjoint::__private::{Batch, Geometry, Isolated};
 use coadjoint::certify::{Certification, Claim, Claims, Report, Verdict, Walk};
 use coadjoint::erased::{Map, NotGenerated, Scheme};
-use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, TangentMidpoint, erased};
+use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
 
 /// Nothing acts on it.
 #[lie_poisson_system(

@@ -1,15 +1,15 @@
 //! The paper's numbered methods of chapters 3, 5 and 6, as they are generated, against the same methods from definitions alone: five steps, both
 //! retractions, and five members of every family. What the definitions know of a system is its energy and its force, as plain functions.
 
-use coadjoint_systems::classical::generic::{
-    GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SE2, SO3, SO3Semidirect, SU2,
-    Side, Translations,
-};
 use coadjoint::nalgebra::{Matrix4, SMatrix, SVector};
 use coadjoint::prelude::*;
 use coadjoint::{Control, Discretized, Family, RightLift, State, System};
 use coadjoint_support::dual::AnyStep;
 use coadjoint_support::random::Random;
+use coadjoint_systems::classical::generic::{
+    GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SE2, SO3, SO3Semidirect, SU2,
+    Side, Translations,
+};
 
 /// The largest difference after five steps, of values of the size of 1.
 const AGREE: f64 = 1e-13;

@@ -2,15 +2,15 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint_systems::classical::generic::{
-    GenericStepper, Hamiltonian, MatrixGroup, MatrixRetraction, Product, SE2, SO2, SO3, SO3Semidirect, SU2,
-    Translations,
-};
 use coadjoint::nalgebra::{
     Matrix2, Matrix3, Matrix4, Quaternion, Rotation3, SMatrix, SVector, UnitQuaternion, Vector3,
 };
 use coadjoint::vector;
 use coadjoint::{Cayley, Exponential, StepError};
+use coadjoint_systems::classical::generic::{
+    GenericStepper, Hamiltonian, MatrixGroup, MatrixRetraction, Product, SE2, SO2, SO3, SO3Semidirect, SU2,
+    Translations,
+};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 

@@ -1,12 +1,14 @@
 //! Generated steppers against the generic one, which takes the same steps from definitions alone.
 
 use coadjoint::Discretized;
-use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect};
 use coadjoint::nalgebra::{SMatrix, SVector};
 use coadjoint::prelude::*;
 use coadjoint_support::for_each_system_and_retraction;
 use coadjoint_support::random::Random;
 use coadjoint_support::systems::Sample;
+use coadjoint_systems::classical::generic::{
+    GenericStepper, Hamiltonian, MatrixRetraction, SO3, SO3Semidirect,
+};
 
 /// Kinetic plus potential energy with the gradients worked out by hand. Of no system's own type: the generic stepper is compiled once for each
 /// group.

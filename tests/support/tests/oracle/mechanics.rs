@@ -2,13 +2,13 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
+use coadjoint::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use coadjoint::vector;
+use coadjoint::{Cayley, Exponential, StepError};
 use coadjoint_systems::classical::generic::{
     GenericStepper, MatrixGroup, MatrixRetraction, Mechanics, Phase, Product, SO3, SO3Semidirect, Side,
     Translations,
 };
-use coadjoint::nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
-use coadjoint::vector;
-use coadjoint::{Cayley, Exponential, StepError};
 
 const MEMBERS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 

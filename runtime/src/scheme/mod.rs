@@ -26,9 +26,14 @@
 //! The family is that of V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving
 //! Integrators for Mechanical Systems* (2026).
 
+#[cfg(feature = "std")]
+mod value;
+
 use core::marker::PhantomData;
 
 use crate::retraction::{Exponential, Map, Retraction};
+#[cfg(feature = "std")]
+pub use value::{CoefficientSet, ConservedCasimirs, ParseSchemeError, Properties, Scheme, SchemeType};
 
 /// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
 ///
@@ -119,19 +124,4 @@ impl<R: Retraction + 'static, const N: u32, const D: u32> Base for Family<R, N, 
 impl<R: Retraction + 'static, const N: u32, const D: u32> Base for TangentLift<R, N, D> {
     const MAP: Map = R::MAP;
     const RULE: Rule = Rule::TangentLift(N, D);
-}
-
-/// `Family<Cayley, 1, 2>` of `coadjoint::scheme::Family<coadjoint::retraction::Cayley, 1, 2>`.
-#[cfg(feature = "std")]
-pub(crate) fn without_paths(name: &str) -> std::string::String {
-    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
-    let mut short = std::string::String::new();
-    let mut rest = name;
-    while let Some(next) = rest.chars().next() {
-        let end = rest.find(|c| is_path(c) != is_path(next)).unwrap_or(rest.len());
-        let (token, others) = rest.split_at(end);
-        short.push_str(token.rsplit("::").next().unwrap_or(token));
-        rest = others;
-    }
-    short
 }

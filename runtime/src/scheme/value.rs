@@ -1,0 +1,397 @@
+//! Schemes as values.
+
+use core::any::type_name;
+use core::fmt;
+use core::str::FromStr;
+use std::boxed::Box;
+use std::string::{String, ToString};
+use std::vec::Vec;
+
+use thiserror::Error;
+
+use super::{Family, RightLift, Rule, StormerVerlet, TangentLift};
+use crate::composition::{Coefficients, Composed, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4, checked};
+use crate::erased::Description;
+use crate::retraction::{Cayley, Exponential, Map, Retraction, SecondKind};
+
+/// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
+///
+/// It is written as its type is, and read so: `Midpoint<Cayley>`; serde writes and reads it as that text.
+///
+/// ```
+/// use coadjoint::prelude::*;
+/// use coadjoint::scheme::{Scheme, SchemeType};
+///
+/// let scheme: Scheme = "Order4<Midpoint<Cayley>>".parse()?;
+/// assert_eq!(scheme, Order4::<Midpoint<Cayley>>::scheme());
+/// assert_eq!(scheme.to_string(), "Order4<Midpoint<Cayley>>");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Scheme {
+    /// The bare retraction: the system's [standard](crate::System::Standard) step of order 2.
+    Standard(Map),
+    /// A step that the macro generated.
+    Step(Map, Rule),
+    /// [`StormerVerlet`]
+    StormerVerlet(Map),
+    /// A symmetric [composition](crate::composition) of steps with another scheme.
+    Composed(CoefficientSet, Box<Scheme>),
+    /// [`RightLift`]
+    RightLift(Box<Scheme>),
+}
+
+/// The coefficients of a symmetric composition, as a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoefficientSet {
+    /// The name of their type.
+    name: &'static str,
+    /// The order of the composition of symmetric steps of order 2.
+    order: u32,
+    gamma: &'static [f64],
+}
+
+impl CoefficientSet {
+    fn of<C: Coefficients>() -> Self {
+        Self { name: type_name::<C>(), order: C::ORDER, gamma: const { checked(C::GAMMA) } }
+    }
+
+    /// The `γᵢ`, one for each step.
+    pub(crate) fn gamma(&self) -> &'static [f64] {
+        self.gamma
+    }
+
+    /// Those that have a name of their own, with the name of compositions with them.
+    fn named() -> [(&'static str, Self); 4] {
+        [
+            ("Order4", Self::of::<Suzuki4>()),
+            ("Order6", Self::of::<KahanLi6>()),
+            ("Order8", Self::of::<KahanLi8>()),
+            ("Order10", Self::of::<SofroniouSpaletta10>()),
+        ]
+    }
+}
+
+/// A scheme as a type.
+pub trait SchemeType: 'static {
+    /// Returns the scheme as a value.
+    fn scheme() -> Scheme;
+}
+
+macro_rules! bare {
+    ($($retraction:ident),*) => {
+        $(impl SchemeType for $retraction {
+            fn scheme() -> Scheme {
+                Scheme::Standard(Self::MAP)
+            }
+        })*
+    };
+}
+bare!(Exponential, Cayley, SecondKind);
+
+impl<R: Retraction + 'static, const N: u32, const D: u32> SchemeType for Family<R, N, D> {
+    fn scheme() -> Scheme {
+        Scheme::Step(R::MAP, Rule::Member(N, D))
+    }
+}
+
+impl<R: Retraction + 'static, const N: u32, const D: u32> SchemeType for TangentLift<R, N, D> {
+    fn scheme() -> Scheme {
+        Scheme::Step(R::MAP, Rule::TangentLift(N, D))
+    }
+}
+
+impl<R: Retraction + 'static> SchemeType for StormerVerlet<R> {
+    fn scheme() -> Scheme {
+        Scheme::StormerVerlet(R::MAP)
+    }
+}
+
+impl<M: SchemeType> SchemeType for RightLift<M> {
+    fn scheme() -> Scheme {
+        Scheme::RightLift(Box::new(M::scheme()))
+    }
+}
+
+impl<C: Coefficients + 'static, M: SchemeType> SchemeType for Composed<C, M> {
+    fn scheme() -> Scheme {
+        Scheme::composed::<C>(M::scheme())
+    }
+}
+
+/// A generated step that a scheme is made of: its retraction, its rule, and its share of the whole step.
+pub(crate) type Part = (Map, Rule, f64);
+
+impl Scheme {
+    /// Returns the member `s = numerator/denominator` of the [family](Family).
+    pub const fn member(map: Map, numerator: u32, denominator: u32) -> Self {
+        Self::Step(map, Rule::Member(numerator, denominator))
+    }
+
+    /// Returns the symmetric composition with coefficients `C` of steps with another scheme. Coefficients that are none do not compile: see
+    /// [`Coefficients::GAMMA`].
+    pub fn composed<C: Coefficients>(base: Self) -> Self {
+        Self::Composed(CoefficientSet::of::<C>(), Box::new(base))
+    }
+
+    /// Replaces bare retractions by what they stand for, for systems that are [invariant](crate::System::INVARIANT) or not.
+    pub fn resolved(&self, invariant: bool) -> Self {
+        match self {
+            Self::Standard(map) if invariant && map.is_matrix_function() => Self::member(*map, 0, 1),
+            Self::Standard(map) => Self::StormerVerlet(*map),
+            Self::Composed(set, base) => Self::Composed(*set, Box::new(base.resolved(invariant))),
+            Self::RightLift(base) => Self::RightLift(Box::new(base.resolved(invariant))),
+            other => other.clone(),
+        }
+    }
+
+    /// The generated steps that it is made of, one after the other.
+    pub(crate) fn parts(&self, invariant: bool) -> Vec<Part> {
+        let halves = |map| std::vec![(map, Rule::Member(0, 1), 0.5), (map, Rule::Member(1, 1), 0.5)];
+        match self.resolved(invariant) {
+            Self::Step(map, rule) => std::vec![(map, rule, 1.0)],
+            Self::StormerVerlet(map) | Self::Standard(map) => halves(map),
+            Self::RightLift(base) => base.parts(invariant),
+            Self::Composed(set, base) => {
+                let parts = base.parts(invariant);
+                let scaled =
+                    |gamma: f64| parts.iter().map(move |(map, rule, share)| (*map, *rule, gamma * share));
+                set.gamma.iter().flat_map(|gamma| scaled(*gamma)).collect()
+            }
+        }
+    }
+
+    /// Returns what it promises of its steps of a system.
+    pub fn properties(&self, system: &Description) -> Properties {
+        match self.resolved(system.invariant) {
+            Self::Step(map, Rule::Member(numerator, denominator)) => {
+                // its adjoint is `1 − s` with any retraction; that `s` and `1 − s` are one map, where momentum and advected parameters alone
+                // have a part in the motion, follows from the retraction's being a function of one matrix
+                let is_middle = 2 * u64::from(numerator) == denominator.into();
+                let symmetric = is_middle || system.invariant && map.is_matrix_function();
+                let order = if symmetric { 2 } else { 1 };
+                Properties { order, symmetric, poisson: !system.forced, casimirs: ConservedCasimirs::All }
+            }
+            Self::Step(_, Rule::TangentLift(numerator, denominator)) => {
+                let symmetric = 2 * u64::from(numerator) == denominator.into();
+                let order = if symmetric { 2 } else { 1 };
+                Properties { order, symmetric, poisson: false, casimirs: ConservedCasimirs::Advected }
+            }
+            // half of the first member, then half of its adjoint
+            Self::StormerVerlet(map) | Self::Standard(map) => {
+                Properties { order: 2, symmetric: true, ..Self::member(map, 0, 1).properties(system) }
+            }
+            Self::Composed(set, base) => {
+                let base = base.properties(system);
+                let rises = base.symmetric && base.order == 2;
+                Properties { order: if rises { set.order } else { base.order }, ..base }
+            }
+            Self::RightLift(base) => base.properties(system),
+        }
+    }
+}
+
+/// What a scheme promises of its steps of a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Properties {
+    /// The order.
+    pub order: u32,
+    /// Whether the step `−h` undoes the step `h`.
+    pub symmetric: bool,
+    /// Whether steps keep the Poisson structure, on the cotangent bundle the symplectic form.
+    pub poisson: bool,
+    /// Which Casimirs they keep.
+    pub casimirs: ConservedCasimirs,
+}
+
+/// Which of a system's Casimirs a step keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub enum ConservedCasimirs {
+    /// All of them.
+    All,
+    /// Those that are functions of advected parameters alone.
+    Advected,
+    /// None.
+    None,
+}
+
+/// As users write its type.
+impl fmt::Display for Scheme {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Standard(map) => write!(f, "{map:?}"),
+            Self::Step(map, Rule::Member(0, 1)) => write!(f, "SymplecticEulerA<{map:?}>"),
+            Self::Step(map, Rule::Member(1, 2)) => write!(f, "Midpoint<{map:?}>"),
+            Self::Step(map, Rule::Member(1, 1)) => write!(f, "SymplecticEulerB<{map:?}>"),
+            Self::Step(map, Rule::Member(n, d)) => write!(f, "Family<{map:?}, {n}, {d}>"),
+            Self::Step(map, Rule::TangentLift(0, 1)) => write!(f, "TangentLift<{map:?}>"),
+            Self::Step(map, Rule::TangentLift(1, 2)) => write!(f, "TangentMidpoint<{map:?}>"),
+            Self::Step(map, Rule::TangentLift(n, d)) => write!(f, "TangentLift<{map:?}, {n}, {d}>"),
+            Self::StormerVerlet(map) => write!(f, "StormerVerlet<{map:?}>"),
+            Self::RightLift(base) => write!(f, "RightLift<{base}>"),
+            Self::Composed(set, base) => match CoefficientSet::named().iter().find(|(_, named)| named == set)
+            {
+                Some((name, _)) => write!(f, "{name}<{base}>"),
+                None => write!(f, "Composed<{}, {base}>", without_paths(set.name)),
+            },
+        }
+    }
+}
+
+/// A text that names no scheme.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error(
+    "`{text}` names no scheme: one is a retraction (`Exponential`, `Cayley`, `SecondKind`), or `SymplecticEulerA`, `Midpoint`, \
+     `SymplecticEulerB`, `StormerVerlet`, `TangentLift` or `TangentMidpoint` on one (`Midpoint<Cayley>`), `Family<Cayley, 1, 4>`, or \
+     `Order4`, `Order6`, `Order8`, `Order10` or `RightLift` of another scheme (`Order4<Cayley>`)"
+)]
+#[non_exhaustive]
+pub struct ParseSchemeError {
+    /// The text.
+    pub text: String,
+}
+
+impl FromStr for Scheme {
+    type Err = ParseSchemeError;
+
+    fn from_str(text: &str) -> Result<Self, ParseSchemeError> {
+        parsed(text.trim()).ok_or_else(|| ParseSchemeError { text: text.to_string() })
+    }
+}
+
+fn parsed(text: &str) -> Option<Scheme> {
+    let (name, inner) = match text.split_once('<') {
+        Some((name, rest)) => (name.trim(), rest.strip_suffix('>')?.trim()),
+        None => (text, ""),
+    };
+    let retraction = |name: &str| Map::ALL.into_iter().find(|map| name == std::format!("{map:?}"));
+    // what is left out is the types' default
+    let on = |name: &str| if name.is_empty() { Some(Map::Exponential) } else { retraction(name.trim()) };
+    let member = |numerator, denominator| Some(Scheme::member(on(inner)?, numerator, denominator));
+    let lift =
+        |numerator, denominator| Some(Scheme::Step(on(inner)?, Rule::TangentLift(numerator, denominator)));
+    match name {
+        "SymplecticEulerA" => member(0, 1),
+        "Midpoint" => member(1, 2),
+        "SymplecticEulerB" => member(1, 1),
+        "TangentMidpoint" => lift(1, 2),
+        "Family" | "TangentLift" if inner.contains(',') => {
+            let mut arguments = inner.split(',').map(str::trim);
+            let (map, n, d) = (arguments.next()?, arguments.next()?, arguments.next()?);
+            let (map, n, d): (Map, u32, u32) = (on(map)?, n.parse().ok()?, d.parse().ok()?);
+            if arguments.next().is_some() || d == 0 || n > d {
+                return None;
+            }
+            let common = (1..=d).rev().find(|k| n % k == 0 && d % k == 0)?;
+            let rule = if name == "Family" { Rule::Member } else { Rule::TangentLift };
+            Some(Scheme::Step(map, rule(n / common, d / common)))
+        }
+        "Family" => member(0, 1),
+        "TangentLift" => lift(0, 1),
+        "StormerVerlet" => Some(Scheme::StormerVerlet(on(inner)?)),
+        "RightLift" if inner.is_empty() => {
+            Some(Scheme::RightLift(Box::new(Scheme::member(Map::Exponential, 0, 1))))
+        }
+        "RightLift" => Some(Scheme::RightLift(Box::new(parsed(inner)?))),
+        _ => match CoefficientSet::named().into_iter().find(|(order, _)| *order == name) {
+            Some((_, set)) => Some(Scheme::Composed(set, Box::new(parsed(inner)?))),
+            None if inner.is_empty() && !text.contains('<') => retraction(name).map(Scheme::Standard),
+            None => None,
+        },
+    }
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Scheme {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Scheme {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <String as serde::Deserialize>::deserialize(deserializer)?;
+        text.parse().map_err(serde::de::Error::custom)
+    }
+}
+
+/// `Family<Cayley, 1, 2>` of `coadjoint::scheme::Family<coadjoint::retraction::Cayley, 1, 2>`.
+fn without_paths(name: &str) -> String {
+    let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let mut short = String::new();
+    let mut rest = name;
+    while let Some(next) = rest.chars().next() {
+        let end = rest.find(|c| is_path(c) != is_path(next)).unwrap_or(rest.len());
+        let (token, others) = rest.split_at(end);
+        short.push_str(token.rsplit("::").next().unwrap_or(token));
+        rest = others;
+    }
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::composition::{Order4, Order10};
+    use crate::scheme::{Midpoint, SymplecticEulerA, SymplecticEulerB, TangentMidpoint};
+
+    #[test]
+    fn schemes_are_read_as_they_are_written() {
+        let all = [
+            Exponential::scheme(),
+            Cayley::scheme(),
+            SecondKind::scheme(),
+            SymplecticEulerA::<Cayley>::scheme(),
+            Midpoint::<SecondKind>::scheme(),
+            SymplecticEulerB::<Exponential>::scheme(),
+            Family::<Cayley, 1, 4>::scheme(),
+            TangentLift::<Cayley>::scheme(),
+            TangentMidpoint::<Exponential>::scheme(),
+            TangentLift::<Cayley, 2, 3>::scheme(),
+            StormerVerlet::<Cayley>::scheme(),
+            RightLift::<Midpoint>::scheme(),
+            Order4::<StormerVerlet<Cayley>>::scheme(),
+            Order10::<Order4<Exponential>>::scheme(),
+        ];
+        for scheme in all {
+            let text = scheme.to_string();
+            assert_eq!(text.parse(), Ok(scheme.clone()), "{text}");
+            assert_eq!(text.replace(' ', "").parse(), Ok(scheme), "{text}");
+        }
+        // with what is left out as types have it, and in lowest terms
+        assert_eq!("Midpoint".parse(), Ok(Midpoint::<Exponential>::scheme()));
+        assert_eq!("Family".parse(), Ok(Family::<Exponential>::scheme()));
+        assert_eq!("RightLift".parse(), Ok(RightLift::<SymplecticEulerA>::scheme()));
+        assert_eq!("Family<Cayley, 2, 4>".parse(), Ok(Midpoint::<Cayley>::scheme()));
+        assert_eq!("Family<Cayley, 0, 7>".parse(), Ok(SymplecticEulerA::<Cayley>::scheme()));
+    }
+
+    #[test]
+    fn what_names_no_scheme_is_refused() {
+        let wrong = [
+            "",
+            "cayley",
+            "Midpoint<",
+            "Midpoint<Cayley",
+            "Midpoint<Midpoint>",
+            "Cayley<>",
+            "Order4",
+            "Order4<>",
+            "Order5<Cayley>",
+            "Family<Cayley, 5, 4>",
+            "Family<Cayley, 0, 0>",
+            "Family<Cayley, 1, 2, 3>",
+            "Family<Cayley, 1, 99999999999>",
+            "Midpoint<Cayley>>",
+        ];
+        for text in wrong {
+            let error = text.parse::<Scheme>().expect_err(text);
+            assert_eq!(error.text, text);
+        }
+    }
+}
