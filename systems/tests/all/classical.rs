@@ -1,14 +1,18 @@
 //! Classical methods on the systems of the catalogue, and everything else that a run may be made with beside the standard steps.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use coadjoint::composition::{KahanLi8, SofroniouSpaletta10};
-use coadjoint::erased::{Map, Scheme, Stepper};
+use coadjoint::erased::{Map, Stepper};
 use coadjoint::prelude::*;
+use coadjoint::scheme::Scheme;
 use coadjoint::system::Role;
 use coadjoint_app::Entry;
 use coadjoint_app::Example;
-use coadjoint_app::simulation::{Classical, Job, Method, Order, Retraction, Setup, classical_stepper};
+use coadjoint_app::simulation::{
+    Classical, Job, Method, Order, Retraction, Sample, Setup, classical_stepper,
+};
 use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::classical::{AttitudeState, Rkmk4, bodies, integrate};
 use coadjoint_systems::heavy_top::HeavyTop;
@@ -56,7 +60,7 @@ fn the_vector_field_is_the_motion_of_generated_steps(name: &str) {
         }
         let moved = |step: f64| {
             let mut state = state.clone();
-            let mut stepper = Stepper::new(&*system, &scheme, step).expect("valid");
+            let mut stepper = Stepper::new(system.clone(), &scheme, step).expect("valid");
             stepper.step(&mut state, &control).expect("solvable");
             state
         };
@@ -100,7 +104,7 @@ fn classical_methods_have_their_orders_on_every_kind_of_system() {
             let (method, retraction) = (Method::Standard, Retraction::Exponential);
             let job = Job { method, retraction, order: Order::Eight, step: duration / 400.0, steps: 400 };
             let mut last = Vec::new();
-            let mut observe = |sample: &coadjoint::erased::Sample<'_>| {
+            let mut observe = |sample: &Sample<'_>| {
                 last = sample.state.to_vec();
                 ControlFlow::Continue(())
             };
@@ -197,7 +201,7 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
     let error = {
         let (entry, method) = (CATALOGUE.find("heavy_top").expect("it is there"), Method::RightLift);
         let job = Job { method, retraction: Retraction::Cayley, order: Order::Two, step: 0.1, steps: 1 };
-        let ignore = &mut |_: &coadjoint::erased::Sample<'_>| ControlFlow::Continue(());
+        let ignore = &mut |_: &Sample<'_>| ControlFlow::Continue(());
         entry.simulate(&entry.example.clone(), &job, None, &|_| u64::MAX, ignore).expect_err("gravity acts")
     };
     assert!(error.to_string().contains("`heavy_top` has no steps with the method right-lift"), "{error}");
@@ -317,22 +321,23 @@ struct Spinner {
 }
 
 /// What is asked of the groups and sides that the catalogue has not, of steps of order 8 and of the two kinds of classical methods.
-fn keeps_its_order(system: &dyn coadjoint::erased::System, start: &[f64]) {
+fn keeps_its_order(system: impl coadjoint::erased::System, start: &[f64]) {
+    let system: Arc<dyn coadjoint::erased::System> = Arc::new(system);
     let duration = 2.0;
-    let run = |stepper: Result<Stepper<'_>, coadjoint::ParameterError>, steps: u64| {
+    let run = |stepper: Result<Stepper, coadjoint::ParameterError>, steps: u64| {
         let mut state = start.to_vec();
         stepper.expect("valid").steps(&mut state, &[], steps).expect("solvable");
         state
     };
     let scheme = Scheme::composed::<KahanLi8>(Scheme::Standard(Map::Exponential));
     let mut exact = start.to_vec();
-    let mut stepper = Stepper::new(system, &scheme, duration / 400.0).expect("generated");
+    let mut stepper = Stepper::new(system.clone(), &scheme, duration / 400.0).expect("generated");
     stepper.steps(&mut exact, &[], 400).expect("solvable");
     let name = system.description().name;
     for classical in [Classical::Rk4, Classical::Rkmk4, Classical::Gauss4, Classical::ImplicitMidpoint] {
         let errors = [40, 80, 160].map(|steps: u64| {
             let step = duration / steps as f64;
-            distance(&run(classical_stepper(system, classical, step), steps), &exact)
+            distance(&run(classical_stepper(system.clone(), classical, step), steps), &exact)
         });
         let measured = (errors[1] / errors[2]).log2();
         println!("{name}, {}: {errors:?}, {measured}", classical.name());
@@ -341,7 +346,8 @@ fn keeps_its_order(system: &dyn coadjoint::erased::System, start: &[f64]) {
             "{name}, {}: {errors:?}",
             classical.name()
         );
-        let rests_on_group = system.deviation(&run(classical_stepper(system, classical, 0.05), 40)) < 1e-13;
+        let rests_on_group =
+            system.deviation(&run(classical_stepper(system.clone(), classical, 0.05), 40)) < 1e-13;
         assert!(rests_on_group || classical == Classical::Rk4, "{name}, {}", classical.name());
     }
 }
@@ -350,16 +356,16 @@ fn keeps_its_order(system: &dyn coadjoint::erased::System, start: &[f64]) {
 fn classical_methods_have_their_orders_on_other_groups_and_sides() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     keeps_its_order(
-        &InSpace { inertia: vector![1.0, 2.0, 2.5], weight: 1.5 },
+        InSpace { inertia: vector![1.0, 2.0, 2.5], weight: 1.5 },
         &[half, 0.0, half, 0.0, 0.4, -0.8, 1.5],
     );
     keeps_its_order(
-        &Sledge { inertia: vector![1.0, 2.0, 3.0], stiffness: 2.0 },
+        Sledge { inertia: vector![1.0, 2.0, 3.0], stiffness: 2.0 },
         &[0.6, 0.8, 0.3, -0.5, 0.7, 1.0, -1.2],
     );
     keeps_its_order(
-        &Plate { inertia: vector![1.0, 2.0, 3.0], stiffness: 2.0 },
+        Plate { inertia: vector![1.0, 2.0, 3.0], stiffness: 2.0 },
         &[0.6, 0.8, 0.3, -0.5, 0.7, 1.0, -1.2],
     );
-    keeps_its_order(&Spinner { inertia: vector![1.0, 2.0, 2.5] }, &[half, 0.0, half, 0.0, 0.4, -0.8, 1.5]);
+    keeps_its_order(Spinner { inertia: vector![1.0, 2.0, 2.5] }, &[half, 0.0, half, 0.0, 0.4, -0.8, 1.5]);
 }

@@ -1,10 +1,11 @@
 //! Controls in energies: what a system of them does is what one does whose parameters they are, set anew before each step.
 
-use coadjoint::certify::{Certification, Claims};
+use coadjoint::certify::Certification;
 use coadjoint::derivative::{WrtControl, WrtParameters};
 use coadjoint::erased;
 use coadjoint::nalgebra::SVector;
 use coadjoint::prelude::*;
+use coadjoint::scheme::SchemeType;
 use coadjoint::system::{Control, Geometry, Schemes, State};
 use coadjoint::{Discretized, RightLift, System, TangentLift};
 use coadjoint_support::array;
@@ -216,7 +217,7 @@ macro_rules! derivatives_agree {
 /// Every claim, with controls that are held, and that change.
 fn certified<M, S: Controlled<D> + Discretized<M>, const D: usize>(example: fn(&mut Random) -> (S, S::State))
 where
-    M: Claims<S> + 'static,
+    M: SchemeType,
 {
     let mut random = Random::new(6);
     let (system, state) = example(&mut random);

@@ -10,12 +10,10 @@ use coadjoint::__private::{Batch, Scalar};
 use coadjoint::__private::{Geometry, Map};
 use coadjoint::__private::{Method, Outcome};
 use coadjoint::certify;
-use coadjoint::certify::{
-    Certification, CertifyError, Claim, Claims, Kept, Probe, Report, Verdict, Walk, certify_erased,
-};
-use coadjoint::erased::Scheme;
+use coadjoint::certify::{Certification, CertifyError, Claimed, Probe, Report, Verdict, certify_erased};
+use coadjoint::erased::{self, Description};
 use coadjoint::prelude::*;
-use coadjoint::scheme::Rule;
+use coadjoint::scheme::{ConservedCasimirs, Properties, Rule, Scheme, SchemeType};
 use coadjoint::system::{Generated, Schemes, Visitor};
 use coadjoint::{Discretized, Family, RightLift, TangentLift};
 
@@ -142,8 +140,8 @@ struct Pair {
 
 fn passes<M, S>(system: &S, states: &[S::State], controls: &[S::Control]) -> Report
 where
-    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
-    M: Claims<S> + 'static,
+    S: Geometry<Scalar = f64> + Discretized<M> + erased::System,
+    M: SchemeType,
 {
     let report = Certification::new(system).states(states).controls(controls).time(0.4).run::<M>().unwrap();
     println!("{report}\n");
@@ -337,56 +335,61 @@ fn two_bodies() {
     passes::<Order4<Midpoint>, _>(&pair, &states, &[]);
 }
 
-/// The names of the certificates that fail.
-fn failing<M, S>(system: &S, states: &[S::State]) -> Vec<String>
-where
-    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
-    M: Claims<S> + 'static,
-{
-    let report = certify::<M, _>(system, states).unwrap();
-    println!("{report}\n");
-    report.failures().map(|certificate| certificate.name.clone()).collect()
+/// What steps are certified for that are not what they claim to be.
+struct Boast<'a> {
+    properties: Properties,
+    definition: Option<Scheme>,
+    kernels: &'a dyn Fn(&mut Probe<'_>, f64),
 }
 
-/// The method of `M` under the claims of `C`.
-struct Boast<M, C>(M, C);
+impl<'a> Boast<'a> {
+    /// With all that a scheme promises of a body's steps, and no kernels to show.
+    fn of<C: SchemeType>() -> Self {
+        let properties = C::scheme().properties(&Description::of::<Body>());
+        Self { properties, definition: Some(C::scheme()), kernels: &|_, _| {} }
+    }
 
-macro_rules! boast {
-    ($($method:ty, $claims:ty;)*) => {
-        $(
-            impl Discretized<Boast<$method, $claims>> for Body {
-                type Method<T: Batch> = <Self as Discretized<$method>>::Method<T>;
-            }
+    fn report<M, S>(self, system: &S, states: &[S::State]) -> Result<Report, CertifyError>
+    where
+        S: Geometry<Scalar = f64> + Discretized<M> + 'static,
+        M: 'static,
+    {
+        let Self { properties, definition, kernels } = self;
+        let certification = Certification::new(system).states(states);
+        let method = &certification.method::<M>();
+        let report = certification.run_as(&Claimed {
+            name: "boast".into(),
+            properties,
+            definition,
+            method,
+            kernels,
+        })?;
+        println!("{report}\n");
+        Ok(report)
+    }
 
-            impl Claims<Body> for Boast<$method, $claims> {
-                const CLAIM: Claim = <$claims as Claims<Body>>::CLAIM;
-
-                fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
-                    <$claims as Claims<Body>>::walk(walk, step)
-                }
-            }
-        )*
-    };
-}
-boast! {
-    TangentLift, Midpoint;
-    Cayley, Midpoint;
-    Midpoint, Order4<Midpoint>;
-    RightLift<Midpoint>, Midpoint;
+    fn failing<M, S>(self, system: &S, states: &[S::State]) -> Vec<String>
+    where
+        S: Geometry<Scalar = f64> + Discretized<M> + 'static,
+        M: 'static,
+    {
+        let report = self.report::<M, S>(system, states).unwrap();
+        report.failures().map(|certificate| certificate.name.clone()).collect()
+    }
 }
 
 #[test]
 fn claims_of_other_schemes_fail() {
     let (body, states) = body();
-    let wrong = failing::<Boast<TangentLift, Midpoint>, _>(&body, &states);
+    let wrong = Boast::of::<Midpoint>().failing::<TangentLift, _>(&body, &states);
     // its energy drifts only until it has found a steady rotation
     assert_eq!(wrong, ["order", "Poisson map", "|momentum|²", "reversibility", "definition"]);
     // another step with the same properties
-    assert_eq!(failing::<Boast<Cayley, Midpoint>, _>(&body, &states), ["definition"]);
-    let wrong = failing::<Boast<Midpoint, Order4<Midpoint>>, _>(&body, &states);
+    assert_eq!(Boast::of::<Midpoint>().failing::<Cayley, _>(&body, &states), ["definition"]);
+    let wrong = Boast::of::<Order4<Midpoint>>().failing::<Midpoint, _>(&body, &states);
     assert_eq!(wrong, ["order", "energy order", "definition"]);
     // the same step
-    assert!(failing::<Boast<RightLift<Midpoint>, Midpoint>, _>(&body, &states).is_empty());
+    assert!(Boast::of::<Midpoint>().failing::<RightLift<Midpoint>, _>(&body, &states).is_empty());
 }
 
 /// A step of the midpoint rule that loses a hundred-millionth of the momentum.
@@ -430,14 +433,17 @@ impl Discretized<Leaky> for Body {
     type Method<T: Batch> = Leak<T>;
 }
 
-impl Claims<Body> for Leaky {
-    const CLAIM: Claim = Claim { order: 2, symmetric: true, poisson: true, casimirs: Kept::All };
+/// All that the midpoint rule promises, of a step that nothing defines.
+fn leaky() -> Boast<'static> {
+    let properties =
+        Properties { order: 2, symmetric: true, poisson: true, casimirs: ConservedCasimirs::All };
+    Boast { properties, definition: None, kernels: &|_, _| {} }
 }
 
 #[test]
 fn a_small_leak_is_found() {
     let (body, states) = body();
-    let wrong = failing::<Leaky, _>(&body, &states);
+    let wrong = leaky().failing::<Leaky, _>(&body, &states);
     for name in ["Poisson map", "|momentum|²", "reversibility"] {
         assert!(wrong.iter().any(|wrong| wrong == name), "{name}: {wrong:?}");
     }
@@ -502,14 +508,6 @@ macro_rules! aged {
             impl Discretized<$scheme> for Body {
                 type Method<T: Batch> = Aged<T, $stuck>;
             }
-
-            impl Claims<Body> for $scheme {
-                const CLAIM: Claim = <TangentLift as Claims<Body>>::CLAIM;
-
-                fn kernels(probe: &mut Probe<'_>, step: f64) {
-                    <Midpoint as Claims<Body>>::kernels(probe, step);
-                }
-            }
         )*
     };
 }
@@ -521,8 +519,14 @@ aged! {
 #[test]
 fn a_step_that_depends_on_what_is_remembered_is_found() {
     let (body, states) = body();
-    assert_eq!(failing::<Stale, _>(&body, &states), ["warm steps"]);
-    let report = certify::<Stuck, _>(&body, &states).unwrap();
+    // the midpoint rule's kernels, and hardly a promise
+    let aged = || Boast {
+        definition: None,
+        kernels: &|probe, step| probe.kernel::<Body, Midpoint>(step),
+        ..Boast::of::<TangentLift>()
+    };
+    assert_eq!(aged().failing::<Stale, _>(&body, &states), ["warm steps"]);
+    let report = aged().report::<Stuck, _>(&body, &states).unwrap();
     let warm = report.certificate("warm steps").unwrap();
     assert_eq!((warm.figure, warm.verdict), (f64::INFINITY, Verdict::Failed), "{report}");
 }
@@ -540,7 +544,7 @@ fn warm_steps_are_those_of_equations_solved_in_twice_the_digits() {
     // where nothing is controlled, nothing jumps
     assert!(report.certificate("control jumps").is_none());
     // of what has no kernels to show, nothing is known
-    let report = certify::<Leaky, _>(&body, &states).unwrap();
+    let report = leaky().report::<Leaky, _>(&body, &states).unwrap();
     assert_eq!(report.certificate("warm steps").unwrap().verdict, Verdict::NotMeasured);
 }
 
@@ -562,23 +566,11 @@ impl Discretized<Slow> for Body {
     type Method<T: Batch> = OneStep<T, <Self as Generated<Slow>>::Kernel<T>>;
 }
 
-impl Claims<Body> for Slow {
-    const CLAIM: Claim = <Midpoint as Claims<Body>>::CLAIM;
-
-    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
-        walk.family(Map::Exponential, 0.5, step);
-        true
-    }
-
-    fn kernels(probe: &mut Probe<'_>, step: f64) {
-        probe.kernel::<Body, Slow>(step);
-    }
-}
-
 #[test]
 fn a_wrong_correction_is_found() {
     let (body, states) = body();
-    let wrong = failing::<Slow, _>(&body, &states);
+    let slow = Boast { kernels: &|probe, step| probe.kernel::<Body, Slow>(step), ..Boast::of::<Midpoint>() };
+    let wrong = slow.failing::<Slow, _>(&body, &states);
     assert_eq!(wrong[0], "Newton correction");
     // iterations end before they are through
     assert!(
@@ -594,8 +586,11 @@ type Bent = Faulty<Body>;
 fn a_wrong_geometry_is_found() {
     let (good, states) = body();
     let bent = || Bent::new(Body { inertia: good.inertia });
-    assert!(failing::<Plain, _>(&bent(), &states).is_empty());
-    assert_eq!(failing::<Plain, _>(&bent().with_energy(1e-6), &states), ["energy differential"]);
+    assert!(Boast::of::<Midpoint>().failing::<Plain, _>(&bent(), &states).is_empty());
+    assert_eq!(
+        Boast::of::<Midpoint>().failing::<Plain, _>(&bent().with_energy(1e-6), &states),
+        ["energy differential"]
+    );
     let bracket = bent().with_vector(|body, state, covector| {
         let mut vector = body.hamiltonian_vector(state, covector);
         vector[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x += y);
@@ -603,7 +598,7 @@ fn a_wrong_geometry_is_found() {
         vector[3..].iter_mut().zip(&covector[..3]).for_each(|(x, y)| *x -= y);
         vector
     });
-    let wrong = failing::<Plain, _>(&bracket, &states);
+    let wrong = Boast::of::<Midpoint>().failing::<Plain, _>(&bracket, &states);
     assert_eq!(wrong, ["consistency", "Poisson map", "definition", "Jacobi identity", "exponential"]);
 }
 
@@ -612,15 +607,6 @@ struct Plain;
 
 impl Discretized<Plain> for Bent {
     type Method<T: Batch> = <Body as Discretized<Midpoint>>::Method<T>;
-}
-
-impl Claims<Bent> for Plain {
-    const CLAIM: Claim = <Midpoint as Claims<Body>>::CLAIM;
-
-    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
-        walk.family(Map::Exponential, 0.5, step);
-        true
-    }
 }
 
 /// How often the generated steps of [`Bent`] are still there.

@@ -2,16 +2,16 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use coadjoint::__private::{Geometry, Map};
 use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
 use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
-use coadjoint::erased::{self, Controls, Rule, RunOptions, Scheme, StepperError};
+use coadjoint::erased::{self, StepperError};
 use coadjoint::prelude::*;
-use coadjoint::system::Schemes;
-use coadjoint::{Discretized, TangentLift};
+use coadjoint::scheme::{Rule, Scheme};
+use coadjoint::{Discretized, Run, TangentLift};
 
 /// Invariant: its standard step is one equation.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint, TangentLift))]
@@ -44,8 +44,13 @@ struct Craft {
 }
 
 /// A system with its type erased.
-fn erased<S: Schemes + Geometry<Scalar = f64> + Send + Sync + 'static>(system: &S) -> &dyn erased::System {
+fn erased<S: erased::System>(system: &S) -> &dyn erased::System {
     system
+}
+
+/// The same, shared.
+fn shared<S: erased::System>(system: &S) -> Arc<dyn erased::System> {
+    system.with_parameters(&[])
 }
 
 fn top() -> (Top, TopState) {
@@ -68,11 +73,11 @@ fn craft() -> (Craft, CraftState) {
 /// The same steps one by one and in batches, from a time on, and the same memory, with which a run goes on.
 fn agree<M, S>((system, start): (S, S::State), scheme: &Scheme, control: &S::Control)
 where
-    S: Discretized<M> + Geometry<Scalar = f64> + Schemes + Send + Sync + 'static,
+    S: Discretized<M> + Geometry<Scalar = f64> + erased::System,
 {
     const STEP: f64 = 0.02;
     let mut typed = system.stepper::<M>(STEP).unwrap();
-    let mut other = erased::Stepper::new(&system, scheme, STEP).unwrap();
+    let mut other = erased::Stepper::new(shared(&system), scheme, STEP).unwrap();
     typed.set_time(0.7);
     other.set_time(0.7);
     let mut state = start;
@@ -81,20 +86,20 @@ where
     for _ in 0..40 {
         let report = typed.step_with(&mut state, control).unwrap();
         assert_eq!(other.step(&mut numbers, &held), Ok(report));
-        assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
+        assert_eq!(state.to_components().as_ref(), numbers, "{scheme}");
     }
     let report = typed.steps_with(&mut state, control, 2_000).unwrap();
     assert_eq!(other.steps(&mut numbers, &held, 2_000).unwrap().steps, report.steps);
-    assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
+    assert_eq!(state.to_components().as_ref(), numbers, "{scheme}");
     assert_eq!((other.time(), other.steps_taken()), (typed.time(), typed.steps_taken()));
 
     let memory = typed.snapshot();
-    assert_eq!(other.snapshot(), memory, "{}", scheme.name());
-    let mut resumed = erased::Stepper::new(&system, scheme, STEP).unwrap();
+    assert_eq!(other.snapshot(), memory, "{scheme}");
+    let mut resumed = erased::Stepper::new(shared(&system), scheme, STEP).unwrap();
     resumed.restore(&memory).unwrap();
     resumed.steps(&mut numbers, &held, 100).unwrap();
     typed.steps_with(&mut state, control, 100).unwrap();
-    assert_eq!(state.to_components().as_ref(), numbers, "{}", scheme.name());
+    assert_eq!(state.to_components().as_ref(), numbers, "{scheme}");
     assert!(resumed.restore(&memory[1..]).is_err());
 }
 
@@ -119,7 +124,7 @@ fn steps_are_those_of_the_typed_stepper() {
 
 #[test]
 fn members_move_as_they_would_alone() {
-    fn alone<S: Discretized<Cayley> + Geometry<Scalar = f64> + Schemes + Send + Sync + 'static>(
+    fn alone<S: Discretized<Cayley> + Geometry<Scalar = f64> + erased::EnsembleSystem>(
         (system, start): (S, S::State),
         control: &S::Control,
     ) {
@@ -134,7 +139,7 @@ fn members_move_as_they_would_alone() {
         for (member, system, state) in ensemble.members() {
             let scheme = Scheme::Standard(Map::Cayley);
             let mut expected = numbers.clone();
-            let mut stepper = erased::Stepper::new(system, &scheme, 0.02).unwrap();
+            let mut stepper = erased::Stepper::new(system.with_parameters(&[]), &scheme, 0.02).unwrap();
             stepper.steps(&mut expected, &held, 301).unwrap();
             assert_eq!(state, expected, "member {member}");
         }
@@ -216,17 +221,20 @@ fn controls_of_members_are_their_own() {
         assert_eq!(steered.run_controlled(50, &law), 550);
     }
     let scheme = Scheme::Standard(Map::Cayley);
-    let stepper = || erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let stepper = || erased::Stepper::new(shared(&system), &scheme, 0.02).unwrap();
     for ((member, _, state), (_, _, other)) in ensemble.members().zip(steered.members()) {
         let (mut expected, mut control) = (numbers.clone(), [0.0]);
         held(member, &mut control);
         stepper().steps(&mut expected, &control, 150).unwrap();
         assert_eq!(state, expected, "member {member}");
 
-        let own = |state: &[f64], time: f64, control: &mut [f64]| law(member, state, time, control);
-        let options = RunOptions { steps: 150, controls: Controls::Chosen(&own), next: &|index| index + 40 };
+        let own = |state: &Vec<f64>, time: f64| {
+            let mut control = vec![0.0];
+            law(member, state, time, &mut control);
+            control
+        };
         let mut expected = numbers.clone();
-        erased::run(&mut stepper(), &mut expected, &options, &mut |_| ControlFlow::Continue(())).unwrap();
+        Run::new(&mut stepper(), &mut expected).controlled_by(own).every(40, |_| {}).steps(150).unwrap();
         assert_eq!(other, expected, "member {member}");
     }
     assert_eq!((ensemble.members().count(), steered.members().count()), (11, 11));
@@ -238,22 +246,20 @@ fn laws_see_what_single_steps_start_from() {
     let (system, start) = craft();
     let scheme = Scheme::Standard(Map::Exponential);
     let choose = |state: &[f64], time: f64| 12.0 + state[9] - (5.0 * time).cos();
-    let mut alone = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut alone = erased::Stepper::new(shared(&system), &scheme, 0.02).unwrap();
     let mut expected = start.to_components().to_vec();
     for _ in 0..100 {
         let control = choose(&expected, alone.time());
         alone.step(&mut expected, &[control]).unwrap();
     }
-    let law = |state: &[f64], time: f64, control: &mut [f64]| control[0] += choose(state, time);
-    let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let law = |state: &Vec<f64>, time: f64| vec![choose(state, time)];
+    let mut stepper = erased::Stepper::new(shared(&system), &scheme, 0.02).unwrap();
     let mut state = start.to_components().to_vec();
-    let options = RunOptions { steps: 100, controls: Controls::Chosen(&law), next: &|index| index + 30 };
-    let report = erased::run(&mut stepper, &mut state, &options, &mut |_| ControlFlow::Continue(()));
+    let report = Run::new(&mut stepper, &mut state).controlled_by(law).every(30, |_| {}).steps(100);
     assert_eq!(report.unwrap().steps, 100);
     assert_eq!((state, stepper.time()), (expected, alone.time()));
     assert_eq!(stepper.snapshot(), alone.snapshot());
-    // nor is it shown a state of another system
-    let error = erased::run(&mut stepper, &mut [1.0], &options, &mut |_| ControlFlow::Continue(()));
+    let error = Run::new(&mut stepper, &mut vec![1.0]).controlled_by(|_, _| vec![0.0]).steps(100);
     assert_eq!(error.unwrap_err().cause, StepError::Length { expected: 13 });
 }
 
@@ -276,15 +282,15 @@ fn calls_of_a_system_are_its_own() {
 fn steppers_can_be_sent() {
     let (system, start) = top();
     let scheme = Scheme::Standard(Map::Cayley);
-    let walk = |stepper: &mut erased::Stepper<'_>, state: &mut [f64]| {
+    let walk = |stepper: &mut erased::Stepper, state: &mut [f64]| {
         stepper.steps(state, &[], 100).unwrap();
     };
     let mut expected = start.to_components().to_vec();
-    let mut alone = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut alone = erased::Stepper::new(shared(&system), &scheme, 0.02).unwrap();
     walk(&mut alone, &mut expected);
     walk(&mut alone, &mut expected);
     let mut state = start.to_components().to_vec();
-    let mut stepper = erased::Stepper::new(&system, &scheme, 0.02).unwrap();
+    let mut stepper = erased::Stepper::new(shared(&system), &scheme, 0.02).unwrap();
     walk(&mut stepper, &mut state);
     let state = std::thread::scope(|scope| {
         let other = scope.spawn(move || {
@@ -304,8 +310,8 @@ fn certificates_are_the_same() {
     let same = |typed: Result<Report, CertifyError>, scheme: &Scheme, name: &str| {
         let typed = typed.unwrap();
         let other = certify_erased(&system, scheme, std::slice::from_ref(&numbers), &[], Some(0.05)).unwrap();
-        assert_eq!((other.to_string(), other.claim), (typed.to_string(), typed.claim));
-        assert_eq!((&*other.scheme, &*scheme.name()), (name, name));
+        assert_eq!((other.to_string(), other.properties), (typed.to_string(), typed.properties));
+        assert_eq!((&*other.scheme, &*scheme.to_string()), (name, name));
         assert!(other.passed(), "{other}");
     };
     let cayley = Scheme::Standard(Map::Cayley);
@@ -389,7 +395,7 @@ fn certificates_fail_for_the_same_reasons() {
 fn what_was_not_generated_is_said() {
     let (system, state) = top();
     let scheme = Scheme::member(Map::Cayley, 1, 4);
-    let error = erased::Stepper::new(&system, &scheme, 0.1).unwrap_err();
+    let error = erased::Stepper::new(shared(&system), &scheme, 0.1).unwrap_err();
     let StepperError::NotGenerated(missing) = error else { panic!("{error}") };
     assert_eq!(
         (missing.scheme.as_str(), missing.system, missing.key),
@@ -401,7 +407,7 @@ fn what_was_not_generated_is_said() {
     // by the key of the description that asks for it
     let satellite = Satellite { inertia: vector![1.0, 2.0, 2.5] };
     let advice = |scheme: &Scheme| {
-        let error = erased::Stepper::new(&satellite, scheme, 0.1).unwrap_err().to_string();
+        let error = erased::Stepper::new(shared(&satellite), scheme, 0.1).unwrap_err().to_string();
         error.split_once("; ").unwrap().1.to_owned()
     };
     let [methods, retractions] =
@@ -411,12 +417,13 @@ fn what_was_not_generated_is_said() {
     assert_eq!(advice(&Scheme::StormerVerlet(Map::Exponential)), retractions);
     assert_eq!(advice(&Scheme::member(Map::Exponential, 1, 2)), retractions);
     assert_eq!(advice(&Scheme::composed::<Suzuki4>(Scheme::Standard(Map::Exponential))), retractions);
-    assert!(erased::Stepper::new(&satellite, &Scheme::Standard(Map::Cayley), 0.1).is_ok());
+    assert!(erased::Stepper::new(shared(&satellite), &Scheme::Standard(Map::Cayley), 0.1).is_ok());
     // a member that is none claims what it would
-    assert_eq!(Scheme::member(Map::Cayley, u32::MAX, 2).claim(&erased(&craft().0).description()).order, 1);
+    let none = Scheme::member(Map::Cayley, u32::MAX, 2);
+    assert_eq!(none.properties(&erased(&craft().0).description()).order, 1);
     let wrong = erased(&system).with_parameters(&[1.0, -1.0, 1.0, 0.0]);
     assert!(matches!(
-        erased::Stepper::new(&*wrong, &Scheme::Standard(Map::Cayley), 0.1),
+        erased::Stepper::new(wrong, &Scheme::Standard(Map::Cayley), 0.1),
         Err(StepperError::Parameter(_))
     ));
 }
@@ -424,7 +431,7 @@ fn what_was_not_generated_is_said() {
 #[test]
 fn states_of_other_systems_are_refused() {
     let (system, state) = top();
-    let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.1).unwrap();
+    let mut stepper = erased::Stepper::new(shared(&system), &Scheme::Standard(Map::Cayley), 0.1).unwrap();
     let numbers = state.to_components().to_vec();
     let error = StepError::Length { expected: numbers.len() };
     for length in [0, 1, numbers.len() - 1, numbers.len() + 1] {
@@ -444,21 +451,19 @@ fn states_of_other_systems_are_refused() {
 #[test]
 fn a_run_is_looked_at_when_it_is_asked() {
     let (system, start) = top();
-    let walk = |next: &dyn Fn(u64) -> u64| {
-        let mut stepper = erased::Stepper::new(&system, &Scheme::Standard(Map::Cayley), 0.02).unwrap();
+    let walk = |interval: u64| {
+        let mut stepper =
+            erased::Stepper::new(shared(&system), &Scheme::Standard(Map::Cayley), 0.02).unwrap();
         let mut state = start.to_components().to_vec();
         let mut seen = Vec::new();
-        let options = RunOptions { steps: 1_000, controls: Controls::Held(&[]), next };
-        let report = erased::run(&mut stepper, &mut state, &options, &mut |sample| {
-            seen.push((sample.index, sample.state.to_vec()));
-            ControlFlow::Continue(())
-        });
-        assert_eq!(report.unwrap().steps, 1_000);
+        let run = Run::new(&mut stepper, &mut state);
+        let run = run.every(interval, |tick| seen.push((tick.index, tick.state.clone())));
+        assert_eq!(run.steps(1_000).unwrap().steps, 1_000);
         seen
     };
-    let every = walk(&|index| index + 1);
-    let some = walk(&|index| index + 300);
+    let every = walk(1);
+    let some = walk(300);
     assert_eq!(every.len(), 1_001);
-    assert_eq!(some.iter().map(|(index, _)| *index).collect::<Vec<_>>(), [0, 300, 600, 900, 1_000]);
+    assert_eq!(some.iter().map(|(index, _)| *index).collect::<Vec<_>>(), [0, 300, 600, 900]);
     assert!(some.iter().all(|(index, state)| every[*index as usize].1 == *state));
 }

@@ -2,10 +2,11 @@
 // in a test, a panic is the report
 #![allow(clippy::unwrap_used)]
 
-use coadjoint::__private::{Batch, Geometry, Isolated};
-use coadjoint::certify::{Certification, Claim, Claims, Report, Verdict, Walk};
-use coadjoint::erased::{Map, NotGenerated, Scheme};
+use coadjoint::__private::{Geometry, Isolated};
+use coadjoint::certify::{Certification, Claimed, Report, Verdict};
+use coadjoint::erased::{Description, Map, NotGenerated};
 use coadjoint::prelude::*;
+use coadjoint::scheme::{Scheme, SchemeType};
 use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, TangentMidpoint, erased};
 use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
 
@@ -79,8 +80,8 @@ struct Disk {
 
 fn passes<M, S>(system: &S, state: S::State, controls: &[S::Control]) -> Report
 where
-    S: Geometry<Scalar = f64> + Discretized<M> + 'static,
-    M: Claims<S> + 'static,
+    S: Geometry<Scalar = f64> + Discretized<M> + erased::System,
+    M: SchemeType,
 {
     let report = Certification::new(system).states(&[state]).controls(controls).time(0.4).run::<M>().unwrap();
     println!("{report}\n");
@@ -91,7 +92,7 @@ where
 
 /// Of a step that is neither symmetric nor of order 2: that this is so is measured, and not claimed.
 fn is_of_order_one(report: &Report) {
-    assert_eq!((report.claim.order, report.claim.symmetric), (1, false));
+    assert_eq!((report.properties.order, report.properties.symmetric), (1, false));
     let order = report.certificate("order").unwrap();
     assert!((order.figure - 1.0).abs() < 0.15, "{report}");
     let reversibility = report.certificate("reversibility").unwrap();
@@ -127,10 +128,10 @@ fn a_free_body() {
         passes::<SecondKind, _>(&body, state, &[]),
         passes::<RightLift<SecondKind>, _>(&body, state, &[]),
     ] {
-        assert_eq!((report.claim.order, report.claim.symmetric), (2, true), "{report}");
+        assert_eq!((report.properties.order, report.properties.symmetric), (2, true), "{report}");
         assert!((report.certificate("order").unwrap().figure - 2.0).abs() < 0.15, "{report}");
     }
-    assert_eq!(passes::<Order4<SecondKind>, _>(&body, state, &[]).claim.order, 4);
+    assert_eq!(passes::<Order4<SecondKind>, _>(&body, state, &[]).properties.order, 4);
     for report in [
         Certification::new(&body).states(&[state]).run::<TangentLift<SecondKind>>(),
         Certification::new(&body).states(&[state]).run::<TangentMidpoint<SecondKind>>(),
@@ -177,26 +178,20 @@ fn motions_and_a_vector_that_is_fixed_in_space() {
     passes::<SecondKind, _>(&disk, state, &[]);
 }
 
-/// The step of a symplectic Euler method under the claims that it has with a retraction that is odd.
-struct Odd;
-
-impl Discretized<Odd> for Body {
-    type Method<T: Batch> = <Self as Discretized<SymplecticEulerA<SecondKind>>>::Method<T>;
-}
-
-impl Claims<Body> for Odd {
-    const CLAIM: Claim = <SymplecticEulerA<Cayley> as Claims<Body>>::CLAIM;
-
-    fn walk(walk: &mut Walk<'_>, step: f64) -> bool {
-        walk.family(Map::SecondKind, 0.0, step);
-        true
-    }
-}
-
 #[test]
 fn what_holds_for_odd_retractions_fails_for_others() {
     let (body, state) = body();
-    let report = Certification::new(&body).states(&[state]).run::<Odd>().unwrap();
+    let certification = Certification::new(&body).states(&[state]);
+    // the step of a symplectic Euler method under the claims that it has with a retraction that is odd
+    let odd = SymplecticEulerA::<Cayley>::scheme().properties(&Description::of::<Body>());
+    let claimed = Claimed {
+        name: "odd".to_owned(),
+        properties: odd,
+        definition: Some(SymplecticEulerA::<SecondKind>::scheme()),
+        method: &certification.method::<SymplecticEulerA<SecondKind>>(),
+        kernels: &|_, _| {},
+    };
+    let report = certification.run_as(&claimed).unwrap();
     let wrong: Vec<_> = report.failures().map(|certificate| certificate.name.as_str()).collect();
     assert_eq!(wrong, ["order", "energy order", "reversibility"], "{report}");
 }
@@ -228,7 +223,10 @@ fn the_ends_of_the_family_are_adjoints_of_each_other() {
     let scheme = Scheme::Standard(Map::SecondKind);
     assert_eq!(scheme.resolved(true), Scheme::StormerVerlet(Map::SecondKind));
     let mut components = coadjoint::State::to_components(&state);
-    erased::Stepper::new(&body, &scheme, 0.1).unwrap().step(&mut components, &[]).unwrap();
+    erased::Stepper::new(erased::System::with_parameters(&body, &[]), &scheme, 0.1)
+        .unwrap()
+        .step(&mut components, &[])
+        .unwrap();
     assert_eq!(components, coadjoint::State::to_components(&verlet));
 }
 
@@ -241,10 +239,22 @@ fn without_being_asked_for_there_is_none() {
     }
 
     let plain = Plain { inertia: vector![1.0, 2.0, 2.5] };
-    let error = erased::Stepper::new(&plain, &Scheme::Standard(Map::SecondKind), 0.1).unwrap_err();
+    let error = erased::Stepper::new(
+        erased::System::with_parameters(&plain, &[]),
+        &Scheme::Standard(Map::SecondKind),
+        0.1,
+    )
+    .unwrap_err();
     let erased::StepperError::NotGenerated(NotGenerated { key, .. }) = error else { panic!("{error}") };
     assert_eq!(key, "retractions");
-    assert!(erased::Stepper::new(&plain, &Scheme::Standard(Map::Cayley), 0.1).is_ok());
+    assert!(
+        erased::Stepper::new(
+            erased::System::with_parameters(&plain, &[]),
+            &Scheme::Standard(Map::Cayley),
+            0.1
+        )
+        .is_ok()
+    );
 }
 
 /// `½ Π·𝕀⁻¹Π`

@@ -1,9 +1,11 @@
 //! Arrays of factors, parameters, controls and advected parameters: the same system as with a name for each, to the last digit.
 
-use coadjoint::certify::{Claims, certify};
+use coadjoint::certify::certify;
 use coadjoint::derivative::{Block, WrtState};
+use coadjoint::erased;
 use coadjoint::nalgebra::Matrix2;
 use coadjoint::prelude::*;
+use coadjoint::scheme::SchemeType;
 use coadjoint::{Discretized, ParameterError, State, System};
 use coadjoint_support::random::Random;
 
@@ -244,9 +246,9 @@ struct Hulls {
     drag: f64,
 }
 
-fn holds<M: Claims<S> + 'static, S>(system: &S, state: S::State)
+fn holds<M: SchemeType, S>(system: &S, state: S::State)
 where
-    S: coadjoint::__private::Geometry<Scalar = f64> + Discretized<M> + 'static,
+    S: coadjoint::__private::Geometry<Scalar = f64> + Discretized<M> + erased::System,
 {
     let report = certify::<M, S>(system, &[state]).expect("measurable");
     assert!(report.passed(), "{report}");

@@ -1,8 +1,10 @@
 //! Systems on groups of which nothing is known but a basis.
 
-use coadjoint::certify::{Claims, certify};
+use coadjoint::certify::certify;
+use coadjoint::erased;
 use coadjoint::nalgebra::{DVector, Matrix2, SMatrix, SVector};
 use coadjoint::prelude::*;
+use coadjoint::scheme::SchemeType;
 use coadjoint::{Discretized, System};
 
 use crate::reference::reference;
@@ -113,9 +115,9 @@ fn vehicle() -> (Vehicle, VehicleState) {
     (Vehicle { inertia, stiffness: 0.3 }, VehicleState { element: SMatrix::identity(), momentum })
 }
 
-fn holds<M: Claims<S> + 'static, S>((system, state): (S, S::State))
+fn holds<M: SchemeType, S>((system, state): (S, S::State))
 where
-    S: coadjoint::__private::Geometry<Scalar = f64> + Discretized<M> + 'static,
+    S: coadjoint::__private::Geometry<Scalar = f64> + Discretized<M> + erased::System,
 {
     let report = certify::<M, S>(&system, &[state]).expect("measurable");
     assert!(report.passed(), "{report}");

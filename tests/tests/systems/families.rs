@@ -1,8 +1,10 @@
 //! Free bodies on groups of which nothing is known but a basis, held against an integration of `g' = g ξ`, `μ' = ad*_ξ μ` by matrices alone.
 
-use coadjoint::certify::{Claims, certify};
+use coadjoint::certify::certify;
+use coadjoint::erased;
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
+use coadjoint::scheme::SchemeType;
 use coadjoint::{Discretized, System};
 use coadjoint_support::families::of_family;
 
@@ -176,8 +178,8 @@ fn integrated(basis: &[DMatrix<f64>], inertia: &[f64], state: &[f64], time: f64)
 /// What certificates say of it.
 fn certified<S>()
 where
-    S: Example + coadjoint::__private::Geometry<Scalar = f64> + Discretized<S::Retraction> + 'static,
-    S::Retraction: Claims<S> + 'static,
+    S: Example + coadjoint::__private::Geometry<Scalar = f64> + Discretized<S::Retraction> + erased::System,
+    S::Retraction: SchemeType,
 {
     let (system, start) = S::example();
     let report = certify::<S::Retraction, S>(&system, &[start]).expect("measurable");

@@ -2,11 +2,13 @@
 //! what is accepted is as good as its operations can be.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use coadjoint::State;
 use coadjoint::certify::Around;
-use coadjoint::erased::{At, Map, Rule, Solved, System, Trial, Units};
+use coadjoint::erased::{At, Map, Solved, System, Trial, Units};
 use coadjoint::error::StepError;
+use coadjoint::scheme::Rule;
 use coadjoint_support::random::Random;
 use coadjoint_systems::catalogue::CATALOGUE;
 
@@ -37,7 +39,7 @@ fn states() -> usize {
 /// A system with an example of its states.
 pub(crate) struct Subject {
     name: String,
-    system: Box<dyn System>,
+    system: Arc<dyn System>,
     state: Vec<f64>,
 }
 
@@ -47,7 +49,7 @@ impl Subject {
         system: S,
         state: &S::State,
     ) -> Self {
-        let (system, state) = (Box::new(system), state.to_components().as_ref().to_vec());
+        let (system, state) = (Arc::new(system), state.to_components().as_ref().to_vec());
         Self { name: S::NAME.to_owned(), system, state }
     }
 }
@@ -93,7 +95,7 @@ const KINDS: [Kind; 10] = [
 /// A step to be taken.
 struct Draw {
     kind: Kind,
-    system: Box<dyn System>,
+    system: Arc<dyn System>,
     state: Vec<f64>,
     control: Vec<f64>,
     time: f64,
@@ -229,7 +231,7 @@ impl<'a> Drawer<'a> {
     }
 
     /// The system with parameters that scale so.
-    fn in_units(&self, by: f64, powers: &[i32]) -> Box<dyn System> {
+    fn in_units(&self, by: f64, powers: &[i32]) -> Arc<dyn System> {
         let system = &self.subject.system;
         let mut parameters = system.parameters();
         let lengths = system.description().parameters.iter().map(|quantity| quantity.components.len());

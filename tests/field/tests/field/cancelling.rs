@@ -1,13 +1,12 @@
 //! Velocities that are small differences of large momenta: a body that is at rest, or nearly, while its rotor or its
 //! wheels spin.
 
-use std::ops::ControlFlow;
-
 use coadjoint::__private::Map;
 use coadjoint::Discretized;
-use coadjoint::erased::{self, Controls, RunOptions, Scheme};
 use coadjoint::nalgebra::{ArrayStorage, Matrix3};
 use coadjoint::prelude::*;
+use coadjoint::scheme::Scheme;
+use coadjoint::{Run, erased};
 use coadjoint_app::Example;
 use coadjoint_support::random::Random;
 use coadjoint_systems::satellite_with_wheels::{SatelliteWithWheels, SatelliteWithWheelsState};
@@ -287,10 +286,10 @@ fn the_catalogues_satellite_points_for_days() {
     let (satellite, start) = SatelliteWithWheels::example();
     let (own, standard) = (SatelliteWithWheels::wheels(&start), Scheme::Standard(Map::Exponential));
     let midpoint = Scheme::member(Map::Exponential, 1, 2);
-    let law = |state: &[f64], _: f64, to: &mut [f64]| {
-        let components = state.try_into().expect("it is one of this system");
+    let law = |state: &Vec<f64>, _: f64| {
+        let components = state[..].try_into().expect("it is one of this system");
         let state = SatelliteWithWheelsState::from_components(components);
-        to.copy_from_slice(satellite.slew(&state).torque.as_slice());
+        satellite.slew(&state).torque.as_slice().to_vec()
     };
     let mut runs = Runs::default();
     for (spin, scheme, step, time) in [
@@ -301,23 +300,22 @@ fn the_catalogues_satellite_points_for_days() {
         (SPIN, &standard, 0.1, 1e5),
         (SPIN, &midpoint, 0.5, 1e5),
     ] {
-        let what = format!("{}, wheels of {:?}, step {step}", scheme.name(), spin.as_slice());
+        let what = format!("{scheme}, wheels of {:?}, step {step}", spin.as_slice());
         let mut state = SatelliteWithWheels::at_rest(start.attitude, spin).to_components().to_vec();
-        let mut stepper = erased::Stepper::new(&satellite, scheme, step).expect("a stepper");
-        let (controls, next) = (Controls::Chosen(&law), |index| index + 1_000);
-        let options = RunOptions { steps: (time / step) as u64, controls, next: &next };
+        let mut stepper =
+            erased::Stepper::new(erased::System::with_parameters(&satellite, &[]), scheme, step)
+                .expect("a stepper");
         // not-a-number until it was looked at
         let mut farthest = f64::NAN;
-        let end = erased::run(&mut stepper, &mut state, &options, &mut |sample| {
-            let &[_, x, y, z, ..] = sample.state else { unreachable!("an attitude") };
+        let run = Run::new(&mut stepper, &mut state).controlled_by(law).every(1_000, |sample| {
+            let &[_, x, y, z, ..] = &sample.state[..] else { unreachable!("an attitude") };
             let off = 2.0 * x.hypot(y).hypot(z);
             // an hour is enough to turn it
             if sample.time >= 3_600.0 && !(off <= farthest) {
                 farthest = off;
             }
-            ControlFlow::Continue(())
         });
-        runs.end(&what, end);
+        runs.end(&what, run.steps((time / step) as u64));
         runs.close(format!("{what}, off target"), farthest, 0.0, 1e-12);
     }
     runs.assert();

@@ -21,7 +21,7 @@ pub(super) fn each_step<S: Example>(
 ) -> Result<(), Error> {
     let erased = CATALOGUE.erased(system)?;
     let mut stepper =
-        Stepper::new(&*erased, &scheme(method, retraction, order)?, step).map_err(SimulationError::from)?;
+        Stepper::new(erased, &scheme(method, retraction, order)?, step).map_err(SimulationError::from)?;
     let mut components = start.to_components();
     for index in 0..=steps {
         let (state, time) = (S::State::from_components(&components), stepper.time());

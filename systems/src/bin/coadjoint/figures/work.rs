@@ -1,5 +1,6 @@
 //! Work–precision diagrams: errors against the time of computation, for our methods of orders 2 to 10 and for the classical ones.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use coadjoint::erased;
@@ -135,13 +136,16 @@ impl Work {
         let exact = coordinates(&end.attitude, &end.y);
         // with steps that are compiled with the catalogue
         let erased = CATALOGUE.erased(&top)?;
-        let (top, erased) = (&top, &*erased);
+        let top = &top;
         let ours = OURS.into_iter().map(|(name, retraction, order)| Candidate {
             name,
             integrate: Box::new(move |n, observe| {
                 integrate_to_end(top, start, (retraction, order), n, observe).ok()
             }),
-            run: Box::new(move |step, n| run(erased, start, (retraction, order), (step, n))),
+            run: {
+                let erased = erased.clone();
+                Box::new(move |step, n| run(erased.clone(), start, (retraction, order), (step, n)))
+            },
         });
         let classical: [Candidate<'_>; 2] = [
             Candidate {
@@ -315,11 +319,11 @@ fn integrate_to_end(
 
 /// As users take steps that nobody has to observe: a batch with one call.
 fn run(
-    top: &dyn erased::System,
+    top: Arc<dyn erased::System>,
     start: HeavyTopState,
     (retraction, order): (Retraction, Order),
     (step, batch): (f64, u64),
-) -> Option<Run<'_>> {
+) -> Option<Run<'static>> {
     let scheme = simulation::scheme(simulation::Method::Standard, retraction, order).ok()?;
     let mut stepper = erased::Stepper::new(top, &scheme, step).ok()?;
     let mut components = start.to_components();
