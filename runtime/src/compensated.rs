@@ -96,7 +96,7 @@ impl<S: Discretized<M>, M, T: Batch> Compensation<S, M, T> {
 }
 
 impl<S: Discretized<M>, M, T: Batch> Method for Compensation<S, M, T> {
-    type Home = ();
+    type CallSite = ();
     type Scalar = T;
     type Parameters = <S as System>::Parameters<T>;
     type State = S::StateComponents<T>;

@@ -234,7 +234,7 @@ impl<C: Coefficients, B: Method> Clone for Composition<C, B> {
 }
 
 impl<C: Coefficients, B: Method> Method for Composition<C, B> {
-    type Home = B::Home;
+    type CallSite = B::CallSite;
     type Scalar = B::Scalar;
     type Parameters = B::Parameters;
     type State = B::State;
@@ -398,7 +398,7 @@ mod tests {
     struct Clock(f64);
 
     impl Method for Clock {
-        type Home = ();
+        type CallSite = ();
         type Scalar = f64;
         type Parameters = [f64; 0];
         type State = [f64; 1];

@@ -89,7 +89,7 @@ macro_rules! operations {
         struct $name<'a, T>($(operations!(@number $x &'a Double<T>)),*);
 
         impl<T: Batch> Work for $name<'_, T> {
-            type Home = ();
+            type CallSite = ();
             type Result = Double<T>;
 
             #[inline(always)]

@@ -90,7 +90,7 @@ struct Step<'a, M: method::Method> {
 }
 
 impl<M: method::Method> Work for Step<'_, M> {
-    type Home = M::Home;
+    type CallSite = M::CallSite;
     type Result = Outcome<M::Scalar, M::State>;
 
     #[inline(always)]
@@ -102,7 +102,7 @@ impl<M: method::Method> Work for Step<'_, M> {
 
 // with an empty array of its home, so that the compiler puts it there: see `OutOfLine`
 impl<M: method::Method + 'static, const BATCHES: bool> Method<M::Scalar>
-    for ([M::Home; 0], Flat<M, BATCHES>)
+    for ([M::CallSite; 0], Flat<M, BATCHES>)
 {
     fn duplicate(&self) -> Box<dyn Method<M::Scalar>> {
         Box::new(([], Flat::<M, BATCHES>(self.1.0.clone())))

@@ -96,7 +96,7 @@ struct Step<'a, B: Method, C> {
 }
 
 impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for Step<'_, B, C> {
-    type Home = B::Home;
+    type CallSite = B::CallSite;
     type Result = Outcome<T, C>;
 
     #[inline(always)]
@@ -120,7 +120,7 @@ impl<T: Batch, B: Method<Scalar = FusedScalar<T>>, C: Components<T>> Work for St
 }
 
 impl<S: Discretized<M>, M, T: Batch> Method for FusedMethod<S, M, T> {
-    type Home = <S::Method<FusedScalar<T>> as Method>::Home;
+    type CallSite = <S::Method<FusedScalar<T>> as Method>::CallSite;
     type Scalar = T;
     type Parameters = <S as System>::Parameters<T>;
     type State = S::StateComponents<T>;

@@ -146,7 +146,7 @@ struct New<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for New<'_, T, K> {
-    type Home = K;
+    type CallSite = K;
     type Result = K;
 
     #[inline(always)]
@@ -245,7 +245,7 @@ struct Evaluate<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Evaluate<'_, T, K> {
-    type Home = K;
+    type CallSite = K;
     type Result = Evaluation<K::Unknown, K::Iterate>;
 
     #[inline(always)]
@@ -262,7 +262,7 @@ struct Correct<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Correct<'_, T, K> {
-    type Home = K;
+    type CallSite = K;
     type Result = K::Unknown;
 
     #[inline(always)]
@@ -281,7 +281,7 @@ struct Roundoff<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Roundoff<'_, T, K> {
-    type Home = K;
+    type CallSite = K;
     type Result = K::Unknown;
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::snapshot::visit_flag;
 /// A discretization of one system with one step size, on flat arrays.
 pub trait Method: Clone + Send + Sync {
     /// With what its steps are compiled: a kernel of its.
-    type Home: Send + Sync + 'static;
+    type CallSite: Send + Sync + 'static;
     /// `f64`, `f32`, or lanes of them.
     type Scalar: Batch;
     /// The system's parameters.
@@ -187,7 +187,7 @@ pub(crate) struct AdvanceN<'a, M: Method> {
 }
 
 impl<M: Method> LongWork for AdvanceN<'_, M> {
-    type Home = M::Home;
+    type CallSite = M::CallSite;
     type Result = StepsReport<M::Scalar>;
 
     #[inline(always)]
@@ -288,7 +288,7 @@ struct Stage<'a, B: Method> {
 }
 
 impl<B: Method> Work for Stage<'_, B> {
-    type Home = B::Home;
+    type CallSite = B::CallSite;
     type Result = Outcome<B::Scalar, B::State>;
 
     #[inline(always)]
@@ -410,7 +410,7 @@ where
     A: Method,
     B: Method<Scalar = A::Scalar, Parameters = A::Parameters, State = A::State, Control = A::Control>,
 {
-    type Home = A::Home;
+    type CallSite = A::CallSite;
     type Scalar = A::Scalar;
     type Parameters = A::Parameters;
     type State = A::State;
@@ -533,7 +533,7 @@ mod tests {
     }
 
     impl Method for Half {
-        type Home = ();
+        type CallSite = ();
         type Scalar = f64;
         type Parameters = [f64; 0];
         type State = [f64; 0];

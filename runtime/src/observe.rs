@@ -1,7 +1,7 @@
 //! Observers: what observes a [`Run`](crate::run::Run), and may end it.
 //!
 //! Any type with an [`Observer`] implementation can observe a run. Observers combine: a tuple shows every tick to both of its
-//! members, an `Option` only to what it holds, [`Every`] to its inner observer once in a while.
+//! members, an `Option` only to what it holds; [`Run::observe_every`](crate::run::Run::observe_every) shows every n-th tick.
 
 use core::fmt;
 use core::ops::ControlFlow;
@@ -72,6 +72,7 @@ impl<S: Dynamics + ?Sized, O: Observer<S>> Observer<S> for Option<O> {
     }
 }
 
+#[doc(hidden)]
 /// Calls a closure at every tick: [`Run::each`](crate::run::Run::each).
 #[derive(Clone, Copy, Debug)]
 pub struct Each<F>(pub F);
@@ -84,6 +85,7 @@ impl<S: Dynamics + ?Sized, F: FnMut(&Tick<'_, S>)> Observer<S> for Each<F> {
     }
 }
 
+#[doc(hidden)]
 /// Ends the run at the first tick for which a closure says so: [`Run::until`](crate::run::Run::until).
 #[derive(Clone, Copy, Debug)]
 pub struct Until<F>(pub F);
@@ -95,6 +97,7 @@ impl<S: Dynamics + ?Sized, F: FnMut(&Tick<'_, S>) -> bool> Observer<S> for Until
     }
 }
 
+#[doc(hidden)]
 /// Shows only every n-th tick to another observer, the initial state included.
 #[derive(Clone, Copy, Debug)]
 pub struct Every<O> {
@@ -106,11 +109,6 @@ impl<O> Every<O> {
     /// Shows ticks 0, `interval`, 2 `interval`, … to `observer`; an interval of 0 counts as 1.
     pub fn new(interval: u64, observer: O) -> Self {
         Self { interval: interval.max(1), observer }
-    }
-
-    /// The inner observer.
-    pub fn into_inner(self) -> O {
-        self.observer
     }
 }
 

@@ -148,6 +148,11 @@ where
         Run { stepper, state, start, observer: (earlier, observer), law }
     }
 
+    /// Shows ticks 0, `interval`, 2 `interval`, … to `observer`; an interval of 0 counts as 1.
+    pub fn observe_every<P: Observer<S>>(self, interval: u64, observer: P) -> Run<'a, T, (O, Every<P>), C> {
+        self.observe(Every::new(interval, observer))
+    }
+
     /// Calls `action` at every tick.
     pub fn each<F: FnMut(&Tick<'_, S>)>(self, action: F) -> Run<'a, T, (O, Each<F>), C> {
         self.observe(Each(action))
@@ -159,7 +164,7 @@ where
         interval: u64,
         action: F,
     ) -> Run<'a, T, (O, Every<Each<F>>), C> {
-        self.observe(Every::new(interval, Each(action)))
+        self.observe_every(interval, Each(action))
     }
 
     /// Ends the run at the first tick for which `condition` holds.

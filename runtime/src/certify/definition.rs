@@ -11,7 +11,7 @@ use crate::retraction::Map;
 use crate::scheme::{Rule, Scheme};
 
 /// A state on its way through steps taken from their definition.
-pub(super) struct Walk<'a> {
+pub(super) struct ReferenceStep<'a> {
     frame: &'a Frame<'a>,
     pub(super) state: Vec<f64>,
     time: f64,
@@ -38,7 +38,7 @@ struct Carried {
 /// More iterations than any step takes that a fixed-point iteration solves in reasonable time.
 const ITERATIONS: usize = 200;
 
-impl<'a> Walk<'a> {
+impl<'a> ReferenceStep<'a> {
     pub(super) fn new(frame: &'a Frame<'a>, state: &[f64], time: f64, control: &'a [f64]) -> Self {
         Self { frame, state: state.to_vec(), time, control, lost: false }
     }

@@ -7,11 +7,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
-use super::about::{
-    About, Basis, Carried, Degenerate, EvaluateKernel, Found, Unknown, combined, exponential, function,
-};
 use super::definition::series;
 use super::frame::larger;
+use super::neighbourhood::{
+    Basis, Carried, Degenerate, EvaluateKernel, Neighbourhood, Unknown, combined, exponential, function,
+};
 use super::report::{Bound, Certificate, Verdict, table};
 use crate::erased::array;
 use crate::retraction::Map;
@@ -130,7 +130,7 @@ where
     };
     let state = state.to_components();
     let control = S::Control::default().to_components();
-    let about = About::new(system, state.as_ref(), control.as_ref(), &kernel)?;
+    let about = Neighbourhood::new(system, state.as_ref(), control.as_ref(), &kernel)?;
     Ok(Laws { system: S::NAME, certificates: certificates(&about) })
 }
 
@@ -161,31 +161,32 @@ fn is_diagonal(name: &str) -> bool {
 }
 
 /// What measures a law of a retraction at an element of the algebra; nothing if there is nothing to measure.
-type Law<'a> = fn(&About<'a>, Map, &DVector<f64>) -> Found<Option<f64>>;
+type Law<'a> = fn(&Neighbourhood<'a>, Map, &DVector<f64>) -> Result<Option<f64>, Degenerate>;
 
 /// The laws of the algebra, then those of each retraction that there are steps with.
-fn certificates(about: &About<'_>) -> Vec<Certificate> {
+fn certificates(about: &Neighbourhood<'_>) -> Vec<Certificate> {
     let mut certificates = vec![
         law("antisymmetry", ROUNDING, Ok(Some(about.antisymmetry()))),
         law("Jacobi identity", ROUNDING, Ok(Some(about.jacobi()))),
         law("commutators", DIFFERENCES, about.commutators()),
     ];
     let laws: [(&str, Bound, Law<'_>); 9] = [
-        ("definition", DIFFERENCES, About::definition),
-        ("on the group", ROUNDING, About::on_the_group),
-        ("inverse", ROUNDING, About::inverse),
-        ("series", DIFFERENCES, About::series),
-        ("derivative", DIFFERENCES, About::derivative),
-        ("adjoint action", DIFFERENCES, About::adjoint_action),
-        ("coadjoint action", DIFFERENCES, About::coadjoint_action),
-        ("spaces", DIFFERENCES, About::spaces),
-        ("Casimirs", ROUNDING, About::casimirs),
+        ("definition", DIFFERENCES, Neighbourhood::definition),
+        ("on the group", ROUNDING, Neighbourhood::on_the_group),
+        ("inverse", ROUNDING, Neighbourhood::inverse),
+        ("series", DIFFERENCES, Neighbourhood::series),
+        ("derivative", DIFFERENCES, Neighbourhood::derivative),
+        ("adjoint action", DIFFERENCES, Neighbourhood::adjoint_action),
+        ("coadjoint action", DIFFERENCES, Neighbourhood::coadjoint_action),
+        ("spaces", DIFFERENCES, Neighbourhood::spaces),
+        ("Casimirs", ROUNDING, Neighbourhood::casimirs),
     ];
     let maps = [(Map::Exponential, "exponential"), (Map::Cayley, "Cayley"), (Map::SecondKind, "second kind")];
     for (map, name) in maps {
         if about.has(map) {
             certificates.extend(laws.iter().map(|(of, bound, measure)| {
-                let figures: Found<Vec<_>> = about.points.iter().map(|x| measure(about, map, x)).collect();
+                let figures: Result<Vec<_>, Degenerate> =
+                    about.points.iter().map(|x| measure(about, map, x)).collect();
                 let worst = figures.map(|figures| figures.into_iter().flatten().reduce(larger));
                 law(&format!("{name}: {of}"), *bound, worst)
             }));
@@ -195,7 +196,7 @@ fn certificates(about: &About<'_>) -> Vec<Certificate> {
 }
 
 /// A figure against its bound; what cannot be measured breaks the law.
-fn law(name: &str, bound: Bound, figure: Found<Option<f64>>) -> Certificate {
+fn law(name: &str, bound: Bound, figure: Result<Option<f64>, Degenerate>) -> Certificate {
     let verdict = match figure {
         Ok(None) => Verdict::NotMeasured,
         Ok(Some(figure)) if bound.holds(figure) => Verdict::Passed,
@@ -205,7 +206,7 @@ fn law(name: &str, bound: Bound, figure: Found<Option<f64>>) -> Certificate {
     Certificate { name: name.to_owned(), figure, state: 0, bound: Some(bound), verdict }
 }
 
-impl About<'_> {
+impl Neighbourhood<'_> {
     fn antisymmetry(&self) -> f64 {
         let [x, y, _] = self.general();
         let (one, other) = (self.bracket(&x, &y), self.bracket(&y, &x));
@@ -222,7 +223,7 @@ impl About<'_> {
     }
 
     /// `E_i E_j − E_j E_i` is `[e_i, e_j]`, where elements are matrices.
-    fn commutators(&self) -> Found<Option<f64>> {
+    fn commutators(&self) -> Result<Option<f64>, Degenerate> {
         let mut worst = None;
         for stored in self.matrices() {
             let Basis { basis, sign, off } = self.basis(&stored)?;
@@ -231,8 +232,10 @@ impl About<'_> {
                 for j in 0..i {
                     let product = &basis[i] * &basis[j];
                     let commutator = (&product - &basis[j] * &basis[i]) * sign;
-                    let bracket =
-                        self.bracket(&self.grown(&self.axis(i, 1.0)), &self.grown(&self.axis(j, 1.0)));
+                    let bracket = self.bracket(
+                        &self.zero_padded(&self.axis(i, 1.0)),
+                        &self.zero_padded(&self.axis(j, 1.0)),
+                    );
                     let error = (commutator - combined(&basis, &bracket)).amax();
                     worst = Some(larger(worst.unwrap_or(0.0), error / product.amax().max(1.0)));
                 }
@@ -243,7 +246,7 @@ impl About<'_> {
 
     /// `g τ(x)` of a kernel is that of displacements, and `g f(X)` where elements are matrices. In coordinates of the second kind it is that of the
     /// exponential along one axis after the other.
-    fn definition(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn definition(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let there = self.frame.moved(&self.state, map, x);
         let mut worst = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) => {
@@ -272,12 +275,12 @@ impl About<'_> {
         Ok(worst)
     }
 
-    fn on_the_group(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn on_the_group(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         Ok(Some(self.frame.system.deviation(&self.frame.moved(&self.state, map, x))))
     }
 
     /// `τ(−x) = τ(x)⁻¹`, of what is odd.
-    fn inverse(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn inverse(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         if !map.is_matrix_function() {
             return Ok(None);
         }
@@ -286,20 +289,20 @@ impl About<'_> {
     }
 
     /// `dR exp_x = φ₁(ad_x)`
-    fn series(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn series(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         if map != Map::Exponential {
             return Ok(None);
         }
         let n = self.dimension();
-        let ad = self.frame.coadjoint(&self.state, &self.grown(x));
-        let column = |k: usize| series(&ad, &self.grown(&self.axis(k, 1.0))).ok_or(Degenerate);
-        let columns: Vec<_> = (0..n).map(column).collect::<Found<_>>()?;
+        let ad = self.frame.coadjoint(&self.state, &self.zero_padded(x));
+        let column = |k: usize| series(&ad, &self.zero_padded(&self.axis(k, 1.0))).ok_or(Degenerate);
+        let columns: Vec<_> = (0..n).map(column).collect::<Result<_, Degenerate>>()?;
         let expected = DMatrix::from_columns(&columns).rows(0, n).transpose();
         Ok(Some(relative((self.d_right(map, x)? - &expected).amax(), expected.amax())))
     }
 
     /// `(dR τ_x)* m` of a kernel is that of the differences of displacements.
-    fn derivative(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn derivative(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let Some(Unknown::Of { factor, unknown }) = self.unknown(map, x)? else { return Ok(None) };
         let right = |state: &[f64]| Ok(DVector::from_vec(self.value(map, state, &unknown)?.right));
         let inverse = factor.transpose().try_inverse().ok_or(Degenerate)?;
@@ -308,36 +311,37 @@ impl About<'_> {
     }
 
     /// `Ad_{τ(x)} = exp ad_z`, where `τ(x) = exp z`.
-    fn adjoint_action(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn adjoint_action(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
-        let ad = self.frame.coadjoint(&self.state, &self.grown(&self.logarithm(map, x)?)).transpose();
+        let ad = self.frame.coadjoint(&self.state, &self.zero_padded(&self.logarithm(map, x)?)).transpose();
         let expected = exponential(&ad.view((0, 0), (n, n)).into_owned());
         Ok(Some(relative((self.adjoint(map, x)? - &expected).amax(), expected.amax())))
     }
 
     /// `Ad*_{τ(x)} m` of a kernel is dual to `Ad_{τ(x)}`, and `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` where `τ` is equivariant.
-    fn coadjoint_action(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn coadjoint_action(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let n = self.dimension();
         let Some(Carried { x, before, after }) = self.carried(map, x)? else { return Ok(None) };
         let expected = self.adjoint(map, &x)?.transpose();
         let off = |carry: &DMatrix<f64>| (&after - carry * &before).amax();
         let mut error = off(&expected);
         if map.is_matrix_function() {
-            let ad = self.frame.coadjoint(&self.state, &self.grown(&x)).view((0, 0), (n, n)).into_owned();
+            let ad =
+                self.frame.coadjoint(&self.state, &self.zero_padded(&x)).view((0, 0), (n, n)).into_owned();
             error = larger(error, off(&(DMatrix::identity(n, n) + ad * self.d_right(map, &x)?.transpose())));
         }
         Ok(Some(relative(error, expected.amax() * before.amax())))
     }
 
     /// Advected parameters are carried along by the exponential of the action of `z`, where `τ(x) = exp z`.
-    fn spaces(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn spaces(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let (n, all) = (self.dimension(), self.frame.linear.len());
         let Some(Unknown::Of { unknown, .. }) = self.unknown(map, x)? else { return Ok(None) };
         if all == n {
             return Ok(None);
         }
         let next = self.value(map, &self.state, &unknown)?.next;
-        let ad = self.frame.coadjoint(&self.state, &self.grown(&self.logarithm(map, x)?));
+        let ad = self.frame.coadjoint(&self.state, &self.zero_padded(&self.logarithm(map, x)?));
         let carry = exponential(&ad.view((n, n), (all - n, all - n)).into_owned());
         let advected = |state: &[f64]| self.frame.linear_part(state).rows(n, all - n).into_owned();
         let expected = carry * advected(&self.state);
@@ -345,7 +349,7 @@ impl About<'_> {
     }
 
     /// Casimirs are constant along the coadjoint action.
-    fn casimirs(&self, map: Map, x: &DVector<f64>) -> Found<Option<f64>> {
+    fn casimirs(&self, map: Map, x: &DVector<f64>) -> Result<Option<f64>, Degenerate> {
         let next = match self.unknown(map, x)? {
             Some(Unknown::Of { unknown, .. }) if self.is_invariant => {
                 self.value(map, &self.state, &unknown)?.next

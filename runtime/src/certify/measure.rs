@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CertifyError;
-use super::definition::{Walk, series};
+use super::definition::{ReferenceStep, series};
 use super::frame::{Frame, derivative, larger, slope};
-use super::probe::Probe;
+use super::probe::KernelProbe;
 use super::report::{Bound, Certificate, Report, Verdict};
 use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, length, of_only_lane};
 use crate::error::{ParameterError, StepError};
@@ -25,7 +25,7 @@ const RETURN: usize = 20;
 const WARM: Bound = Bound::AtMost(8.0);
 
 /// Why a figure cannot be measured.
-pub(super) enum Trouble {
+pub(super) enum MeasureError {
     Parameter(ParameterError),
     NotGenerated(NotGenerated),
     Step(StepError),
@@ -43,7 +43,7 @@ pub struct Claimed<'a> {
     /// Makes what takes steps of a length.
     pub method: &'a dyn Fn(f64) -> Result<Box<dyn Method<f64>>, NotGenerated>,
     /// Shows the kernels of a step.
-    pub kernels: &'a dyn Fn(&mut Probe<'_>, f64),
+    pub kernels: &'a dyn Fn(&mut KernelProbe<'_>, f64),
 }
 
 /// States to measure at, each with its control, and how.
@@ -68,7 +68,7 @@ pub(super) struct Sample<'a> {
 }
 
 /// A figure; none if there is nothing to measure.
-pub(super) type Figure = Result<Option<f64>, Trouble>;
+pub(super) type Figure = Result<Option<f64>, MeasureError>;
 
 pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Result<Report, CertifyError> {
     let Subject { system, states, controls, time, step } = subject;
@@ -84,7 +84,7 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Resul
         let control = held.next().unwrap_or(&none);
         check_length(state, length(description.state))
             .and_then(|()| check_state(state, system.deviation(state)))
-            .map_err(|error| named("sample", index, Trouble::Step(error)))?;
+            .map_err(|error| named("sample", index, MeasureError::Step(error)))?;
         let frame = Frame::new(*system, state, control, *time)
             .ok_or(CertifyError::Structure { system: description.name })?;
         let step = step.unwrap_or(if frame.rate > 0.0 { STEP / frame.rate } else { STEP });
@@ -100,7 +100,7 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Resul
         });
     }
     let step = samples.iter().map(|sample| sample.step).reduce(f64::min).ok_or(CertifyError::NoStates)?;
-    let mut bench = Bench { samples: &samples, description, certificates: Vec::new() };
+    let mut bench = Certifier { samples: &samples, description, certificates: Vec::new() };
     bench.scheme(scheme.properties)?;
     bench.geometry()?;
     Ok(Report {
@@ -112,24 +112,24 @@ pub(super) fn certificates(subject: &Subject<'_>, scheme: &Claimed<'_>) -> Resul
     })
 }
 
-fn named(certificate: &str, state: usize, trouble: Trouble) -> CertifyError {
+fn named(certificate: &str, state: usize, trouble: MeasureError) -> CertifyError {
     let certificate = certificate.to_owned();
     match trouble {
-        Trouble::Parameter(error) => error.into(),
-        Trouble::NotGenerated(error) => error.into(),
-        Trouble::Step(source) => CertifyError::Step { certificate, state, source },
-        Trouble::Degenerate => CertifyError::Degenerate { certificate, state },
+        MeasureError::Parameter(error) => error.into(),
+        MeasureError::NotGenerated(error) => error.into(),
+        MeasureError::Step(source) => CertifyError::Step { certificate, state, source },
+        MeasureError::Degenerate => CertifyError::Degenerate { certificate, state },
     }
 }
 
 /// Figures against their bounds.
-struct Bench<'a> {
+struct Certifier<'a> {
     samples: &'a [Sample<'a>],
     description: Description,
     certificates: Vec<Certificate>,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> Certifier<'a> {
     /// What the scheme claims.
     fn scheme(&mut self, claim: Properties) -> Result<(), CertifyError> {
         let order = f64::from(claim.order);
@@ -192,7 +192,7 @@ impl<'a> Bench<'a> {
             let figure = match measure(sample) {
                 Ok(figure) => figure,
                 // of what is not claimed, nothing can be expected
-                Err(Trouble::Step(_)) if bound.is_none() => None,
+                Err(MeasureError::Step(_)) if bound.is_none() => None,
                 Err(trouble) => return Err(named(name, index, trouble)),
             };
             let Some(figure) = figure else { continue };
@@ -224,14 +224,14 @@ impl Sample<'_> {
         time: f64,
         state: &[f64],
         seen: &mut dyn FnMut(&[f64]),
-    ) -> Result<(), Trouble> {
-        check_step(step).map_err(Trouble::Parameter)?;
-        let mut method = (self.scheme.method)(step).map_err(Trouble::NotGenerated)?;
+    ) -> Result<(), MeasureError> {
+        check_step(step).map_err(MeasureError::Parameter)?;
+        let mut method = (self.scheme.method)(step).map_err(MeasureError::NotGenerated)?;
         let (mut state, mut next) = (state.to_vec(), state.to_vec());
         for taken in 0..count as u64 {
             let now = Clock { start: time, step, taken }.after(0);
             let outcome = method.advance(&state, &mut next, now, self.control, taken > 0);
-            outcome.map_err(|errors| Trouble::Step(of_only_lane(errors)))?;
+            outcome.map_err(|errors| MeasureError::Step(of_only_lane(errors)))?;
             core::mem::swap(&mut state, &mut next);
             seen(&state);
         }
@@ -239,13 +239,13 @@ impl Sample<'_> {
     }
 
     /// Takes steps from the sample.
-    fn run(&self, step: f64, count: usize, seen: &mut dyn FnMut(&[f64])) -> Result<(), Trouble> {
+    fn run(&self, step: f64, count: usize, seen: &mut dyn FnMut(&[f64])) -> Result<(), MeasureError> {
         self.steps((step, count), self.time, self.state, seen)
     }
 
     /// The state after one step from a time and a state, by a stepper that remembers nothing: what is differenced by states and steps has no
     /// trajectory of its own. That warm steps are the same ones, others [measure](super::warm).
-    fn one(&self, step: f64, time: f64, state: &[f64]) -> Result<Vec<f64>, Trouble> {
+    fn one(&self, step: f64, time: f64, state: &[f64]) -> Result<Vec<f64>, MeasureError> {
         let mut next = Vec::new();
         self.steps((step, 1), time, state, &mut |state| next = state.to_vec())?;
         Ok(next)
@@ -268,7 +268,7 @@ impl Sample<'_> {
                 match self.run(interval / steps as f64, steps, &mut |state| end = state.to_vec()) {
                     Ok(()) => {}
                     // too long a step, which shorter ones make up for
-                    Err(Trouble::Step(_)) if halvings < 5 => {
+                    Err(MeasureError::Step(_)) if halvings < 5 => {
                         last = None;
                         errors.clear();
                         continue;
@@ -298,7 +298,7 @@ impl Sample<'_> {
         let change =
             derivative(0.1 * self.step.abs(), &mut |step| Ok(self.one(step, self.time, self.state)?.into()))?;
         let change = DMatrix::from_columns(&[change]);
-        let change = self.frame.local(self.state, &change).ok_or(Trouble::Degenerate)?;
+        let change = self.frame.local(self.state, &change).ok_or(MeasureError::Degenerate)?;
         let motion = self.frame.motion(self.state, self.time, self.control);
         let scaled = |i: usize, x: f64| (x / self.frame.scale[i]).abs();
         let size = motion.iter().enumerate().fold(0.0, |size, (i, x)| larger(size, scaled(i, *x)));
@@ -308,7 +308,7 @@ impl Sample<'_> {
     }
 
     /// The derivative of a step in local coordinates, and where it leads.
-    fn linearized(&self) -> Result<(DMatrix<f64>, Vec<f64>), Trouble> {
+    fn linearized(&self) -> Result<(DMatrix<f64>, Vec<f64>), MeasureError> {
         let frame = &self.frame;
         let end = self.one(self.step, self.time, self.state)?;
         let columns: Result<Vec<_>, _> = (0..frame.dimension())
@@ -319,7 +319,8 @@ impl Sample<'_> {
                 })
             })
             .collect();
-        let derivative = frame.local(&end, &DMatrix::from_columns(&columns?)).ok_or(Trouble::Degenerate)?;
+        let derivative =
+            frame.local(&end, &DMatrix::from_columns(&columns?)).ok_or(MeasureError::Degenerate)?;
         Ok((derivative, end))
     }
 
@@ -362,7 +363,7 @@ impl Sample<'_> {
     }
 
     /// The energies along a run.
-    fn energies(&self, step: f64, count: usize) -> Result<Vec<f64>, Trouble> {
+    fn energies(&self, step: f64, count: usize) -> Result<Vec<f64>, MeasureError> {
         let mut energies = vec![self.system.energy(self.state, self.time, self.control)];
         self.run(step, count, &mut |state| {
             energies.push(self.system.energy(state, self.time, self.control))
@@ -428,7 +429,7 @@ impl Sample<'_> {
     fn correction(&self) -> Figure {
         let parameters = self.system.parameters();
         let at = (self.state, self.time, self.control);
-        Ok(Probe::corrections(&parameters, at, |probe| (self.scheme.kernels)(probe, self.step)))
+        Ok(KernelProbe::corrections(&parameters, at, |probe| (self.scheme.kernels)(probe, self.step)))
     }
 
     fn definition(&self) -> Figure {
@@ -436,7 +437,7 @@ impl Sample<'_> {
         let mut step = self.step;
         // a fixed-point iteration asks for shorter steps than Newton's
         for _ in 0..6 {
-            let mut walk = Walk::new(&self.frame, self.state, self.time, self.control);
+            let mut walk = ReferenceStep::new(&self.frame, self.state, self.time, self.control);
             if !walk.step(scheme, self.description.invariant, step) {
                 return Ok(None);
             }
@@ -493,7 +494,8 @@ impl Sample<'_> {
         let mut changes = Vec::new();
         for l in 0..n {
             let column = derivative(1e-2, &mut |at| {
-                let there = in_coordinates(&frame.unit(l, at * frame.scale[l])).ok_or(Trouble::Degenerate)?;
+                let there =
+                    in_coordinates(&frame.unit(l, at * frame.scale[l])).ok_or(MeasureError::Degenerate)?;
                 Ok(DVector::from_column_slice(there.as_slice()))
             })?;
             changes.push(DMatrix::from_column_slice(n, n, column.as_slice()));
@@ -529,15 +531,16 @@ impl Sample<'_> {
         let frame = &self.frame;
         let turn = self.turn();
         let n = turn.len();
-        let measured =
-            frame.logarithmic_derivative(self.state, Map::Exponential, &-&turn).ok_or(Trouble::Degenerate)?;
+        let measured = frame
+            .logarithmic_derivative(self.state, Map::Exponential, &-&turn)
+            .ok_or(MeasureError::Degenerate)?;
         let eta = turn.resize_vertically(frame.linear.len(), 0.0);
         let ad = frame.coadjoint(self.state, &eta);
         let mut error = 0.0;
         for k in 0..n {
             let mut m = DVector::zeros(frame.linear.len());
             m[k] = 1.0;
-            let expected = series(&ad, &m).ok_or(Trouble::Degenerate)?;
+            let expected = series(&ad, &m).ok_or(MeasureError::Degenerate)?;
             for i in 0..n {
                 let [row, column] = [k, i].map(|k| frame.scale[frame.configuration[k]]);
                 error = larger(error, (measured[(k, i)] - expected[i]).abs() * column / row);

@@ -63,12 +63,12 @@
 //! What belongs to the group, and not to a scheme, [`group_laws`] measures more closely, and [`assert_group_laws!`](crate::assert_group_laws) is the
 //! test of a group by itself.
 
-mod about;
 mod around;
 mod definition;
 mod frame;
 mod laws;
 mod measure;
+mod neighbourhood;
 mod probe;
 mod report;
 mod warm;
@@ -83,7 +83,7 @@ pub use laws::{Laws, group_laws};
 #[doc(hidden)]
 pub use measure::Claimed;
 #[doc(hidden)]
-pub use probe::Probe;
+pub use probe::KernelProbe;
 pub use report::{Bound, Certificate, Report, Verdict};
 
 use crate::erased::{self, Description, Flat, NotGenerated};
@@ -248,7 +248,7 @@ pub fn certify_erased(
 }
 
 /// Shows the kernels that a step is made of.
-fn kernels(system: &dyn erased::System, scheme: &Scheme, probe: &mut Probe<'_>, step: f64) {
+fn kernels(system: &dyn erased::System, scheme: &Scheme, probe: &mut KernelProbe<'_>, step: f64) {
     let system = system.with_parameters(probe.parameters);
     for (map, rule, share) in scheme.parts(system.description().invariant) {
         let step = share * step;

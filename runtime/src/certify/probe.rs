@@ -7,7 +7,7 @@ use crate::erased::{At, Equation, Solved, Trial, equation};
 use crate::system::Generated;
 
 /// A state that a step's kernels are shown.
-pub struct Probe<'a> {
+pub struct KernelProbe<'a> {
     pub(super) parameters: &'a [f64],
     pub(super) time: f64,
     pub(super) control: &'a [f64],
@@ -46,7 +46,7 @@ pub(super) fn by_all_ways(trial: &mut Trial<'_>) -> Option<Solved> {
     (direct.is_good && trial.is_same(&direct, &continued)).then_some(direct)
 }
 
-impl<'a> Probe<'a> {
+impl<'a> KernelProbe<'a> {
     /// The largest difference between Newton corrections of the kernels and those that a Jacobian of differences makes,
     /// if there is anything to solve for.
     pub(super) fn corrections(

@@ -4,8 +4,8 @@
 //! twice the digits.
 
 use super::frame::larger;
-use super::measure::{Figure, STEP, Sample, Trouble};
-use super::probe::{Probe, Rest, Solver, as_solver, by_all_ways};
+use super::measure::{Figure, MeasureError, STEP, Sample};
+use super::probe::{KernelProbe, Rest, Solver, as_solver, by_all_ways};
 use crate::erased::Method;
 use crate::method::Clock;
 use crate::retraction::Map;
@@ -56,13 +56,13 @@ struct Warm<'a, 'b> {
 }
 
 impl<'a, 'b> Warm<'a, 'b> {
-    fn new(sample: &'a Sample<'b>, step: f64) -> Result<Self, Trouble> {
-        check_step(step).map_err(Trouble::Parameter)?;
+    fn new(sample: &'a Sample<'b>, step: f64) -> Result<Self, MeasureError> {
+        check_step(step).map_err(MeasureError::Parameter)?;
         let state = sample.state.to_vec();
         Ok(Self {
             sample,
             blocks: sample.frame.blocks(&state),
-            method: (sample.scheme.method)(step).map_err(Trouble::NotGenerated)?,
+            method: (sample.scheme.method)(step).map_err(MeasureError::NotGenerated)?,
             clock: Clock { start: sample.time, step, taken: 0 },
             next: state.clone(),
             state,
@@ -75,7 +75,7 @@ impl<'a, 'b> Warm<'a, 'b> {
 
     /// Takes a step, and compares it, always or if it took other iterations than the last one. `false` if it cannot be
     /// taken, not even by a stepper that remembers nothing.
-    fn step(&mut self, control: &[f64], always: bool) -> Result<bool, Trouble> {
+    fn step(&mut self, control: &[f64], always: bool) -> Result<bool, MeasureError> {
         let time = self.clock.after(0);
         let outcome = self.method.advance(&self.state, &mut self.next, time, control, self.is_known);
         self.is_known = outcome.is_ok();
@@ -91,7 +91,8 @@ impl<'a, 'b> Warm<'a, 'b> {
             }
             // what is remembered saves time, and nothing else: what a new stepper solves, this one has to solve
             Err(_) => {
-                let mut new = (self.sample.scheme.method)(self.clock.step).map_err(Trouble::NotGenerated)?;
+                let mut new =
+                    (self.sample.scheme.method)(self.clock.step).map_err(MeasureError::NotGenerated)?;
                 if new.advance(&self.state, &mut self.next, time, control, false).is_err() {
                     return Ok(false);
                 }
@@ -120,13 +121,13 @@ impl<'a, 'b> Warm<'a, 'b> {
     /// Where the step from `state` leads to in twice the digits.
     fn converged(&self, time: f64, control: &[f64], solver: Solver) -> Option<(Vec<f64>, Rest)> {
         let (parameters, step) = (self.sample.system.parameters(), self.clock.step);
-        Probe::end(&parameters, (&self.state, time, control), solver, |probe| {
+        KernelProbe::end(&parameters, (&self.state, time, control), solver, |probe| {
             (self.sample.scheme.kernels)(probe, step);
         })
     }
 
     /// Takes so many steps, all of them compared; whether all could be taken.
-    fn all(&mut self, control: &[f64], steps: usize) -> Result<bool, Trouble> {
+    fn all(&mut self, control: &[f64], steps: usize) -> Result<bool, MeasureError> {
         for _ in 0..steps {
             if !self.step(control, true)? {
                 return Ok(false);

@@ -22,6 +22,7 @@ pub struct StepJacobian<J> {
 }
 
 /// A matrix whose size is in its type.
+#[doc(hidden)]
 pub trait Dense<T>: Copy + PartialEq + Debug {
     /// How many rows it has.
     const ROWS: usize;
@@ -75,6 +76,7 @@ pub struct WrtParameters;
     message = "the derivatives `{Self}` of the steps of `{S}` were not generated",
     note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
 )]
+#[doc(hidden)]
 pub trait JacobianBlocks<S: System>: DerivativeSelection {
     /// The matrix, or the matrices in the order asked for.
     type Jacobian;
@@ -95,6 +97,7 @@ pub trait JacobianBlocks<S: System>: DerivativeSelection {
     message = "the derivatives `{Self}` of the steps of `{S}` were not generated",
     note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
 )]
+#[doc(hidden)]
 pub trait JacobianBlocksOf<S: System, D: MethodOf<S>>: JacobianBlocks<S> {
     /// Those of the method's last step, which started so.
     #[doc(hidden)]
@@ -214,6 +217,7 @@ where
 /// Where a part of a state, of controls or of parameters is within a perturbation of these: from which entry on, and how many. Generated, as
 /// `TopIndices::MOMENTUM`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[doc(hidden)]
 pub struct IndexRange<const START: usize, const LEN: usize>;
 
 /// Blocks of Jacobians, by the parts of the output and the input.

@@ -26,6 +26,7 @@ pub trait DerivativeSelection {
     message = "there are no derivatives of the steps of `{S}`",
     note = "derivatives are asked for in the description, with `derivatives`"
 )]
+#[doc(hidden)]
 pub trait Linearizable<S: Differentiable>: Method {
     /// The solutions of a step's equations.
     #[doc(hidden)]
@@ -87,6 +88,7 @@ pub trait Linearizable<S: Differentiable>: Method {
     message = "there are no derivatives of the steps of `{S}`",
     note = "derivatives are asked for in the description, with `derivatives`"
 )]
+#[doc(hidden)]
 pub trait HasDerivative<S: System>: MethodOf<S> {
     /// The derivative of a step.
     #[doc(hidden)]

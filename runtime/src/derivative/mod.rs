@@ -106,12 +106,15 @@ pub trait Differentiable: System {
     message = "the derivative `{D}` of the steps of `{Self}` was not generated",
     note = "`derivatives` in the description generates all of them, `derivatives(state, controls, parameters, tangent, adjoint)` those named"
 )]
+#[doc(hidden)]
 pub trait Derives<D>: Differentiable {}
 
 /// The product of a step's derivative with a perturbation: [`StepDerivative::tangent`].
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tangent;
 /// The transposed product: [`StepDerivative::adjoint`].
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Adjoint;
 

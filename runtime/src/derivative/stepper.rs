@@ -20,7 +20,7 @@ struct JacobianWork<'a, S: System, M, D, B> {
 }
 
 impl<S: System, M, D: MethodOf<S>, B: JacobianBlocksOf<S, D>> Work for JacobianWork<'_, S, M, D, B> {
-    type Home = D::Home;
+    type CallSite = D::CallSite;
     type Result = B::Jacobian;
 
     #[inline(always)]

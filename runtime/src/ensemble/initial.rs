@@ -82,7 +82,7 @@ impl<'a, S: Geometry> InitialStates<'a, S> {
         for component in by.as_mut() {
             let number = match self.shape {
                 Shape::Normal => random.normal(),
-                Shape::Uniform => 2.0 * random.even() - 1.0,
+                Shape::Uniform => 2.0 * random.uniform() - 1.0,
             };
             *component = *component * S::Scalar::of(number);
         }
@@ -126,24 +126,24 @@ struct Random(u64);
 
 impl Random {
     fn new(seed: u64, member: u64) -> Self {
-        Self(mixed(mixed(seed).wrapping_add(member)))
+        Self(splitmix64(splitmix64(seed).wrapping_add(member)))
     }
 
     /// Evenly distributed between 0 and 1, never either of them.
-    fn even(&mut self) -> f64 {
+    fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        ((mixed(self.0) >> 12) as f64 + 0.5) * 2_f64.powi(-52)
+        ((splitmix64(self.0) >> 12) as f64 + 0.5) * 2_f64.powi(-52)
     }
 
     /// Normally distributed with deviation 1, by Box and Muller's transformation.
     fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * self.even().ln()).sqrt();
-        radius * (core::f64::consts::TAU * self.even()).cos()
+        let radius = (-2.0 * self.uniform().ln()).sqrt();
+        radius * (core::f64::consts::TAU * self.uniform()).cos()
     }
 }
 
 /// A number all of whose bits depend on all bits of the given one; no two give the same.
-fn mixed(bits: u64) -> u64 {
+fn splitmix64(bits: u64) -> u64 {
     let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     bits ^ (bits >> 31)

@@ -93,7 +93,7 @@ impl Members {
                 let mut method = |parameters: &[$numbers], step| {
                     builder.method(parameters, step).map_err(|reason| error = Some(reason)).ok()
                 };
-                (<$numbers>::LANES, <$numbers as Sides>::blocks(members, step, &mut method))
+                (<$numbers>::LANES, <$numbers as BlockBuilder>::blocks(members, step, &mut method))
             }};
             ($double:ty, $single:ty) => {
                 if const { X::IS_DOUBLE } { blocks!($double) } else { blocks!($single) }
@@ -200,14 +200,14 @@ trait Block: Send + Sync {
 type Make<'a, T> = dyn FnMut(&[T], T) -> Option<Box<dyn Method<T>>> + 'a;
 
 /// Numbers that members can be made of.
-trait Sides: Batch {
+trait BlockBuilder: Batch {
     /// Members in blocks of as many as there are lanes.
     fn blocks(members: &[Member], step: f64, method: &mut Make<'_, Self>) -> Vec<Box<dyn Block>>;
 }
 
 macro_rules! sides {
     ($($numbers:ty),*) => {
-        $(impl Sides for $numbers {
+        $(impl BlockBuilder for $numbers {
             // not generic, so that it is compiled in this crate
             #[inline(never)]
             fn blocks(members: &[Member], step: f64, method: &mut Make<'_, Self>) -> Vec<Box<dyn Block>> {
@@ -235,7 +235,7 @@ fn blocks<T: Batch>(members: &[Member], step: f64, method: &mut Make<'_, T>) -> 
         let state = side_by_side(|member| &member.state);
         let step = T::of(step);
         let Some(method) = method(&parameters, step) else { break };
-        blocks.push(Box::new(Lanewise {
+        blocks.push(Box::new(LaneBlock {
             method,
             parameters,
             step,
@@ -253,7 +253,7 @@ fn blocks<T: Batch>(members: &[Member], step: f64, method: &mut Make<'_, T>) -> 
 }
 
 /// A few members, each in a lane.
-struct Lanewise<T: Batch> {
+struct LaneBlock<T: Batch> {
     method: Box<dyn Method<T>>,
     parameters: Vec<T>,
     step: T,
@@ -280,7 +280,7 @@ enum Lane {
     Empty,
 }
 
-impl<T: Batch> Lanewise<T> {
+impl<T: Batch> LaneBlock<T> {
     fn alive(&self) -> u64 {
         self.lanes.iter().filter(|lane| matches!(lane, Lane::Alive)).count() as u64
     }
@@ -311,7 +311,7 @@ impl<T: Batch> Lanewise<T> {
     }
 }
 
-impl<T: Batch> Block for Lanewise<T> {
+impl<T: Batch> Block for LaneBlock<T> {
     fn advance_n(&mut self, clock: Clock, steps: u64, law: Option<&Law<'_>>) -> MemberSteps {
         let mut taken = MemberSteps { failed: Vec::new(), member_steps: 0 };
         let mut members = self.alive();

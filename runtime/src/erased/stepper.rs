@@ -16,7 +16,7 @@ use crate::method::{Clock, Counted};
 use crate::scheme::Scheme;
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
-use crate::stepper::{StepReport, Stepping, Trajectory, check_deviation, check_step};
+use crate::stepper::{StepReport, Stepping, check_deviation, check_step, trajectory};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
 #[derive(Clone)]
@@ -191,8 +191,11 @@ impl Stepper {
     }
 
     /// The motion from a state on: see [`Stepper::trajectory`](crate::Stepper::trajectory).
-    pub fn trajectory(&mut self, from: &[f64]) -> Trajectory<'_, Self> {
-        Trajectory::new(self, from.to_vec())
+    pub fn trajectory(
+        &mut self,
+        from: &[f64],
+    ) -> impl Iterator<Item = Result<(f64, Vec<f64>), StepError>> + '_ {
+        trajectory(self, from.to_vec())
     }
 
     /// The time, at which the next step starts: see [`Stepper::time`](crate::Stepper::time).

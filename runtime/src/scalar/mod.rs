@@ -201,7 +201,7 @@ pub trait Batch: Scalar + sealed::Sealed {
 /// Something to do, with all that it needs. Not a closure, since these cannot say that they are always to be inlined.
 pub trait Work {
     /// The type with which it is compiled when it is out of line: a kernel, or `()` for what belongs to none.
-    type Home: 'static;
+    type CallSite: 'static;
     /// What comes of it.
     type Result;
     /// Does it. To be `#[inline(always)]`: the code is compiled for the processor that its caller is compiled for.
@@ -213,17 +213,17 @@ pub trait Work {
 pub(crate) trait OutOfLine: Sized + 'static {
     /// Does the work, compiled for what the program is built for.
     #[inline(never)]
-    fn portable<W: Work<Home = Self>>(work: W) -> W::Result {
+    fn portable<W: Work<CallSite = Self>>(work: W) -> W::Result {
         work.done()
     }
 }
 
-impl<Home: 'static> OutOfLine for Home {}
+impl<CallSite: 'static> OutOfLine for CallSite {}
 
 /// Something to do that knows the processor that it is compiled for.
 pub trait LongWork {
-    /// As [`Work::Home`].
-    type Home: 'static;
+    /// As [`Work::CallSite`].
+    type CallSite: 'static;
     /// What comes of it.
     type Result;
     /// Does it, as [`Work::done`].
@@ -241,7 +241,7 @@ impl<P, W> On<P, W> {
 }
 
 impl<P: Processor, W: LongWork> Work for On<P, W> {
-    type Home = W::Home;
+    type CallSite = W::CallSite;
     type Result = W::Result;
 
     #[inline(always)]
@@ -360,7 +360,7 @@ macro_rules! real {
             }
             #[inline(always)]
             fn dispatch<W: Work>(work: W) -> W::Result {
-                W::Home::portable(work)
+                W::CallSite::portable(work)
             }
             #[cfg(all(feature = "std", target_arch = "x86_64"))]
             #[inline(always)]

@@ -43,6 +43,7 @@ pub enum Scheme {
 }
 
 /// The coefficients of a symmetric composition, as a value.
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoefficientSet {
     /// The name of their type.

@@ -18,7 +18,7 @@ pub(super) struct Newton<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for Newton<'_, T, K> {
-    type Home = K;
+    type CallSite = K;
     type Result = SolutionOf<T, K>;
 
     #[inline(always)]

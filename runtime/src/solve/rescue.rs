@@ -24,7 +24,7 @@ pub(super) struct Rescue<'a, T, U> {
 
 /// Out of line: once for all equations with as many unknowns.
 impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
-    type Home = ();
+    type CallSite = ();
     type Result = Result<Rescued<T, U>, StepError>;
 
     #[inline(always)]

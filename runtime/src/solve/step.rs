@@ -21,7 +21,7 @@ pub struct OneStep<T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Method for OneStep<T, K> {
-    type Home = K;
+    type CallSite = K;
     type Scalar = T;
     type Parameters = K::Parameters;
     type State = K::State;
@@ -218,7 +218,7 @@ struct SlowPath<'a, T: Batch, K: Kernel<T>> {
 }
 
 impl<T: Batch, K: Kernel<T>> Work for SlowPath<'_, T, K> {
-    type Home = K;
+    type CallSite = K;
     type Result = Outcome<T, K::State>;
 
     #[inline(always)]

@@ -17,7 +17,7 @@ pub(crate) use crate::system::stepper::check_step;
 use crate::system::{Control, MethodOf, State, System};
 use report::{RunError, RunReport};
 pub use stepping::Stepping;
-pub use trajectory::Trajectory;
+pub(crate) use trajectory::trajectory;
 
 /// How a step went.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,8 +137,11 @@ impl<S: System, M, D: MethodOf<S>> Stepper<S, M, D> {
     /// assert_eq!(stepper.time(), 10.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn trajectory(&mut self, from: S::State) -> Trajectory<'_, Self> {
-        Trajectory::new(self, from)
+    pub fn trajectory(
+        &mut self,
+        from: S::State,
+    ) -> impl Iterator<Item = Result<(f64, S::State), StepError>> + '_ {
+        trajectory(self, from)
     }
 
     /// What the stepper carries from one step to the next, besides the state: the time, and where the last solution was. Written

@@ -7,6 +7,7 @@ use super::System;
 /// A system as a [`Run`](crate::Run) sees it: its type known, or erased.
 ///
 /// Every [`System`] is one, and `dyn` [`erased::System`](crate::erased::System), whose states and controls are lists of numbers.
+#[doc(hidden)]
 pub trait Dynamics {
     /// The state.
     type State: Clone + fmt::Debug;

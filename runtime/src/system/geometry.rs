@@ -43,6 +43,7 @@ pub trait Geometry: System {
 /// A system on which nothing acts: without a potential on the group, advected parameters and forces, so that its momentum on the other side
 /// of the configuration is constant: in space if velocities are those of the body, in the body where `invariance = right`. Implemented by
 /// the macro.
+#[doc(hidden)]
 pub trait Isolated: System {
     /// The constant momentum, over any scalar.
     type Conserved<T: Scalar>: Components<T>;

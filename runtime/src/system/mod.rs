@@ -303,6 +303,7 @@ impl<S: System, D> MethodOf<S> for D where
     note = "steps are generated with the retractions that `retractions(…)` names in the description, without it with `Exponential` and `Cayley`, on some groups of matrices with one of the two; a scheme other than the standard one is asked for with `methods(Midpoint, …)`",
     note = "`SymplecticEulerA<R>` is `Family<R, 0, 1>`, `Midpoint<R>` is `Family<R, 1, 2>` and `SymplecticEulerB<R>` is `Family<R, 1, 1>`; without the rest, `Family` is `Family<Exponential, 0, 1>`"
 )]
+#[doc(hidden)]
 pub trait Generated<M>: System {
     /// The generated code, over any scalar.
     type Kernel<T: Scalar>: Kernel<
@@ -326,6 +327,7 @@ pub trait Retracted<R>: System {
 }
 
 /// The steps that were generated for a system, to be chosen from while the program runs. Implemented by the macro.
+#[doc(hidden)]
 pub trait Schemes: System {
     /// Shows the visitor the type that stands for a generated step; none if it was not generated.
     #[doc(hidden)]

@@ -35,7 +35,7 @@ where
     B: Method,
     B: Method<State = S::StateComponents<<B as Method>::Scalar>>,
 {
-    type Home = B::Home;
+    type CallSite = B::CallSite;
     type Scalar = B::Scalar;
     type Parameters = B::Parameters;
     type State = B::State;

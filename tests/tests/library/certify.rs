@@ -10,7 +10,9 @@ use coadjoint::__private::{Batch, Scalar};
 use coadjoint::__private::{Geometry, Map};
 use coadjoint::__private::{Method, Outcome};
 use coadjoint::certify;
-use coadjoint::certify::{Certification, CertifyError, Claimed, Probe, Report, Verdict, certify_erased};
+use coadjoint::certify::{
+    Certification, CertifyError, Claimed, KernelProbe, Report, Verdict, certify_erased,
+};
 use coadjoint::erased::{self, Description};
 use coadjoint::prelude::*;
 use coadjoint::scheme::{ConservedCasimirs, Properties, Rule, Scheme, SchemeType};
@@ -339,7 +341,7 @@ fn two_bodies() {
 struct Boast<'a> {
     properties: Properties,
     definition: Option<Scheme>,
-    kernels: &'a dyn Fn(&mut Probe<'_>, f64),
+    kernels: &'a dyn Fn(&mut KernelProbe<'_>, f64),
 }
 
 impl<'a> Boast<'a> {
@@ -399,7 +401,7 @@ struct Leaky;
 struct Leak<T: Batch>(<Body as Discretized<Midpoint>>::Method<T>);
 
 impl<T: Batch> Method for Leak<T> {
-    type Home = ();
+    type CallSite = ();
     type Scalar = T;
     type Parameters = [T; 3];
     type State = [T; 7];
@@ -464,7 +466,7 @@ struct Aged<T: Batch, const STUCK: bool> {
 }
 
 impl<T: Batch, const STUCK: bool> Method for Aged<T, STUCK> {
-    type Home = ();
+    type CallSite = ();
     type Scalar = T;
     type Parameters = [T; 3];
     type State = [T; 7];

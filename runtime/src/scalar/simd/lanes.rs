@@ -77,7 +77,7 @@ impl Processor for Portable {
 
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {
-        W::Home::portable(work)
+        W::CallSite::portable(work)
     }
     fn doubles<X: Real, const N: usize>(_: &[X; N]) {}
     fn numbers<X: Real, const N: usize>((): ()) -> [X; N] {

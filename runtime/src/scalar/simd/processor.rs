@@ -70,13 +70,13 @@ macro_rules! processors {
                 /// Only where the processor is of the kind.
                 #[target_feature(enable = $first $(, enable = $feature)*)]
                 #[inline(never)]
-                unsafe fn $function<W: Work<Home = Self>>(work: W) -> W::Result {
+                unsafe fn $function<W: Work<CallSite = Self>>(work: W) -> W::Result {
                     work.done()
                 }
             )*
         }
 
-        impl<Home: 'static> Wide for Home {}
+        impl<CallSite: 'static> Wide for CallSite {}
 
         $(
             $(#[$doc])*
@@ -104,7 +104,7 @@ macro_rules! processors {
                 fn dispatch<W: Work>(work: W) -> W::Result {
                     debug_assert!(Self::is_here());
                     // SAFETY: the type is named nowhere but where it was looked whether the processor is of the kind
-                    unsafe { <W::Home as Wide>::$function(work) }
+                    unsafe { <W::CallSite as Wide>::$function(work) }
                 }
 
                 operations! { $($operations)* }
@@ -155,7 +155,7 @@ impl Processor for Portable {
 
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {
-        W::Home::portable(work)
+        W::CallSite::portable(work)
     }
 
     operations! {

@@ -15,9 +15,6 @@ use crate::system::{Generated, Role, System, Visitor};
 /// What cannot be measured: there are no local coordinates, a matrix has no inverse, or a series does not converge.
 pub(super) struct Degenerate;
 
-/// What is measured.
-pub(super) type Found<T> = Result<T, Degenerate>;
-
 /// What a kernel says of a value of its unknown.
 pub(super) struct KernelValue {
     /// The right side of the equation: of a mechanical system `(dR τ_x)* m`, times the number that the unknown is to be multiplied by.
@@ -68,7 +65,7 @@ pub(super) struct Stored {
 }
 
 /// Elements of a group about one of them, and what its laws are measured with.
-pub(super) struct About<'a> {
+pub(super) struct Neighbourhood<'a> {
     pub(super) frame: Frame<'a>,
     pub(super) state: Vec<f64>,
     kernels: Kernels<'a>,
@@ -78,7 +75,7 @@ pub(super) struct About<'a> {
     pub(super) is_invariant: bool,
 }
 
-impl<'a> About<'a> {
+impl<'a> Neighbourhood<'a> {
     pub(super) fn new(
         system: &'a dyn crate::erased::Geometry,
         state: &[f64],
@@ -102,7 +99,12 @@ impl<'a> About<'a> {
     }
 
     /// What a kernel says.
-    pub(super) fn value(&self, map: Map, state: &[f64], unknown: &DVector<f64>) -> Found<KernelValue> {
+    pub(super) fn value(
+        &self,
+        map: Map,
+        state: &[f64],
+        unknown: &DVector<f64>,
+    ) -> Result<KernelValue, Degenerate> {
         (self.kernels)(map, state, unknown.as_slice()).ok_or(Degenerate)
     }
 
@@ -163,8 +165,8 @@ impl<'a> About<'a> {
     }
 
     /// The matrices that belong to the axes of the algebra: those that displacements are made of, whatever the element is that is displaced.
-    pub(super) fn basis(&self, stored: &Stored) -> Found<Basis> {
-        let at = |state: &[f64]| -> Found<[Vec<DMatrix<f64>>; 2]> {
+    pub(super) fn basis(&self, stored: &Stored) -> Result<Basis, Degenerate> {
+        let at = |state: &[f64]| -> Result<[Vec<DMatrix<f64>>; 2], Degenerate> {
             let inverse = stored.matrix(state).try_inverse().ok_or(Degenerate)?;
             let changes = (0..self.dimension()).map(|i| {
                 let change = slope(self.small(i), &|t| {
@@ -202,19 +204,19 @@ impl<'a> About<'a> {
     }
 
     /// An element of the algebra, with nothing of the spaces beside it.
-    pub(super) fn grown(&self, x: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn zero_padded(&self, x: &DVector<f64>) -> DVector<f64> {
         x.clone().resize_vertically(self.frame.linear.len(), 0.0)
     }
 
     /// `dR τ_x`, by differences: `dL τ_{−x}` of what is odd, else `Ad_{τ(x)} dL τ_x`.
-    pub(super) fn d_right(&self, map: Map, x: &DVector<f64>) -> Found<DMatrix<f64>> {
+    pub(super) fn d_right(&self, map: Map, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
         let d_left =
             |x: &DVector<f64>| self.frame.logarithmic_derivative(&self.state, map, x).ok_or(Degenerate);
         if map.is_matrix_function() { d_left(&-x) } else { Ok(self.adjoint(map, x)? * d_left(x)?) }
     }
 
     /// `Ad_{τ(x)}`, by differences: of `z` it makes the direction in which `g τ(x) exp(tz) τ(x)⁻¹` leaves.
-    pub(super) fn adjoint(&self, map: Map, x: &DVector<f64>) -> Found<DMatrix<f64>> {
+    pub(super) fn adjoint(&self, map: Map, x: &DVector<f64>) -> Result<DMatrix<f64>, Degenerate> {
         let there = self.frame.moved(&self.state, map, x);
         // τ(−x) is the way back where τ is odd, the exponential always is
         let (odd, x) = match map.is_matrix_function() {
@@ -232,13 +234,13 @@ impl<'a> About<'a> {
     }
 
     /// The elements of the algebra that change a state's numbers like these.
-    fn in_the_algebra(&self, state: &[f64], changes: &[DVector<f64>]) -> Found<DMatrix<f64>> {
+    fn in_the_algebra(&self, state: &[f64], changes: &[DVector<f64>]) -> Result<DMatrix<f64>, Degenerate> {
         let local = self.frame.local(state, &DMatrix::from_columns(changes)).ok_or(Degenerate)?;
         Ok(local.select_rows(&self.frame.configuration))
     }
 
     /// `z` with `exp z = τ(x)`.
-    pub(super) fn logarithm(&self, map: Map, x: &DVector<f64>) -> Found<DVector<f64>> {
+    pub(super) fn logarithm(&self, map: Map, x: &DVector<f64>) -> Result<DVector<f64>, Degenerate> {
         match map {
             Map::Exponential => Ok(x.clone()),
             _ => self.displacement(Map::Exponential, &self.frame.moved(&self.state, map, x)),
@@ -246,7 +248,7 @@ impl<'a> About<'a> {
     }
 
     /// `x` with `g τ(x)` the configuration of a state, by Newton's method.
-    fn displacement(&self, map: Map, target: &[f64]) -> Found<DVector<f64>> {
+    fn displacement(&self, map: Map, target: &[f64]) -> Result<DVector<f64>, Degenerate> {
         let (mut x, target) = (DVector::zeros(self.dimension()), DVector::from_column_slice(target));
         for _ in 0..10 {
             let here = self.frame.moved(&self.state, map, &x);
@@ -259,7 +261,7 @@ impl<'a> About<'a> {
     }
 
     /// The unknown of a kernel that moves the configuration by `τ(x)`. Nothing of one that has others too.
-    pub(super) fn unknown(&self, map: Map, x: &DVector<f64>) -> Found<Option<Unknown>> {
+    pub(super) fn unknown(&self, map: Map, x: &DVector<f64>) -> Result<Option<Unknown>, Degenerate> {
         let here = self.value(map, &self.state, x)?;
         if here.right.is_empty() {
             return Ok(Some(Unknown::None { next: here.next }));
@@ -272,7 +274,7 @@ impl<'a> About<'a> {
                 Ok(self.value(map, &self.state, &self.axis(i, t))?.next.into())
             })
         };
-        let columns: Vec<_> = (0..x.len()).map(column).collect::<Found<_>>()?;
+        let columns: Vec<_> = (0..x.len()).map(column).collect::<Result<_, Degenerate>>()?;
         // whole numbers, but for the digits that differences leave
         let factor = self.in_the_algebra(&self.state, &columns)?.map(f64::round);
         let unknown = factor.clone().try_inverse().ok_or(Degenerate)? * x;
@@ -280,7 +282,7 @@ impl<'a> About<'a> {
     }
 
     /// What a kernel makes of momenta where it moves the configuration by `τ(x)`; by another `x` than was asked for if it has no unknown.
-    pub(super) fn carried(&self, map: Map, x: &DVector<f64>) -> Found<Option<Carried>> {
+    pub(super) fn carried(&self, map: Map, x: &DVector<f64>) -> Result<Option<Carried>, Degenerate> {
         let n = self.dimension();
         let momentum = |state: &[f64]| self.frame.linear_part(state).rows(0, n).into_owned();
         match self.unknown(map, x)? {
@@ -299,14 +301,17 @@ impl<'a> About<'a> {
     }
 
     /// The matrix of what is linear in the momentum but for a constant.
-    pub(super) fn by_momentum(&self, of: &dyn Fn(&[f64]) -> Found<DVector<f64>>) -> Found<DMatrix<f64>> {
+    pub(super) fn by_momentum(
+        &self,
+        of: &dyn Fn(&[f64]) -> Result<DVector<f64>, Degenerate>,
+    ) -> Result<DMatrix<f64>, Degenerate> {
         let (start, here) = (self.frame.linear_part(&self.state), of(&self.state)?);
         let column = |i: usize| {
             let mut there = start.clone();
             there[i] += 1.0;
             Ok(of(&self.frame.with_linear_part(&self.state, &there))? - &here)
         };
-        let columns: Vec<_> = (0..self.dimension()).map(column).collect::<Found<_>>()?;
+        let columns: Vec<_> = (0..self.dimension()).map(column).collect::<Result<_, Degenerate>>()?;
         Ok(DMatrix::from_columns(&columns))
     }
 }
@@ -359,7 +364,7 @@ pub(super) fn exponential(x: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// `exp X`, or `(1 − X/2)⁻¹(1 + X/2)`.
-pub(super) fn function(map: Map, x: &DMatrix<f64>) -> Found<DMatrix<f64>> {
+pub(super) fn function(map: Map, x: &DMatrix<f64>) -> Result<DMatrix<f64>, Degenerate> {
     let one = DMatrix::identity(x.nrows(), x.nrows());
     match map {
         Map::Exponential => Ok(exponential(x)),
