@@ -40,7 +40,8 @@ use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
 use model::System;
-pub use own::{lie_group, lie_poisson_system_with};
+use own::Answer;
+pub use own::lie_group;
 use parse::{Attribute, Definition, Item};
 use program::Program;
 use scheme::{Member, Rule, Scheme};
@@ -50,6 +51,14 @@ use scheme::{Member, Rule, Scheme};
 /// others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     described(attribute, item, Vec::new(), &TokenStream::new())
+}
+
+/// The whole of what the macro of a user's own group calls, with the definition that it hands back.
+pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
+    match own::answer(input) {
+        Ok(Answer { definitions, known, attribute, item }) => described(attribute, item, definitions, &known),
+        Err(error) => error.into_compile_error(),
+    }
 }
 
 /// The same with the definitions of groups of the user's own, as far as they are known.

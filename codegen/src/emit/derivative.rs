@@ -4,8 +4,9 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size};
+use super::docs;
 use super::kernel::kernel_name;
-use super::{Names, docs};
+use super::names::Names;
 use crate::program::{Function, Input, Module, RecordKind, Role, Term};
 use crate::scheme::Scheme;
 

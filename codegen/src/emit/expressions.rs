@@ -6,8 +6,9 @@ use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
 
 use super::code::size;
+use super::docs;
+use super::names::Names;
 use super::state::part_type;
-use super::{Names, docs};
 use crate::identifiers::{plain, velocity_name};
 use crate::model::{
     Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Relation, Source, StoredAs, System, parts,

@@ -4,7 +4,8 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use super::code::size;
-use super::{Names, call, function};
+use super::functions::{call, function};
+use super::names::Names;
 use crate::program::{Input, Program, Role};
 
 /// `impl Geometry for HeavyTop { … }`, and `impl Isolated` where nothing acts on the system.

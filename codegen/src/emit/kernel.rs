@@ -4,8 +4,9 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size, term};
+use super::names::Names;
 use super::schemes::marker;
-use super::{Names, bytecode, docs};
+use super::{bytecode, docs};
 use crate::program::{Function, Input, Module, RecordKind, Role, StepProgram};
 use crate::scheme::Scheme;
 

@@ -7,7 +7,9 @@ use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::{inlined, size};
-use super::{Names, docs, fields, function, quantity, whole};
+use super::docs;
+use super::functions::function;
+use super::names::{Names, fields, quantity, whole};
 use crate::model::{Role as QuantityRole, StoredAs};
 use crate::parse::Shape;
 use crate::program::{Program, Quantity, Role};

@@ -5,8 +5,9 @@ use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::size;
+use super::functions::{call, function};
+use super::names::{Names, quantity};
 use super::state::{Conversion, arrays};
-use super::{Names, call, function, quantity};
 use crate::model::Role as QuantityRole;
 use crate::program::{Input, Interface, Program, Quantity, Role};
 

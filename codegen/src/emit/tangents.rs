@@ -6,7 +6,8 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::size;
-use super::{Names, docs};
+use super::docs;
+use super::names::Names;
 use crate::derivatives::Derivatives;
 use crate::program::Interface;
 

@@ -101,7 +101,6 @@ impl Group for R {
         &[]
     }
 
-    /// All of the momentum: the bracket is zero.
     fn is_linear(&self) -> bool {
         true
     }

@@ -106,7 +106,6 @@ impl Group for SE2 {
         &[&Plane(3)]
     }
 
-    /// The linear momentum is one more vector that the rotations act on: lengths and inner products.
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

@@ -104,8 +104,6 @@ impl Group for SE3 {
         &[&Directions]
     }
 
-    /// The linear momentum is one more vector that the rotations act on: lengths and inner products; without advected vectors also its
-    /// product with the angular momentum.
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

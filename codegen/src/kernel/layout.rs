@@ -24,7 +24,7 @@ pub(super) struct Layout<'l, 'a> {
     record: Option<RecordKind>,
     /// How often each value is used.
     uses: FxHashMap<Op, u32>,
-    /// Those of them that something uses in another way than to divide by what they are the used_whole of.
+    /// Those of them that something uses whole, not as a divisor alone: `1/x` where a product divides by `x` is none.
     used_whole: FxHashSet<Op>,
     /// What the function stores.
     storing: FxHashSet<Op>,

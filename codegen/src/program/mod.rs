@@ -233,9 +233,9 @@ pub enum Statement {
         /// What it is.
         term: Term,
     },
-    /// Stumpff functions `c_first, c_{first + 1}, …` of one argument; `None` for those not used.
+    /// Stumpff functions `c_0, c_1, …` of one argument; `None` for those not used.
     Stumpff {
-        /// The values, from `c_0` on.
+        /// The values.
         values: Vec<Option<Value>>,
         /// `z`
         argument: Term,
