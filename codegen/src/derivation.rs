@@ -10,7 +10,7 @@ use crate::method::linearization::Linearization;
 use crate::model::Role as QuantityRole;
 use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, StoredAs, System};
 use crate::program::{
-    Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
+    Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram, SystemRole,
 };
 use crate::scheme::Scheme;
 
@@ -127,34 +127,41 @@ fn at_state(system: &System<'_>) -> Inputs {
 }
 
 /// Energy, velocity and what is conserved.
-fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let casimirs = Vector(system.casimirs().found.iter().map(|&(_, value)| value).collect());
     let inputs = || at_state(system).with(Input::Time, system.time_symbol());
     let mut functions = vec![
-        function(arena, system, Role::Energy, &Vector(vec![system.energy()]), inputs()),
-        kernel::function(arena, Role::Casimirs, &casimirs, inputs()),
-        kernel::function(arena, Role::SpatialMomentum, &spatial_momentum(system), inputs()),
+        function(arena, system, SystemRole::Energy, &Vector(vec![system.energy()]), inputs()),
+        kernel::function(arena, SystemRole::Casimirs, &casimirs, inputs()),
+        kernel::function(arena, SystemRole::SpatialMomentum, &spatial_momentum(system), inputs()),
     ];
     let off = system.group.deviation(&system.configuration());
     if !off.is_empty() {
         let inputs = Inputs::default().with(Input::State, system.state_symbols());
-        functions.push(kernel::function(arena, Role::Deviation, &Vector(vec![off.dot(&off).sqrt()]), inputs));
+        functions.push(kernel::function(
+            arena,
+            SystemRole::Deviation,
+            &Vector(vec![off.dot(&off).sqrt()]),
+            inputs,
+        ));
     }
     let velocity = system.velocity_symbols().symbols();
     let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
     functions.extend(match system.velocity_relation() {
-        Relation::Explicit(value) => Some(function(arena, system, Role::Velocity, value, inputs())),
+        Relation::Explicit(value) => Some(function(arena, system, SystemRole::Velocity, value, inputs())),
         Relation::Implicit(residual) => {
             let newton = newton(residual, &velocity);
-            Some(function(arena, system, Role::VelocityNewton, &newton, with_velocity()))
+            Some(function(arena, system, SystemRole::VelocityNewton, &newton, with_velocity()))
         }
         Relation::Singular => None,
     });
     functions.extend(match system.momentum_relation() {
-        Relation::Explicit(value) => Some(function(arena, system, Role::Momentum, &value, with_velocity())),
+        Relation::Explicit(value) => {
+            Some(function(arena, system, SystemRole::Momentum, &value, with_velocity()))
+        }
         Relation::Implicit(residual) => {
             let newton = newton(&residual, &system.momentum().symbols());
-            Some(function(arena, system, Role::MomentumNewton, &newton, with_velocity()))
+            Some(function(arena, system, SystemRole::MomentumNewton, &newton, with_velocity()))
         }
         Relation::Singular => None,
     });
@@ -171,10 +178,10 @@ fn newton<'a>(residual: &Vector<'a>, unknown: &[Symbol]) -> Vector<'a> {
 fn function<'a>(
     arena: &'a Arena,
     system: &System<'a>,
-    role: Role,
+    role: SystemRole,
     value: &Vector<'a>,
     inputs: Inputs,
-) -> Module {
+) -> Module<SystemRole> {
     let others =
         [(Input::Control, system.control_symbols()), (Input::Velocity, system.velocity_symbols().symbols())];
     let needed = others.into_iter().filter(|(input, symbols)| {
@@ -193,42 +200,41 @@ fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
 }
 
 /// What shows that inertias are positive definite.
-fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let pivots = |(place, inertia): (usize, &InertiaField<'a>)| {
         let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());
-        kernel::function(arena, Role::Pivots(place), &inertia.matrix.ldl().1, inputs)
+        kernel::function(arena, SystemRole::Pivots(place), &inertia.matrix.ldl().1, inputs)
     };
     system.inertias.iter().enumerate().map(pivots).collect()
 }
 
 /// The geometry of the states.
-fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let by = geometry::tangent_symbols(arena, system, "by");
     let with_tangent = || at_state(system).with(Input::Tangent, by.symbols());
     let with_time = |inputs: Inputs| inputs.with(Input::Time, system.time_symbol());
     let controlled = at_state(system).with(Input::Control, system.control_symbols());
-    let displaced = |retraction| geometry::displaced(system, retraction, &by);
-    let mut functions =
-        vec![(Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent())];
     // any local coordinates are as good as others where there are no steps with the map
-    let others = [
-        (Role::CayleyDisplacement, Retraction::Cayley),
-        (Role::SecondKindDisplacement, Retraction::SecondKind),
-    ];
-    let is_there = |retraction| system.group.factors.iter().all(|factor| factor.group.has(retraction));
-    let others = others.into_iter().filter(|(_, retraction)| is_there(*retraction));
-    functions.extend(others.map(|(role, retraction)| (role, displaced(retraction), with_tangent())));
+    let is_there = |retraction: &Retraction| {
+        *retraction == Retraction::Exponential
+            || system.group.factors.iter().all(|factor| factor.group.has(*retraction))
+    };
+    let displacement = |retraction| {
+        let value = geometry::displaced(system, retraction, &by);
+        (SystemRole::Displacement(retraction), value, with_tangent())
+    };
+    let mut functions: Vec<_> = Retraction::ALL.into_iter().filter(is_there).map(displacement).collect();
     functions.extend([
-        (Role::Differential, geometry::differential(system), with_time(at_state(system))),
-        (Role::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
-        (Role::Force, geometry::force(arena, system), with_time(controlled)),
+        (SystemRole::Differential, geometry::differential(system), with_time(at_state(system))),
+        (SystemRole::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
+        (SystemRole::Force, geometry::force(arena, system), with_time(controlled)),
     ]);
     if is_isolated(system) {
         let symbol = |i: usize| arena.symbol(format!("conserved_{i}"), Stage::Step);
         let conserved = Vector((0..system.dimension()).map(symbol).collect());
         let inputs = at_state(system).with(Input::Conserved, conserved.symbols());
-        functions.push((Role::Conserved, geometry::conserved(system), at_state(system)));
-        functions.push((Role::WithConserved, geometry::with_conserved(system, &conserved), inputs));
+        functions.push((SystemRole::Conserved, geometry::conserved(system), at_state(system)));
+        functions.push((SystemRole::WithConserved, geometry::with_conserved(system, &conserved), inputs));
     }
     let module = |(role, value, inputs)| function(arena, system, role, &value, inputs);
     functions.into_iter().map(module).collect()

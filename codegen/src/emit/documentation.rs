@@ -5,7 +5,7 @@ use proc_macro2::TokenStream;
 use super::docs;
 use super::names::Names;
 use crate::diagnostics::list;
-use crate::program::{Documentation, Input, Interface, Program, Role};
+use crate::program::{Documentation, Input, Interface, Program, StepRole};
 
 /// Documentation for the user's struct: equations of motion, invariants, what a step costs.
 pub(super) fn description(program: &Program, names: &Names) -> TokenStream {
@@ -26,12 +26,12 @@ pub(super) fn description(program: &Program, names: &Names) -> TokenStream {
     lines.push(String::new());
     for step in &program.steps {
         let of = |role| step.module.operations(role);
-        let once = of(Role::Begin) + of(Role::Finish);
-        let evaluate = step.module.function(Role::Evaluate);
+        let once = of(StepRole::Begin) + of(StepRole::Finish);
+        let evaluate = step.module.function(StepRole::Evaluate);
         let is_explicit = evaluate.is_none_or(|function| function.length(Input::Unknown) == 0);
         let (once, iteration) = match is_explicit {
-            true => (once + of(Role::Evaluate), "it is explicit".to_owned()),
-            false => (once, format!("each iteration {}", of(Role::Evaluate) + of(Role::Correction))),
+            true => (once + of(StepRole::Evaluate), "it is explicit".to_owned()),
+            false => (once, format!("each iteration {}", of(StepRole::Evaluate) + of(StepRole::Correction))),
         };
         lines.push(format!("* `{}`: {once}; {iteration}.", step.scheme.type_name()));
         for alias in &step.aliases {

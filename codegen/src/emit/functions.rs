@@ -6,13 +6,18 @@ use quote::{format_ident, quote};
 use super::code::{free_function, size};
 use super::docs;
 use super::names::Names;
-use crate::program::{Input, Program, Role};
+use crate::program::{Input, Program, SystemRole};
 
 /// The free function of a role, if there is one.
-pub(super) fn function(program: &Program, private: &TokenStream, role: Role, name: &str) -> TokenStream {
+pub(super) fn function(
+    program: &Program,
+    private: &TokenStream,
+    role: SystemRole,
+    name: &str,
+) -> TokenStream {
     let Some((module, function)) = program.function(role) else { return quote! {} };
     let doc = docs::line(&format!("{}.", function.operations()));
-    let function = free_function(name, private, module, function);
+    let function = free_function(name, private, &module.values, function);
     quote! { #doc #function }
 }
 
@@ -21,7 +26,7 @@ pub(super) fn function(program: &Program, private: &TokenStream, role: Role, nam
 pub(super) fn call(
     program: &Program,
     names: &Names,
-    role: Role,
+    role: SystemRole,
     name: &str,
     others: &[(Input, TokenStream)],
 ) -> TokenStream {

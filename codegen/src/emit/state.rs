@@ -12,7 +12,7 @@ use super::functions::function;
 use super::names::{Names, fields, quantity, whole};
 use crate::model::{Role as QuantityRole, StoredAs};
 use crate::parse::Shape;
-use crate::program::{Program, Quantity, Role};
+use crate::program::{Program, Quantity, SystemRole};
 
 /// The state of a system, and its controls if it has any:
 ///
@@ -33,8 +33,8 @@ pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
         let (place, size) = (names.place(part), size(part.components.len()));
         quote! { __Stored::<_, #size>::deviation(&self.#place, 0.0) }
     });
-    let of_matrices = program.function(Role::Deviation).map(|_| {
-        let function = function(program, private, Role::Deviation, "off");
+    let of_matrices = program.function(SystemRole::Deviation).map(|_| {
+        let function = function(program, private, SystemRole::Deviation, "off");
         quote! {
             #[allow(clippy::all, clippy::pedantic)]
             #function

@@ -3,7 +3,7 @@
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Vector};
 use coadjoint_codegen::kernel::{self, Inputs};
-use coadjoint_codegen::program::{Input, Role};
+use coadjoint_codegen::program::{Input, SystemRole};
 use proc_macro2::{TokenStream, TokenTree};
 
 /// Tokens, and what is wrong with them.
@@ -219,7 +219,7 @@ fn deep_code() {
         ];
         let deep = (0..30_000).fold(x, |deep, i| next[i % next.len()](deep, x));
         let inputs = Inputs::default().with(Input::State, symbols);
-        let module = kernel::function(&arena, Role::Energy, &Vector(vec![deep]), inputs);
+        let module = kernel::function(&arena, SystemRole::Energy, &Vector(vec![deep]), inputs);
         module.functions[0].operations().total()
     });
     let operations = made.expect("a thread").join().expect("code");

@@ -1,6 +1,6 @@
 //! The macro as rustc calls it, and what is derived by what is asked for.
 
-use coadjoint_codegen::program::{Program, Role};
+use coadjoint_codegen::program::{DerivativeRole, Module, Program, Role, StepRole, SystemRole};
 use coadjoint_codegen::{expand, lie_group, lie_poisson_system, lie_poisson_system_with, program};
 
 use crate::common::tokens;
@@ -115,20 +115,47 @@ fn a_force_has_the_type_that_it_is_written_with() {
 /// Each derivative brings its functions, and those that composed steps need.
 #[test]
 fn derivatives_are_those_that_are_asked_for() {
-    let all = [Role::Point, Role::Tangent, Role::Adjoint, Role::Through, Role::WrtState, Role::WrtControl];
-    let all = [&all[..], &[Role::WrtParameters]].concat();
+    let all = [
+        DerivativeRole::Point,
+        DerivativeRole::Tangent,
+        DerivativeRole::Adjoint,
+        DerivativeRole::Through,
+        DerivativeRole::WrtState,
+        DerivativeRole::WrtControl,
+    ];
+    let all = [&all[..], &[DerivativeRole::WrtParameters]].concat();
     for (asked, roles) in [
         ("derivatives", all.clone()),
-        ("derivatives(state)", vec![Role::Point, Role::Through, Role::WrtState]),
-        ("derivatives(controls)", vec![Role::Point, Role::Through, Role::WrtState, Role::WrtControl]),
-        ("derivatives(parameters)", vec![Role::Point, Role::Through, Role::WrtState, Role::WrtParameters]),
-        ("derivatives(tangent)", vec![Role::Point, Role::Tangent]),
-        ("derivatives(adjoint)", vec![Role::Point, Role::Adjoint]),
+        (
+            "derivatives(state)",
+            vec![DerivativeRole::Point, DerivativeRole::Through, DerivativeRole::WrtState],
+        ),
+        (
+            "derivatives(controls)",
+            vec![
+                DerivativeRole::Point,
+                DerivativeRole::Through,
+                DerivativeRole::WrtState,
+                DerivativeRole::WrtControl,
+            ],
+        ),
+        (
+            "derivatives(parameters)",
+            vec![
+                DerivativeRole::Point,
+                DerivativeRole::Through,
+                DerivativeRole::WrtState,
+                DerivativeRole::WrtParameters,
+            ],
+        ),
+        ("derivatives(tangent)", vec![DerivativeRole::Point, DerivativeRole::Tangent]),
+        ("derivatives(adjoint)", vec![DerivativeRole::Point, DerivativeRole::Adjoint]),
     ] {
         let program = derived(&format!("{DRIVEN}, {asked}"), BODY);
         for step in &program.steps {
             let derivative = step.derivative.as_ref().expect("asked for");
-            let found: Vec<Role> = derivative.functions.iter().map(|function| function.role).collect();
+            let found: Vec<DerivativeRole> =
+                derivative.functions.iter().map(|function| function.role).collect();
             assert_eq!(found, roles, "{asked}");
         }
     }
@@ -140,31 +167,27 @@ fn derivatives_are_those_that_are_asked_for() {
 fn functions_are_given_what_the_runtime_gives_them() {
     let program = derived(&format!("{DRIVEN}, derivatives"), BODY);
     let step = &program.steps[0];
-    let signature = |module: &coadjoint_codegen::program::Module, role: Role| {
-        let function = module.function(role).expect("it is there");
-        function
-            .arguments
-            .iter()
-            .map(|argument| format!("{:?}", argument.input))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
+    fn signature<R: Role>(module: &Module<R>, role: R) -> String {
+        let arguments = &module.function(role).expect("it is there").arguments;
+        let inputs: Vec<String> = arguments.iter().map(|argument| format!("{:?}", argument.input)).collect();
+        inputs.join(", ")
+    }
     let of = |role| signature(&step.module, role);
-    assert_eq!(of(Role::New), "Parameters, StepSize");
-    assert_eq!(of(Role::Begin), "Record(Constants), State, Time, Control");
-    assert_eq!(of(Role::Start), "Record(Constants), State, Record(Step)");
-    assert_eq!(of(Role::Evaluate), "Record(Constants), State, Record(Step), Unknown");
+    assert_eq!(of(StepRole::New), "Parameters, StepSize");
+    assert_eq!(of(StepRole::Begin), "Record(Constants), State, Time, Control");
+    assert_eq!(of(StepRole::Start), "Record(Constants), State, Record(Step)");
+    assert_eq!(of(StepRole::Evaluate), "Record(Constants), State, Record(Step), Unknown");
     let solved = "Record(Constants), State, Record(Step), Unknown, Residual, Record(Iterate)";
-    assert_eq!((of(Role::Correction), of(Role::Finish)), (solved.to_owned(), solved.to_owned()));
-    assert_eq!(of(Role::FixedPointUpdate), solved.replace("Residual", "Right"));
+    assert_eq!((of(StepRole::Correction), of(StepRole::Finish)), (solved.to_owned(), solved.to_owned()));
+    assert_eq!(of(StepRole::FixedPointUpdate), solved.replace("Residual", "Right"));
     let derivative = step.derivative.as_ref().expect("asked for");
     let of = |role| signature(derivative, role);
-    assert_eq!(of(Role::Point), "Parameters, StepSize, State, Time, Control, Unknown");
+    assert_eq!(of(DerivativeRole::Point), "Parameters, StepSize, State, Time, Control, Unknown");
     let tangent = "Record(Point), StatePerturbation, ControlPerturbation, ParameterPerturbation";
-    assert_eq!(of(Role::Tangent), tangent);
-    assert_eq!(of(Role::Adjoint), "Record(Point), Costate");
+    assert_eq!(of(DerivativeRole::Tangent), tangent);
+    assert_eq!(of(DerivativeRole::Adjoint), "Record(Point), Costate");
     assert_eq!(
-        (of(Role::Through), of(Role::WrtState)),
+        (of(DerivativeRole::Through), of(DerivativeRole::WrtState)),
         ("Record(Point)".to_owned(), "Record(Point)".to_owned())
     );
 }
@@ -204,7 +227,11 @@ fn systems_that_nothing_acts_on_are_isolated() {
     ] {
         let expansion = expand(tokens(attribute), tokens(item)).expect("no problem");
         assert_eq!(expansion.geometry.to_string().contains("Isolated"), isolated, "{attribute}");
-        assert_eq!(derived(attribute, item).function(Role::WithConserved).is_some(), isolated, "{attribute}");
+        assert_eq!(
+            derived(attribute, item).function(SystemRole::WithConserved).is_some(),
+            isolated,
+            "{attribute}"
+        );
     }
 }
 
@@ -220,7 +247,7 @@ fn every_factor_has_its_part_in_what_is_emitted() {
     let state = expansion.state.to_string();
     assert_eq!(state.matches(":: deviation (& self").count(), 2, "{state}");
     let exponential = &expansion.steps[0];
-    let domain = exponential.program.module.function(Role::Domain).expect("two edges");
+    let domain = exponential.program.module.function(StepRole::Domain).expect("two edges");
     assert_eq!(domain.results.concat().len(), 2);
     let emitted = exponential.tokens.to_string();
     assert!(emitted.contains("T :: min (T :: of"), "{emitted}");
