@@ -6,12 +6,14 @@ use crate::geometry;
 use crate::group::{Retraction, Side};
 use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
+use crate::language;
 use crate::method::linearization::Linearization;
-use crate::model::Role as QuantityRole;
-use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, StoredAs, System};
+use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, System};
 use crate::program::{
-    Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram, SystemRole,
+    Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
+    SystemRole, Transform,
 };
+use crate::quantity::{Kind, Role, Shape};
 use crate::scheme::Scheme;
 
 /// What is computed for a system, but for its steps.
@@ -24,30 +26,37 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {
     }
 }
 
-/// What is to be seen of a system from outside.
+/// A system's public surface.
 fn interface(system: &System<'_>) -> Interface {
     let part = |part: &Part<'_>| Quantity {
         role: part.role,
         name: part.name.plain(),
         element: element(&part.name),
         components: part.suffixes.clone(),
-        stored: part.stored,
-        perturbation: match part.role {
-            QuantityRole::Configuration => {
+        kind: part.kind,
+        tangent: 0..match part.role {
+            Role::Configuration => {
                 let factor = system.factors.iter().find(|factor| factor.name == part.name);
                 factor.map_or(0, |factor| factor.momentum.len())
             }
-            _ => part.symbols.len(),
+            Role::Parameter | Role::Momentum | Role::Advected | Role::Control => part.symbols.len(),
         },
+        side: (part.role != Role::Control).then_some(system.side),
         doc: part.doc.clone(),
     };
     let field = |field: &Parameter| Quantity {
-        role: QuantityRole::Parameter,
+        role: Role::Parameter,
         name: field.name.plain(),
         element: element(&field.name),
         components: field.suffixes(),
-        stored: StoredAs::Shape(field.shape),
-        perturbation: field.symbols.len(),
+        kind: match field.shape {
+            Shape::Matrix(n, _) if system.inertias.iter().any(|inertia| inertia.name == field.name) => {
+                Kind::Symmetric(n)
+            }
+            shape => shape.into(),
+        },
+        tangent: 0..field.symbols.len(),
+        side: None,
         doc: field.doc.clone(),
     };
     let inertia = |inertia: &InertiaField<'_>| Inertia {
@@ -55,11 +64,18 @@ fn interface(system: &System<'_>) -> Interface {
         is_matrix: inertia.shape == InertiaShape::Matrix,
         rows: inertia.matrix.rows,
     };
+    let constants = system.constants.iter();
+    let constant =
+        |constant: &language::Constant<'_>| Constant { name: constant.name.clone(), path: constant.path() };
+    let velocity = system.velocity_relation();
     Interface {
-        parameters: system.parameters.iter().map(field).collect(),
-        constants: system.constants.len(),
-        state: system.parts().iter().map(part).collect(),
-        controls: system.controls.iter().map(part).collect(),
+        name: system.name.clone(),
+        scalar: system.scalar,
+        side: system.side,
+        parameters: in_a_row(system.parameters.iter().map(field)),
+        constants: constants.map(constant).collect(),
+        state: in_a_row(system.parts().iter().map(part)),
+        controls: in_a_row(system.controls.iter().map(part)),
         inertias: system.inertias.iter().map(inertia).collect(),
         casimirs: system.casimirs().found.iter().map(|(name, _)| name.clone()).collect(),
         missing_casimirs: system.casimirs().missing,
@@ -67,11 +83,33 @@ fn interface(system: &System<'_>) -> Interface {
         is_autonomous: system.is_autonomous(),
         is_left_invariant: system.is_left_invariant(),
         is_forced: system.is_forced(),
+        velocity: transform(velocity),
+        is_velocity_timed: velocity.value().is_some_and(|value| value.depends_on(&system.time_symbol())),
+        momentum: transform(&system.momentum_relation()),
         documentation: Documentation {
             coordinates: coordinates(system),
             equations: system.equations(),
             conventions: conventions(system),
         },
+    }
+}
+
+/// Quantities with their perturbations one after the other.
+fn in_a_row(quantities: impl Iterator<Item = Quantity>) -> Vec<Quantity> {
+    let mut end = 0;
+    let placed = quantities.map(|quantity| {
+        let start = end;
+        end += quantity.tangent.len();
+        Quantity { tangent: start..end, ..quantity }
+    });
+    placed.collect()
+}
+
+fn transform(relation: &Relation<'_>) -> Transform {
+    match relation {
+        Relation::Explicit(_) => Transform::Explicit,
+        Relation::Implicit(_) => Transform::Newton,
+        Relation::Singular => Transform::Singular,
     }
 }
 

@@ -29,6 +29,7 @@ pub mod model;
 mod own;
 pub mod parse;
 pub mod program;
+pub mod quantity;
 mod regularity;
 pub mod scheme;
 
@@ -113,8 +114,7 @@ fn nothing() -> syn::Error {
 
 /// A program as Rust.
 fn emitted(program: Program, system: &System<'_>, attribute: &Attribute, item: &Item) -> Expansion {
-    let (name, visibility) = (item.name.clone(), item.visibility.clone());
-    let names = Names::new(name, visibility, item.scalar().name(), attribute.krate.as_ref(), system);
+    let names = Names::new(&program.interface, item, attribute.krate.as_ref(), system);
     emit::expansion(program, system, &item.declaration, &names, attribute.derivatives)
 }
 

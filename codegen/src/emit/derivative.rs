@@ -7,7 +7,7 @@ use super::code::{array, arrays, body, inlined, kept, record, size};
 use super::docs;
 use super::kernel::kernel_name;
 use super::names::Names;
-use crate::program::{DerivativeRole, Function, Input, Module, RecordKind, Role, Term};
+use crate::program::{DerivativeRole, Function, FunctionRole, Input, Module, RecordKind, Term};
 use crate::scheme::Scheme;
 
 /// The derivative of one scheme's step, to stand beside its kernel:

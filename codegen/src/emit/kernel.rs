@@ -7,7 +7,7 @@ use super::code::{array, arrays, body, inlined, kept, record, size, term};
 use super::names::Names;
 use super::schemes::marker;
 use super::{bytecode, docs};
-use crate::program::{Function, Input, Module, RecordKind, Role, StepProgram, StepRole};
+use crate::program::{Function, FunctionRole, Input, Module, RecordKind, StepProgram, StepRole};
 use crate::scheme::Scheme;
 
 /// What the struct with a kernel's constants is called.

@@ -95,7 +95,7 @@ pub fn expansion(
     Expansion {
         declaration: declaration(item, &derived),
         state: state::state(&program, names),
-        expressions: expressions::expressions(source, names),
+        expressions: expressions::expressions(source, interface, names),
         system: system::system(&program, names),
         geometry: geometry::geometry(&program, names),
         tangents: if derivatives.any() {

@@ -8,7 +8,9 @@ use quote::{ToTokens, format_ident, quote};
 use super::code::size;
 use crate::identifiers::plain;
 use crate::model::System;
-use crate::program::Quantity;
+use crate::parse::Item;
+use crate::program::{Interface, Quantity};
+use crate::quantity::{Role, ScalarType};
 
 /// The names and paths that all parts of an expansion share.
 pub struct Names {
@@ -33,21 +35,24 @@ pub struct Names {
 }
 
 impl Names {
-    /// The names for a struct; `coadjoint` is the path of the runtime crate if it is not `::coadjoint`.
+    /// The names for a system; `coadjoint` is the path of the runtime crate if it is not `::coadjoint`.
     pub fn new(
-        system: Ident,
-        visibility: syn::Visibility,
-        scalar: &str,
+        interface: &Interface,
+        item: &Item,
         coadjoint: Option<&syn::Path>,
         source: &System<'_>,
     ) -> Self {
         let coadjoint = coadjoint.map_or_else(|| quote! { ::coadjoint }, |path| quote! { #path });
-        let scalar = format_ident!("{scalar}");
+        let scalar = match interface.scalar {
+            ScalarType::F64 => quote! { f64 },
+            ScalarType::F32 => quote! { f32 },
+        };
+        let system = item.name.clone();
         Self {
             state: format_ident!("{system}State"),
             control: format_ident!("{system}Control"),
             system,
-            visibility,
+            visibility: item.visibility.clone(),
             scalar: quote! { ::core::primitive::#scalar },
             private: quote! { #coadjoint::__private },
             coadjoint,
@@ -106,7 +111,13 @@ fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
 pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
     let private = &names.private;
     let Quantity { name, role, components, doc, .. } = quantity;
-    let role = format_ident!("{role:?}");
+    let role = match role {
+        Role::Parameter => quote! { Parameter },
+        Role::Configuration => quote! { Configuration },
+        Role::Momentum => quote! { Momentum },
+        Role::Advected => quote! { Advected },
+        Role::Control => quote! { Control },
+    };
     quote! {
         #private::Quantity { name: #name, role: #private::Role::#role, components: &[#(#components),*], doc: #doc }
     }

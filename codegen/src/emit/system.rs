@@ -8,8 +8,8 @@ use super::code::size;
 use super::functions::{call, function};
 use super::names::{Names, quantity};
 use super::state::{Conversion, arrays};
-use crate::model::Role as QuantityRole;
-use crate::program::{Input, Interface, Program, Quantity, Role as _, SystemRole};
+use crate::program::{FunctionRole as _, Input, Interface, Program, Quantity, SystemRole, Transform};
+use crate::quantity::Role;
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
@@ -96,7 +96,7 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
 fn parameters(interface: &Interface, names: &Names) -> TokenStream {
     let Names { scalar, constants, .. } = names;
     let Conversion { take, elements, give } = arrays(&interface.parameters, names);
-    let unused = vec![quote! { _ }; interface.constants];
+    let unused = vec![quote! { _ }; interface.constants.len()];
     let size = size(interface.parameter_length());
     quote! {
         fn to_parameters(&self) -> [#scalar; #size] {
@@ -181,20 +181,18 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
     let Names { private, scalar, coadjoint, .. } = names;
     let dimension = size(program.interface.dimension);
     let given = (Input::Velocity, quote! { &__Stored::<_, #dimension>::to_array(velocity) });
-    let velocity_of_momentum = match program.function(SystemRole::Velocity) {
-        Some(_) => call(program, names, SystemRole::Velocity, "velocity", &[]),
-        None => {
+    let velocity_of_momentum = match program.interface.velocity {
+        Transform::Explicit => call(program, names, SystemRole::Velocity, "velocity", &[]),
+        Transform::Newton | Transform::Singular => {
             let iterate = (Input::Velocity, quote! { velocity });
             let newton = call(program, names, SystemRole::VelocityNewton, "velocity_newton", &[iterate]);
             quote! { #private::newton([0.0; #dimension], |velocity| #newton) }
         }
     };
-    let momentum_of_velocity = match program.function(SystemRole::Momentum) {
-        Some(_) => call(program, names, SystemRole::Momentum, "momentum", &[given]),
-        None if program.function(SystemRole::MomentumNewton).is_none() => {
-            quote! { [#scalar::NAN; #dimension] }
-        }
-        None => {
+    let momentum_of_velocity = match program.interface.momentum {
+        Transform::Explicit => call(program, names, SystemRole::Momentum, "momentum", &[given]),
+        Transform::Singular => quote! { [#scalar::NAN; #dimension] },
+        Transform::Newton => {
             let iterate = quote! {
                 &#private::State::to_components(
                     &#private::System::with_momentum(self, state, &__Stored::from_array(*momentum)),
@@ -244,7 +242,7 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
 /// The momenta of all factors, taken from a state and put into it.
 fn momenta(interface: &Interface, names: &Names) -> TokenStream {
     let private = &names.private;
-    let is_momentum = |part: &Quantity| vec![part.role == QuantityRole::Momentum; part.components.len()];
+    let is_momentum = |part: &Quantity| vec![part.role == Role::Momentum; part.components.len()];
     let is_momentum: Vec<bool> = interface.state.iter().flat_map(is_momentum).collect();
     let element = |letter: char, n: usize| Ident::new(&format!("{letter}{n}"), Span::mixed_site());
     let all: Vec<Ident> = (0..is_momentum.len()).map(|n| element('x', n)).collect();

@@ -4,6 +4,7 @@ use num_rational::Ratio;
 
 use super::{Basis, Law, MatrixFunction, Representation, Retraction, Side, calculus, families, second_kind};
 use crate::expr::{Expr, Vector};
+use crate::quantity::Kind;
 
 /// A Lie group, left-trivialized: `g' = g ξ`.
 ///
@@ -16,22 +17,20 @@ pub trait Group: Sync {
     fn conventions(&self) -> &'static str;
     /// The field of the state that holds the configuration of a system with this one group.
     fn configuration_name(&self) -> &'static str;
-    /// The type the configuration is stored as, within nalgebra, generic over the scalar.
-    fn configuration_type(&self) -> StorageType;
+    /// The kind of the configuration.
+    fn configuration_kind(&self) -> Kind;
     /// Suffixes of the stored coordinates.
     fn coordinates(&self) -> &'static [&'static str];
-    /// The type an element of the dual of the algebra is stored as.
-    fn momentum_type(&self) -> StorageType;
     /// The equations of motion of a left-invariant system, for generated documentation: Lie–Poisson, with the coadjoint action, unless they read
     /// better otherwise.
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, momentum, velocity, advected } = names;
-        let mut terms = vec![format!("ad*({velocity}) {momentum}")];
-        terms.extend(advected.iter().map(|a| format!("{a} ⋄ ∂V/∂{a}")));
+        let EquationNames { configuration, momentum, velocity, advected, energy } = names;
+        let bracket = EquationTerm::kept(format!("ad*({velocity}) {momentum}"));
+        let by_energy = advected.iter().map(|a| EquationTerm::by_energy(format!("{a} ⋄ ∂{energy}/∂{a}")));
         Equations {
-            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
-            momentum: terms,
-            advected: advected.iter().map(|a| format!("{a}' = ad*({velocity}) {a}")).collect(),
+            configuration: format!("{configuration} hat({velocity})"),
+            momentum: std::iter::once(bracket).chain(by_energy).collect(),
+            advected: advected.iter().map(|a| format!("ad*({velocity}) {a}")).collect(),
         }
     }
     /// Dimension of the algebra.
@@ -153,29 +152,6 @@ pub trait Group: Sync {
     }
 }
 
-/// A type of nalgebra's, generic over the scalar.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StorageType {
-    /// One with a name of its own: `UnitQuaternion`.
-    Named(&'static str),
-    /// A column of so many numbers.
-    Vector(usize),
-    /// A square matrix of so many rows.
-    Matrix(usize),
-}
-
-impl std::fmt::Display for StorageType {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Named(name) => f.write_str(name),
-            Self::Vector(n @ 1..=6) => write!(f, "Vector{n}"),
-            Self::Vector(n) => write!(f, "SVector<_, {n}>"),
-            Self::Matrix(n @ 1..=6) => write!(f, "Matrix{n}"),
-            Self::Matrix(n) => write!(f, "SMatrix<_, {n}, {n}>"),
-        }
-    }
-}
-
 /// An element of a group moved along a retraction, and what it was computed from.
 pub struct Moved<'a> {
     /// `τ(x)`, up to a scalar factor.
@@ -196,16 +172,38 @@ pub struct EquationNames<'n> {
     pub velocity: &'n str,
     /// The advected parameters.
     pub advected: &'n [&'n str],
+    /// The letter of the energy that is differentiated.
+    pub energy: &'static str,
 }
 
-/// Equations of motion as text.
+/// The right sides of equations of motion, as text.
 pub struct Equations {
-    /// `attitude' = attitude hat(velocity)`
+    /// `attitude hat(velocity)`
     pub configuration: String,
-    /// The terms of `momentum'` but for forces and the potential on the group.
-    pub momentum: Vec<String>,
-    /// `gamma' = gamma × velocity`
+    /// The terms of the momentum's change but for forces and the potential on the group.
+    pub momentum: Vec<EquationTerm>,
+    /// `gamma × velocity`, for each advected parameter.
     pub advected: Vec<String>,
+}
+
+/// A term of an equation of motion.
+pub struct EquationTerm {
+    /// As it is written.
+    pub text: String,
+    /// Whether it is linear in the energy's derivative by an advected parameter.
+    pub by_energy: bool,
+}
+
+impl EquationTerm {
+    /// A term without the energy.
+    pub fn kept(text: String) -> Self {
+        Self { text, by_energy: false }
+    }
+
+    /// A term with the energy's derivative.
+    pub fn by_energy(text: String) -> Self {
+        Self { text, by_energy: true }
+    }
 }
 
 /// Something that an expression can take from an element of a group, as `pose.rotation` or `angle.cos_angle()`.

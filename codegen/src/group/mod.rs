@@ -27,7 +27,7 @@ mod su2;
 pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
-pub use definition::{Component, ComponentValue, EquationNames, Equations, Group, Moved, StorageType};
+pub use definition::{Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, Moved};
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
@@ -45,7 +45,7 @@ pub use structure::Structure;
 pub use su2::SU2;
 
 /// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
-pub(crate) fn part_name(whole: &str, part: &str) -> String {
+pub fn part_name(whole: &str, part: &str) -> String {
     let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
     let (factor, quantity) = whole.split_at(at);
     format!("{factor}{part}_{quantity}")

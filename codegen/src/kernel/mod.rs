@@ -18,7 +18,7 @@ use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::method::Step;
 use crate::model::System;
 use crate::program::{
-    Argument, Function, Input, Module, Record, RecordKind, Role, StepRole, SystemRole, Value, Values,
+    Argument, Function, FunctionRole, Input, Module, Record, RecordKind, StepRole, SystemRole, Value, Values,
 };
 use factor::Factoring;
 use layout::Layout;
@@ -232,7 +232,7 @@ impl<'a> Code<'a> {
 type InputNames<'n> = dyn Fn(Input, &str) -> Vec<String> + 'n;
 
 /// Functions whose results have names, for those of what they are computed from.
-trait Results: Role {
+trait Results: FunctionRole {
     /// The results' names; none where numbers will do.
     fn result_names(self, names: &InputNames<'_>) -> Vec<String>;
 }

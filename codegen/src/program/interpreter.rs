@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Argument, Input, Module, RecordKind, Role, Statement, Term, Value, Values};
+use super::{Argument, FunctionRole, Input, Module, RecordKind, Statement, Term, Value, Values};
 use crate::expr::{Function as Elementary, Number, Value as Numeric};
 
 /// What functions are given: arrays, and records as the functions return them that compute them.
@@ -60,7 +60,7 @@ impl fmt::Display for CallError {
 
 impl std::error::Error for CallError {}
 
-impl<R: Role> Module<R> {
+impl<R: FunctionRole> Module<R> {
     /// Calls the function of a role, which sees what its arguments give it and nothing else.
     ///
     /// # Errors

@@ -9,10 +9,10 @@ mod operations;
 mod roles;
 mod text;
 
-pub use interface::{Documentation, Element, Inertia, Interface, Quantity};
+pub use interface::{Constant, Documentation, Element, Inertia, Interface, Quantity, Transform};
 pub use interpreter::{CallError, Given, Returned};
 pub use operations::Operations;
-pub use roles::{DerivativeRole, Role, Signature, StepRole, SystemRole};
+pub use roles::{DerivativeRole, FunctionRole, Signature, StepRole, SystemRole};
 
 /// Functions of one number.
 pub use crate::expr::Function as Elementary;
@@ -236,7 +236,7 @@ impl Values {
     }
 }
 
-impl<R: Role> Module<R> {
+impl<R: FunctionRole> Module<R> {
     /// The function of a role, if there is one.
     pub fn function(&self, role: R) -> Option<&Function<R>> {
         self.functions.iter().find(|function| function.role == role)

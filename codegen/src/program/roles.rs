@@ -6,7 +6,7 @@ use super::{Input, RecordKind};
 use crate::scheme::Retraction;
 
 /// Tells the functions of a module apart.
-pub trait Role: Copy + Debug + PartialEq + 'static {
+pub trait FunctionRole: Copy + Debug + PartialEq + 'static {
     /// What is known of the function.
     fn signature(self) -> Signature;
 
@@ -129,7 +129,7 @@ const fn row(
     Signature { name, inputs, results, purpose }
 }
 
-impl Role for StepRole {
+impl FunctionRole for StepRole {
     #[rustfmt::skip]
     fn signature(self) -> Signature {
         match self {
@@ -147,7 +147,7 @@ impl Role for StepRole {
     }
 }
 
-impl Role for DerivativeRole {
+impl FunctionRole for DerivativeRole {
     #[rustfmt::skip]
     fn signature(self) -> Signature {
         match self {
@@ -165,7 +165,7 @@ impl Role for DerivativeRole {
     }
 }
 
-impl Role for SystemRole {
+impl FunctionRole for SystemRole {
     #[rustfmt::skip]
     fn signature(self) -> Signature {
         match self {

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use super::{Function, Module, RecordKind, Role, Statement, Term, Values};
+use super::{Function, FunctionRole, Module, RecordKind, Statement, Term, Values};
 
 impl RecordKind {
     /// What the record is called in text.
@@ -17,7 +17,7 @@ impl RecordKind {
     }
 }
 
-impl<R: Role> Module<R> {
+impl<R: FunctionRole> Module<R> {
     /// The functions of these roles as text, those of them that there are.
     pub fn text(&self, roles: &[R]) -> String {
         let wanted = self.functions.iter().filter(|function| roles.contains(&function.role));
@@ -26,7 +26,7 @@ impl<R: Role> Module<R> {
 }
 
 impl Values {
-    fn function_text<R: Role>(&self, function: &Function<R>) -> String {
+    fn function_text<R: FunctionRole>(&self, function: &Function<R>) -> String {
         let called = function.role.name();
         let mut lines = vec![format!("{called}: {}", function.operations())];
         lines.extend(function.statements.iter().map(|line| format!("    {}", self.statement_text(line))));
@@ -109,7 +109,7 @@ impl Values {
     }
 }
 
-impl<R: Role> fmt::Display for Module<R> {
+impl<R: FunctionRole> fmt::Display for Module<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.functions.iter().try_for_each(|function| f.write_str(&self.values.function_text(function)))
     }

@@ -1,6 +1,9 @@
 //! The macro as rustc calls it, and what is derived by what is asked for.
 
-use coadjoint_codegen::program::{DerivativeRole, Module, Program, Role, StepRole, SystemRole};
+use coadjoint_codegen::program::{
+    DerivativeRole, FunctionRole, Module, Program, StepRole, SystemRole, Transform,
+};
+use coadjoint_codegen::quantity::{Kind, ScalarType, Side};
 use coadjoint_codegen::{expand, lie_group, lie_poisson_system, lie_poisson_system_with, program};
 
 use crate::common::tokens;
@@ -167,7 +170,7 @@ fn derivatives_are_those_that_are_asked_for() {
 fn functions_are_given_what_the_runtime_gives_them() {
     let program = derived(&format!("{DRIVEN}, derivatives"), BODY);
     let step = &program.steps[0];
-    fn signature<R: Role>(module: &Module<R>, role: R) -> String {
+    fn signature<R: FunctionRole>(module: &Module<R>, role: R) -> String {
         let arguments = &module.function(role).expect("it is there").arguments;
         let inputs: Vec<String> = arguments.iter().map(|argument| format!("{:?}", argument.input)).collect();
         inputs.join(", ")
@@ -204,12 +207,26 @@ fn what_is_seen_of_a_system_is_what_was_described() {
     assert_eq!(interface.parameters[0].components, ["x", "y", "z"]);
     assert_eq!(interface.parameters[1].components, [""]);
     assert_eq!(interface.state[0].components, ["w", "x", "y", "z"]);
-    let perturbations: Vec<usize> = interface.state.iter().map(|part| part.perturbation).collect();
-    assert_eq!(perturbations, [3, 3, 3]);
+    let kinds: Vec<Kind> = interface.state.iter().map(|part| part.kind).collect();
+    assert_eq!(kinds, [Kind::UnitQuaternion, Kind::Vector(3), Kind::Vector(3)]);
+    let tangents: Vec<_> = interface.state.iter().map(|part| part.tangent.clone()).collect();
+    assert_eq!(tangents, [0..3, 3..6, 6..9]);
+    assert!(interface.state.iter().all(|part| part.side == Some(Side::Left)));
+    assert!(interface.parameters.iter().all(|field| field.side.is_none()));
+    assert_eq!((interface.scalar, interface.side), (ScalarType::F64, Side::Left));
+    assert_eq!((interface.velocity, interface.momentum), (Transform::Explicit, Transform::Explicit));
     assert_eq!((interface.state_length(), interface.parameter_length()), (10, 7));
     assert_eq!((interface.state_perturbation(), interface.control_length()), (9, 0));
     assert!(interface.is_forced && !interface.is_autonomous && !interface.is_left_invariant);
     assert_eq!(interface.casimirs, ["|gamma|²"]);
+    let timed =
+        "group = R1, lagrangian = (1.0 + t * t) * velocity.norm_squared() * std::f64::consts::PI / 2.0";
+    let timed = derived(timed, "struct Bead { #[inertia] mass: Matrix1<f64> }").interface;
+    assert!(timed.is_velocity_timed && !interface.is_velocity_timed);
+    assert_eq!((timed.name.as_str(), timed.parameters[0].kind), ("Bead", Kind::Symmetric(1)));
+    let constant = ("const_pi".to_owned(), "std::f64::consts::PI".to_owned());
+    let constants = timed.constants.into_iter().map(|constant| (constant.name, constant.path));
+    assert_eq!(constants.collect::<Vec<_>>(), [constant]);
     let free = derived("group = SO3", BODY).interface;
     assert!(!free.is_forced && free.is_autonomous && free.is_left_invariant);
     assert_eq!(free.casimirs, ["|momentum|²"]);

@@ -11,7 +11,7 @@ use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Energy, Relation, System};
 use coadjoint_codegen::program::{
-    CallError, DerivativeRole, Given, Input, Module, Role, StepRole, SystemRole,
+    CallError, DerivativeRole, FunctionRole, Given, Input, Module, StepRole, SystemRole,
 };
 use coadjoint_codegen::scheme::Member;
 
@@ -108,12 +108,12 @@ fn given(arena: &Arena, system: &System<'_>) -> Given<f64> {
         .with(Input::Control, values(arena, &system.control_symbols()))
 }
 
-fn call<R: Role>(module: &Module<R>, role: R, given: &Given<f64>) -> Vec<Vec<f64>> {
+fn call<R: FunctionRole>(module: &Module<R>, role: R, given: &Given<f64>) -> Vec<Vec<f64>> {
     module.call(role, given).unwrap_or_else(|error| panic!("{role:?}: {error}")).results
 }
 
 /// What is given, with the record that a function returns.
-fn with_record<R: Role>(module: &Module<R>, role: R, given: Given<f64>) -> Given<f64> {
+fn with_record<R: FunctionRole>(module: &Module<R>, role: R, given: Given<f64>) -> Given<f64> {
     let returned = module.call(role, &given).unwrap_or_else(|error| panic!("{role:?}: {error}"));
     let (kind, fields) = returned.record.expect("a record");
     given.with(Input::Record(kind), fields)

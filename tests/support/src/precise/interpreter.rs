@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use coadjoint_codegen::program::{DerivativeRole, Given, Input, Module, Returned, Role, StepRole};
+use coadjoint_codegen::program::{DerivativeRole, Given, Input, Module, Returned, FunctionRole, StepRole};
 
 use super::matrix::Column;
 use super::real::Real;
 
 /// The arrays that the function of a role returns.
-pub fn call<R: Role>(module: &Module<R>, role: R, given: &Given<Real>) -> Vec<Column> {
+pub fn call<R: FunctionRole>(module: &Module<R>, role: R, given: &Given<Real>) -> Vec<Column> {
     arrays(module.call(role, given).unwrap_or_else(|error| panic!("{role:?}: {error}")))
 }
 
@@ -35,7 +35,7 @@ pub struct Stages {
 }
 
 /// Calls the function of a role and adds the record that it returns to what is given.
-fn with_record<R: Role>(module: &Module<R>, role: R, given: Given<Real>) -> (Vec<Column>, Given<Real>) {
+fn with_record<R: FunctionRole>(module: &Module<R>, role: R, given: Given<Real>) -> (Vec<Column>, Given<Real>) {
     let returned = module.call(role, &given).unwrap_or_else(|error| panic!("{role:?}: {error}"));
     let (kind, fields) = returned.record.clone().expect("a record");
     (arrays(returned), given.with(Input::Record(kind), fields))
