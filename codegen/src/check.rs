@@ -14,14 +14,19 @@ use syn::ext::IdentExt;
 
 use crate::diagnostics::Diagnostics;
 use crate::group::{Group, Representation, Side};
-use crate::identifiers::Name;
+use crate::identifiers::{Name, plain};
 use crate::parse::{self, Attribute, Field, Item};
+use crate::quantity::ScalarType;
 
 /// A description, resolved: parts refer to each other by index.
 ///
 /// What is in error, which was reported, is left out, and [`is_sound`](Self::is_sound) says so; the expressions are there all the same, for the
 /// sake of problems in them.
 pub struct Description<'d> {
+    /// What the user calls the system.
+    pub name: String,
+    /// The numbers that it is made of.
+    pub scalar: ScalarType,
     /// The struct's fields.
     pub parameters: &'d [Field],
     /// The factors of the configuration's group.
@@ -146,6 +151,8 @@ pub fn resolve<'d>(
     subject.check_scalars(diagnostics);
     let unknown = subject.unknown_names(&advected);
     Description {
+        name: plain(&item.name),
+        scalar: item.scalar(),
         parameters: &item.fields,
         factors: subject.into_factors(),
         advected,

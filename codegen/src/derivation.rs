@@ -6,12 +6,14 @@ use crate::geometry;
 use crate::group::{Retraction, Side};
 use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
+use crate::language;
 use crate::method::linearization::Linearization;
-use crate::model::Role as QuantityRole;
-use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, StoredAs, System};
+use crate::model::{InertiaField, InertiaShape, Name, Parameter, Part, Place, Relation, System};
 use crate::program::{
-    Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, Role, StepProgram,
+    Constant, Documentation, Element, Inertia, Input, Interface, Module, Program, Quantity, StepProgram,
+    SystemRole, Transform,
 };
+use crate::quantity::{Kind, Role, Shape};
 use crate::scheme::Scheme;
 
 /// What is computed for a system, but for its steps.
@@ -24,30 +26,37 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {
     }
 }
 
-/// What is to be seen of a system from outside.
+/// A system's public surface.
 fn interface(system: &System<'_>) -> Interface {
     let part = |part: &Part<'_>| Quantity {
         role: part.role,
         name: part.name.plain(),
         element: element(&part.name),
         components: part.suffixes.clone(),
-        stored: part.stored,
-        perturbation: match part.role {
-            QuantityRole::Configuration => {
+        kind: part.kind,
+        tangent: 0..match part.role {
+            Role::Configuration => {
                 let factor = system.factors.iter().find(|factor| factor.name == part.name);
                 factor.map_or(0, |factor| factor.momentum.len())
             }
-            _ => part.symbols.len(),
+            Role::Parameter | Role::Momentum | Role::Advected | Role::Control => part.symbols.len(),
         },
+        side: (part.role != Role::Control).then_some(system.side),
         doc: part.doc.clone(),
     };
     let field = |field: &Parameter| Quantity {
-        role: QuantityRole::Parameter,
+        role: Role::Parameter,
         name: field.name.plain(),
         element: element(&field.name),
         components: field.suffixes(),
-        stored: StoredAs::Shape(field.shape),
-        perturbation: field.symbols.len(),
+        kind: match field.shape {
+            Shape::Matrix(n, _) if system.inertias.iter().any(|inertia| inertia.name == field.name) => {
+                Kind::Symmetric(n)
+            }
+            shape => shape.into(),
+        },
+        tangent: 0..field.symbols.len(),
+        side: None,
         doc: field.doc.clone(),
     };
     let inertia = |inertia: &InertiaField<'_>| Inertia {
@@ -55,11 +64,18 @@ fn interface(system: &System<'_>) -> Interface {
         is_matrix: inertia.shape == InertiaShape::Matrix,
         rows: inertia.matrix.rows,
     };
+    let constants = system.constants.iter();
+    let constant =
+        |constant: &language::Constant<'_>| Constant { name: constant.name.clone(), path: constant.path() };
+    let velocity = system.velocity_relation();
     Interface {
-        parameters: system.parameters.iter().map(field).collect(),
-        constants: system.constants.len(),
-        state: system.parts().iter().map(part).collect(),
-        controls: system.controls.iter().map(part).collect(),
+        name: system.name.clone(),
+        scalar: system.scalar,
+        side: system.side,
+        parameters: in_a_row(system.parameters.iter().map(field)),
+        constants: constants.map(constant).collect(),
+        state: in_a_row(system.parts().iter().map(part)),
+        controls: in_a_row(system.controls.iter().map(part)),
         inertias: system.inertias.iter().map(inertia).collect(),
         casimirs: system.casimirs().found.iter().map(|(name, _)| name.clone()).collect(),
         missing_casimirs: system.casimirs().missing,
@@ -67,11 +83,33 @@ fn interface(system: &System<'_>) -> Interface {
         is_autonomous: system.is_autonomous(),
         is_left_invariant: system.is_left_invariant(),
         is_forced: system.is_forced(),
+        velocity: transform(velocity),
+        is_velocity_timed: velocity.value().is_some_and(|value| value.depends_on(&system.time_symbol())),
+        momentum: transform(&system.momentum_relation()),
         documentation: Documentation {
             coordinates: coordinates(system),
             equations: system.equations(),
             conventions: conventions(system),
         },
+    }
+}
+
+/// Quantities with their perturbations one after the other.
+fn in_a_row(quantities: impl Iterator<Item = Quantity>) -> Vec<Quantity> {
+    let mut end = 0;
+    let placed = quantities.map(|quantity| {
+        let start = end;
+        end += quantity.tangent.len();
+        Quantity { tangent: start..end, ..quantity }
+    });
+    placed.collect()
+}
+
+fn transform(relation: &Relation<'_>) -> Transform {
+    match relation {
+        Relation::Explicit(_) => Transform::Explicit,
+        Relation::Implicit(_) => Transform::Newton,
+        Relation::Singular => Transform::Singular,
     }
 }
 
@@ -127,34 +165,41 @@ fn at_state(system: &System<'_>) -> Inputs {
 }
 
 /// Energy, velocity and what is conserved.
-fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+fn energies<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let casimirs = Vector(system.casimirs().found.iter().map(|&(_, value)| value).collect());
     let inputs = || at_state(system).with(Input::Time, system.time_symbol());
     let mut functions = vec![
-        function(arena, system, Role::Energy, &Vector(vec![system.energy()]), inputs()),
-        kernel::function(arena, Role::Casimirs, &casimirs, inputs()),
-        kernel::function(arena, Role::SpatialMomentum, &spatial_momentum(system), inputs()),
+        function(arena, system, SystemRole::Energy, &Vector(vec![system.energy()]), inputs()),
+        kernel::function(arena, SystemRole::Casimirs, &casimirs, inputs()),
+        kernel::function(arena, SystemRole::SpatialMomentum, &spatial_momentum(system), inputs()),
     ];
     let off = system.group.deviation(&system.configuration());
     if !off.is_empty() {
         let inputs = Inputs::default().with(Input::State, system.state_symbols());
-        functions.push(kernel::function(arena, Role::Deviation, &Vector(vec![off.dot(&off).sqrt()]), inputs));
+        functions.push(kernel::function(
+            arena,
+            SystemRole::Deviation,
+            &Vector(vec![off.dot(&off).sqrt()]),
+            inputs,
+        ));
     }
     let velocity = system.velocity_symbols().symbols();
     let with_velocity = || inputs().with(Input::Velocity, velocity.clone());
     functions.extend(match system.velocity_relation() {
-        Relation::Explicit(value) => Some(function(arena, system, Role::Velocity, value, inputs())),
+        Relation::Explicit(value) => Some(function(arena, system, SystemRole::Velocity, value, inputs())),
         Relation::Implicit(residual) => {
             let newton = newton(residual, &velocity);
-            Some(function(arena, system, Role::VelocityNewton, &newton, with_velocity()))
+            Some(function(arena, system, SystemRole::VelocityNewton, &newton, with_velocity()))
         }
         Relation::Singular => None,
     });
     functions.extend(match system.momentum_relation() {
-        Relation::Explicit(value) => Some(function(arena, system, Role::Momentum, &value, with_velocity())),
+        Relation::Explicit(value) => {
+            Some(function(arena, system, SystemRole::Momentum, &value, with_velocity()))
+        }
         Relation::Implicit(residual) => {
             let newton = newton(&residual, &system.momentum().symbols());
-            Some(function(arena, system, Role::MomentumNewton, &newton, with_velocity()))
+            Some(function(arena, system, SystemRole::MomentumNewton, &newton, with_velocity()))
         }
         Relation::Singular => None,
     });
@@ -171,10 +216,10 @@ fn newton<'a>(residual: &Vector<'a>, unknown: &[Symbol]) -> Vector<'a> {
 fn function<'a>(
     arena: &'a Arena,
     system: &System<'a>,
-    role: Role,
+    role: SystemRole,
     value: &Vector<'a>,
     inputs: Inputs,
-) -> Module {
+) -> Module<SystemRole> {
     let others =
         [(Input::Control, system.control_symbols()), (Input::Velocity, system.velocity_symbols().symbols())];
     let needed = others.into_iter().filter(|(input, symbols)| {
@@ -193,42 +238,41 @@ fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
 }
 
 /// What shows that inertias are positive definite.
-fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let pivots = |(place, inertia): (usize, &InertiaField<'a>)| {
         let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());
-        kernel::function(arena, Role::Pivots(place), &inertia.matrix.ldl().1, inputs)
+        kernel::function(arena, SystemRole::Pivots(place), &inertia.matrix.ldl().1, inputs)
     };
     system.inertias.iter().enumerate().map(pivots).collect()
 }
 
 /// The geometry of the states.
-fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module> {
+fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let by = geometry::tangent_symbols(arena, system, "by");
     let with_tangent = || at_state(system).with(Input::Tangent, by.symbols());
     let with_time = |inputs: Inputs| inputs.with(Input::Time, system.time_symbol());
     let controlled = at_state(system).with(Input::Control, system.control_symbols());
-    let displaced = |retraction| geometry::displaced(system, retraction, &by);
-    let mut functions =
-        vec![(Role::ExponentialDisplacement, displaced(Retraction::Exponential), with_tangent())];
     // any local coordinates are as good as others where there are no steps with the map
-    let others = [
-        (Role::CayleyDisplacement, Retraction::Cayley),
-        (Role::SecondKindDisplacement, Retraction::SecondKind),
-    ];
-    let is_there = |retraction| system.group.factors.iter().all(|factor| factor.group.has(retraction));
-    let others = others.into_iter().filter(|(_, retraction)| is_there(*retraction));
-    functions.extend(others.map(|(role, retraction)| (role, displaced(retraction), with_tangent())));
+    let is_there = |retraction: &Retraction| {
+        *retraction == Retraction::Exponential
+            || system.group.factors.iter().all(|factor| factor.group.has(*retraction))
+    };
+    let displacement = |retraction| {
+        let value = geometry::displaced(system, retraction, &by);
+        (SystemRole::Displacement(retraction), value, with_tangent())
+    };
+    let mut functions: Vec<_> = Retraction::ALL.into_iter().filter(is_there).map(displacement).collect();
     functions.extend([
-        (Role::Differential, geometry::differential(system), with_time(at_state(system))),
-        (Role::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
-        (Role::Force, geometry::force(arena, system), with_time(controlled)),
+        (SystemRole::Differential, geometry::differential(system), with_time(at_state(system))),
+        (SystemRole::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),
+        (SystemRole::Force, geometry::force(arena, system), with_time(controlled)),
     ]);
     if is_isolated(system) {
         let symbol = |i: usize| arena.symbol(format!("conserved_{i}"), Stage::Step);
         let conserved = Vector((0..system.dimension()).map(symbol).collect());
         let inputs = at_state(system).with(Input::Conserved, conserved.symbols());
-        functions.push((Role::Conserved, geometry::conserved(system), at_state(system)));
-        functions.push((Role::WithConserved, geometry::with_conserved(system, &conserved), inputs));
+        functions.push((SystemRole::Conserved, geometry::conserved(system), at_state(system)));
+        functions.push((SystemRole::WithConserved, geometry::with_conserved(system, &conserved), inputs));
     }
     let module = |(role, value, inputs)| function(arena, system, role, &value, inputs);
     functions.into_iter().map(module).collect()

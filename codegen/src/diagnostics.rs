@@ -121,8 +121,8 @@ pub fn count(number: usize, noun: &str) -> String {
     format!("{number} {noun}{plural}")
 }
 
-/// `; did you mean …?` if one of the known names is close to what was written, otherwise `; known are …`, to be put after
-/// a sentence that says what is not known.
+/// `; did you mean …?` if one of the known names is close to what was written, otherwise `; known: …`: the end of a
+/// sentence that says what is not known.
 pub fn suggestion(written: &str, known: &[&str]) -> String {
     match nearest(written, known) {
         Some(name) => format!("; did you mean `{name}`?"),

@@ -1,9 +1,7 @@
 //! The equations of motion as text, for documentation.
 
-use quote::ToTokens;
-
 use crate::expr::{Formulas, gradient};
-use crate::group::{EquationNames, Representation, Semidirect, Side};
+use crate::group::{EquationNames, EquationTerm, Equations, Representation, Semidirect, Side};
 use crate::limits::FORMULAS;
 use crate::model::{Energy, Factor, InertiaField, System};
 
@@ -75,35 +73,33 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>, algebra: &Semidirect) ->
     let advected: Vec<&str> = own_spaces.iter().map(|(advected, _)| *advected).collect();
     let (name, momentum) = (factor.name.plain(), factor.momentum_name.plain());
     let velocity = factor.velocity_name();
-    let mut equations = group.equations(&EquationNames {
+    let equations = group.equations(&EquationNames {
         configuration: &name,
         momentum: &momentum,
         velocity: &velocity,
         advected: &advected,
+        energy,
     });
+    let Equations { mut configuration, momentum: mut terms, advected: rates } = equations;
+    let mut rates: Vec<(String, String)> = advected.iter().map(|&name| name.to_owned()).zip(rates).collect();
     for (advected, _) in others {
-        equations.momentum.push(format!("{advected} ⋄ ∂V/∂{advected}"));
-        equations.advected.push(format!("{advected}' = ad*({velocity}) {advected}"));
+        terms.push(EquationTerm::by_energy(format!("{advected} ⋄ ∂{energy}/∂{advected}")));
+        rates.push((advected.to_owned(), format!("ad*({velocity}) {advected}")));
     }
     let is_lagrangian = matches!(system.energy, Energy::Lagrangian(_));
     // the energy's derivatives are those of `−l`
     let (space, own) = if is_lagrangian { ("+", " − ") } else { ("−", " + ") };
     let mut change = String::new();
-    for term in &equations.momentum {
-        let by_energy = term.contains("∂V");
+    for EquationTerm { text, by_energy } in terms {
         let sign = if by_energy { own } else { " + " };
         let sign = if change.is_empty() { sign.trim_matches([' ', '+']) } else { sign };
-        change = format!("{change}{sign}{}", term.replace("∂V", &format!("∂{energy}")));
+        change = format!("{change}{sign}{text}");
     }
     if system.side == Side::Right && !group.is_linear() {
         // inversion changes the sign of the velocity
-        equations.configuration = format!("{name}' = hat({velocity}) {name}");
+        configuration = format!("hat({velocity}) {name}");
         change = format!("−({change})");
-        for line in &mut equations.advected {
-            if let Some((left, right)) = line.split_once(" = ") {
-                *line = format!("{left} = −({right})");
-            }
-        }
+        rates.iter_mut().for_each(|(_, rate)| *rate = format!("−({rate})"));
     }
     if system.depends_on_configuration(factor) {
         change = match (change.is_empty(), is_lagrangian) {
@@ -118,15 +114,15 @@ fn motion<'a>(system: &System<'a>, factor: &Factor<'a>, algebra: &Semidirect) ->
     if change.is_empty() {
         change = "0".to_owned();
     }
-    let mut lines = vec![equations.configuration, format!("{momentum}' = {change}")];
-    lines.extend(equations.advected);
+    let mut lines = vec![format!("{name}' = {configuration}"), format!("{momentum}' = {change}")];
+    lines.extend(rates.into_iter().map(|(advected, rate)| format!("{advected}' = {rate}")));
     lines
 }
 
 /// The derivatives of the energy by the advected parameters, and of a Lagrangian by the velocity.
 fn derivatives(system: &System<'_>) -> Vec<String> {
     let energy = energy(system);
-    let constants = system.constants.iter().map(|constant| (constant.symbol, path(&constant.tokens)));
+    let constants = system.constants.iter().map(|constant| (constant.symbol, constant.path()));
     let mut formulas = Formulas::new(system.time.arena(), constants);
     let (differentiated, by_velocity) = match &system.energy {
         Energy::Lagrangian(lagrangian) => (*lagrangian, true),
@@ -143,16 +139,4 @@ fn derivatives(system: &System<'_>) -> Vec<String> {
     formulas
         .lines(FORMULAS)
         .unwrap_or_else(|| vec![format!("The derivatives of {energy} are too long for this place.")])
-}
-
-/// A path as it is usually written: with spaces between words alone.
-fn path(tokens: &syn::Expr) -> String {
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    tokens.to_token_stream().into_iter().fold(String::new(), |mut text, token| {
-        let token = token.to_string();
-        if text.ends_with(is_part) && token.starts_with(is_part) {
-            text.push(' ');
-        }
-        text + &token
-    })
 }

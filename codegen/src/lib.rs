@@ -29,6 +29,7 @@ pub mod model;
 mod own;
 pub mod parse;
 pub mod program;
+pub mod quantity;
 mod regularity;
 pub mod scheme;
 
@@ -40,7 +41,8 @@ use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
 use model::System;
-pub use own::{lie_group, lie_poisson_system_with};
+use own::Answer;
+pub use own::lie_group;
 use parse::{Attribute, Definition, Item};
 use program::Program;
 use scheme::{Member, Rule, Scheme};
@@ -50,6 +52,14 @@ use scheme::{Member, Rule, Scheme};
 /// others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     described(attribute, item, Vec::new(), &TokenStream::new())
+}
+
+/// The whole of what the macro of a user's own group calls, with the definition that it hands back.
+pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
+    match own::answer(input) {
+        Ok(Answer { definitions, known, attribute, item }) => described(attribute, item, definitions, &known),
+        Err(error) => error.into_compile_error(),
+    }
 }
 
 /// The same with the definitions of groups of the user's own, as far as they are known.
@@ -104,8 +114,7 @@ fn nothing() -> syn::Error {
 
 /// A program as Rust.
 fn emitted(program: Program, system: &System<'_>, attribute: &Attribute, item: &Item) -> Expansion {
-    let (name, visibility) = (item.name.clone(), item.visibility.clone());
-    let names = Names::new(name, visibility, item.scalar().name(), attribute.krate.as_ref(), system);
+    let names = Names::new(&program.interface, item, attribute.krate.as_ref(), system);
     emit::expansion(program, system, &item.declaration, &names, attribute.derivatives)
 }
 

@@ -38,7 +38,7 @@ pub(crate) const EXPONENT: u32 = 1024;
 pub(crate) const DETERMINANT: usize = 4;
 
 /// How many integers a range may go through. Each is a copy of what is said of it.
-pub(crate) const RANGE: i64 = 256;
+pub const RANGE: i64 = 256;
 
 /// How many operands the sums and products may have that are made while expressions are read. A derivation makes ten to a hundred times
 /// as many of them.

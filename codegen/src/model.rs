@@ -16,19 +16,23 @@ pub use crate::language::ForceForm;
 pub use casimirs::Casimirs;
 pub use layout::{Parts, Slot};
 pub use legendre::Relation;
-pub use part::{Part, Role, StoredAs};
+pub use part::Part;
 
 use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
 use crate::group::{Product, SemidirectVector, Side};
 use crate::identifiers::velocity_name;
 use crate::language::Constant;
-use crate::parse::Shape;
+use crate::quantity::{ScalarType, Shape};
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
 /// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls stage *step*.
 #[derive(Clone)]
 pub struct System<'a> {
+    /// What the user calls it.
+    pub name: String,
+    /// The numbers that it is made of.
+    pub scalar: ScalarType,
     /// The configuration's group, with the spaces of the advected parameters.
     pub group: Product,
     /// What belongs to each factor of the group.
@@ -148,7 +152,7 @@ pub struct ForceSource {
 pub struct Parameter {
     /// Its name.
     pub name: Name,
-    /// What it is stored as.
+    /// Its shape.
     pub shape: Shape,
     /// The first line of its documentation.
     pub doc: String,

@@ -130,30 +130,35 @@ pub(crate) fn ask(
     })
 }
 
-/// The whole of what a group's macro hands back: definitions, the attribute's tokens, and the item.
-pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
-    let read = |input: ParseStream<'_>| -> syn::Result<(TokenStream, TokenStream, TokenStream)> {
+/// What a group's macro hands back: the definitions, also as tokens, the attribute's tokens, and the item.
+pub(crate) struct Answer {
+    pub(crate) definitions: Vec<Definition>,
+    pub(crate) known: TokenStream,
+    pub(crate) attribute: TokenStream,
+    pub(crate) item: TokenStream,
+}
+
+/// Reads what a group's macro hands back.
+pub(crate) fn answer(input: TokenStream) -> syn::Result<Answer> {
+    let read = |input: ParseStream<'_>| {
         let part = || input.parse::<Tokens>().map(|group| group.stream());
-        Ok((part()?, part()?, part()?))
+        let (known, attribute, item) = (part()?, part()?, part()?);
+        Ok(Answer { definitions: definitions.parse2(known.clone())?, known, attribute, item })
     };
-    let definitions = |input: ParseStream<'_>| -> syn::Result<Vec<Definition>> {
-        let mut all = Vec::new();
-        while !input.is_empty() {
-            let path: LitStr = input.parse()?;
-            input.parse::<Token![=>]>()?;
-            let name = input.parse()?;
-            input.parse::<Token![=]>()?;
-            let (_, group) = definition(input)?;
-            input.parse::<Token![;]>()?;
-            all.push(Definition { path: path.value(), name, group });
-        }
-        Ok(all)
-    };
-    match read
-        .parse2(input)
-        .and_then(|(known, attribute, item)| Ok((definitions.parse2(known.clone())?, known, attribute, item)))
-    {
-        Ok((definitions, known, attribute, item)) => crate::described(attribute, item, definitions, &known),
-        Err(error) => error.into_compile_error(),
+    read.parse2(input)
+}
+
+/// `"Shears" => Shears = matrices { … };`, and others.
+fn definitions(input: ParseStream<'_>) -> syn::Result<Vec<Definition>> {
+    let mut all = Vec::new();
+    while !input.is_empty() {
+        let path: LitStr = input.parse()?;
+        input.parse::<Token![=>]>()?;
+        let name = input.parse()?;
+        input.parse::<Token![=]>()?;
+        let (_, group) = definition(input)?;
+        input.parse::<Token![;]>()?;
+        all.push(Definition { path: path.value(), name, group });
     }
+    Ok(all)
 }

@@ -1,7 +1,7 @@
 //! What a step is made by: the names of methods, as users write them and as generated code has them.
 
 use crate::expr::Number;
-use crate::group::Retraction;
+pub use crate::group::Retraction;
 
 /// What a step is made by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

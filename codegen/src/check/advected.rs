@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::groups::{known_space, space};
+use super::groups::{known_space, nothing_acts, space};
 use super::subject::Subject;
 use super::{Advected, Factors};
-use crate::diagnostics::{Diagnostics, list, suggestion};
-use crate::group::{Group, Representation};
+use crate::diagnostics::Diagnostics;
+use crate::group::Representation;
 use crate::identifiers::Name;
 use crate::parse;
 
@@ -104,21 +104,5 @@ impl<'d> Subject<'d> {
                 factor.ident
             ),
         }
-    }
-}
-
-/// Says that none of these groups acts on a space of this name.
-pub(super) fn nothing_acts(groups: &[&'static dyn Group], space: &str) -> String {
-    let names = list(groups.iter().map(|group| group.name()));
-    let mut known: Vec<&str> =
-        groups.iter().flat_map(|group| group.representations().iter().map(|space| space.name())).collect();
-    known.sort_unstable();
-    known.dedup();
-    // every group acts on its algebra and on the dual of that
-    known.extend(["adjoint", "coadjoint"]);
-    let rest = suggestion(space, &known);
-    match groups.len() {
-        1 => format!("{names} does not act on a space `{space}`{rest}"),
-        _ => format!("none of {names} acts on a space `{space}`{rest}"),
     }
 }

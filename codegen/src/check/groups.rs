@@ -3,7 +3,6 @@
 use proc_macro2::{Ident, Span};
 use quote::ToTokens;
 
-use super::advected::nothing_acts;
 use crate::diagnostics::{Diagnostics, list, suggestion};
 use crate::group::{
     self, Adjoint, Basis, BasisError, Dual, Group, Linear, LinearError, MatrixGroup, NamedMatrix,
@@ -321,4 +320,20 @@ fn given(
     };
     diagnostics.push(keyword, message);
     None
+}
+
+/// Says that none of these groups acts on a space of this name.
+pub(super) fn nothing_acts(groups: &[&'static dyn Group], space: &str) -> String {
+    let names = list(groups.iter().map(|group| group.name()));
+    let mut known: Vec<&str> =
+        groups.iter().flat_map(|group| group.representations().iter().map(|space| space.name())).collect();
+    known.sort_unstable();
+    known.dedup();
+    // every group acts on its algebra and on the dual of that
+    known.extend(["adjoint", "coadjoint"]);
+    let rest = suggestion(space, &known);
+    match groups.len() {
+        1 => format!("{names} does not act on a space `{space}`{rest}"),
+        _ => format!("none of {names} acts on a space `{space}`{rest}"),
+    }
 }

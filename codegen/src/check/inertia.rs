@@ -9,7 +9,8 @@ use super::{Inertia, InertiaShape};
 use crate::diagnostics::{Diagnostics, list};
 use crate::group::{Group, is_same};
 use crate::identifiers::Name;
-use crate::parse::{self, Field, Shape};
+use crate::parse::{self, Field};
+use crate::quantity::Shape;
 
 impl<'d> Subject<'d> {
     /// The inertias: each factor has exactly one, unless a Hamiltonian or a Lagrangian says what the energy is.

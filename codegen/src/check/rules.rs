@@ -7,7 +7,7 @@ use super::{Advected, Factors, Force, momentum_name};
 use crate::diagnostics::Diagnostics;
 use crate::group::{self, Retraction, part_name};
 use crate::identifiers::{Name, plain, velocity_name};
-use crate::parse::{Attribute, GROUP};
+use crate::parse::{Attribute, GROUP, scalar_name};
 
 impl<'d> Subject<'d> {
     fn field_names(&self) -> impl Iterator<Item = &'d Ident> {
@@ -181,7 +181,7 @@ impl<'d> Subject<'d> {
             if let Some((scalar, ty)) = &control.scalar
                 && *scalar != expected
             {
-                let (here, there) = (scalar.name(), expected.name());
+                let (here, there) = (scalar_name(*scalar), scalar_name(expected));
                 let message =
                     format!("this is made of `{here}`, but the system of `{there}`; use one of them for all");
                 diagnostics.push(ty, message);

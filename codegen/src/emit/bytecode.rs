@@ -14,11 +14,11 @@
 
 use super::code::rounded;
 use crate::program::{
-    Argument, Elementary, Function, Input, Module, RecordKind, Role, Statement, Term, Value,
+    Argument, Elementary, Function, Input, Module, RecordKind, Statement, StepRole, Term, Value,
 };
 
 /// The functions of a step that lead from one state to the next, if the solution of its equation is known.
-const ROLES: [Role; 4] = [Role::New, Role::Begin, Role::Evaluate, Role::Finish];
+const ROLES: [StepRole; 4] = [StepRole::New, StepRole::Begin, StepRole::Evaluate, StepRole::Finish];
 
 /// What functions are given, in the order of their kinds.
 const INPUTS: [Input; 10] = [
@@ -52,16 +52,16 @@ const FUNCTIONS: [Elementary; 13] = [
 ];
 
 /// The functions that lead from one state to the next, each in bytes.
-pub fn functions(module: &Module) -> impl Iterator<Item = Vec<u8>> {
+pub fn functions(module: &Module<StepRole>) -> impl Iterator<Item = Vec<u8>> {
     ROLES.iter().map(|role| module.function(*role).map(function).unwrap_or_default())
 }
 
-fn function(function: &Function) -> Vec<u8> {
+fn function(function: &Function<StepRole>) -> Vec<u8> {
     let mut code = Code::default();
     let given: Vec<(u8, &Argument)> = function
         .arguments
         .iter()
-        .filter(|argument| function.role == Role::Evaluate || !matches!(argument.input, Input::Record(_)))
+        .filter(|argument| function.role == StepRole::Evaluate || !matches!(argument.input, Input::Record(_)))
         .filter_map(|argument| Some((place(&INPUTS, &argument.input)?, argument)))
         .filter(|(_, argument)| argument.values.iter().any(Option::is_some))
         .collect();

@@ -4,7 +4,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 
 use crate::expr::Number;
-use crate::program::{Argument, Elementary, Function, Input, Module, RecordKind, Statement, Term, Value};
+use crate::program::{Argument, Elementary, Function, Input, RecordKind, Statement, Term, Value, Values};
 
 /// An array's length, without a suffix.
 pub(super) fn size(length: usize) -> Literal {
@@ -28,7 +28,7 @@ const RESERVED: &[&str] = &[
 ];
 
 /// A value's identifier, of the kernel's own making. Reserved words get an underscore more, and so does what would then be called alike.
-fn ident(module: &Module, value: Value) -> Ident {
+fn ident(module: &Values, value: Value) -> Ident {
     let name = module.name(value);
     let is_reserved = RESERVED.contains(&name.trim_end_matches('_'));
     let name = if is_reserved { format!("{name}_") } else { name.to_owned() };
@@ -37,11 +37,11 @@ fn ident(module: &Module, value: Value) -> Ident {
 
 /// A free function of arrays and, where it is given, the time:
 /// `fn name<T: Scalar>(parameters: &[T; P], state: &[T; S], time: T) -> [T; N] { … }`
-pub(super) fn free_function(
+pub(super) fn free_function<R>(
     name: &str,
     private: &TokenStream,
-    module: &Module,
-    function: &Function,
+    module: &Values,
+    function: &Function<R>,
 ) -> TokenStream {
     let name = format_ident!("{name}");
     let count = size(function.results.iter().map(Vec::len).sum());
@@ -84,7 +84,7 @@ fn argument_name(input: Input) -> Ident {
 }
 
 /// What a function needs of its arguments, and what it computes.
-pub(super) fn body(module: &Module, function: &Function) -> TokenStream {
+pub(super) fn body<R>(module: &Values, function: &Function<R>) -> TokenStream {
     let unpacked = function.arguments.iter().map(|argument| unpacked(module, argument));
     if function.statements.len() > MANY {
         let statements = function.statements.chunks(TOGETHER).map(|lines| declared_together(module, lines));
@@ -101,7 +101,7 @@ const MANY: usize = 1_500;
 const TOGETHER: usize = 250;
 
 /// `let (x, y, …,); x = …; y = …; …`
-fn declared_together(module: &Module, lines: &[Statement]) -> TokenStream {
+fn declared_together(module: &Values, lines: &[Statement]) -> TokenStream {
     let names = lines.iter().filter_map(|line| match line {
         Statement::Let { value, .. } => Some(ident(module, *value)),
         Statement::Stumpff { .. } => None,
@@ -117,7 +117,7 @@ fn declared_together(module: &Module, lines: &[Statement]) -> TokenStream {
 }
 
 /// `let [_, momentum_x, ..] = *state;`, `let [weight_half_h, ..] = self.0;`, `let h = step;` with the names that are used.
-fn unpacked(module: &Module, argument: &Argument) -> TokenStream {
+fn unpacked(module: &Values, argument: &Argument) -> TokenStream {
     let Argument { input, values } = argument;
     let Some(last) = values.iter().rposition(Option::is_some) else { return quote! {} };
     let name = argument_name(*input);
@@ -142,29 +142,29 @@ fn unpacked(module: &Module, argument: &Argument) -> TokenStream {
 }
 
 /// The type of a record: an array of as many numbers.
-pub(super) fn record(module: &Module, kind: RecordKind) -> TokenStream {
+pub(super) fn record(module: &Values, kind: RecordKind) -> TokenStream {
     let length = size(module.fields(kind).len());
     quote! { [T; #length] }
 }
 
 /// The array of a record's fields.
-pub(super) fn kept(module: &Module, kind: RecordKind) -> TokenStream {
+pub(super) fn kept(module: &Values, kind: RecordKind) -> TokenStream {
     let fields = module.fields(kind).iter().map(|&field| ident(module, field));
     quote! { [#(#fields),*] }
 }
 
 /// The arrays that a function returns.
-pub(super) fn arrays(module: &Module, function: &Function) -> Vec<TokenStream> {
+pub(super) fn arrays<R>(module: &Values, function: &Function<R>) -> Vec<TokenStream> {
     function.results.iter().map(|results| array(module, results)).collect()
 }
 
 /// `[x, y, …]`
-pub(super) fn array(module: &Module, results: &[Term]) -> TokenStream {
+pub(super) fn array(module: &Values, results: &[Term]) -> TokenStream {
     let results = results.iter().map(|result| term(module, result));
     quote! { [#(#results),*] }
 }
 
-fn statement(module: &Module, statement: &Statement) -> TokenStream {
+fn statement(module: &Values, statement: &Statement) -> TokenStream {
     match statement {
         Statement::Let { value, term: value_of } => {
             let (name, value) = (ident(module, *value), term(module, value_of));
@@ -193,12 +193,12 @@ enum Binding {
 }
 
 /// A term as an expression.
-pub(super) fn term(module: &Module, value: &Term) -> TokenStream {
+pub(super) fn term(module: &Values, value: &Term) -> TokenStream {
     bound(module, value, Binding::Sum)
 }
 
 /// The term, in parentheses if what is around binds more tightly.
-fn bound(module: &Module, value: &Term, around: Binding) -> TokenStream {
+fn bound(module: &Values, value: &Term, around: Binding) -> TokenStream {
     let within = |term: &Term, around| bound(module, term, around);
     let (tokens, binding) = match value {
         Term::Number(number) => (constant(*number), Binding::Unary),
@@ -246,7 +246,7 @@ fn bound(module: &Module, value: &Term, around: Binding) -> TokenStream {
 }
 
 /// `a + b − …`
-fn sum(module: &Module, addends: &[(bool, Term)]) -> TokenStream {
+fn sum(module: &Values, addends: &[(bool, Term)]) -> TokenStream {
     // the grouping of a sum within a sum is meant
     let addend = |(negative, addend): &(bool, Term)| (*negative, bound(module, addend, Binding::Product));
     addends.iter().map(addend).fold(TokenStream::new(), |sum, (negative, addend)| {
@@ -260,7 +260,7 @@ fn sum(module: &Module, addends: &[(bool, Term)]) -> TokenStream {
 }
 
 /// `a * b * …`
-fn product(module: &Module, factors: &[Term]) -> TokenStream {
+fn product(module: &Values, factors: &[Term]) -> TokenStream {
     let factors = factors.iter().map(|factor| bound(module, factor, Binding::Unary));
     factors.reduce(|product, factor| quote! { #product * #factor }).unwrap_or_default()
 }

@@ -4,9 +4,10 @@ use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size};
+use super::docs;
 use super::kernel::kernel_name;
-use super::{Names, docs};
-use crate::program::{Function, Input, Module, RecordKind, Role, Term};
+use super::names::Names;
+use crate::program::{DerivativeRole, Function, FunctionRole, Input, Module, RecordKind, Term};
 use crate::scheme::Scheme;
 
 /// The derivative of one scheme's step, to stand beside its kernel:
@@ -18,14 +19,19 @@ use crate::scheme::Scheme;
 /// ```
 ///
 /// What stands in it does not name the system, which may be called `Linearized`, too.
-pub(super) fn derivative(names: &Names, scheme: Scheme, module: &Module, lengths: &Lengths) -> TokenStream {
+pub(super) fn derivative(
+    names: &Names,
+    scheme: Scheme,
+    module: &Module<DerivativeRole>,
+    lengths: &Lengths,
+) -> TokenStream {
     let Names { private, system: system_name, .. } = names;
     let kernel = kernel_name(names, scheme);
-    let point = record(module, RecordKind::Point);
+    let point = record(&module.values, RecordKind::Point);
     let maps = Maps { module, lengths, private };
     let through = maps.through_type();
     let functions = module.functions.iter().map(|function| maps.method(function));
-    let no_through = module.function(Role::Through).is_none().then(|| {
+    let no_through = module.function(DerivativeRole::Through).is_none().then(|| {
         quote! {
             #[inline]
             fn through(_: &Self::Point) -> #through {
@@ -63,27 +69,24 @@ pub(super) struct Lengths {
 
 /// The functions of one derivative.
 struct Maps<'m> {
-    module: &'m Module,
+    module: &'m Module<DerivativeRole>,
     lengths: &'m Lengths,
     private: &'m TokenStream,
 }
 
 impl Maps<'_> {
-    fn method(&self, function: &Function) -> TokenStream {
+    fn method(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let operations = function.operations();
-        let (purpose, method) = match function.role {
-            Role::Point => ("What the derivative is made of", self.point(function)),
-            Role::Tangent => ("The perturbation of the next state", self.tangent(function)),
-            Role::Adjoint => ("The transpose", self.adjoint(function)),
-            Role::Through => ("The derivative with respect to the unknown", self.through(function)),
-            Role::WrtControl => {
-                ("The derivative with respect to control", self.matrix(function, self.lengths.controls))
-            }
-            Role::WrtParameters => {
-                ("The derivative with respect to parameters", self.matrix(function, self.lengths.parameters))
-            }
-            _ => ("The derivative with respect to state", self.matrix(function, self.lengths.state)),
+        let method = match function.role {
+            DerivativeRole::Point => self.point(function),
+            DerivativeRole::Tangent => self.tangent(function),
+            DerivativeRole::Adjoint => self.adjoint(function),
+            DerivativeRole::Through => self.through(function),
+            DerivativeRole::WrtState => self.matrix(function, self.lengths.state),
+            DerivativeRole::WrtControl => self.matrix(function, self.lengths.controls),
+            DerivativeRole::WrtParameters => self.matrix(function, self.lengths.parameters),
         };
+        let purpose = function.role.signature().purpose;
         let doc = docs::line(&format!("{purpose}: {operations}."));
         let inlined = inlined();
         quote! {
@@ -94,9 +97,9 @@ impl Maps<'_> {
     }
 
     /// `fn point(…) -> Self::Point { … }`
-    fn point(&self, function: &Function) -> TokenStream {
-        let body = body(self.module, function);
-        let kept = kept(self.module, RecordKind::Point);
+    fn point(&self, function: &Function<DerivativeRole>) -> TokenStream {
+        let body = body(&self.module.values, function);
+        let kept = kept(&self.module.values, RecordKind::Point);
         let [parameters, state, control, unknown] =
             [Input::Parameters, Input::State, Input::Control, Input::Unknown]
                 .map(|input| size(function.length(input)));
@@ -122,9 +125,9 @@ impl Maps<'_> {
     }
 
     /// The product with a perturbation.
-    fn tangent(&self, function: &Function) -> TokenStream {
+    fn tangent(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let [state, control, parameters] = self.sizes();
-        let (body, next) = (body(self.module, function), arrays(self.module, function));
+        let (body, next) = (body(&self.module.values, function), arrays(&self.module.values, function));
         quote! {
             fn tangent(
                 point: &Self::Point,
@@ -139,9 +142,9 @@ impl Maps<'_> {
     }
 
     /// The product with a costate.
-    fn adjoint(&self, function: &Function) -> TokenStream {
+    fn adjoint(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let [state, control, parameters] = self.sizes();
-        let (body, by) = (body(self.module, function), arrays(self.module, function));
+        let (body, by) = (body(&self.module.values, function), arrays(&self.module.values, function));
         quote! {
             fn adjoint(
                 point: &Self::Point,
@@ -154,9 +157,9 @@ impl Maps<'_> {
     }
 
     /// What all matrices make use of.
-    fn through(&self, function: &Function) -> TokenStream {
+    fn through(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let ty = self.through_type();
-        let (body, columns) = (body(self.module, function), arrays(self.module, function));
+        let (body, columns) = (body(&self.module.values, function), arrays(&self.module.values, function));
         quote! {
             fn through(point: &Self::Point) -> #ty {
                 #body
@@ -167,26 +170,27 @@ impl Maps<'_> {
 
     /// The columns of the derivative with respect to the unknown; none where no matrix needs them.
     fn through_type(&self) -> TokenStream {
-        let columns = self.module.function(Role::Through).map_or(0, |function| function.results.len());
+        let columns =
+            self.module.function(DerivativeRole::Through).map_or(0, |function| function.results.len());
         let (n, columns) = (size(self.lengths.state), size(columns));
         quote! { [[T; #n]; #columns] }
     }
 
     /// A matrix, column by column: `explicit + through · unknown`.
-    fn matrix(&self, function: &Function, columns: usize) -> TokenStream {
+    fn matrix(&self, function: &Function<DerivativeRole>, columns: usize) -> TokenStream {
         let Self { module, private, .. } = *self;
         let name = format_ident!("{}", function.role.name());
         let (n, columns) = (size(self.lengths.state), size(columns));
-        let (body, through) = (body(module, function), self.through_type());
+        let (body, through) = (body(&module.values, function), self.through_type());
         let pairs = function.results.chunks(2).enumerate();
         let (explicit, products): (Vec<TokenStream>, Vec<TokenStream>) = pairs
             .map(|(j, column)| {
                 let [explicit, unknown] = [0, 1].map(|k| column.get(k).map_or(&[][..], Vec::as_slice));
                 let is_zero = |x: &Term| matches!(x, Term::Number(number) if number.is_zero());
                 let (place, none) = (size(j), unknown.iter().all(is_zero));
-                let unknown = array(module, unknown);
+                let unknown = array(&module.values, unknown);
                 let add = quote! { #private::add_product(&mut columns[#place], through, &#unknown); };
-                (array(module, explicit), if none { TokenStream::new() } else { add })
+                (array(&module.values, explicit), if none { TokenStream::new() } else { add })
             })
             .unzip();
         quote! {

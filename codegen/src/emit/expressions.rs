@@ -6,16 +6,16 @@ use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::{ToTokens, format_ident, quote};
 
 use super::code::size;
-use super::state::part_type;
-use super::{Names, docs};
+use super::docs;
+use super::names::Names;
+use super::state::{named_type, sized_type};
 use crate::identifiers::{plain, velocity_name};
-use crate::model::{
-    Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Relation, Source, StoredAs, System, parts,
-};
-use crate::parse::Shape;
+use crate::model::{Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Source, System, parts};
+use crate::program::Interface;
+use crate::quantity::{Kind, Shape};
 
 /// `impl HeavyTop { pub fn potential(&self, state: &HeavyTopState) -> f64 { … } }`
-pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
+pub(super) fn expressions(system: &System<'_>, interface: &Interface, names: &Names) -> TokenStream {
     let scalar = &names.scalar;
     let mut methods = Vec::new();
     let mut energy = |doc: &str, name: &str, source: &Option<Source>, has_velocity: bool| {
@@ -26,7 +26,7 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
             let has_controls =
                 controls.iter().any(|name| mentioned(value.to_token_stream(), &name.to_string()).is_some());
             let energy = Method { doc, name, value, result, has_meaning, has_velocity, has_controls };
-            methods.push(method(system, names, energy));
+            methods.push(method(system, interface, names, energy));
         }
     };
     let sources = &system.sources;
@@ -38,7 +38,7 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
         &sources.lagrangian,
         true,
     );
-    methods.extend(system.sources.forces.iter().map(|force| force_method(system, names, force)));
+    methods.extend(system.sources.forces.iter().map(|force| force_method(system, interface, names, force)));
     if methods.is_empty() {
         return quote! {};
     }
@@ -47,7 +47,12 @@ pub(super) fn expressions(system: &System<'_>, names: &Names) -> TokenStream {
 }
 
 /// The force on a factor, or those on an array of them.
-fn force_method(system: &System<'_>, names: &Names, force: &ForceSource) -> TokenStream {
+fn force_method(
+    system: &System<'_>,
+    interface: &Interface,
+    names: &Names,
+    force: &ForceSource,
+) -> TokenStream {
     let start = force.factors.indices().start;
     let factor = &system.factors[start];
     let one = force_type(system, start, force.form, names);
@@ -68,7 +73,7 @@ fn force_method(system: &System<'_>, names: &Names, force: &ForceSource) -> Toke
     let (has_velocity, has_controls) = (true, true);
     let (value, has_meaning) = (&force.value, force.form.is_some());
     let force = Method { doc: &doc, name: &name, value, result, has_meaning, has_velocity, has_controls };
-    method(system, names, force)
+    method(system, interface, names, force)
 }
 
 /// The type of a force on a factor as it is written.
@@ -79,11 +84,11 @@ fn force_type(system: &System<'_>, factor: usize, form: Option<ForceForm>, names
         Some(ForceForm::Parts) => {
             let parts = group.blocks().into_iter().map(|length| {
                 let shape = if length == 1 { Shape::Scalar } else { Shape::Vector(length) };
-                part_type(StoredAs::Shape(shape), names)
+                sized_type(shape, names)
             });
             quote! { (#(#parts),*) }
         }
-        Some(ForceForm::Vector) | None => part_type(group.momentum_type().into(), names),
+        Some(ForceForm::Vector) | None => named_type(Kind::Vector(group.dimension()), names),
     }
 }
 
@@ -104,7 +109,7 @@ struct Method<'m> {
 }
 
 /// One expression as a method of the state, the controls if it has them, and the time if it uses it.
-fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream {
+fn method(system: &System<'_>, interface: &Interface, names: &Names, method: Method<'_>) -> TokenStream {
     let Method { doc, name, value: expression, result, has_meaning, has_velocity, has_controls } = method;
     let Names { private, scalar, visibility, state: state_type, control: control_type, .. } = names;
     // names of the method's own, which no name of the user's can be
@@ -129,7 +134,7 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
         if has_velocity { velocities(system, expression, &velocity) } else { TokenStream::new() };
     let moves = !velocities.is_empty();
     let named = mentioned(expression.to_token_stream(), "t");
-    let time = named.or_else(|| (moves && velocity_is_timed(system)).then(|| format_ident!("t")));
+    let time = named.or_else(|| (moves && interface.is_velocity_timed).then(|| format_ident!("t")));
     let (time, time_argument) = match time {
         Some(t) => (quote! { #t }, quote! { #t: #scalar, }),
         None => (quote! { 0.0 }, TokenStream::new()),
@@ -163,14 +168,6 @@ fn method(system: &System<'_>, names: &Names, method: Method<'_>) -> TokenStream
             #parameters
             #value
         }
-    }
-}
-
-/// Whether the velocity at a state depends on time.
-fn velocity_is_timed(system: &System<'_>) -> bool {
-    match system.velocity_relation() {
-        Relation::Explicit(value) | Relation::Implicit(value) => value.depends_on(&system.time_symbol()),
-        Relation::Singular => false,
     }
 }
 

@@ -1,37 +1,47 @@
 //! The `Geometry` implementation: local coordinates and the Poisson structure of the states.
 
 use proc_macro2::TokenStream;
-use quote::quote;
+use quote::{format_ident, quote};
 
 use super::code::size;
-use super::{Names, call, function};
-use crate::program::{Input, Program, Role};
+use super::functions::{call, function};
+use super::names::Names;
+use crate::program::{Input, Program, SystemRole};
+use crate::scheme::Retraction;
 
 /// `impl Geometry for HeavyTop { … }`, and `impl Isolated` where nothing acts on the system.
 pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let Names { private, system: name, state, scalar, .. } = names;
-    let displacement = program.function(Role::ExponentialDisplacement);
-    let count = size(displacement.map_or(0, |(_, function)| function.length(Input::Tangent)));
-    let functions = [
-        ("exponential", Role::ExponentialDisplacement),
-        ("cayley", Role::CayleyDisplacement),
-        ("second_kind", Role::SecondKindDisplacement),
-        ("differential", Role::Differential),
-        ("vector", Role::HamiltonianVector),
-        ("force", Role::Force),
+    let displacements = Retraction::ALL.map(SystemRole::Displacement);
+    let there = displacements.iter().find_map(|&role| program.function(role));
+    let count = size(there.map_or(0, |(_, function)| function.length(Input::Tangent)));
+    let others = [
+        (SystemRole::Differential, "differential"),
+        (SystemRole::HamiltonianVector, "vector"),
+        (SystemRole::Force, "force"),
     ];
-    let functions = functions.map(|(name, role)| function(program, private, role, name));
-    let called = |role, name| call(program, names, role, name, &[]);
-    let exponential = called(Role::ExponentialDisplacement, "exponential");
+    let functions = Retraction::ALL.map(|retraction| {
+        function(program, private, SystemRole::Displacement(retraction), &retraction.snake_name())
+    });
+    let functions =
+        functions.into_iter().chain(others.map(|(role, name)| function(program, private, role, name)));
+    let called = |role, name: &str| call(program, names, role, name, &[]);
     // what the program does not have is displaced by the exponential
-    let other =
-        |role, name| if program.function(role).is_some() { called(role, name) } else { exponential.clone() };
-    let cayley = other(Role::CayleyDisplacement, "cayley");
-    let second_kind = other(Role::SecondKindDisplacement, "second_kind");
-    let differential = called(Role::Differential, "differential");
-    let vector =
-        call(program, names, Role::HamiltonianVector, "vector", &[(Input::Tangent, quote! { covector })]);
-    let force = called(Role::Force, "force");
+    let displaced = Retraction::ALL.map(|retraction| {
+        let is_there = program.function(SystemRole::Displacement(retraction)).is_some();
+        let along = if is_there { retraction } else { Retraction::Exponential };
+        called(SystemRole::Displacement(along), &along.snake_name())
+    });
+    let maps = Retraction::ALL.map(|retraction| format_ident!("{}", retraction.name()));
+    let differential = called(SystemRole::Differential, "differential");
+    let vector = call(
+        program,
+        names,
+        SystemRole::HamiltonianVector,
+        "vector",
+        &[(Input::Tangent, quote! { covector })],
+    );
+    let force = called(SystemRole::Force, "force");
     let isolated = isolated(program, names);
     quote! {
         #[allow(unused_variables, clippy::all, clippy::pedantic)]
@@ -44,9 +54,7 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
 
                 fn displace(&self, state: &#state, map: #private::Map, by: &[#scalar; #count]) -> #state {
                     let moved = match map {
-                        #private::Map::Exponential => #exponential,
-                        #private::Map::Cayley => #cayley,
-                        #private::Map::SecondKind => #second_kind,
+                        #(#private::Map::#maps => #displaced,)*
                     };
                     #private::State::from_components(&moved)
                 }
@@ -82,14 +90,14 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
 /// `impl Isolated for FreeRigidBody { … }`, where nothing acts on the system.
 fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
     let Names { private, system: name, .. } = names;
-    let (_, with_conserved) = program.function(Role::WithConserved)?;
+    let (_, with_conserved) = program.function(SystemRole::WithConserved)?;
     let [parameters, all, n] =
         [Input::Parameters, Input::State, Input::Conserved].map(|input| with_conserved.length(input));
     // what turns the momentum does not depend on the parameters
     let zeros = vec![quote! { T::of(0.0) }; parameters];
     let (all, n) = (size(all), size(n));
-    let conserved = function(program, private, Role::Conserved, "conserved");
-    let with_conserved = function(program, private, Role::WithConserved, "with_conserved");
+    let conserved = function(program, private, SystemRole::Conserved, "conserved");
+    let with_conserved = function(program, private, SystemRole::WithConserved, "with_conserved");
     Some(quote! {
         #conserved
         #with_conserved

@@ -4,9 +4,10 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size, term};
+use super::names::Names;
 use super::schemes::marker;
-use super::{Names, bytecode, docs};
-use crate::program::{Function, Input, Module, RecordKind, Role, StepProgram};
+use super::{bytecode, docs};
+use crate::program::{Function, FunctionRole, Input, Module, RecordKind, StepProgram, StepRole};
 use crate::scheme::Scheme;
 
 /// What the struct with a kernel's constants is called.
@@ -32,16 +33,16 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
     let StepProgram { scheme, aliases, module, .. } = step;
     let name = kernel_name(names, *scheme);
     let markers = std::iter::once(scheme).chain(aliases).map(|&scheme| marker(names, scheme));
-    let [constants, step_record, iterate] =
-        [RecordKind::Constants, RecordKind::Step, RecordKind::Iterate].map(|kind| record(module, kind));
-    let places = size(module.places());
+    let [constants, step_record, iterate] = [RecordKind::Constants, RecordKind::Step, RecordKind::Iterate]
+        .map(|kind| record(&module.values, kind));
+    let places = size(module.values.places());
     let length = |role, input| size(module.function(role).map_or(0, |function| function.length(input)));
-    let parameters = length(Role::New, Input::Parameters);
-    let [state, controls] = [Input::State, Input::Control].map(|input| length(Role::Begin, input));
-    let unknown = length(Role::Evaluate, Input::Unknown);
+    let parameters = length(StepRole::New, Input::Parameters);
+    let [state, controls] = [Input::State, Input::Control].map(|input| length(StepRole::Begin, input));
+    let unknown = length(StepRole::Evaluate, Input::Unknown);
     let blocks = step.blocks.iter().map(|&length| size(length));
     let functions = module.functions.iter().map(|function| method(module, function));
-    let no_update = module.function(Role::FixedPointUpdate).is_none().then(|| {
+    let no_update = module.function(StepRole::FixedPointUpdate).is_none().then(|| {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
     let bounded = bounded(&step.bounded);
@@ -88,10 +89,10 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
 }
 
 /// One function as a method of the runtime's `Kernel`.
-fn method(module: &Module, function: &Function) -> TokenStream {
-    let doc = docs::line(&format!("{}: {}.", purpose(function.role), function.operations()));
+fn method(module: &Module<StepRole>, function: &Function<StepRole>) -> TokenStream {
+    let doc = docs::line(&format!("{}: {}.", function.role.signature().purpose, function.operations()));
     let signature = signature(function);
-    let body = body(module, function);
+    let body = body(&module.values, function);
     let result = result(module, function);
     let inlined = inlined();
     quote! {
@@ -104,20 +105,7 @@ fn method(module: &Module, function: &Function) -> TokenStream {
     }
 }
 
-fn purpose(role: Role) -> &'static str {
-    match role {
-        Role::New => "Once, when the stepper is built",
-        Role::Begin => "Once a step",
-        Role::Start => "A first approximation of the unknown",
-        Role::Evaluate => "Once an iteration: the residual and the right side of the equation",
-        Role::Correction => "Once an iteration: the Newton correction",
-        Role::FixedPointUpdate => "Once an iteration: the next iterate of the fixed-point iteration",
-        Role::Domain => "Positive within the retraction's domain",
-        _ => "Once a step: the next state",
-    }
-}
-
-fn signature(function: &Function) -> TokenStream {
+fn signature(function: &Function<StepRole>) -> TokenStream {
     let length = |input| size(function.length(input));
     let (state, unknown) = (length(Input::State), length(Input::Unknown));
     let solved = quote! {
@@ -128,19 +116,19 @@ fn signature(function: &Function) -> TokenStream {
         evaluation: &Evaluation<[T; #unknown], Self::Iterate>,
     };
     match function.role {
-        Role::New => {
+        StepRole::New => {
             let parameters = length(Input::Parameters);
             quote! { fn new(parameters: &[T; #parameters], step: T) -> Self }
         }
-        Role::Begin => {
+        StepRole::Begin => {
             let controls = length(Input::Control);
             quote! { fn begin(&self, state: &[T; #state], time: T, control: &[T; #controls]) -> Self::Step }
         }
-        Role::Start => {
+        StepRole::Start => {
             let unknown = size(function.results.iter().map(Vec::len).sum());
             quote! { fn start(&self, state: &[T; #state], step: &Self::Step) -> [T; #unknown] }
         }
-        Role::Evaluate => quote! {
+        StepRole::Evaluate => quote! {
             fn evaluate(
                 &self,
                 state: &[T; #state],
@@ -148,33 +136,35 @@ fn signature(function: &Function) -> TokenStream {
                 unknown: &[T; #unknown],
             ) -> Evaluation<[T; #unknown], Self::Iterate>
         },
-        Role::Correction => quote! { fn correction(#solved) -> [T; #unknown] },
-        Role::FixedPointUpdate => quote! { fn fixed_point_update(#solved) -> [T; #unknown] },
-        Role::Domain => quote! { fn domain(#solved) -> ::core::option::Option<T> },
-        _ => quote! { fn finish(#solved) -> [T; #state] },
+        StepRole::Correction => quote! { fn correction(#solved) -> [T; #unknown] },
+        StepRole::FixedPointUpdate => quote! { fn fixed_point_update(#solved) -> [T; #unknown] },
+        StepRole::Domain => quote! { fn domain(#solved) -> ::core::option::Option<T> },
+        StepRole::Finish => quote! { fn finish(#solved) -> [T; #state] },
     }
 }
 
 /// What a function returns.
-fn result(module: &Module, function: &Function) -> TokenStream {
-    let arrays = arrays(module, function);
+fn result(module: &Module<StepRole>, function: &Function<StepRole>) -> TokenStream {
+    let arrays = arrays(&module.values, function);
     match function.role {
-        Role::New => {
-            let constants = kept(module, RecordKind::Constants);
+        StepRole::New => {
+            let constants = kept(&module.values, RecordKind::Constants);
             quote! { Self(#constants) }
         }
-        Role::Begin => kept(module, RecordKind::Step),
-        Role::Evaluate => {
-            let iterate = kept(module, RecordKind::Iterate);
-            let [residual, right] = [0, 1].map(|place| array(module, &function.results[place]));
+        StepRole::Begin => kept(&module.values, RecordKind::Step),
+        StepRole::Evaluate => {
+            let iterate = kept(&module.values, RecordKind::Iterate);
+            let [residual, right] = [0, 1].map(|place| array(&module.values, &function.results[place]));
             quote! { Evaluation { residual: #residual, right: #right, iterate: #iterate } }
         }
-        Role::Domain => {
-            let margins = function.results.iter().flatten().map(|margin| term(module, margin));
+        StepRole::Domain => {
+            let margins = function.results.iter().flatten().map(|margin| term(&module.values, margin));
             let margin = margins.reduce(|a, b| quote! { T::min(#a, #b) });
             quote! { ::core::option::Option::Some(#margin) }
         }
-        _ => quote! { #(#arrays)* },
+        StepRole::Start | StepRole::Correction | StepRole::FixedPointUpdate | StepRole::Finish => {
+            quote! { #(#arrays)* }
+        }
     }
 }
 

@@ -3,7 +3,8 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
-use super::{Names, block};
+use super::functions::block;
+use super::names::Names;
 use crate::program::StepProgram;
 use crate::scheme::{Member, Rule, Scheme, stands_for_verlet};
 

@@ -7,10 +7,11 @@ use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::{inlined, size};
-use super::{Names, docs, fields, function, quantity, whole};
-use crate::model::{Role as QuantityRole, StoredAs};
-use crate::parse::Shape;
-use crate::program::{Program, Quantity, Role};
+use super::docs;
+use super::functions::function;
+use super::names::{Names, fields, quantity, whole};
+use crate::program::{Program, Quantity, SystemRole};
+use crate::quantity::{Kind, Role, Shape};
 
 /// The state of a system, and its controls if it has any:
 ///
@@ -26,13 +27,13 @@ pub(super) fn state(program: &Program, names: &Names) -> TokenStream {
         String::new(),
     ];
     lines.extend(interface.documentation.conventions.iter().cloned());
-    let configurations = interface.state.iter().filter(|part| part.role == QuantityRole::Configuration);
+    let configurations = interface.state.iter().filter(|part| part.role == Role::Configuration);
     let deviations = configurations.map(|part| {
         let (place, size) = (names.place(part), size(part.components.len()));
         quote! { __Stored::<_, #size>::deviation(&self.#place, 0.0) }
     });
-    let of_matrices = program.function(Role::Deviation).map(|_| {
-        let function = function(program, private, Role::Deviation, "off");
+    let of_matrices = program.function(SystemRole::Deviation).map(|_| {
+        let function = function(program, private, SystemRole::Deviation, "off");
         quote! {
             #[allow(clippy::all, clippy::pedantic)]
             #function
@@ -157,7 +158,12 @@ fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream
 
 /// The Rust type of a field.
 fn field_type(field: &[&Quantity], names: &Names) -> TokenStream {
-    let ty = part_type(field[0].stored, names);
+    let ty = match field[0].role {
+        Role::Control => sized_type(field[0].shape(), names),
+        Role::Parameter | Role::Configuration | Role::Momentum | Role::Advected => {
+            named_type(field[0].kind, names)
+        }
+    };
     match field[0].element {
         None => ty,
         Some(_) => {
@@ -167,20 +173,34 @@ fn field_type(field: &[&Quantity], names: &Names) -> TokenStream {
     }
 }
 
-/// The Rust type of a part.
-pub(super) fn part_type(stored: StoredAs, names: &Names) -> TokenStream {
+/// The type of a kind: one of nalgebra's, by its own name if it has one. Those of vectors and matrices end at 6.
+pub(super) fn named_type(kind: Kind, names: &Names) -> TokenStream {
     let Names { private, scalar, .. } = names;
-    match stored {
-        StoredAs::Named(name) => {
-            let ty = format_ident!("{name}");
-            quote! { #private::nalgebra::#ty<#scalar> }
+    let name = match kind {
+        Kind::Vector(n @ 1..=6) => format!("Vector{n}"),
+        Kind::Matrix(n @ 1..=6, columns) if n == columns => format!("Matrix{n}"),
+        Kind::UnitComplex => "UnitComplex".to_owned(),
+        Kind::UnitQuaternion => "UnitQuaternion".to_owned(),
+        Kind::RigidMotion2 => "Isometry2".to_owned(),
+        Kind::RigidMotion3 => "Isometry3".to_owned(),
+        Kind::Scalar | Kind::Vector(_) | Kind::Symmetric(_) | Kind::Matrix(..) => {
+            return sized_type(kind.shape(), names);
         }
-        StoredAs::Shape(Shape::Scalar) => scalar.clone(),
-        StoredAs::Shape(Shape::Vector(n)) => {
+    };
+    let ty = format_ident!("{name}");
+    quote! { #private::nalgebra::#ty<#scalar> }
+}
+
+/// The type of a shape, by its size.
+pub(super) fn sized_type(shape: Shape, names: &Names) -> TokenStream {
+    let Names { private, scalar, .. } = names;
+    match shape {
+        Shape::Scalar => scalar.clone(),
+        Shape::Vector(n) => {
             let n = size(n);
             quote! { #private::nalgebra::SVector<#scalar, #n> }
         }
-        StoredAs::Shape(Shape::Matrix(rows, columns)) => {
+        Shape::Matrix(rows, columns) => {
             let (rows, columns) = (size(rows), size(columns));
             quote! { #private::nalgebra::SMatrix<#scalar, #rows, #columns> }
         }

@@ -5,27 +5,28 @@ use quote::{format_ident, quote};
 use syn::ext::IdentExt;
 
 use super::code::size;
+use super::functions::{call, function};
+use super::names::{Names, quantity};
 use super::state::{Conversion, arrays};
-use super::{Names, call, function, quantity};
-use crate::model::Role as QuantityRole;
-use crate::program::{Input, Interface, Program, Quantity, Role};
+use crate::program::{FunctionRole as _, Input, Interface, Program, Quantity, SystemRole, Transform};
+use crate::quantity::Role;
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
     let Names { private, system: name, .. } = names;
     let functions = [
-        ("energy", Role::Energy),
-        ("velocity", Role::Velocity),
-        ("velocity_newton", Role::VelocityNewton),
-        ("momentum", Role::Momentum),
-        ("momentum_newton", Role::MomentumNewton),
-        ("casimirs", Role::Casimirs),
-        ("spatial_momentum", Role::SpatialMomentum),
+        ("energy", SystemRole::Energy),
+        ("velocity", SystemRole::Velocity),
+        ("velocity_newton", SystemRole::VelocityNewton),
+        ("momentum", SystemRole::Momentum),
+        ("momentum_newton", SystemRole::MomentumNewton),
+        ("casimirs", SystemRole::Casimirs),
+        ("spatial_momentum", SystemRole::SpatialMomentum),
     ];
     let functions = functions.map(|(name, role)| function(program, private, role, name));
     let interface = &program.interface;
     let pivots = (0..interface.inertias.len()).map(|place| {
-        let role = Role::Pivots(place);
+        let role = SystemRole::Pivots(place);
         function(program, private, role, &role.name())
     });
     let (types, parameters) = (types(interface, names), parameters(interface, names));
@@ -95,7 +96,7 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
 fn parameters(interface: &Interface, names: &Names) -> TokenStream {
     let Names { scalar, constants, .. } = names;
     let Conversion { take, elements, give } = arrays(&interface.parameters, names);
-    let unused = vec![quote! { _ }; interface.constants];
+    let unused = vec![quote! { _ }; interface.constants.len()];
     let size = size(interface.parameter_length());
     quote! {
         fn to_parameters(&self) -> [#scalar; #size] {
@@ -131,7 +132,7 @@ fn validate(interface: &Interface, names: &Names) -> TokenStream {
                 )?;
             }
         });
-        let pivots = format_ident!("{}", Role::Pivots(place).name());
+        let pivots = format_ident!("{}", SystemRole::Pivots(place).name());
         quote! {
             #symmetric
             #private::require_positive_definite(#text, &#pivots(&self.to_parameters()))?;
@@ -153,9 +154,9 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let (casimirs, dimension) = (size(interface.casimirs.len()), size(interface.dimension));
     let momentum = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
     let at_any_time = |role, name| call(program, names, role, name, &[(Input::Time, quote! { 0.0 })]);
-    let energy = call(program, names, Role::Energy, "energy", &[]);
-    let conserved = at_any_time(Role::Casimirs, "casimirs");
-    let spatial_momentum = at_any_time(Role::SpatialMomentum, "spatial_momentum");
+    let energy = call(program, names, SystemRole::Energy, "energy", &[]);
+    let conserved = at_any_time(SystemRole::Casimirs, "casimirs");
+    let spatial_momentum = at_any_time(SystemRole::SpatialMomentum, "spatial_momentum");
     let legendre = legendre(program, names);
     quote! {
         fn energy_at(&self, state: &#state, time: #scalar, control: &Self::Control) -> #scalar {
@@ -180,27 +181,25 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
     let Names { private, scalar, coadjoint, .. } = names;
     let dimension = size(program.interface.dimension);
     let given = (Input::Velocity, quote! { &__Stored::<_, #dimension>::to_array(velocity) });
-    let velocity_of_momentum = match program.function(Role::Velocity) {
-        Some(_) => call(program, names, Role::Velocity, "velocity", &[]),
-        None => {
+    let velocity_of_momentum = match program.interface.velocity {
+        Transform::Explicit => call(program, names, SystemRole::Velocity, "velocity", &[]),
+        Transform::Newton | Transform::Singular => {
             let iterate = (Input::Velocity, quote! { velocity });
-            let newton = call(program, names, Role::VelocityNewton, "velocity_newton", &[iterate]);
+            let newton = call(program, names, SystemRole::VelocityNewton, "velocity_newton", &[iterate]);
             quote! { #private::newton([0.0; #dimension], |velocity| #newton) }
         }
     };
-    let momentum_of_velocity = match program.function(Role::Momentum) {
-        Some(_) => call(program, names, Role::Momentum, "momentum", &[given]),
-        None if program.function(Role::MomentumNewton).is_none() => {
-            quote! { [#scalar::NAN; #dimension] }
-        }
-        None => {
+    let momentum_of_velocity = match program.interface.momentum {
+        Transform::Explicit => call(program, names, SystemRole::Momentum, "momentum", &[given]),
+        Transform::Singular => quote! { [#scalar::NAN; #dimension] },
+        Transform::Newton => {
             let iterate = quote! {
                 &#private::State::to_components(
                     &#private::System::with_momentum(self, state, &__Stored::from_array(*momentum)),
                 )
             };
             let others = [given, (Input::State, iterate)];
-            let newton = call(program, names, Role::MomentumNewton, "momentum_newton", &others);
+            let newton = call(program, names, SystemRole::MomentumNewton, "momentum_newton", &others);
             quote! { #private::newton([0.0; #dimension], |momentum| #newton) }
         }
     };
@@ -243,7 +242,7 @@ fn legendre(program: &Program, names: &Names) -> TokenStream {
 /// The momenta of all factors, taken from a state and put into it.
 fn momenta(interface: &Interface, names: &Names) -> TokenStream {
     let private = &names.private;
-    let is_momentum = |part: &Quantity| vec![part.role == QuantityRole::Momentum; part.components.len()];
+    let is_momentum = |part: &Quantity| vec![part.role == Role::Momentum; part.components.len()];
     let is_momentum: Vec<bool> = interface.state.iter().flat_map(is_momentum).collect();
     let element = |letter: char, n: usize| Ident::new(&format!("{letter}{n}"), Span::mixed_site());
     let all: Vec<Ident> = (0..is_momentum.len()).map(|n| element('x', n)).collect();

@@ -6,7 +6,8 @@ use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::size;
-use super::{Names, docs};
+use super::docs;
+use super::names::Names;
 use crate::derivatives::Derivatives;
 use crate::program::Interface;
 
@@ -69,7 +70,6 @@ fn index_ranges(interface: &Interface, names: &Names) -> Vec<TokenStream> {
         ("perturbations of the parameters", &interface.parameters),
     ];
     for (of, quantities) in all {
-        let mut from = 0;
         for quantity in quantities {
             let mut constant = quantity.name.to_uppercase();
             // fields may differ by their cases alone
@@ -78,10 +78,9 @@ fn index_ranges(interface: &Interface, names: &Names) -> Vec<TokenStream> {
             }
             let constant = Ident::new(&constant, names.of(quantity).span());
             let doc = docs::line(&format!("`{}` in {of}.", quantity.name));
-            let (first, length) = (size(from), size(quantity.perturbation));
+            let (first, length) = (size(quantity.tangent.start), size(quantity.tangent.len()));
             let ty = quote! { #coadjoint::derivative::IndexRange };
             ranges.push(quote! { #doc pub const #constant: #ty<#first, #length> = #ty; });
-            from += quantity.perturbation;
         }
     }
     ranges

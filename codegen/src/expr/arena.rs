@@ -10,10 +10,9 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::differential::{Differentials, Known};
-use super::expression::Expr;
-use super::node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
+use super::node::{Function, Id, Node, Sum, Symbol, SymbolInfo};
 use super::number::Number;
+
 #[derive(Default)]
 struct Store {
     nodes: Vec<Node>,
@@ -22,9 +21,35 @@ struct Store {
     /// Role names of nodes, and in which order they were given.
     roles: Vec<(Id, String)>,
     named: FxHashSet<Id>,
-    differentials: Differentials,
+    rules: Vec<Arc<RuleApplied>>,
+    /// For each value the place of its rule.
+    rule_of: FxHashMap<Id, usize>,
     /// What roots are taken of that can be zero, in the order in which they were made.
     radicands: Vec<Id>,
+}
+
+/// A derivative in closed form, of nodes by nodes.
+pub(super) trait NodeRule: Send + Sync {
+    /// The changes of `values` along changes of their arguments; `given` is what else it needs.
+    fn along(&self, arena: &Arena, values: &[Id], given: &[Id], changes: &[Id]) -> Vec<Id>;
+}
+
+/// Values with what they are functions of, and the rule of their derivative.
+pub(super) struct RuleApplied {
+    pub(super) values: Vec<Id>,
+    pub(super) arguments: Vec<Id>,
+    /// What the derivative is made of, beside the values.
+    pub(super) given: Vec<Id>,
+    pub(super) rule: Arc<dyn NodeRule>,
+}
+
+impl RuleApplied {
+    /// The same of what takes the place of all that it is of and made of.
+    pub(super) fn image(&self, mut image: impl FnMut(Id) -> Id) -> Self {
+        let mut images = |ids: &[Id]| ids.iter().map(|&id| image(id)).collect();
+        let (arguments, given) = (images(&self.arguments), images(&self.given));
+        Self { values: images(&self.values), arguments, given, rule: Arc::clone(&self.rule) }
+    }
 }
 
 /// Where expressions live.
@@ -95,7 +120,7 @@ impl Arena {
         self.intern(Node::Number(Number::ZERO))
     }
 
-    fn intern(&self, node: Node) -> Id {
+    pub(super) fn intern(&self, node: Node) -> Id {
         let mut store = self.store.borrow_mut();
         if let Some(&id) = store.index.get(&node) {
             return id;
@@ -110,33 +135,13 @@ impl Arena {
     }
 
     /// A new symbol, different from all others whatever its name.
-    pub fn symbol(&self, name: impl Into<String>, stage: Stage) -> Expr<'_> {
+    pub(super) fn new_symbol(&self, info: SymbolInfo) -> Id {
         let symbol = {
             let mut store = self.store.borrow_mut();
-            store.symbols.push(SymbolInfo { name: name.into(), stage });
+            store.symbols.push(info);
             Symbol(store.symbols.len() as u32 - 1)
         };
-        self.expr(self.intern(Node::Symbol(symbol)))
-    }
-
-    /// A node as an expression.
-    pub fn expr(&self, id: Id) -> Expr<'_> {
-        Expr { arena: self, id }
-    }
-
-    /// A constant.
-    pub fn number(&self, number: impl Into<Number>) -> Expr<'_> {
-        self.expr(self.intern(Node::Number(number.into())))
-    }
-
-    /// The constant 0.
-    pub fn zero(&self) -> Expr<'_> {
-        self.number(Number::ZERO)
-    }
-
-    /// The constant 1.
-    pub fn one(&self) -> Expr<'_> {
-        self.number(Number::ONE)
+        self.intern(Node::Symbol(symbol))
     }
 
     /// `constant + Σ coefficient · term`, canonical.
@@ -338,10 +343,11 @@ impl Arena {
         self.store.borrow().roles.clone()
     }
 
-    /// Gives a node a role name; the first one stays.
+    /// Gives a node a role name. The first one stays; symbols and constants have names enough.
     pub(super) fn name(&self, id: Id, name: String) {
         let mut store = self.store.borrow_mut();
-        if store.named.insert(id) {
+        let is_leaf = matches!(store.nodes[id.0 as usize], Node::Symbol(_) | Node::Number(_));
+        if !is_leaf && store.named.insert(id) {
             store.roles.push((id, name));
         }
     }
@@ -356,22 +362,28 @@ impl Arena {
             store.roles.iter().find(|(id, _)| *id == from).map(|(_, name)| name.clone())
         };
         if let Some(role) = role {
-            self.expr(to).named(role);
+            self.name(to, role);
         }
     }
 
-    /// The derivative of a value that is known in closed form.
-    pub(super) fn differential(&self, id: Id) -> Option<Arc<Known>> {
-        self.store.borrow().differentials.of(id)
+    /// The rule that a value's derivative follows.
+    pub(super) fn rule(&self, id: Id) -> Option<Arc<RuleApplied>> {
+        let store = self.store.borrow();
+        store.rule_of.get(&id).map(|&place| Arc::clone(&store.rules[place]))
     }
 
-    /// Constants and symbols have derivatives of their own; and what is older than an argument, such as the argument itself where a value is the same,
-    /// may be what that is made of.
-    pub(super) fn insert_differential(&self, known: Known) {
+    /// Gives values a rule; the first one of a value stays. Constants and symbols have derivatives of their own; and what is older than an argument,
+    /// such as the argument itself where a value is the same, may be what that is made of.
+    pub(super) fn insert_rule(&self, rule: RuleApplied) {
         let is_whole = |&id: &Id| matches!(self.node(id), Node::Held(_));
-        let is_newer = |id: &Id| known.arguments.iter().all(|argument| argument < id);
-        if known.values.iter().all(|id| is_whole(id) && is_newer(id)) {
-            self.store.borrow_mut().differentials.insert(known);
+        let is_newer = |id: &Id| rule.arguments.iter().all(|argument| argument < id);
+        if rule.values.iter().all(|id| is_whole(id) && is_newer(id)) {
+            let mut store = self.store.borrow_mut();
+            let place = store.rules.len();
+            for &value in &rule.values {
+                store.rule_of.entry(value).or_insert(place);
+            }
+            store.rules.push(Arc::new(rule));
         }
     }
 

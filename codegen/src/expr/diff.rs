@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::arena::Arena;
-use super::differential::Known;
+use super::arena::{Arena, RuleApplied};
 use super::expression::Expr;
-use super::linear::Vector;
+use super::linear::{Matrix, Vector};
 use super::node::{Function, Id, Node, Symbol};
 use super::number::Number;
 use super::vanishing::Limits;
@@ -21,6 +20,39 @@ impl<'a> Expr<'a> {
     /// The expression with symbols replaced.
     pub fn substitute(self, replacements: &[(Symbol, Expr<'a>)]) -> Expr<'a> {
         Substitution::new(self.arena, replacements).of(self)
+    }
+}
+
+impl<'a> Vector<'a> {
+    /// `Σ ∂self/∂symbol_j direction_j`
+    pub fn derivative_along(&self, symbols: &[Symbol], direction: &Self) -> Self {
+        let Some(first) = self.0.first() else { return self.clone() };
+        let direction: Vec<_> = symbols.iter().copied().zip(direction.iter()).collect();
+        let mut derivative = Derivative::along(first.arena, &direction);
+        self.map(|x| derivative.of(x))
+    }
+
+    /// Each component with symbols replaced.
+    pub fn substitute(&self, replacements: &[(Symbol, Expr<'a>)]) -> Self {
+        let Some(first) = self.0.first() else { return self.clone() };
+        let mut substitution = Substitution::new(first.arena, replacements);
+        self.map(|x| substitution.of(x))
+    }
+
+    /// `∂self_i / ∂symbol_j`
+    pub fn jacobian(&self, symbols: &[Symbol]) -> Matrix<'a> {
+        let columns: Vec<Vec<Expr<'a>>> = symbols
+            .iter()
+            .map(|&symbol| match self.0.first() {
+                Some(first) => {
+                    let mut derivative = Derivative::new(first.arena, symbol);
+                    self.iter().map(|x| derivative.of(x)).collect()
+                }
+                None => Vec::new(),
+            })
+            .collect();
+        let entries = (0..self.len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
+        Matrix::new(self.len(), symbols.len(), entries)
     }
 }
 
@@ -88,12 +120,12 @@ impl<'a> Derivative<'a> {
     }
 
     /// The derivative of a value of which it is known; those of the values beside it, too.
-    fn in_closed_form(&mut self, id: Id, of: &Known, zero: Id) -> Id {
-        let changes = of.arguments.iter().map(|argument| self.known[argument]);
-        if changes.clone().all(|change| change == zero) {
+    fn in_closed_form(&mut self, id: Id, of: &RuleApplied, zero: Id) -> Id {
+        let changes: Vec<Id> = of.arguments.iter().map(|argument| self.known[argument]).collect();
+        if changes.iter().all(|&change| change == zero) {
             return zero;
         }
-        let changes = of.along(self.arena, changes);
+        let changes = of.rule.along(self.arena, &of.values, &of.given, &changes);
         for (&value, change) in of.values.iter().zip(changes) {
             self.known.entry(value).or_insert(change);
         }
@@ -163,13 +195,13 @@ struct Visit {
     /// Of a product's derivative.
     terms: Vec<(Id, Number)>,
     /// Its derivative in closed form.
-    known: Option<Arc<Known>>,
+    known: Option<Arc<RuleApplied>>,
 }
 
 impl Visit {
     fn of(arena: &Arena, id: Id) -> Self {
         let node = arena.node(id);
-        let known = arena.differential(id);
+        let known = arena.rule(id);
         let divisor = match node {
             Node::Held(inner) => quotient(arena.expr(inner)).map(|(_, divisor)| divisor.id),
             _ => None,
@@ -320,7 +352,7 @@ impl<'a> Substitution<'a> {
             let result = replaced.unwrap_or_else(|| arena.rebuild(id, |operand| self.known[&operand]));
             if result != id {
                 arena.pass_role(id, result);
-                known.extend(arena.differential(id));
+                known.extend(arena.rule(id));
             }
             self.known.insert(id, result);
         }
@@ -328,7 +360,7 @@ impl<'a> Substitution<'a> {
             // once for all the values that it is of
             if self.carried.insert(known.values[0]) {
                 let image = known.image(|id| self.visit(id));
-                arena.insert_differential(image);
+                arena.insert_rule(image);
             }
         }
         self.known[&root]

@@ -3,7 +3,7 @@
 use rustc_hash::FxHashSet;
 
 use super::arena::Arena;
-use super::node::{Function, Id, Node, Stage, Sum, Symbol};
+use super::node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 use super::number::Number;
 
 /// An expression: a node together with its arena, so that formulas can be written with operators.
@@ -11,6 +11,33 @@ use super::number::Number;
 pub struct Expr<'a> {
     pub(crate) arena: &'a Arena,
     pub(crate) id: Id,
+}
+
+impl Arena {
+    /// A node as an expression.
+    pub fn expr(&self, id: Id) -> Expr<'_> {
+        Expr { arena: self, id }
+    }
+
+    /// A new symbol, different from all others whatever its name.
+    pub fn symbol(&self, name: impl Into<String>, stage: Stage) -> Expr<'_> {
+        self.expr(self.new_symbol(SymbolInfo { name: name.into(), stage }))
+    }
+
+    /// A constant.
+    pub fn number(&self, number: impl Into<Number>) -> Expr<'_> {
+        self.expr(self.intern(Node::Number(number.into())))
+    }
+
+    /// The constant 0.
+    pub fn zero(&self) -> Expr<'_> {
+        self.number(Number::ZERO)
+    }
+
+    /// The constant 1.
+    pub fn one(&self) -> Expr<'_> {
+        self.number(Number::ONE)
+    }
 }
 
 impl<'a> Expr<'a> {
@@ -93,9 +120,7 @@ impl<'a> Expr<'a> {
 
     /// Gives the value a role name, which emitted code is read by. The first name stays; symbols and constants have names enough.
     pub fn named(self, name: impl Into<String>) -> Self {
-        if self.as_symbol().is_none() && self.as_number().is_none() {
-            self.arena.name(self.id, name.into());
-        }
+        self.arena.name(self.id, name.into());
         self
     }
 
@@ -126,7 +151,7 @@ impl<'a> Expr<'a> {
         self.arena.expr(self.arena.atan2(self.id, x.id))
     }
 
-    /// `self · numerator / denominator`
+    /// `number · self`
     pub fn scale(self, number: impl Into<Number>) -> Self {
         self.arena.expr(self.arena.sum(Number::ZERO, [(self.id, number.into())]))
     }

@@ -2,11 +2,10 @@
 
 use std::ops::Range;
 
-use super::Number;
 use super::arena::Arena;
-use super::diff::{Derivative, Substitution};
 use super::expression::Expr;
 use super::node::Symbol;
+use super::number::Number;
 
 /// A column of expressions.
 #[derive(Clone, PartialEq, Debug)]
@@ -114,14 +113,6 @@ impl<'a> Vector<'a> {
         Self(self.iter().zip(suffixes).map(named).collect())
     }
 
-    /// `Σ ∂self/∂symbol_j direction_j`
-    pub fn derivative_along(&self, symbols: &[Symbol], direction: &Self) -> Self {
-        let Some(first) = self.0.first() else { return self.clone() };
-        let direction: Vec<_> = symbols.iter().copied().zip(direction.iter()).collect();
-        let mut derivative = Derivative::along(first.arena, &direction);
-        self.map(|x| derivative.of(x))
-    }
-
     /// The symbols the components are; the vector must have been made of symbols.
     pub fn symbols(&self) -> Vec<Symbol> {
         self.iter().filter_map(Expr::as_symbol).collect()
@@ -131,29 +122,6 @@ impl<'a> Vector<'a> {
     pub fn depends_on(&self, symbols: &[Symbol]) -> bool {
         let first = self.0.first();
         first.is_some_and(|first| first.arena.depend_on(self.iter().map(|component| component.id), symbols))
-    }
-
-    /// Each component with symbols replaced.
-    pub fn substitute(&self, replacements: &[(Symbol, Expr<'a>)]) -> Self {
-        let Some(first) = self.0.first() else { return self.clone() };
-        let mut substitution = Substitution::new(first.arena, replacements);
-        self.map(|x| substitution.of(x))
-    }
-
-    /// `∂self_i / ∂symbol_j`
-    pub fn jacobian(&self, symbols: &[Symbol]) -> Matrix<'a> {
-        let columns: Vec<Vec<Expr<'a>>> = symbols
-            .iter()
-            .map(|&symbol| match self.0.first() {
-                Some(first) => {
-                    let mut derivative = Derivative::new(first.arena, symbol);
-                    self.iter().map(|x| derivative.of(x)).collect()
-                }
-                None => Vec::new(),
-            })
-            .collect();
-        let entries = (0..self.len()).flat_map(|i| columns.iter().map(move |column| column[i])).collect();
-        Matrix { rows: self.len(), columns: symbols.len(), entries }
     }
 }
 

@@ -2,7 +2,6 @@
 
 mod arena;
 mod diff;
-mod differential;
 mod display;
 mod eval;
 mod expression;
@@ -10,11 +9,11 @@ mod linear;
 mod node;
 mod number;
 mod quotient;
+mod rule;
 mod vanishing;
 
 pub use arena::Arena;
 pub use diff::{Derivative, Substitution, gradient};
-pub use differential::Differential;
 pub use display::Formulas;
 pub use eval::Value;
 pub use expression::Expr;
@@ -23,3 +22,4 @@ pub use linear::{Matrix, Vector};
 pub use node::{Function, Id, Node, Stage, Sum, Symbol, SymbolInfo};
 pub use number::Number;
 pub use quotient::Quotient;
+pub use rule::DerivativeRule;

@@ -4,28 +4,22 @@
 //! * Storage: the vector; `g' = ξ`.
 //! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
 
-use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction, StorageType};
+use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
 use crate::expr::{Expr, Vector};
+use crate::quantity::Kind;
 
 /// Translations of the Euclidean space of this dimension, 1 to 6.
 pub struct R(pub usize);
 
-/// For each dimension: the group's name and the type that vectors are stored as.
-const NAMES: [(&str, &str); 6] = [
-    ("R1", "Vector1"),
-    ("R2", "Vector2"),
-    ("R3", "Vector3"),
-    ("R4", "Vector4"),
-    ("R5", "Vector5"),
-    ("R6", "Vector6"),
-];
+/// The group's name for each dimension.
+const NAMES: [&str; 6] = ["R1", "R2", "R3", "R4", "R5", "R6"];
 
 /// nalgebra's names of components.
 const AXES: &[&str] = &["x", "y", "z", "w", "a", "b"];
 
 impl Group for R {
     fn name(&self) -> &'static str {
-        NAMES[self.0 - 1].0
+        NAMES[self.0 - 1]
     }
 
     fn conventions(&self) -> &'static str {
@@ -36,25 +30,16 @@ impl Group for R {
         "position"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        StorageType::Named(NAMES[self.0 - 1].1)
+    fn configuration_kind(&self) -> Kind {
+        Kind::Vector(self.0)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
         &AXES[..self.0]
     }
 
-    fn momentum_type(&self) -> StorageType {
-        StorageType::Vector(self.0)
-    }
-
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, velocity, .. } = names;
-        Equations {
-            configuration: format!("{configuration}' = {velocity}"),
-            momentum: Vec::new(),
-            advected: Vec::new(),
-        }
+        Equations { configuration: names.velocity.to_owned(), momentum: Vec::new(), advected: Vec::new() }
     }
 
     fn dimension(&self) -> usize {
@@ -101,7 +86,6 @@ impl Group for R {
         &[]
     }
 
-    /// All of the momentum: the bracket is zero.
     fn is_linear(&self) -> bool {
         true
     }

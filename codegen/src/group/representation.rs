@@ -2,15 +2,13 @@
 
 use super::calculus::{to_body, transposed};
 use super::exact::{Exact, Fraction};
-use super::{Group, MatrixFunction, Retraction, StorageType};
+use super::{Group, MatrixFunction, Retraction};
 use crate::expr::{Arena, Expr, Stage, Vector};
 
 /// A linear space `V` on which a group's algebra acts by `ρ`. Advected parameters live in its dual.
 pub trait Representation: Sync {
     /// The name users write.
     fn name(&self) -> &'static str;
-    /// The type an element is stored as.
-    fn storage(&self) -> StorageType;
     /// Suffixes of the coordinates.
     fn coordinates(&self) -> &'static [&'static str];
     /// Dimension of the algebra that acts.
@@ -111,10 +109,6 @@ impl Representation for Adjoint {
         "adjoint"
     }
 
-    fn storage(&self) -> StorageType {
-        self.0.momentum_type()
-    }
-
     fn coordinates(&self) -> &'static [&'static str] {
         self.0.axes()
     }
@@ -160,10 +154,6 @@ struct Coadjoint(&'static dyn Group);
 impl Representation for Coadjoint {
     fn name(&self) -> &'static str {
         "coadjoint"
-    }
-
-    fn storage(&self) -> StorageType {
-        self.0.momentum_type()
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -222,10 +212,6 @@ impl Dual {
 impl Representation for Dual {
     fn name(&self) -> &'static str {
         self.name
-    }
-
-    fn storage(&self) -> StorageType {
-        self.of.storage()
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

@@ -41,6 +41,18 @@ impl Retraction {
         }
     }
 
+    /// Its name among those of functions: `second_kind`.
+    pub fn snake_name(self) -> String {
+        let mut name = String::new();
+        for letter in self.name().chars() {
+            if letter.is_uppercase() && !name.is_empty() {
+                name.push('_');
+            }
+            name.extend(letter.to_lowercase());
+        }
+        name
+    }
+
     /// `τ̄(x) = τ(−x)⁻¹`, a retraction with `dR τ̄_x = dL τ_{−x}`.
     #[must_use]
     pub fn reversed(self) -> Self {

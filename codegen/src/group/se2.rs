@@ -6,10 +6,9 @@
 
 use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
-use super::{
-    Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect, StorageType,
-};
+use super::{Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect};
 use crate::expr::{Expr, Number, Vector};
+use crate::quantity::Kind;
 
 /// Rigid motions of the plane.
 pub struct SE2;
@@ -31,8 +30,8 @@ impl Group for SE2 {
         "pose"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        StorageType::Named("Isometry2")
+    fn configuration_kind(&self) -> Kind {
+        Kind::RigidMotion2
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -41,10 +40,6 @@ impl Group for SE2 {
 
     fn unit_coordinates(&self) -> usize {
         SO2.unit_coordinates()
-    }
-
-    fn momentum_type(&self) -> StorageType {
-        StorageType::Vector(3)
     }
 
     fn dimension(&self) -> usize {
@@ -106,7 +101,6 @@ impl Group for SE2 {
         &[&Plane(3)]
     }
 
-    /// The linear momentum is one more vector that the rotations act on: lengths and inner products.
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }

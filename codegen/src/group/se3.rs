@@ -7,10 +7,10 @@
 use super::rigid::Rigid;
 use super::so3::{SO3, Space};
 use super::{
-    Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect, StorageType,
-    Translation,
+    Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect, Translation,
 };
 use crate::expr::{Expr, Vector};
+use crate::quantity::Kind;
 
 /// Rigid motions of space.
 pub struct SE3;
@@ -32,8 +32,8 @@ impl Group for SE3 {
         "pose"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        StorageType::Named("Isometry3")
+    fn configuration_kind(&self) -> Kind {
+        Kind::RigidMotion3
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -42,10 +42,6 @@ impl Group for SE3 {
 
     fn unit_coordinates(&self) -> usize {
         SO3.unit_coordinates()
-    }
-
-    fn momentum_type(&self) -> StorageType {
-        StorageType::Vector(6)
     }
 
     fn dimension(&self) -> usize {
@@ -104,8 +100,6 @@ impl Group for SE3 {
         &[&Directions]
     }
 
-    /// The linear momentum is one more vector that the rotations act on: lengths and inner products; without advected vectors also its
-    /// product with the angular momentum.
     fn components(&self) -> &'static [Component] {
         COMPONENTS
     }
@@ -131,10 +125,6 @@ struct Directions;
 impl Representation for Directions {
     fn name(&self) -> &'static str {
         Space.name()
-    }
-
-    fn storage(&self) -> StorageType {
-        Space.storage()
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

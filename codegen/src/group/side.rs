@@ -2,15 +2,7 @@
 
 use super::{Group, Retraction};
 use crate::expr::Vector;
-
-/// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
-    /// In the body: `g' = g ξ`, for left-invariant energies.
-    Left,
-    /// In space: `g' = ξ g`, for right-invariant energies.
-    Right,
-}
+pub use crate::quantity::Side;
 
 impl Side {
     /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and momentum

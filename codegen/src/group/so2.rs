@@ -6,10 +6,11 @@
 //!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    StorageType, Translation,
+    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, MatrixFunction, Representation,
+    Retraction, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
+use crate::quantity::Kind;
 
 /// Rotations of the plane.
 pub struct SO2;
@@ -38,8 +39,8 @@ impl Group for SO2 {
         "angle"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        StorageType::Named("UnitComplex")
+    fn configuration_kind(&self) -> Kind {
+        Kind::UnitComplex
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -50,16 +51,13 @@ impl Group for SO2 {
         self.coordinates().len()
     }
 
-    fn momentum_type(&self) -> StorageType {
-        StorageType::Vector(1)
-    }
-
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, velocity, advected, .. } = names;
+        let EquationNames { configuration, velocity, advected, energy, .. } = names;
+        let by_energy = |a: &&str| EquationTerm::by_energy(format!("{a} × ∂{energy}/∂{a}"));
         Equations {
-            configuration: format!("{configuration}' = {configuration} i {velocity}"),
-            momentum: advected.iter().map(|a| format!("{a} × ∂V/∂{a}")).collect(),
-            advected: advected.iter().map(|a| format!("{a}' = −{velocity} J {a}")).collect(),
+            configuration: format!("{configuration} i {velocity}"),
+            momentum: advected.iter().map(by_energy).collect(),
+            advected: advected.iter().map(|a| format!("−{velocity} J {a}")).collect(),
         }
     }
 
@@ -143,10 +141,6 @@ pub(super) struct Plane(pub(super) usize);
 impl Representation for Plane {
     fn name(&self) -> &'static str {
         "R2"
-    }
-
-    fn storage(&self) -> StorageType {
-        StorageType::Vector(2)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

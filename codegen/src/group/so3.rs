@@ -8,10 +8,11 @@
 //! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, Equations, Group, MatrixFunction, Moved, Representation,
-    Retraction, Side, StorageType, Translation,
+    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, MatrixFunction, Moved,
+    Representation, Retraction, Side, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
+use crate::quantity::Kind;
 
 /// Rotations of space.
 pub struct SO3;
@@ -57,8 +58,8 @@ impl Group for SO3 {
         "attitude"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        StorageType::Named("UnitQuaternion")
+    fn configuration_kind(&self) -> Kind {
+        Kind::UnitQuaternion
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -69,18 +70,14 @@ impl Group for SO3 {
         self.coordinates().len()
     }
 
-    fn momentum_type(&self) -> StorageType {
-        StorageType::Vector(3)
-    }
-
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
-        let EquationNames { configuration, momentum, velocity, advected } = names;
-        let mut terms = vec![format!("{momentum} × {velocity}")];
-        terms.extend(advected.iter().map(|a| format!("{a} × ∂V/∂{a}")));
+        let EquationNames { configuration, momentum, velocity, advected, energy } = names;
+        let bracket = EquationTerm::kept(format!("{momentum} × {velocity}"));
+        let by_energy = advected.iter().map(|a| EquationTerm::by_energy(format!("{a} × ∂{energy}/∂{a}")));
         Equations {
-            configuration: format!("{configuration}' = {configuration} hat({velocity})"),
-            momentum: terms,
-            advected: advected.iter().map(|a| format!("{a}' = {a} × {velocity}")).collect(),
+            configuration: format!("{configuration} hat({velocity})"),
+            momentum: std::iter::once(bracket).chain(by_energy).collect(),
+            advected: advected.iter().map(|a| format!("{a} × {velocity}")).collect(),
         }
     }
 
@@ -212,10 +209,6 @@ pub(super) struct Space;
 impl Representation for Space {
     fn name(&self) -> &'static str {
         "R3"
-    }
-
-    fn storage(&self) -> StorageType {
-        StorageType::Vector(3)
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

@@ -7,11 +7,9 @@
 //!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::so3::SO3;
-use super::{
-    Basis, Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction,
-    StorageType,
-};
+use super::{Basis, Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
 use crate::expr::{Expr, Number, Vector};
+use crate::quantity::Kind;
 
 /// Unit quaternions.
 pub struct SU2;
@@ -36,8 +34,8 @@ impl Group for SU2 {
         "spin"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        SO3.configuration_type()
+    fn configuration_kind(&self) -> Kind {
+        Kind::UnitQuaternion
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
@@ -46,10 +44,6 @@ impl Group for SU2 {
 
     fn unit_coordinates(&self) -> usize {
         SO3.unit_coordinates()
-    }
-
-    fn momentum_type(&self) -> StorageType {
-        SO3.momentum_type()
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {

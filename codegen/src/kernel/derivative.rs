@@ -1,11 +1,11 @@
 //! The derivative of one step as straight-line code: what it is made of, then the linear maps themselves.
 
-use super::{Code, Inputs, Placement, Returned, record, returned};
+use super::{Code, InputNames, Inputs, Outline, Placement, Results, record, returned};
 use crate::derivatives::Derivatives;
-use crate::expr::{Arena, Expr, Symbol, Vector};
+use crate::expr::{Arena, Expr, Vector};
 use crate::method::Step;
 use crate::method::linearization::{Linearization, Matrices};
-use crate::program::{Input, Module, RecordKind, Role};
+use crate::program::{DerivativeRole, Input, Module, RecordKind};
 
 /// The derivative of a step at one point as code: of the linear maps those that are wanted.
 ///
@@ -16,7 +16,7 @@ pub fn derivative<'a>(
     linearization: &Linearization<'a>,
     wanted: Derivatives,
     inputs: Inputs,
-) -> Module {
+) -> Module<DerivativeRole> {
     let adjoint = wanted.adjoint.then(|| linearization.adjoint(arena));
     let costate = adjoint.as_ref().map_or_else(Vec::new, |adjoint| adjoint.next.symbols());
     let inputs = inputs
@@ -27,19 +27,21 @@ pub fn derivative<'a>(
         .with(Input::ParameterPerturbation, linearization.parameters.symbols())
         .with(Input::Costate, costate);
 
-    let mut maps: Vec<(Role, Vec<Vector<'a>>)> = Vec::new();
-    maps.extend(wanted.tangent.then(|| (Role::Tangent, vec![linearization.next.clone()])));
+    let mut maps: Vec<(DerivativeRole, Vec<Vector<'a>>)> = Vec::new();
+    maps.extend(wanted.tangent.then(|| (DerivativeRole::Tangent, vec![linearization.next.clone()])));
     maps.extend(
-        adjoint.map(|adjoint| (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters])),
+        adjoint.map(|adjoint| {
+            (DerivativeRole::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters])
+        }),
     );
     let Matrices { through, columns: [state, control, parameters] } = linearization.matrices(arena, wanted);
-    maps.extend(through.map(|columns| (Role::Through, columns)));
+    maps.extend(through.map(|columns| (DerivativeRole::Through, columns)));
     let both = |columns: Vec<(Vector<'a>, Vector<'a>)>| {
         columns.into_iter().flat_map(|(explicit, unknown)| [explicit, unknown]).collect()
     };
-    maps.extend(state.map(|columns| (Role::WrtState, both(columns))));
-    maps.extend(control.map(|columns| (Role::WrtControl, both(columns))));
-    maps.extend(parameters.map(|columns| (Role::WrtParameters, both(columns))));
+    maps.extend(state.map(|columns| (DerivativeRole::WrtState, both(columns))));
+    maps.extend(control.map(|columns| (DerivativeRole::WrtControl, both(columns))));
+    maps.extend(parameters.map(|columns| (DerivativeRole::WrtParameters, both(columns))));
 
     let all: Vec<Expr<'a>> = maps.iter().flat_map(|(_, map)| map).flat_map(Vector::iter).collect();
     let mut code = Code::new(arena, inputs, all.into_iter());
@@ -47,38 +49,38 @@ pub fn derivative<'a>(
         let results = map.iter().map(|vector| code.plan(vector)).collect();
         returned(*role, results)
     });
-    let mut functions: Vec<Returned> = planned.collect();
+    let mut functions: Vec<Outline<DerivativeRole>> = planned.collect();
     code.names.carry_over(arena, &code.factoring, &code.plan);
     code.plan.eliminate_common_pairs();
     let placement = Placement::of_maps(&code.plan, &functions);
-    functions.insert(0, record(Role::Point, RecordKind::Point));
+    functions.insert(0, record(DerivativeRole::Point, RecordKind::Point));
     code.module(placement, functions)
 }
 
-/// The names of a derivative's results: `gamma_x_by_momentum_y`.
-pub(super) fn result_names(role: Role, inputs: &Inputs, arena: &Arena) -> Vec<String> {
-    let plain = |symbol: &Symbol| {
-        let name = arena.symbol_info(*symbol).name;
-        name.strip_prefix("d_").unwrap_or(&name).to_owned()
-    };
-    let names = |input: Input| -> Vec<String> { inputs.symbols(input).iter().map(plain).collect() };
-    let (state, unknown) = (names(Input::StatePerturbation), names(Input::Unknown));
-    let by = |rows: &[String], column: &str| -> Vec<String> {
-        rows.iter().map(|row| format!("{row}_by_{column}")).collect()
-    };
-    let matrix = |columns: Vec<String>| -> Vec<String> {
-        columns.iter().flat_map(|column| [by(&state, column), by(&unknown, column)].concat()).collect()
-    };
-    match role {
-        Role::Tangent => state.iter().map(|name| format!("d_{name}_next")).collect(),
-        Role::Adjoint => {
-            let inputs = [Input::StatePerturbation, Input::ControlPerturbation, Input::ParameterPerturbation];
-            inputs.into_iter().flat_map(names).map(|name| format!("by_{name}")).collect()
+impl Results for DerivativeRole {
+    /// `gamma_x_by_momentum_y`
+    fn result_names(self, names: &InputNames<'_>) -> Vec<String> {
+        let plain = |name: &String| name.strip_prefix("d_").unwrap_or(name).to_owned();
+        let names = |input: Input| -> Vec<String> { names(input, "").iter().map(plain).collect() };
+        let (state, unknown) = (names(Input::StatePerturbation), names(Input::Unknown));
+        let by = |rows: &[String], column: &str| -> Vec<String> {
+            rows.iter().map(|row| format!("{row}_by_{column}")).collect()
+        };
+        let matrix = |columns: Vec<String>| -> Vec<String> {
+            columns.iter().flat_map(|column| [by(&state, column), by(&unknown, column)].concat()).collect()
+        };
+        match self {
+            Self::Point => Vec::new(),
+            Self::Tangent => state.iter().map(|name| format!("d_{name}_next")).collect(),
+            Self::Adjoint => {
+                let inputs =
+                    [Input::StatePerturbation, Input::ControlPerturbation, Input::ParameterPerturbation];
+                inputs.into_iter().flat_map(names).map(|name| format!("by_{name}")).collect()
+            }
+            Self::Through => unknown.iter().flat_map(|column| by(&state, column)).collect(),
+            Self::WrtState => matrix(state.clone()),
+            Self::WrtControl => matrix(names(Input::ControlPerturbation)),
+            Self::WrtParameters => matrix(names(Input::ParameterPerturbation)),
         }
-        Role::Through => unknown.iter().flat_map(|column| by(&state, column)).collect(),
-        Role::WrtState => matrix(state.clone()),
-        Role::WrtControl => matrix(names(Input::ControlPerturbation)),
-        Role::WrtParameters => matrix(names(Input::ParameterPerturbation)),
-        _ => Vec::new(),
     }
 }

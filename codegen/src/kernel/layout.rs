@@ -4,7 +4,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::arrange::arranged;
 use super::names::{Locals, Names};
-use super::placement::{Placement, Returned};
+use super::placement::{Outline, Placement};
 use super::plan::{Op, Operation, Plan, Signed};
 use crate::expr::{Function, Stage};
 use crate::program::{RecordKind, Statement, Term, Value};
@@ -24,7 +24,7 @@ pub(super) struct Layout<'l, 'a> {
     record: Option<RecordKind>,
     /// How often each value is used.
     uses: FxHashMap<Op, u32>,
-    /// Those of them that something uses in another way than to divide by what they are the used_whole of.
+    /// Those of them that something uses whole, not as a divisor alone: `1/x` where a product divides by `x` is none.
     used_whole: FxHashSet<Op>,
     /// What the function stores.
     storing: FxHashSet<Op>,
@@ -42,11 +42,11 @@ pub(super) struct Body {
 
 impl<'l, 'a> Layout<'l, 'a> {
     /// The body of a function that stores these values.
-    pub(super) fn body(
+    pub(super) fn body<R>(
         plan: &'l Plan<'a>,
         placement: &'l Placement,
         names: &'l mut Names,
-        returned: &Returned,
+        returned: &Outline<R>,
         storing: &[Op],
     ) -> Body {
         let mut layout = Self {

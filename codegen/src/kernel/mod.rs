@@ -17,11 +17,13 @@ pub use derivative::derivative;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::method::Step;
 use crate::model::System;
-use crate::program::{Argument, Function, Input, Module, Record, RecordKind, Role, Value};
+use crate::program::{
+    Argument, Function, FunctionRole, Input, Module, Record, RecordKind, StepRole, SystemRole, Value, Values,
+};
 use factor::Factoring;
 use layout::Layout;
 use names::Names;
-use placement::{Placement, Returned};
+use placement::{Outline, Placement};
 use plan::{Plan, Signed};
 
 /// Which symbols stand for the components of what functions are given.
@@ -47,6 +49,11 @@ impl Inputs {
         self
     }
 
+    /// Whether it is one of them, or a record, which is computed.
+    fn has(&self, input: Input) -> bool {
+        matches!(input, Input::Record(_)) || self.arrays.iter().any(|(known, _)| *known == input)
+    }
+
     /// The symbols of one of them.
     pub fn symbols(&self, input: Input) -> &[Symbol] {
         self.arrays.iter().find(|(known, _)| *known == input).map_or(&[], |(_, symbols)| symbols)
@@ -54,7 +61,7 @@ impl Inputs {
 }
 
 /// The code of one step: Newton's correction for its equation, the update of the fixed-point iteration if there is one, and all the rest.
-pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
+pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<StepRole> {
     let unknown = step.unknown.symbols();
     let numbered = |name: &str| {
         let symbol = |i: usize| arena.symbol(format!("{name}_{i}"), Stage::Iteration);
@@ -82,15 +89,15 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module {
     code.plan.shorten_divisions(&equation);
 
     let mut functions = vec![
-        record(Role::New, RecordKind::Constants),
-        record(Role::Begin, RecordKind::Step),
-        returned(Role::Start, vec![start]),
-        Returned { results: vec![residual, right], ..record(Role::Evaluate, RecordKind::Iterate) },
-        returned(Role::Correction, vec![correction]),
+        record(StepRole::New, RecordKind::Constants),
+        record(StepRole::Begin, RecordKind::Step),
+        returned(StepRole::Start, vec![start]),
+        Outline { results: vec![residual, right], ..record(StepRole::Evaluate, RecordKind::Iterate) },
+        returned(StepRole::Correction, vec![correction]),
     ];
-    functions.extend((!update.is_empty()).then(|| returned(Role::FixedPointUpdate, vec![update])));
-    functions.extend((!domain.is_empty()).then(|| returned(Role::Domain, vec![domain])));
-    functions.push(returned(Role::Finish, vec![next]));
+    functions.extend((!update.is_empty()).then(|| returned(StepRole::FixedPointUpdate, vec![update])));
+    functions.extend((!domain.is_empty()).then(|| returned(StepRole::Domain, vec![domain])));
+    functions.push(returned(StepRole::Finish, vec![next]));
     let placement = Placement::of_step(&code.plan, &functions, &step.given);
     code.module(placement, functions)
 }
@@ -110,7 +117,12 @@ fn correction<'a>(step: &Step<'a>, residual: &Vector<'a>) -> Vector<'a> {
 }
 
 /// The code of a function that stands alone: of parameters and state, and whatever else is given.
-pub fn function<'a>(arena: &'a Arena, role: Role, outputs: &Vector<'a>, inputs: Inputs) -> Module {
+pub fn function<'a>(
+    arena: &'a Arena,
+    role: SystemRole,
+    outputs: &Vector<'a>,
+    inputs: Inputs,
+) -> Module<SystemRole> {
     let mut code = Code::new(arena, inputs, outputs.iter());
     let outputs = code.plan(outputs);
     code.names.carry_over(arena, &code.factoring, &code.plan);
@@ -118,12 +130,12 @@ pub fn function<'a>(arena: &'a Arena, role: Role, outputs: &Vector<'a>, inputs: 
     code.module(Placement::alone(), vec![returned(role, vec![outputs])])
 }
 
-fn returned(role: Role, results: Vec<Vec<Signed>>) -> Returned {
-    Returned { role, record: None, results }
+fn returned<R>(role: R, results: Vec<Vec<Signed>>) -> Outline<R> {
+    Outline { role, record: None, results }
 }
 
-fn record(role: Role, kind: RecordKind) -> Returned {
-    Returned { role, record: Some(kind), results: Vec::new() }
+fn record<R>(role: R, kind: RecordKind) -> Outline<R> {
+    Outline { role, record: Some(kind), results: Vec::new() }
 }
 
 /// A module in the making.
@@ -146,7 +158,7 @@ impl<'a> Code<'a> {
     }
 
     /// Writes the functions, whose values stand in these places.
-    fn module(mut self, placement: Placement, functions: Vec<Returned>) -> Module {
+    fn module<R: Results>(mut self, placement: Placement, functions: Vec<Outline<R>>) -> Module<R> {
         self.names.name_symbols(self.arena, &self.plan);
         for function in &functions {
             let named = function.results().zip(self.result_names(function));
@@ -160,7 +172,8 @@ impl<'a> Code<'a> {
         let functions = functions.iter().map(|returned| {
             let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
             let body = Layout::body(&self.plan, &placement, &mut self.names, returned, &storing);
-            let arguments = returned.role.inputs(&self.inputs).into_iter().map(|input| {
+            let inputs = returned.role.signature().inputs.iter().filter(|input| self.inputs.has(**input));
+            let arguments = inputs.map(|&input| {
                 let values = self.components(&records, input);
                 Argument { input, values }
             });
@@ -175,7 +188,7 @@ impl<'a> Code<'a> {
             function
         });
         let functions = functions.collect();
-        Module { names: self.names.into_all(), records, functions }
+        Module { values: Values { names: self.names.into_all(), records }, functions }
     }
 
     /// What a record stores: symbols first, as they were declared, then the others by their names.
@@ -203,58 +216,40 @@ impl<'a> Code<'a> {
     }
 
     /// What a function's results are called, for the names of what they are computed from.
-    fn result_names(&self, function: &Returned) -> Vec<String> {
-        let names = |input: Input, suffix: &str| -> Vec<String> {
-            let name = |symbol: &Symbol| format!("{}{suffix}", self.arena.symbol_info(*symbol).name);
-            self.inputs.symbols(input).iter().map(name).collect()
-        };
+    fn result_names<R: Results>(&self, function: &Outline<R>) -> Vec<String> {
         let role = function.role;
         let count = function.results().count();
-        let named = match role {
-            Role::Start | Role::FixedPointUpdate => names(Input::Unknown, ""),
-            Role::Evaluate => [names(Input::Residual, ""), names(Input::Right, "")].concat(),
-            Role::Finish => names(Input::State, "_next"),
-            _ => derivative::result_names(role, &self.inputs, self.arena),
-        };
+        let named = role.result_names(&|input, suffix| {
+            let name = |symbol: &Symbol| format!("{}{suffix}", self.arena.symbol_info(*symbol).name);
+            self.inputs.symbols(input).iter().map(name).collect()
+        });
         let numbered = |i: usize| if count == 1 { role.name() } else { format!("{}_{}", role.name(), i + 1) };
         if named.len() == count { named } else { (0..count).map(numbered).collect() }
     }
 }
 
-impl Role {
-    /// What the function is given.
-    fn inputs(self, given: &Inputs) -> Vec<Input> {
-        let constants = Input::Record(RecordKind::Constants);
-        let (step, iterate) = (Input::Record(RecordKind::Step), Input::Record(RecordKind::Iterate));
-        let point = Input::Record(RecordKind::Point);
+/// The names of an input's components, each with this suffix.
+type InputNames<'n> = dyn Fn(Input, &str) -> Vec<String> + 'n;
+
+/// Functions whose results have names, for those of what they are computed from.
+trait Results: FunctionRole {
+    /// The results' names; none where numbers will do.
+    fn result_names(self, names: &InputNames<'_>) -> Vec<String>;
+}
+
+impl Results for StepRole {
+    fn result_names(self, names: &InputNames<'_>) -> Vec<String> {
         match self {
-            Self::New => vec![Input::Parameters, Input::StepSize],
-            Self::Begin => vec![constants, Input::State, Input::Time, Input::Control],
-            Self::Start => vec![constants, Input::State, step],
-            Self::Evaluate => vec![constants, Input::State, step, Input::Unknown],
-            Self::FixedPointUpdate => {
-                vec![constants, Input::State, step, Input::Unknown, Input::Right, iterate]
-            }
-            Self::Correction | Self::Domain | Self::Finish => {
-                vec![constants, Input::State, step, Input::Unknown, Input::Residual, iterate]
-            }
-            Self::Point => vec![
-                Input::Parameters,
-                Input::StepSize,
-                Input::State,
-                Input::Time,
-                Input::Control,
-                Input::Unknown,
-            ],
-            Self::Tangent => vec![
-                point,
-                Input::StatePerturbation,
-                Input::ControlPerturbation,
-                Input::ParameterPerturbation,
-            ],
-            Self::Adjoint => vec![point, Input::Costate],
-            Self::Through | Self::WrtState | Self::WrtControl | Self::WrtParameters => vec![point],
-            _ => given.arrays.iter().map(|&(input, _)| input).collect(),
+            Self::Start | Self::FixedPointUpdate => names(Input::Unknown, ""),
+            Self::Evaluate => [names(Input::Residual, ""), names(Input::Right, "")].concat(),
+            Self::Finish => names(Input::State, "_next"),
+            Self::New | Self::Begin | Self::Correction | Self::Domain => Vec::new(),
         }
+    }
+}
+
+impl Results for SystemRole {
+    fn result_names(self, _: &InputNames<'_>) -> Vec<String> {
+        Vec::new()
     }
 }

@@ -6,7 +6,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::plan::{Op, Operation, Plan, Signed};
 use crate::expr::{Function, Stage, Symbol};
-use crate::program::{RecordKind, Role};
+use crate::program::{DerivativeRole, RecordKind, StepRole};
 
 /// Where a value is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,14 +18,14 @@ pub(super) enum Place {
 }
 
 /// What a function must return, and where in the module it stands.
-pub(super) struct Returned {
-    pub role: Role,
+pub(super) struct Outline<R> {
+    pub role: R,
     /// The record that it returns.
     pub record: Option<RecordKind>,
     pub results: Vec<Vec<Signed>>,
 }
 
-impl Returned {
+impl<R> Outline<R> {
     /// All results, one after the other.
     pub(super) fn results(&self) -> impl Iterator<Item = Signed> + '_ {
         self.results.iter().flatten().copied()
@@ -46,14 +46,19 @@ impl Placement {
 
     /// Of a step: what depends on parameters, state and unknown alone is computed once they are known. `given` are the symbols that only the
     /// beginning of a step is given.
-    pub(super) fn of_step(plan: &Plan<'_>, functions: &[Returned], given: &[Symbol]) -> Self {
-        let roots = |roles: &[Role]| -> Vec<Op> {
+    pub(super) fn of_step(plan: &Plan<'_>, functions: &[Outline<StepRole>], given: &[Symbol]) -> Self {
+        let roots = |roles: &[StepRole]| -> Vec<Op> {
             let wanted = functions.iter().filter(|function| roles.contains(&function.role));
             wanted.flat_map(|function| function.results()).map(|signed| signed.op).collect()
         };
-        let reachable = |roles: &[Role]| plan.reachable_from(roots(roles));
-        let evaluating = reachable(&[Role::Evaluate]);
-        let solving = reachable(&[Role::Evaluate, Role::Correction, Role::FixedPointUpdate, Role::Domain]);
+        let reachable = |roles: &[StepRole]| plan.reachable_from(roots(roles));
+        let evaluating = reachable(&[StepRole::Evaluate]);
+        let solving = reachable(&[
+            StepRole::Evaluate,
+            StepRole::Correction,
+            StepRole::FixedPointUpdate,
+            StepRole::Domain,
+        ]);
         let arguments: FxHashSet<Op> =
             evaluating.iter().filter_map(|&op| plan.stumpff_argument(op)).collect();
         let is_given = |op: Op| matches!(plan.operation(op), Operation::Symbol(s) if given.contains(s));
@@ -73,7 +78,7 @@ impl Placement {
         let mut placement = Self { places, stored: BTreeSet::new() };
 
         // everything that some function computes
-        let used = plan.reachable_from(functions.iter().flat_map(Returned::results).map(|s| s.op).collect());
+        let used = plan.reachable_from(functions.iter().flat_map(Outline::results).map(|s| s.op).collect());
         for op in plan.ops() {
             if used.contains(&op) || placement.places[&op] == Place::Record(RecordKind::Iterate) {
                 for operand in plan.operation(op).operands() {
@@ -108,8 +113,8 @@ impl Placement {
     }
 
     /// Of linear maps of perturbations: all that they are made of is computed at the point, once for all of them.
-    pub(super) fn of_maps(plan: &Plan<'_>, maps: &[Returned]) -> Self {
-        let results: Vec<Op> = maps.iter().flat_map(Returned::results).map(|signed| signed.op).collect();
+    pub(super) fn of_maps(plan: &Plan<'_>, maps: &[Outline<DerivativeRole>]) -> Self {
+        let results: Vec<Op> = maps.iter().flat_map(Outline::results).map(|signed| signed.op).collect();
         let all = plan.reachable_from(results.clone());
         let is_linear = |op: Op| plan.stage(op) == Stage::Perturbation;
         let coefficients: Vec<Op> = {

@@ -121,51 +121,76 @@ impl<'a> Plan<'a> {
         self.sum(vec![a, b.flip(true)])
     }
 
-    fn visit(&mut self, id: Id) -> Signed {
-        if let Some(&known) = self.known.get(&id) {
-            return known;
+    /// Plans a node after all that it is made of, with a stack of its own: a graph may be deeper than any other.
+    ///
+    /// An operation is planned as soon as its operands are, so that operations are numbered as they come. A node that lacks an operand is
+    /// tried again behind it; the addends that a sum has so far are kept.
+    fn visit(&mut self, root: Id) -> Signed {
+        let mut open: Vec<(Id, Vec<Signed>)> = vec![(root, Vec::new())];
+        while let Some((id, addends)) = open.last_mut() {
+            match self.node(*id, addends) {
+                Ok(signed) => {
+                    self.known.insert(*id, signed);
+                    open.pop();
+                }
+                Err(operand) => open.push((operand, Vec::new())),
+            }
         }
-        let signed = match self.arena.node(id) {
+        self.known[&root]
+    }
+
+    /// A node whose operands are planned.
+    ///
+    /// # Errors
+    /// The first operand that is not.
+    fn node(&mut self, id: Id, addends: &mut Vec<Signed>) -> Result<Signed, Id> {
+        if let Some(&known) = self.known.get(&id) {
+            return Ok(known);
+        }
+        Ok(match self.arena.node(id) {
             Node::Number(number) => self.number(number),
             Node::Symbol(symbol) => positive(self.intern(Operation::Symbol(symbol))),
             Node::Sum(sum) => {
-                let mut addends: Vec<Signed> = sum
-                    .terms
-                    .iter()
-                    .map(|&(term, coefficient)| match self.arena.node(term) {
-                        _ if coefficient.abs().is_one() => self.visit(term).flip(coefficient.is_negative()),
-                        Node::Product(factors) => self.product(coefficient, &factors),
-                        _ => self.product(coefficient, &[(term, 1)]),
-                    })
-                    .collect();
+                for &(term, coefficient) in &sum.terms[addends.len()..] {
+                    addends.push(match self.arena.node(term) {
+                        _ if coefficient.abs().is_one() => {
+                            self.operand(term)?.flip(coefficient.is_negative())
+                        }
+                        Node::Product(factors) => self.product(coefficient, &factors)?,
+                        _ => self.product(coefficient, &[(term, 1)])?,
+                    });
+                }
                 if !sum.constant.is_zero() {
                     addends.push(self.number(sum.constant));
                 }
-                self.staged_sum(addends)
+                self.staged_sum(std::mem::take(addends))
             }
-            Node::Product(factors) => self.product(Number::ONE, &factors),
-            Node::Held(inner) => self.visit(inner),
+            Node::Product(factors) => self.product(Number::ONE, &factors)?,
+            Node::Held(inner) => self.operand(inner)?,
             Node::Function(function, argument) => {
-                let argument = self.value(argument);
+                let argument = self.value(argument)?;
                 positive(self.intern(Operation::Function(function, argument)))
             }
             Node::Power(base, exponent) => {
-                let (base, exponent) = (self.value(base), self.value(exponent));
+                let (base, exponent) = (self.value(base)?, self.value(exponent)?);
                 positive(self.intern(Operation::Power(base, exponent)))
             }
             Node::Atan2(y, x) => {
-                let (y, x) = (self.value(y), self.value(x));
+                let (y, x) = (self.value(y)?, self.value(x)?);
                 positive(self.intern(Operation::Atan2(y, x)))
             }
-        };
-        self.known.insert(id, signed);
-        signed
+        })
+    }
+
+    /// An operand, or its node where it is not planned.
+    fn operand(&self, id: Id) -> Result<Signed, Id> {
+        self.planned(id).ok_or(id)
     }
 
     /// A node with the value itself, not its negative.
-    fn value(&mut self, id: Id) -> Op {
-        let signed = self.visit(id);
-        if signed.negative { self.intern(Operation::Sum(vec![(true, signed.op)])) } else { signed.op }
+    fn value(&mut self, id: Id) -> Result<Op, Id> {
+        let signed = self.operand(id)?;
+        Ok(if signed.negative { self.intern(Operation::Sum(vec![(true, signed.op)])) } else { signed.op })
     }
 
     fn number(&mut self, number: Number) -> Signed {
@@ -197,11 +222,11 @@ impl<'a> Plan<'a> {
     }
 
     /// `coefficient · Π factor^exponent` as a product of the partial products of each stage.
-    fn product(&mut self, coefficient: Number, factors: &[(Id, i32)]) -> Signed {
+    fn product(&mut self, coefficient: Number, factors: &[(Id, i32)]) -> Result<Signed, Id> {
         let mut negative = coefficient.is_negative();
         let mut by_stage: BTreeMap<Stage, Vec<Op>> = BTreeMap::new();
         for &(id, exponent) in factors {
-            let base = self.visit(id);
+            let base = self.operand(id)?;
             negative ^= base.negative && exponent % 2 != 0;
             let factor =
                 if exponent < 0 { self.intern(Operation::Quotient(Number::ONE, base.op)) } else { base.op };
@@ -214,7 +239,7 @@ impl<'a> Plan<'a> {
             let number = self.intern(Operation::Number(magnitude));
             match by_stage.values_mut().next() {
                 Some(earliest) => earliest.push(number),
-                None => return Signed { negative, op: number },
+                None => return Ok(Signed { negative, op: number }),
             }
         }
         // what comes last is multiplied by the product of all before in one product, so that any two of its factors can be shared
@@ -228,7 +253,7 @@ impl<'a> Plan<'a> {
             earlier = Some(self.multiply(part));
         }
         let op = earlier.unwrap_or_else(|| self.intern(Operation::Number(Number::ONE)));
-        Signed { negative, op }
+        Ok(Signed { negative, op })
     }
 
     /// The factors whose product is `base^exponent`: by squaring, where that saves a multiplication.

@@ -8,10 +8,11 @@ use super::lowering::Lowering;
 use super::value::Value;
 use crate::diagnostics::{count, list, suggestion};
 use crate::expr::{Expr as Symbolic, Matrix, Number, Vector};
-use crate::parse::{ScalarType, Shape, of_segment};
+use crate::parse::{of_segment, scalar_named, shape_named};
+use crate::quantity::Shape;
 
 /// The constructors of vectors and matrices.
-pub(super) const CONSTRUCTORS: &[&str] = &[
+pub const CONSTRUCTORS: &[&str] = &[
     "new",
     "zeros",
     "repeat",
@@ -26,7 +27,7 @@ pub(super) const CONSTRUCTORS: &[&str] = &[
 ];
 
 /// The constructors of points.
-pub(super) const POINTS: &[&str] = &["new", "from", "origin"];
+pub const POINTS: &[&str] = &["new", "from", "origin"];
 
 /// The dimension of nalgebra's points of that name.
 fn point(name: &str) -> Option<usize> {
@@ -77,8 +78,8 @@ impl<'a> Lowering<'a, '_> {
             let arguments: Vec<(Value<'a>, &Expr)> = arguments?.into_iter().zip(&call.args).collect();
             return self.point(name, &owner_name, n, &arguments);
         }
-        let scalar = ScalarType::named(&owner_name).is_some();
-        let shape = Shape::named(&owner_name).or_else(|| of_segment(owner).map(|(shape, _)| shape));
+        let scalar = scalar_named(&owner_name).is_some();
+        let shape = shape_named(&owner_name).or_else(|| of_segment(owner).map(|(shape, _)| shape));
         let (Some(shape), None) = (if scalar { Some(Shape::Scalar) } else { shape }, &function.qself) else {
             let message = "this function has no symbolic meaning here; functions of `f64` and constructors such as \
                            `Vector3::new` or `Matrix3::identity` have one";

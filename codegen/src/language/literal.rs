@@ -5,12 +5,13 @@ use syn::{ExprCast, Lit, LitFloat, LitInt, Type};
 use super::lowering::Lowering;
 use super::value::Value;
 use crate::expr::Number;
-use crate::parse::ScalarType;
+use crate::parse::scalar_named;
+use crate::quantity::ScalarType;
 
 impl<'a> Lowering<'a, '_> {
     pub(super) fn literal(&mut self, literal: &Lit) -> Option<Value<'a>> {
         match literal {
-            Lit::Int(integer) if ScalarType::named(integer.suffix()).is_some() => {
+            Lit::Int(integer) if scalar_named(integer.suffix()).is_some() => {
                 self.decimal(integer.base10_digits(), literal)
             }
             Lit::Int(integer) => self.integer(integer),
@@ -75,7 +76,7 @@ fn holds(ty: &Type, integer: i64) -> bool {
 
 fn float_type(ty: &Type) -> Option<ScalarType> {
     match ty {
-        Type::Path(path) if path.qself.is_none() => ScalarType::named(&path.path.get_ident()?.to_string()),
+        Type::Path(path) if path.qself.is_none() => scalar_named(&path.path.get_ident()?.to_string()),
         _ => None,
     }
 }

@@ -12,15 +12,21 @@ mod literal;
 mod lowering;
 mod methods;
 mod operators;
-mod reference;
 mod sanity;
 mod scope;
 mod sequence;
 mod value;
 
-pub use reference::reference;
 pub use scope::{Constant, Scope};
 pub use value::{Element, Value};
+
+/// The words of the language, for its documentation.
+pub mod words {
+    pub use super::construct::{CONSTRUCTORS, POINTS};
+    pub use super::methods::{NOT_SMOOTH, methods};
+    pub use super::sequence::{ARRAY_METHODS, ITERATOR_METHODS};
+    pub use crate::limits::RANGE;
+}
 
 use lowering::Lowering;
 

@@ -1,5 +1,6 @@
 //! The names that an expression may use.
 
+use quote::ToTokens;
 use syn::ext::IdentExt;
 
 use super::value::Value;
@@ -28,6 +29,20 @@ pub struct Constant<'a> {
     pub tokens: syn::Expr,
     /// The symbol's name, which no other symbol of the scope has.
     pub name: String,
+}
+
+impl Constant<'_> {
+    /// The path as it is usually written: with spaces between words alone.
+    pub fn path(&self) -> String {
+        let is_part = |c: char| c.is_alphanumeric() || c == '_';
+        self.tokens.to_token_stream().into_iter().fold(String::new(), |mut text, token| {
+            let token = token.to_string();
+            if text.ends_with(is_part) && token.starts_with(is_part) {
+                text.push(' ');
+            }
+            text + &token
+        })
+    }
 }
 
 impl<'a> Scope<'a> {

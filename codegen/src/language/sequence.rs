@@ -10,13 +10,14 @@ use super::value::Value;
 use crate::diagnostics::suggestion;
 use crate::expr::{Matrix, Vector};
 use crate::limits;
-use crate::parse::{Shape, of_segment};
+use crate::parse::of_segment;
+use crate::quantity::Shape;
 
 /// The methods of arrays, as they are called.
-pub(super) const ARRAY_METHODS: [&str; 5] = ["len()", "iter()", "into_iter()", "windows(n)", "map(|x| …)"];
+pub const ARRAY_METHODS: [&str; 5] = ["len()", "iter()", "into_iter()", "windows(n)", "map(|x| …)"];
 
 /// Those of iterators.
-pub(super) const ITERATOR_METHODS: [&str; 9] = [
+pub const ITERATOR_METHODS: [&str; 9] = [
     "map(|x| …)",
     "sum::<f64>()",
     "zip(other)",

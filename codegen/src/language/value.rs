@@ -2,7 +2,7 @@
 
 use crate::expr::{Arena, Expr, Matrix, Number, Stage, Vector};
 use crate::group::{ComponentValue, Group};
-use crate::parse::Shape;
+use crate::quantity::Shape;
 
 /// The symbolic value of an expression.
 ///

@@ -1,11 +1,10 @@
 //! The discretization map that steps are lifts of: `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))`, from an intermediate point `ḡ` to both ends of a step.
 
-use super::family::bounded;
 use super::presolve::{Equation, Presolved};
-use super::{Increment, Step, step_symbol};
-use crate::expr::{Arena, Expr, Number, Symbol, Vector};
+use super::step::{Increment, Step, step_symbol};
+use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector};
 use crate::group::Retraction;
-use crate::model::{Parts, System};
+use crate::model::{Parts, Slot, System};
 use crate::scheme::Member;
 
 /// A discretization map and the step that it is taken with.
@@ -106,4 +105,23 @@ impl<'a> Discretization<'a> {
             increments,
         }
     }
+}
+
+/// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
+fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
+    let places = system.group.places();
+    let mut bounded = Vec::new();
+    for slot in system.slots() {
+        let length = system.part(slot).len();
+        let rotation = match slot {
+            Slot::Configuration(factor) => {
+                let by = increments.iter().map(|increment| places[factor].algebra(&increment.by));
+                let unknown = by.flat_map(|by| by.0).all(|x| x.stage() >= Stage::Iteration);
+                if unknown { system.group.factors[factor].group.unit_coordinates() } else { 0 }
+            }
+            Slot::Momentum(_) | Slot::Advected { .. } => 0,
+        };
+        bounded.extend((0..length).map(|i| i < rotation));
+    }
+    bounded
 }

@@ -36,10 +36,10 @@
 use super::discretization::{Discretization, Path};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
-use super::{Increment, Step};
-use crate::expr::{Arena, Expr, Number, Stage, Symbol, Vector, gradient, uncoupled};
+use super::step::Step;
+use crate::expr::{Arena, Expr, Number, Symbol, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
-use crate::model::{Energy, Factor, Parts, Relation, Slot, System};
+use crate::model::{Energy, Factor, Parts, Relation, System};
 use crate::scheme::Member;
 
 /// A member of the family for a system.
@@ -350,23 +350,4 @@ fn coupled_factors(system: &System<'_>) -> Vec<Vec<usize>> {
         _ => system.inertias.iter().flat_map(|field| field.blocks.clone()).collect(),
     };
     uncoupled(system.factors.len(), |i, j| coupled.iter().any(|set| set.contains(&i) && set.contains(&j)))
-}
-
-/// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
-pub(super) fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
-    let places = system.group.places();
-    let mut bounded = Vec::new();
-    for slot in system.slots() {
-        let length = system.part(slot).len();
-        let rotation = match slot {
-            Slot::Configuration(factor) => {
-                let by = increments.iter().map(|increment| places[factor].algebra(&increment.by));
-                let unknown = by.flat_map(|by| by.0).all(|x| x.stage() >= Stage::Iteration);
-                if unknown { system.group.factors[factor].group.unit_coordinates() } else { 0 }
-            }
-            Slot::Momentum(_) | Slot::Advected { .. } => 0,
-        };
-        bounded.extend((0..length).map(|i| i < rotation));
-    }
-    bounded
 }

@@ -17,7 +17,7 @@
 //!
 //! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
-use super::{Increment, Step};
+use super::step::{Increment, Step};
 use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::Side;

@@ -5,50 +5,15 @@ pub mod family;
 pub mod linearization;
 mod names;
 pub mod presolve;
+mod step;
 pub mod tangent_lift;
 
-use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
+pub use step::{Increment, Step, step_symbol};
+
+use crate::expr::Arena;
 use crate::group::Retraction;
 use crate::model::System;
 use crate::scheme::{Member, Rule, Scheme};
-
-/// One step: solve `left(x) = right(x)` for the unknown `x`, then update the state.
-pub struct Step<'a> {
-    /// The step size, a symbol.
-    pub h: Expr<'a>,
-    /// Symbols of stage *step* that are given at the beginning of a step and not kept by the caller: time and controls.
-    pub given: Vec<Symbol>,
-    /// The symbols `x`, of stage *iteration*; none if the step is explicit.
-    pub unknown: Vector<'a>,
-    /// The lengths of the blocks of `x` that have a unit in common.
-    pub blocks: Vec<usize>,
-    /// A first approximation of `x` from the state.
-    pub start: Vector<'a>,
-    /// `left(x)`
-    pub left: Vector<'a>,
-    /// `right(x)`
-    pub right: Vector<'a>,
-    /// `left(x) − right(x)` for Newton's matrix alone: up to a few terms of series that are not finite sums.
-    pub coarse_residual: Vector<'a>,
-    /// Each positive while `x` is inside a retraction's domain.
-    pub domain: Vec<Expr<'a>>,
-    /// How the configuration is moved, one increment after the other.
-    pub increments: Vec<Increment<'a>>,
-    /// The state after the step, in the order of storage.
-    pub next: Vector<'a>,
-    /// What of it is bounded if the unknown is: rotations.
-    pub bounded: Vec<bool>,
-}
-
-/// One move of the configuration: from `g` to `g τ(x)`, on the other side to `τ(x) g`.
-pub struct Increment<'a> {
-    /// `τ`
-    pub retraction: Retraction,
-    /// `g`, in stored coordinates.
-    pub from: Vector<'a>,
-    /// `x`
-    pub by: Vector<'a>,
-}
 
 impl Scheme {
     /// The scheme of which this one is another name for the system, if `first` is the first of its retractions. `s = 1` is `s = 0` where nothing
@@ -78,9 +43,4 @@ impl Scheme {
         }
         whole
     }
-}
-
-/// The step size as a symbol.
-pub fn step_symbol(arena: &Arena) -> Expr<'_> {
-    arena.symbol("h", Stage::Parameters)
 }

@@ -15,10 +15,10 @@
 //! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs to `μ_k`, and
 //! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which was reported, the step makes no sense.
 
-use super::Step;
 use super::discretization::{Discretization, Path};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
+use super::step::Step;
 use crate::expr::{Arena, Derivative, Expr, Number, Symbol, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side};
 use crate::model::{Energy, Parts, Relation, System};

@@ -4,8 +4,8 @@ use std::cell::OnceCell;
 use std::ops::Range;
 
 use super::{
-    Advected, Energy, Factor, ForceSource, InertiaField, InertiaShape, Name, Parameter, Part, Role, Source,
-    Sources, StoredAs, System, suffixes,
+    Advected, Energy, Factor, ForceSource, InertiaField, InertiaShape, Name, Parameter, Part, Source,
+    Sources, System, suffixes,
 };
 use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
@@ -13,7 +13,8 @@ use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 use crate::group::{Group, Product, Semidirect, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, lower_force, lower_forces, lower_scalar};
-use crate::parse::{Control, Shape};
+use crate::parse::Control;
+use crate::quantity::{Role, Shape};
 
 impl<'a> System<'a> {
     /// The system that a description describes; problems in its expressions are reported, and what they concern is left out. `None` if the
@@ -58,6 +59,8 @@ impl<'a> System<'a> {
             warn_of_unused(description, &scope, diagnostics);
         }
         let system = Self {
+            name: description.name.clone(),
+            scalar: description.scalar,
             group,
             factors,
             parameters,
@@ -249,7 +252,7 @@ fn control<'a>(arena: &'a Arena, control: &Control, scope: &mut Scope<'a>) -> Ve
         define(scope, &name, &whole, value.clone());
         Part {
             role: Role::Control,
-            stored: StoredAs::Shape(control.shape),
+            kind: control.shape.into(),
             suffixes: suffixes(&name, &names),
             symbols,
             value: Vector(value.scalars()),

@@ -33,6 +33,14 @@ impl<'a> Relation<'a> {
         solution.map_or(Self::Singular, |solution| Self::Explicit(-&solution))
     }
 
+    /// The closed form, or what vanishes at it.
+    pub fn value(&self) -> Option<&Vector<'a>> {
+        match self {
+            Self::Explicit(value) | Self::Implicit(value) => Some(value),
+            Self::Singular => None,
+        }
+    }
+
     /// The closed form; if there is none, the symbols that stand for it.
     fn or(self, symbols: Vector<'a>) -> Vector<'a> {
         match self {

@@ -2,23 +2,8 @@
 
 use super::{Advected, Factor, Name, Slot, System};
 use crate::expr::{Symbol, Vector};
-use crate::group::{Group, Representation, Side, StorageType};
-use crate::parse::Shape;
-
-/// What a quantity is to its system, by the names of the runtime's `Role`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// A field of the user's struct.
-    Parameter,
-    /// A factor's configuration.
-    Configuration,
-    /// A factor's momentum.
-    Momentum,
-    /// An advected parameter.
-    Advected,
-    /// A control.
-    Control,
-}
+use crate::group::{Group, Representation, Side};
+use crate::quantity::{Kind, Role};
 
 /// A part of the state, or a control: one field of a generated struct, or an element of one.
 #[derive(Clone)]
@@ -27,8 +12,8 @@ pub struct Part<'a> {
     pub role: Role,
     /// Its name.
     pub name: Name,
-    /// What it is stored as.
-    pub stored: StoredAs,
+    /// Its kind.
+    pub kind: Kind,
     /// What the components' names add to its own.
     pub suffixes: Vec<String>,
     /// Its components' symbols.
@@ -37,34 +22,6 @@ pub struct Part<'a> {
     pub value: Vector<'a>,
     /// The first line of its documentation.
     pub doc: String,
-}
-
-/// What a part is stored as.
-#[derive(Clone, Copy, Debug)]
-pub enum StoredAs {
-    /// A type of nalgebra's, generic over the scalar.
-    Named(&'static str),
-    /// A scalar, vector or matrix.
-    Shape(Shape),
-}
-
-impl From<StorageType> for StoredAs {
-    fn from(storage: StorageType) -> Self {
-        const VECTORS: [&str; 6] = ["Vector1", "Vector2", "Vector3", "Vector4", "Vector5", "Vector6"];
-        const MATRICES: [&str; 6] = ["Matrix1", "Matrix2", "Matrix3", "Matrix4", "Matrix5", "Matrix6"];
-        match storage {
-            StorageType::Named(name) => Self::Named(name),
-            // nalgebra's own names end at 6
-            StorageType::Vector(n) => match VECTORS.get(n.wrapping_sub(1)) {
-                Some(name) => Self::Named(name),
-                None => Self::Shape(Shape::Vector(n)),
-            },
-            StorageType::Matrix(n) => match MATRICES.get(n.wrapping_sub(1)) {
-                Some(name) => Self::Named(name),
-                None => Self::Shape(Shape::Matrix(n, n)),
-            },
-        }
-    }
 }
 
 impl<'a> System<'a> {
@@ -91,7 +48,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Configuration,
             name: self.name.clone(),
-            stored: group.configuration_type().into(),
+            kind: group.configuration_kind(),
             suffixes: owned(group.coordinates()),
             symbols: self.configuration.symbols(),
             value: self.configuration.clone(),
@@ -103,7 +60,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Momentum,
             name: self.momentum_name.clone(),
-            stored: group.momentum_type().into(),
+            kind: Kind::Vector(group.dimension()),
             suffixes: owned(group.axes()),
             symbols: self.momentum.symbols(),
             value: self.momentum.clone(),
@@ -125,7 +82,7 @@ impl<'a> Advected<'a> {
         Part {
             role: Role::Advected,
             name: self.name.clone(),
-            stored: space.storage().into(),
+            kind: Kind::Vector(space.coordinates().len()),
             suffixes: owned(space.coordinates()),
             symbols: self.value.symbols(),
             value: self.value.clone(),

@@ -12,11 +12,12 @@ use syn::{Ident, LitInt, LitStr, Token, bracketed, parenthesized, token};
 use super::factor::FactorName;
 use super::group::{Group, Space, declared_name, group, space};
 use super::nesting;
-use super::shape::{self, ScalarType, Shape};
+use super::shape;
 use crate::derivatives::Derivatives;
 use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
+use crate::quantity::{ScalarType, Shape};
 use crate::scheme::{Member, Rule};
 
 /// A key of the attribute: how it is called and how it is written.

@@ -6,8 +6,9 @@ use syn::{Fields, Ident, ItemStruct, Meta, Token, Type, Visibility};
 
 use super::factor::FactorName;
 use super::nesting;
-use super::shape::{self, ScalarType, Shape};
+use super::shape;
 use crate::diagnostics::Diagnostics;
+use crate::quantity::{ScalarType, Shape};
 
 /// Marks the field that holds the inertia.
 const INERTIA: &str = "inertia";
@@ -234,7 +235,7 @@ fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option
 fn one_scalar_type(fields: &[Field], diagnostics: &mut Diagnostics) {
     let Some((first, rest)) = fields.split_first() else { return };
     for field in rest.iter().filter(|field| field.scalar != first.scalar) {
-        let (here, there) = (field.scalar.name(), first.scalar.name());
+        let (here, there) = (shape::scalar_name(field.scalar), shape::scalar_name(first.scalar));
         let message = format!(
             "this is made of `{here}`, but `{}` of `{there}`; use one of them for all parameters",
             first.name

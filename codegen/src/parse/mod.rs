@@ -16,4 +16,4 @@ pub(crate) use group::group;
 pub use group::{BasisMatrix, Group, Space};
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};
 pub(crate) use nesting::excess as nested;
-pub use shape::{ScalarType, Shape, of_segment};
+pub(crate) use shape::{of_segment, scalar_name, scalar_named, shape_named};

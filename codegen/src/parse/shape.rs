@@ -2,84 +2,40 @@
 
 use syn::{Expr, GenericArgument, Lit, PathArguments, PathSegment, Type};
 
+use crate::quantity::{ScalarType, Shape};
+
 /// The largest number of rows or columns. nalgebra's own names end at 6; beyond this bound is a typing error.
 const LARGEST: usize = 32;
 
-/// The shape of a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
-    /// One number.
-    Scalar,
-    /// A column of so many numbers.
-    Vector(usize),
-    /// So many rows and columns.
-    Matrix(usize, usize),
+/// The scalar type of that name.
+pub(crate) fn scalar_named(name: &str) -> Option<ScalarType> {
+    [ScalarType::F64, ScalarType::F32].into_iter().find(|scalar| scalar_name(*scalar) == name)
 }
 
-/// What numbers a system is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ScalarType {
-    /// `f64`
-    F64,
-    /// `f32`
-    F32,
-}
-
-impl ScalarType {
-    /// As Rust writes it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::F64 => "f64",
-            Self::F32 => "f32",
-        }
-    }
-
-    /// The scalar type of that name.
-    pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "f64" => Some(Self::F64),
-            "f32" => Some(Self::F32),
-            _ => None,
-        }
+/// The name of a scalar type, as Rust writes it.
+pub(crate) fn scalar_name(scalar: ScalarType) -> &'static str {
+    match scalar {
+        ScalarType::F64 => "f64",
+        ScalarType::F32 => "f32",
     }
 }
 
-impl Shape {
-    /// The shape that nalgebra gives a name: `Vector3`, `Matrix2`, `Matrix2x3`, `RowVector3`.
-    pub fn named(name: &str) -> Option<Self> {
-        let size = |digits: &str| match digits.as_bytes() {
-            [digit @ b'1'..=b'6'] => Some(usize::from(digit - b'0')),
-            _ => None,
-        };
-        if let Some(digits) = name.strip_prefix("Vector") {
-            return size(digits).map(Self::Vector);
-        }
-        if let Some(digits) = name.strip_prefix("RowVector") {
-            return size(digits).map(|columns| Self::Matrix(1, columns));
-        }
-        let digits = name.strip_prefix("Matrix")?;
-        match digits.split_once('x') {
-            Some((rows, columns)) => Some(Self::Matrix(size(rows)?, size(columns)?)),
-            None => size(digits).map(|n| Self::Matrix(n, n)),
-        }
+/// The shape that nalgebra gives a name: `Vector3`, `Matrix2`, `Matrix2x3`, `RowVector3`.
+pub(crate) fn shape_named(name: &str) -> Option<Shape> {
+    let size = |digits: &str| match digits.as_bytes() {
+        [digit @ b'1'..=b'6'] => Some(usize::from(digit - b'0')),
+        _ => None,
+    };
+    if let Some(digits) = name.strip_prefix("Vector") {
+        return size(digits).map(Shape::Vector);
     }
-
-    /// How many numbers it takes.
-    pub fn size(self) -> usize {
-        match self {
-            Self::Scalar => 1,
-            Self::Vector(n) => n,
-            Self::Matrix(rows, columns) => rows * columns,
-        }
+    if let Some(digits) = name.strip_prefix("RowVector") {
+        return size(digits).map(|columns| Shape::Matrix(1, columns));
     }
-
-    /// In words, with the article.
-    pub fn describe(self) -> String {
-        match self {
-            Self::Scalar => "a scalar".to_owned(),
-            Self::Vector(n) => format!("a vector of {n}"),
-            Self::Matrix(rows, columns) => format!("a {rows}×{columns} matrix"),
-        }
+    let digits = name.strip_prefix("Matrix")?;
+    match digits.split_once('x') {
+        Some((rows, columns)) => Some(Shape::Matrix(size(rows)?, size(columns)?)),
+        None => size(digits).map(|n| Shape::Matrix(n, n)),
     }
 }
 
@@ -120,9 +76,9 @@ pub(super) fn array_length(length: &Expr) -> syn::Result<usize> {
 }
 
 /// The shape and scalar type that a path's segment names, as `Vector3<f64>` or `SVector::<f64, 4>` do.
-pub fn of_segment(segment: &PathSegment) -> Option<(Shape, ScalarType)> {
+pub(crate) fn of_segment(segment: &PathSegment) -> Option<(Shape, ScalarType)> {
     let name = segment.ident.to_string();
-    if let Some(scalar) = ScalarType::named(&name) {
+    if let Some(scalar) = scalar_named(&name) {
         return segment.arguments.is_none().then_some((Shape::Scalar, scalar));
     }
     let arguments = arguments(segment);
@@ -130,7 +86,7 @@ pub fn of_segment(segment: &PathSegment) -> Option<(Shape, ScalarType)> {
     let shape = match (name.as_str(), &arguments[1..]) {
         ("SVector", &[n]) => Shape::Vector(size_argument(n)?),
         ("SMatrix", &[rows, columns]) => Shape::Matrix(size_argument(rows)?, size_argument(columns)?),
-        (_, []) => Shape::named(&name)?,
+        (_, []) => shape_named(&name)?,
         _ => return None,
     };
     Some((shape, scalar))

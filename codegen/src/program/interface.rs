@@ -1,14 +1,22 @@
 //! What is to be seen of a system from outside.
 
-use crate::model::{Role, StoredAs};
+use std::ops::Range;
+
+use crate::quantity::{Kind, Role, ScalarType, Shape, Side};
 
 /// The data that go in and out of a system's functions, and what is known of it.
 #[derive(Clone, Debug)]
 pub struct Interface {
+    /// What the user calls the system.
+    pub name: String,
+    /// The numbers that it is made of.
+    pub scalar: ScalarType,
+    /// Where momentum and velocity are taken.
+    pub side: Side,
     /// The user's parameters, in the order of the flat array.
     pub parameters: Vec<Quantity>,
-    /// How many constants of the user's own code stand behind them in that array.
-    pub constants: usize,
+    /// The constants of the user's own code that stand behind them in that array.
+    pub constants: Vec<Constant>,
     /// The parts of the state, in the order of storage.
     pub state: Vec<Quantity>,
     /// What is given from outside and held over a step.
@@ -27,6 +35,12 @@ pub struct Interface {
     pub is_left_invariant: bool,
     /// Whether forces act.
     pub is_forced: bool,
+    /// The velocity by the momentum.
+    pub velocity: Transform,
+    /// Whether the velocity at a state depends on time.
+    pub is_velocity_timed: bool,
+    /// The momentum by the velocity.
+    pub momentum: Transform,
     /// For people.
     pub documentation: Documentation,
 }
@@ -42,12 +56,35 @@ pub struct Quantity {
     pub element: Option<Element>,
     /// What the components' names add to its own.
     pub components: Vec<String>,
-    /// What it is stored as.
-    pub stored: StoredAs,
-    /// How many components its perturbation has: of a configuration as many as the algebra.
-    pub perturbation: usize,
+    /// Its mathematical kind.
+    pub kind: Kind,
+    /// Where its perturbation stands within that of all parameters, of the state, or of all controls. The perturbation of a configuration is an
+    /// element of the algebra.
+    pub tangent: Range<usize>,
+    /// Where it is taken; none of what has no side: parameters and controls.
+    pub side: Option<Side>,
     /// The first line of its documentation.
     pub doc: String,
+}
+
+/// A constant that only the user's code knows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Constant {
+    /// A name for its value.
+    pub name: String,
+    /// Its path in the user's code.
+    pub path: String,
+}
+
+/// How one of velocity and momentum is computed from the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transform {
+    /// In closed form.
+    Explicit,
+    /// By Newton's method.
+    Newton,
+    /// Not at all: the energy has a singular second derivative.
+    Singular,
 }
 
 /// A place in an array of the user's.
@@ -84,6 +121,11 @@ pub struct Documentation {
 }
 
 impl Quantity {
+    /// The shape of what is stored of it.
+    pub fn shape(&self) -> Shape {
+        self.kind.shape()
+    }
+
     /// The field that it stands in: its own, or that of its array.
     pub fn field(&self) -> &str {
         self.element.as_ref().map_or(&self.name, |element| &element.array)
@@ -108,7 +150,7 @@ impl Interface {
 
     /// The length of the flat array of parameters.
     pub fn parameter_length(&self) -> usize {
-        self.field_length() + self.constants
+        self.field_length() + self.constants.len()
     }
 
     /// The length of the flat array of the state.
@@ -122,5 +164,5 @@ fn length(quantities: &[Quantity]) -> usize {
 }
 
 fn perturbation(quantities: &[Quantity]) -> usize {
-    quantities.iter().map(|quantity| quantity.perturbation).sum()
+    quantities.last().map_or(0, |last| last.tangent.end)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Argument, Input, Module, RecordKind, Role, Statement, Term, Value};
+use super::{Argument, FunctionRole, Input, Module, RecordKind, Statement, Term, Value, Values};
 use crate::expr::{Function as Elementary, Number, Value as Numeric};
 
 /// What functions are given: arrays, and records as the functions return them that compute them.
@@ -38,7 +38,7 @@ pub struct Returned<V> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CallError {
     /// There is no function of this role.
-    NoFunction(Role),
+    NoFunction(String),
     /// An argument is missing, or has another length.
     NotGiven(Input),
     /// A value is used that is not computed before.
@@ -50,7 +50,7 @@ pub enum CallError {
 impl fmt::Display for CallError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NoFunction(role) => write!(f, "there is no function {}", role.name()),
+            Self::NoFunction(role) => write!(f, "there is no function {role}"),
             Self::NotGiven(input) => write!(f, "{input:?} is not given, or has another length"),
             Self::NotComputed(name) => write!(f, "`{name}` is used before it is computed"),
             Self::NamedTwice(name) => write!(f, "two values are called `{name}`"),
@@ -60,20 +60,20 @@ impl fmt::Display for CallError {
 
 impl std::error::Error for CallError {}
 
-impl Module {
+impl<R: FunctionRole> Module<R> {
     /// Calls the function of a role, which sees what its arguments give it and nothing else.
     ///
     /// # Errors
     /// If there is no such function, if it is not given what it needs, and if it is no function at all.
-    pub fn call<V: Numeric>(&self, role: Role, given: &Given<V>) -> Result<Returned<V>, CallError> {
-        let function = self.function(role).ok_or(CallError::NoFunction(role))?;
-        let mut frame = Frame { module: self, values: BTreeMap::new(), names: BTreeMap::new() };
+    pub fn call<V: Numeric>(&self, role: R, given: &Given<V>) -> Result<Returned<V>, CallError> {
+        let function = self.function(role).ok_or_else(|| CallError::NoFunction(role.name()))?;
+        let mut frame = Frame { module: &self.values, values: BTreeMap::new(), names: BTreeMap::new() };
         function.arguments.iter().try_for_each(|argument| frame.unpack(argument, given))?;
         function.statements.iter().try_for_each(|statement| frame.run(statement))?;
         let array = |array: &Vec<Term>| array.iter().map(|term| frame.evaluate(term)).collect();
         let results = function.results.iter().map(array).collect::<Result<_, _>>()?;
         let fields = |kind| -> Result<Vec<V>, CallError> {
-            self.fields(kind).iter().map(|field| frame.value(*field)).collect()
+            self.values.fields(kind).iter().map(|field| frame.value(*field)).collect()
         };
         let record = function.record.map(|kind| Ok((kind, fields(kind)?))).transpose()?;
         Ok(Returned { results, record })
@@ -82,7 +82,7 @@ impl Module {
 
 /// The values of one call.
 struct Frame<'m, V> {
-    module: &'m Module,
+    module: &'m Values,
     values: BTreeMap<Value, V>,
     names: BTreeMap<&'m str, Value>,
 }

@@ -6,11 +6,13 @@
 mod interface;
 mod interpreter;
 mod operations;
+mod roles;
 mod text;
 
-pub use interface::{Documentation, Element, Inertia, Interface, Quantity};
+pub use interface::{Constant, Documentation, Element, Inertia, Interface, Quantity, Transform};
 pub use interpreter::{CallError, Given, Returned};
 pub use operations::Operations;
+pub use roles::{DerivativeRole, FunctionRole, Signature, StepRole, SystemRole};
 
 /// Functions of one number.
 pub use crate::expr::Function as Elementary;
@@ -34,7 +36,7 @@ pub struct Program {
     /// What is to be seen of it from outside.
     pub interface: Interface,
     /// Its functions, each a module of its own.
-    pub functions: Vec<Module>,
+    pub functions: Vec<Module<SystemRole>>,
     /// Its steps.
     pub steps: Vec<StepProgram>,
 }
@@ -51,20 +53,27 @@ pub struct StepProgram {
     /// Which components of the next state are bounded if the unknown is.
     pub bounded: Vec<bool>,
     /// Its functions.
-    pub module: Module,
+    pub module: Module<StepRole>,
     /// Those of its derivative, if any is asked for.
-    pub derivative: Option<Module>,
+    pub derivative: Option<Module<DerivativeRole>>,
 }
 
 /// Functions that share values and records: those of one step, of its derivative, of a system.
-#[derive(Clone, Debug, Default)]
-pub struct Module {
+#[derive(Clone, Debug)]
+pub struct Module<R> {
+    /// What they share.
+    pub values: Values,
+    /// The functions, in the order in which they are called.
+    pub functions: Vec<Function<R>>,
+}
+
+/// The names of a module's values, and its records.
+#[derive(Clone, Debug)]
+pub struct Values {
     /// What the values are called: words of letters, digits and `_`. What one function can see has different names.
     pub(crate) names: Vec<String>,
     /// What functions hand on to others.
     pub records: Vec<Record>,
-    /// The functions, in the order in which they are called.
-    pub functions: Vec<Function>,
 }
 
 /// Values that one function computes and others need.
@@ -91,9 +100,9 @@ pub enum RecordKind {
 
 /// A function: its arguments in order, what it computes from them, and what it returns.
 #[derive(Clone, Debug)]
-pub struct Function {
+pub struct Function<R> {
     /// What it is for.
-    pub role: Role,
+    pub role: R,
     /// What it is given.
     pub arguments: Vec<Argument>,
     /// What is computed, in order.
@@ -102,79 +111,6 @@ pub struct Function {
     pub record: Option<RecordKind>,
     /// The arrays that it returns.
     pub results: Vec<Vec<Term>>,
-}
-
-/// What a function computes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Role {
-    /// Of a step: what depends on parameters and step size alone, a record of [constants](RecordKind::Constants).
-    New,
-    /// Of a step: what depends on the state too, a [step](RecordKind::Step)'s record.
-    Begin,
-    /// Of a step: a first approximation of the unknown.
-    Start,
-    /// Of a step: the residual `left − right` of its equation, its right side, and an [iterate](RecordKind::Iterate)'s record.
-    Evaluate,
-    /// Of a step: the solution `d` of `(∂residual/∂x) d = residual`.
-    Correction,
-    /// Of a step: the next iterate of the fixed-point iteration: the solution `x` of `left(x) = right`, or of that equation without
-    /// denominators. There where the left side is linear with constant coefficients.
-    FixedPointUpdate,
-    /// Of a step: the distances to the edges of the retraction's domain, positive within. There where it has an edge.
-    Domain,
-    /// Of a step: the next state.
-    Finish,
-    /// Of a derivative: what the linear maps are made of, a [point](RecordKind::Point)'s record.
-    Point,
-    /// Of a derivative: the perturbation of the next state from those of state, controls and parameters.
-    Tangent,
-    /// Of a derivative: the transpose, in three arrays.
-    Adjoint,
-    /// Of a derivative: the columns of the derivative of the next state with respect to the unknown, an array each.
-    Through,
-    /// Of a derivative: for each component of the state, the derivatives with respect to it of the next state with the unknown as it is,
-    /// and of the unknown; two arrays each.
-    WrtState,
-    /// The same with respect to the controls.
-    WrtControl,
-    /// The same with respect to the parameters.
-    WrtParameters,
-    /// Of a system: the energy.
-    Energy,
-    /// Of a system: the velocity that belongs to the momentum.
-    Velocity,
-    /// Of a system: what vanishes at the velocity that belongs to the momentum, and Newton's correction of a velocity. There where it has no
-    /// closed form.
-    VelocityNewton,
-    /// Of a system: the momentum that belongs to a velocity.
-    Momentum,
-    /// Of a system: what vanishes at the momentum that belongs to a velocity, and Newton's correction of the state's momentum. There where
-    /// it has no closed form.
-    MomentumNewton,
-    /// Of a system: the Casimirs.
-    Casimirs,
-    /// Of a system: the momentum in space coordinates.
-    SpatialMomentum,
-    /// Of a state: how far matrices are off their groups.
-    Deviation,
-    /// Of a system: the pivots of the factorization `L D Lᵀ` of an inertia, by its place among them.
-    Pivots(usize),
-    /// Of a system: the state displaced by a tangent vector along the exponential map.
-    ExponentialDisplacement,
-    /// Of a system: the state displaced by a tangent vector along the Cayley map.
-    CayleyDisplacement,
-    /// Of a system: the state displaced by a tangent vector in coordinates of the second kind.
-    SecondKindDisplacement,
-    /// Of a system: the differential of the energy.
-    Differential,
-    /// Of a system: the Hamiltonian vector of a covector.
-    HamiltonianVector,
-    /// Of a system: the forces as a tangent vector.
-    Force,
-    /// Of a system that nothing acts on: the momentum that is constant, on the other side of the configuration.
-    Conserved,
-    /// Of a system that nothing acts on: the state whose constant momentum is given.
-    WithConserved,
 }
 
 /// One argument of a function.
@@ -233,9 +169,9 @@ pub enum Statement {
         /// What it is.
         term: Term,
     },
-    /// Stumpff functions `c_first, c_{first + 1}, …` of one argument; `None` for those not used.
+    /// Stumpff functions `c_0, c_1, …` of one argument; `None` for those not used.
     Stumpff {
-        /// The values, from `c_0` on.
+        /// The values.
         values: Vec<Option<Value>>,
         /// `z`
         argument: Term,
@@ -278,12 +214,12 @@ pub enum Term {
 
 impl Program {
     /// The function of a role, with the module that it stands in, if there is one.
-    pub fn function(&self, role: Role) -> Option<(&Module, &Function)> {
+    pub fn function(&self, role: SystemRole) -> Option<(&Module<SystemRole>, &Function<SystemRole>)> {
         self.functions.iter().find_map(|module| Some((module, module.function(role)?)))
     }
 }
 
-impl Module {
+impl Values {
     /// What a value is called.
     pub fn name(&self, value: Value) -> &str {
         &self.names[value.0]
@@ -294,30 +230,30 @@ impl Module {
         self.names.len() + 1
     }
 
-    /// The function of a role, if there is one.
-    pub fn function(&self, role: Role) -> Option<&Function> {
-        self.functions.iter().find(|function| function.role == role)
-    }
-
     /// The fields of a record.
     pub fn fields(&self, kind: RecordKind) -> &[Value] {
         self.records.iter().find(|record| record.kind == kind).map_or(&[], |record| &record.fields)
     }
+}
+
+impl<R: FunctionRole> Module<R> {
+    /// The function of a role, if there is one.
+    pub fn function(&self, role: R) -> Option<&Function<R>> {
+        self.functions.iter().find(|function| function.role == role)
+    }
 
     /// How many operations the function of a role takes; none if there is no such function.
-    pub fn operations(&self, role: Role) -> Operations {
+    pub fn operations(&self, role: R) -> Operations {
         self.function(role).map(Function::operations).unwrap_or_default()
     }
 }
 
-impl Function {
+impl<R> Function<R> {
     /// How many components an argument has; none if it is no argument.
     pub fn length(&self, input: Input) -> usize {
         self.arguments.iter().find(|argument| argument.input == input).map_or(0, |given| given.values.len())
     }
-}
 
-impl Function {
     /// Drops from the arguments what the function makes no use of. Fields that a record returns are used.
     pub(crate) fn keep_used_arguments(&mut self, records: &[Record]) {
         let mut used = std::collections::BTreeSet::new();

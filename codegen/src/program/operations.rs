@@ -20,7 +20,7 @@ pub struct Operations {
     pub functions: usize,
 }
 
-impl Function {
+impl<R> Function<R> {
     /// How many operations it takes.
     pub fn operations(&self) -> Operations {
         let mut count = Operations::default();

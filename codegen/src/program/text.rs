@@ -3,62 +3,7 @@
 
 use std::fmt;
 
-use super::{Function, Module, RecordKind, Role, Statement, Term};
-
-impl Role {
-    /// What the function is called in text.
-    pub fn name(self) -> String {
-        let name = match self {
-            Self::New => "new",
-            Self::Begin => "begin",
-            Self::Start => "start",
-            Self::Evaluate => "evaluate",
-            Self::Correction => "correction",
-            Self::FixedPointUpdate => "fixed_point_update",
-            Self::Domain => "domain",
-            Self::Finish => "finish",
-            Self::Point => "point",
-            Self::Tangent => "tangent",
-            Self::Adjoint => "adjoint",
-            Self::Through => "through",
-            Self::WrtState => "wrt_state",
-            Self::WrtControl => "wrt_control",
-            Self::WrtParameters => "wrt_parameters",
-            Self::Energy => "energy",
-            Self::Velocity => "velocity",
-            Self::VelocityNewton => "velocity_newton",
-            Self::Momentum => "momentum",
-            Self::MomentumNewton => "momentum_newton",
-            Self::Casimirs => "casimirs",
-            Self::SpatialMomentum => "spatial_momentum",
-            Self::Deviation => "deviation",
-            Self::Pivots(place) => return format!("pivots_{place}"),
-            Self::ExponentialDisplacement => "exponential_displacement",
-            Self::CayleyDisplacement => "cayley_displacement",
-            Self::SecondKindDisplacement => "second_kind_displacement",
-            Self::Differential => "differential",
-            Self::HamiltonianVector => "hamiltonian_vector",
-            Self::Force => "force",
-            Self::Conserved => "conserved",
-            Self::WithConserved => "with_conserved",
-        };
-        name.to_owned()
-    }
-
-    /// What the arrays are called in text that the function returns.
-    fn results(self) -> &'static [&'static str] {
-        match self {
-            Self::Start => &["unknown"],
-            Self::Evaluate => &["residual", "right"],
-            Self::Correction => &["correction"],
-            Self::FixedPointUpdate => &["unknown"],
-            Self::Domain => &["margin"],
-            Self::Finish => &["next"],
-            Self::Adjoint => &["wrt_state", "wrt_control", "wrt_parameters"],
-            _ => &[],
-        }
-    }
-}
+use super::{Function, FunctionRole, Module, RecordKind, Statement, Term, Values};
 
 impl RecordKind {
     /// What the record is called in text.
@@ -72,21 +17,24 @@ impl RecordKind {
     }
 }
 
-impl Module {
+impl<R: FunctionRole> Module<R> {
     /// The functions of these roles as text, those of them that there are.
-    pub fn text(&self, roles: &[Role]) -> String {
+    pub fn text(&self, roles: &[R]) -> String {
         let wanted = self.functions.iter().filter(|function| roles.contains(&function.role));
-        wanted.map(|function| self.function_text(function)).collect()
+        wanted.map(|function| self.values.function_text(function)).collect()
     }
+}
 
-    fn function_text(&self, function: &Function) -> String {
-        let mut lines = vec![format!("{}: {}", function.role.name(), function.operations())];
+impl Values {
+    fn function_text<R: FunctionRole>(&self, function: &Function<R>) -> String {
+        let called = function.role.name();
+        let mut lines = vec![format!("{called}: {}", function.operations())];
         lines.extend(function.statements.iter().map(|line| format!("    {}", self.statement_text(line))));
         for (place, array) in function.results.iter().enumerate() {
-            let name = match function.role.results().get(place) {
+            let name = match function.role.signature().results.get(place) {
                 Some(name) => (*name).to_owned(),
-                None if function.results.len() == 1 => function.role.name(),
-                None => format!("{}[{place}]", function.role.name()),
+                None if function.results.len() == 1 => called.clone(),
+                None => format!("{called}[{place}]"),
             };
             let component = |(k, term)| format!("    {name}[{k}] <- {}", self.term(term));
             lines.extend(array.iter().enumerate().map(component));
@@ -161,8 +109,8 @@ impl Module {
     }
 }
 
-impl fmt::Display for Module {
+impl<R: FunctionRole> fmt::Display for Module<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.functions.iter().try_for_each(|function| f.write_str(&self.function_text(function)))
+        self.functions.iter().try_for_each(|function| f.write_str(&self.values.function_text(function)))
     }
 }

@@ -1,7 +1,9 @@
 //! Whatever is described, the answer comes soon: code or an error at its tokens, and documentation of the length of the formulas' graph.
 
 use coadjoint_codegen::expand;
-use coadjoint_codegen::expr::{Arena, Function, Number, Stage};
+use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Vector};
+use coadjoint_codegen::kernel::{self, Inputs};
+use coadjoint_codegen::program::{Input, SystemRole};
 use proc_macro2::{TokenStream, TokenTree};
 
 /// Tokens, and what is wrong with them.
@@ -199,6 +201,32 @@ fn deep_graphs() {
     assert!(deep.depends_on(&[symbol]));
     assert_eq!(deep.stage(), Stage::Step);
     assert!(deep.to_string().contains('…'));
+}
+
+/// So may the code that is made of it, on the smallest stack that rustc has: sums, products, quotients, powers and angles.
+#[test]
+fn deep_code() {
+    let made = std::thread::Builder::new().stack_size(STACK).spawn(|| {
+        let arena = Arena::new();
+        let x = arena.symbol("x", Stage::Step);
+        let symbols = vec![x.as_symbol().expect("a symbol")];
+        let next: [for<'a> fn(Expr<'a>, Expr<'a>) -> Expr<'a>; 5] = [
+            |deep, x| -(deep.apply(Function::Sin) + x),
+            |deep, x| (deep * x).hold() * 2,
+            |deep, x| x / (deep + 1),
+            |deep, x| deep.pow(x),
+            |deep, x| deep.atan2(x),
+        ];
+        let deep = (0..30_000).fold(x, |deep, i| next[i % next.len()](deep, x));
+        let inputs = Inputs::default().with(Input::State, symbols);
+        let module = kernel::function(&arena, SystemRole::Energy, &Vector(vec![deep]), inputs);
+        module.functions[0].operations().total()
+    });
+    let operations = made.expect("a thread").join().expect("code");
+    assert!(operations > 30_000, "{operations}");
+    // as a description within all bounds
+    let chain = format!("let a = a{};", ".sin()".repeat(200));
+    problem(&block("let a = gamma.x;", &chain, 16, "a"));
 }
 
 #[test]

@@ -8,6 +8,7 @@
 #[expect(unreachable_pub, reason = "it belongs to another crate")]
 mod description;
 
+use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 
 use coadjoint_codegen::emit::{Expansion, StepExpansion};
@@ -78,13 +79,14 @@ fn lines(file: &str, expansion: &Expansion) -> Vec<String> {
     let rest = quote! { #declaration #state #expressions #system #geometry #tangents #schemes };
     let mut lines = vec![format!("{file}: {}", size(rest))];
     for StepExpansion { program, tokens, derivative } in steps {
+        fn operations<R: Debug>(function: &Function<R>) -> String {
+            format!("{:?} {}", function.role, function.operations().total())
+        }
+        let mut functions: Vec<String> = program.module.functions.iter().map(operations).collect();
         let derivatives = program.derivative.iter().flat_map(|module| &module.functions);
-        let functions = program.module.functions.iter().chain(derivatives);
-        let operations =
-            |function: &Function| format!("{:?} {}", function.role, function.operations().total());
-        let operations: Vec<String> = functions.map(operations).collect();
+        functions.extend(derivatives.map(operations));
         let size = size(quote! { #tokens #derivative });
-        lines.push(format!("    {}: {}; {size}", name(&program.scheme), operations.join(", ")));
+        lines.push(format!("    {}: {}; {size}", name(&program.scheme), functions.join(", ")));
     }
     lines
 }

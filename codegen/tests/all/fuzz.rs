@@ -5,7 +5,8 @@ use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
 use coadjoint_codegen::model::System;
-use coadjoint_codegen::parse::{Attribute, Item, Shape, without_helpers};
+use coadjoint_codegen::parse::{Attribute, Item, without_helpers};
+use coadjoint_codegen::quantity::Shape;
 use proc_macro2::TokenStream;
 
 use crate::common::Random;

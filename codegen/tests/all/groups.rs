@@ -6,8 +6,9 @@ use std::sync::LazyLock;
 use coadjoint_codegen::expr::{Arena, Stage, Vector};
 use coadjoint_codegen::group::{
     Adjoint, Basis, BasisError, Group, MatrixFunction, MatrixGroup, Retraction, Semidirect, Side,
-    StorageType, Translation, catalogue, family,
+    Translation, catalogue, family,
 };
+use coadjoint_codegen::quantity::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use crate::common::Random;
@@ -202,8 +203,7 @@ fn families_are_what_they_are_called() {
         let group = of(name);
         assert_eq!((group.size(), group.dimension(), group.axes()[0]), (rows, dimension, axis), "{name}");
         assert_eq!((group.name(), group.matrix_rows()), (name, Some(rows)));
-        assert_eq!(group.momentum_type(), StorageType::Vector(dimension));
-        assert_eq!(group.configuration_type(), StorageType::Matrix(rows));
+        assert_eq!(group.configuration_kind(), Kind::Matrix(rows, rows));
         assert_eq!(group.coordinates().len(), rows * rows);
         assert_eq!((group.coordinates()[0], group.coordinates()[1]), ("11", "12"));
         let mut names = group.axes().to_vec();
@@ -682,7 +682,7 @@ fn spaces_are_columns_that_matrices_act_on() {
     for_each_retraction(|group, f, x| {
         let n = group.size();
         let [space] = group.representations() else { panic!("one space") };
-        assert_eq!((space.name(), space.storage()), (&*format!("R{n}"), StorageType::Vector(n)));
+        assert_eq!((space.name(), space.coordinates().len()), (&*format!("R{n}"), n));
         assert_eq!((space.coordinates().len(), space.algebra_dimension()), (n, group.dimension()));
         assert_eq!(space.coordinates()[0], if n <= 4 { "x" } else { "1" });
         let (v, matrix, g) = (random(n, 10, 1.0), hat(group, x), defined(group, f, x));

@@ -1,6 +1,9 @@
 //! The macro as rustc calls it, and what is derived by what is asked for.
 
-use coadjoint_codegen::program::{Program, Role};
+use coadjoint_codegen::program::{
+    DerivativeRole, FunctionRole, Module, Program, StepRole, SystemRole, Transform,
+};
+use coadjoint_codegen::quantity::{Kind, ScalarType, Side};
 use coadjoint_codegen::{expand, lie_group, lie_poisson_system, lie_poisson_system_with, program};
 
 use crate::common::tokens;
@@ -115,20 +118,47 @@ fn a_force_has_the_type_that_it_is_written_with() {
 /// Each derivative brings its functions, and those that composed steps need.
 #[test]
 fn derivatives_are_those_that_are_asked_for() {
-    let all = [Role::Point, Role::Tangent, Role::Adjoint, Role::Through, Role::WrtState, Role::WrtControl];
-    let all = [&all[..], &[Role::WrtParameters]].concat();
+    let all = [
+        DerivativeRole::Point,
+        DerivativeRole::Tangent,
+        DerivativeRole::Adjoint,
+        DerivativeRole::Through,
+        DerivativeRole::WrtState,
+        DerivativeRole::WrtControl,
+    ];
+    let all = [&all[..], &[DerivativeRole::WrtParameters]].concat();
     for (asked, roles) in [
         ("derivatives", all.clone()),
-        ("derivatives(state)", vec![Role::Point, Role::Through, Role::WrtState]),
-        ("derivatives(controls)", vec![Role::Point, Role::Through, Role::WrtState, Role::WrtControl]),
-        ("derivatives(parameters)", vec![Role::Point, Role::Through, Role::WrtState, Role::WrtParameters]),
-        ("derivatives(tangent)", vec![Role::Point, Role::Tangent]),
-        ("derivatives(adjoint)", vec![Role::Point, Role::Adjoint]),
+        (
+            "derivatives(state)",
+            vec![DerivativeRole::Point, DerivativeRole::Through, DerivativeRole::WrtState],
+        ),
+        (
+            "derivatives(controls)",
+            vec![
+                DerivativeRole::Point,
+                DerivativeRole::Through,
+                DerivativeRole::WrtState,
+                DerivativeRole::WrtControl,
+            ],
+        ),
+        (
+            "derivatives(parameters)",
+            vec![
+                DerivativeRole::Point,
+                DerivativeRole::Through,
+                DerivativeRole::WrtState,
+                DerivativeRole::WrtParameters,
+            ],
+        ),
+        ("derivatives(tangent)", vec![DerivativeRole::Point, DerivativeRole::Tangent]),
+        ("derivatives(adjoint)", vec![DerivativeRole::Point, DerivativeRole::Adjoint]),
     ] {
         let program = derived(&format!("{DRIVEN}, {asked}"), BODY);
         for step in &program.steps {
             let derivative = step.derivative.as_ref().expect("asked for");
-            let found: Vec<Role> = derivative.functions.iter().map(|function| function.role).collect();
+            let found: Vec<DerivativeRole> =
+                derivative.functions.iter().map(|function| function.role).collect();
             assert_eq!(found, roles, "{asked}");
         }
     }
@@ -140,31 +170,27 @@ fn derivatives_are_those_that_are_asked_for() {
 fn functions_are_given_what_the_runtime_gives_them() {
     let program = derived(&format!("{DRIVEN}, derivatives"), BODY);
     let step = &program.steps[0];
-    let signature = |module: &coadjoint_codegen::program::Module, role: Role| {
-        let function = module.function(role).expect("it is there");
-        function
-            .arguments
-            .iter()
-            .map(|argument| format!("{:?}", argument.input))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
+    fn signature<R: FunctionRole>(module: &Module<R>, role: R) -> String {
+        let arguments = &module.function(role).expect("it is there").arguments;
+        let inputs: Vec<String> = arguments.iter().map(|argument| format!("{:?}", argument.input)).collect();
+        inputs.join(", ")
+    }
     let of = |role| signature(&step.module, role);
-    assert_eq!(of(Role::New), "Parameters, StepSize");
-    assert_eq!(of(Role::Begin), "Record(Constants), State, Time, Control");
-    assert_eq!(of(Role::Start), "Record(Constants), State, Record(Step)");
-    assert_eq!(of(Role::Evaluate), "Record(Constants), State, Record(Step), Unknown");
+    assert_eq!(of(StepRole::New), "Parameters, StepSize");
+    assert_eq!(of(StepRole::Begin), "Record(Constants), State, Time, Control");
+    assert_eq!(of(StepRole::Start), "Record(Constants), State, Record(Step)");
+    assert_eq!(of(StepRole::Evaluate), "Record(Constants), State, Record(Step), Unknown");
     let solved = "Record(Constants), State, Record(Step), Unknown, Residual, Record(Iterate)";
-    assert_eq!((of(Role::Correction), of(Role::Finish)), (solved.to_owned(), solved.to_owned()));
-    assert_eq!(of(Role::FixedPointUpdate), solved.replace("Residual", "Right"));
+    assert_eq!((of(StepRole::Correction), of(StepRole::Finish)), (solved.to_owned(), solved.to_owned()));
+    assert_eq!(of(StepRole::FixedPointUpdate), solved.replace("Residual", "Right"));
     let derivative = step.derivative.as_ref().expect("asked for");
     let of = |role| signature(derivative, role);
-    assert_eq!(of(Role::Point), "Parameters, StepSize, State, Time, Control, Unknown");
+    assert_eq!(of(DerivativeRole::Point), "Parameters, StepSize, State, Time, Control, Unknown");
     let tangent = "Record(Point), StatePerturbation, ControlPerturbation, ParameterPerturbation";
-    assert_eq!(of(Role::Tangent), tangent);
-    assert_eq!(of(Role::Adjoint), "Record(Point), Costate");
+    assert_eq!(of(DerivativeRole::Tangent), tangent);
+    assert_eq!(of(DerivativeRole::Adjoint), "Record(Point), Costate");
     assert_eq!(
-        (of(Role::Through), of(Role::WrtState)),
+        (of(DerivativeRole::Through), of(DerivativeRole::WrtState)),
         ("Record(Point)".to_owned(), "Record(Point)".to_owned())
     );
 }
@@ -181,12 +207,26 @@ fn what_is_seen_of_a_system_is_what_was_described() {
     assert_eq!(interface.parameters[0].components, ["x", "y", "z"]);
     assert_eq!(interface.parameters[1].components, [""]);
     assert_eq!(interface.state[0].components, ["w", "x", "y", "z"]);
-    let perturbations: Vec<usize> = interface.state.iter().map(|part| part.perturbation).collect();
-    assert_eq!(perturbations, [3, 3, 3]);
+    let kinds: Vec<Kind> = interface.state.iter().map(|part| part.kind).collect();
+    assert_eq!(kinds, [Kind::UnitQuaternion, Kind::Vector(3), Kind::Vector(3)]);
+    let tangents: Vec<_> = interface.state.iter().map(|part| part.tangent.clone()).collect();
+    assert_eq!(tangents, [0..3, 3..6, 6..9]);
+    assert!(interface.state.iter().all(|part| part.side == Some(Side::Left)));
+    assert!(interface.parameters.iter().all(|field| field.side.is_none()));
+    assert_eq!((interface.scalar, interface.side), (ScalarType::F64, Side::Left));
+    assert_eq!((interface.velocity, interface.momentum), (Transform::Explicit, Transform::Explicit));
     assert_eq!((interface.state_length(), interface.parameter_length()), (10, 7));
     assert_eq!((interface.state_perturbation(), interface.control_length()), (9, 0));
     assert!(interface.is_forced && !interface.is_autonomous && !interface.is_left_invariant);
     assert_eq!(interface.casimirs, ["|gamma|²"]);
+    let timed =
+        "group = R1, lagrangian = (1.0 + t * t) * velocity.norm_squared() * std::f64::consts::PI / 2.0";
+    let timed = derived(timed, "struct Bead { #[inertia] mass: Matrix1<f64> }").interface;
+    assert!(timed.is_velocity_timed && !interface.is_velocity_timed);
+    assert_eq!((timed.name.as_str(), timed.parameters[0].kind), ("Bead", Kind::Symmetric(1)));
+    let constant = ("const_pi".to_owned(), "std::f64::consts::PI".to_owned());
+    let constants = timed.constants.into_iter().map(|constant| (constant.name, constant.path));
+    assert_eq!(constants.collect::<Vec<_>>(), [constant]);
     let free = derived("group = SO3", BODY).interface;
     assert!(!free.is_forced && free.is_autonomous && free.is_left_invariant);
     assert_eq!(free.casimirs, ["|momentum|²"]);
@@ -204,7 +244,11 @@ fn systems_that_nothing_acts_on_are_isolated() {
     ] {
         let expansion = expand(tokens(attribute), tokens(item)).expect("no problem");
         assert_eq!(expansion.geometry.to_string().contains("Isolated"), isolated, "{attribute}");
-        assert_eq!(derived(attribute, item).function(Role::WithConserved).is_some(), isolated, "{attribute}");
+        assert_eq!(
+            derived(attribute, item).function(SystemRole::WithConserved).is_some(),
+            isolated,
+            "{attribute}"
+        );
     }
 }
 
@@ -220,7 +264,7 @@ fn every_factor_has_its_part_in_what_is_emitted() {
     let state = expansion.state.to_string();
     assert_eq!(state.matches(":: deviation (& self").count(), 2, "{state}");
     let exponential = &expansion.steps[0];
-    let domain = exponential.program.module.function(Role::Domain).expect("two edges");
+    let domain = exponential.program.module.function(StepRole::Domain).expect("two edges");
     assert_eq!(domain.results.concat().len(), 2);
     let emitted = exponential.tokens.to_string();
     assert!(emitted.contains("T :: min (T :: of"), "{emitted}");

@@ -23,3 +23,8 @@ mod reference;
 mod snapshots;
 mod steps;
 mod vanishing;
+
+/// For [`alone`].
+#[allow(dead_code, unreachable_pub)]
+#[path = "../../src/quantity.rs"]
+mod quantity;

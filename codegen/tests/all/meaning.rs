@@ -9,7 +9,7 @@
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Node, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
-use coadjoint_codegen::parse::Shape;
+use coadjoint_codegen::quantity::Shape;
 use nalgebra::{
     Matrix2, Matrix2x3, Matrix3, Matrix4, Point2, Point3, RowVector3, SMatrix, SVector, Vector1, Vector2,
     Vector3, Vector4, matrix, vector,

@@ -6,21 +6,75 @@ use std::path::{Path, PathBuf};
 /// For each top-level module those that it names.
 type Uses = BTreeMap<String, BTreeSet<String>>;
 
-/// What a module may use at most: mathematics knows neither syntax nor code, and emission no mathematics.
-const MAY_USE: &[(&str, &[&str])] = &[
+/// The modules that each one uses, lower ones first: mathematics knows neither syntax nor code, and emission no mathematics.
+const USES: &[(&str, &[&str])] = &[
     ("derivatives", &[]),
     ("diagnostics", &[]),
     ("expr", &[]),
     ("identifiers", &[]),
     ("limits", &[]),
-    ("group", &["expr"]),
+    ("quantity", &[]),
+    ("group", &["expr", "quantity"]),
     ("scheme", &["expr", "group"]),
-    ("geometry", &["expr", "group", "identifiers", "model"]),
-    ("method", &["derivatives", "expr", "geometry", "group", "identifiers", "model", "scheme"]),
-    ("parse", &["derivatives", "diagnostics", "group", "limits", "scheme"]),
-    ("program", &["expr", "model", "scheme"]),
+    ("parse", &["derivatives", "diagnostics", "group", "limits", "quantity", "scheme"]),
+    ("check", &["diagnostics", "group", "identifiers", "limits", "parse", "quantity"]),
+    ("own", &["check", "diagnostics", "limits", "parse"]),
+    ("language", &["diagnostics", "expr", "group", "limits", "parse", "quantity"]),
+    ("model", &["check", "diagnostics", "expr", "group", "identifiers", "language", "parse", "quantity"]),
+    ("bounds", &["check", "diagnostics", "expr", "limits", "parse"]),
+    ("equations", &["expr", "group", "limits", "model"]),
+    ("geometry", &["expr", "group", "model"]),
+    ("regularity", &["diagnostics", "model", "parse", "scheme"]),
+    ("method", &["derivatives", "expr", "group", "model", "scheme"]),
+    ("program", &["expr", "quantity", "scheme"]),
+    ("kernel", &["derivatives", "expr", "method", "model", "program"]),
+    (
+        "derivation",
+        &[
+            "derivatives",
+            "expr",
+            "geometry",
+            "group",
+            "identifiers",
+            "kernel",
+            "language",
+            "method",
+            "model",
+            "program",
+            "quantity",
+            "scheme",
+        ],
+    ),
     // it gives words to what was derived: neither groups nor methods nor differentiation
-    ("emit", &["derivatives", "diagnostics", "expr", "identifiers", "model", "parse", "program", "scheme"]),
+    (
+        "emit",
+        &[
+            "derivatives",
+            "diagnostics",
+            "expr",
+            "identifiers",
+            "model",
+            "parse",
+            "program",
+            "quantity",
+            "scheme",
+        ],
+    ),
+];
+
+/// Folders whose files use each other in no circle either.
+const FOLDERS: [&str; 11] = [
+    "check",
+    "emit",
+    "expr",
+    "group",
+    "group/matrix",
+    "kernel",
+    "language",
+    "method",
+    "model",
+    "parse",
+    "program",
 ];
 
 fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
@@ -34,12 +88,19 @@ fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// What stands behind each `crate::` in the code of a file, whose comments may name anything.
-fn named(source: &str) -> impl Iterator<Item = String> {
-    let code = source.lines().filter(|line| !line.trim_start().starts_with("//"));
-    let behind = code.flat_map(|line| line.split("crate::").skip(1));
-    let name = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-    behind.map(name)
+/// The modules behind each `start` in the code of a file, whose comments and texts may name anything.
+fn named(source: &str, start: &str) -> Vec<String> {
+    let code: Vec<&str> = source.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+    let is_name = |name: &String| name.starts_with(|first: char| first.is_ascii_lowercase());
+    let first = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    let behind = code.join("\n");
+    let behind = behind.split(start).skip(1).flat_map(|text| match text.strip_prefix('{') {
+        Some(list) => {
+            list.split('}').next().unwrap_or_default().split(',').map(str::trim).map(first).collect()
+        }
+        None => vec![first(text)],
+    });
+    behind.filter(is_name).collect()
 }
 
 /// What is compiled for users: tests, which stand at a file's end, may use anything.
@@ -49,24 +110,32 @@ fn without_tests(source: &str) -> &str {
         .fold(source, |source, start| source.split_once(start).map_or(source, |(before, _)| before))
 }
 
-/// Of the package in this folder.
-fn uses(package: &str) -> Uses {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(package).join("src");
+/// Of the modules in a folder of sources, each with the files below it. The folder's own root joins them all; a prelude is for users.
+fn uses(folder: &Path, starts: &[&str]) -> Uses {
     let mut files = Vec::new();
-    sources(&root, &mut files);
+    sources(folder, &mut files);
     let mut uses = Uses::new();
     for file in files {
-        let place = file.strip_prefix(&root).expect("within the sources");
+        let place = file.strip_prefix(folder).expect("within the sources");
+        let depth = place.components().count();
         let first = place.components().next().expect("a name").as_os_str().to_string_lossy().into_owned();
         let module = first.trim_end_matches(".rs").to_owned();
-        // the root joins them all; a prelude is for users
-        if !["lib", "guide", "prelude", "test_system"].contains(&module.as_str()) {
-            let text = std::fs::read_to_string(&file).expect("a source");
-            let names = named(without_tests(&text)).filter(|name| *name != module);
-            uses.entry(module.clone()).or_default().extend(names);
+        if ["lib", "mod", "guide", "prelude", "test_system"].contains(&module.as_str()) {
+            continue;
         }
+        let text = std::fs::read_to_string(&file).expect("a source");
+        let text = without_tests(&text);
+        // in folders below, `super` is another one
+        let starts = starts.iter().filter(|start| depth == 1 || **start != "super::");
+        let names = starts.flat_map(|start| named(text, start)).filter(|name| *name != module);
+        uses.entry(module.clone()).or_default().extend(names);
     }
     uses
+}
+
+/// Of the package in this folder.
+fn uses_of_package(package: &str) -> Uses {
+    uses(&Path::new(env!("CARGO_MANIFEST_DIR")).join(package).join("src"), &["crate::"])
 }
 
 /// A circle of modules each of which uses the next one, if there is one.
@@ -95,19 +164,34 @@ fn circle(uses: &Uses) -> Option<Vec<String>> {
 #[test]
 fn modules_use_each_other_in_no_circle() {
     for (package, uses_of, used) in [("", "emit", "model"), ("../runtime", "stepper", "system")] {
-        let uses = uses(package);
+        let uses = uses_of_package(package);
         assert!(uses[uses_of].contains(used), "{uses:?}");
         assert_eq!(circle(&uses), None, "{package}: each of these uses the next, and the last one the first");
     }
 }
 
 #[test]
+fn files_of_a_folder_use_each_other_in_no_circle() {
+    for folder in FOLDERS {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
+        let path = format!("crate::{}::", folder.replace('/', "::"));
+        let uses = uses(&root, &["super::", &path]);
+        assert!(uses.len() > 3, "{folder}: {uses:?}");
+        assert_eq!(circle(&uses), None, "{folder}: each of these uses the next, and the last one the first");
+    }
+}
+
+/// Every module is in the list, with what it uses and nothing else, and uses those before it alone.
+#[test]
 fn modules_use_what_they_may() {
-    let uses = uses("");
-    for (module, allowed) in MAY_USE {
-        let beyond: Vec<&String> =
-            uses[*module].iter().filter(|name| !allowed.contains(&name.as_str())).collect();
-        assert!(beyond.is_empty(), "`{module}` uses {beyond:?}");
+    let uses = uses_of_package("");
+    let listed: BTreeSet<&str> = USES.iter().map(|&(module, _)| module).collect();
+    assert_eq!(uses.keys().map(String::as_str).collect::<BTreeSet<_>>(), listed);
+    for (place, (module, allowed)) in USES.iter().enumerate() {
+        let used: Vec<&str> = uses[*module].iter().map(String::as_str).collect();
+        assert_eq!(used, *allowed, "`{module}`");
+        let above = allowed.iter().find(|name| !USES[..place].iter().any(|(lower, _)| lower == *name));
+        assert_eq!(above, None, "`{module}` uses what stands above it");
     }
 }
 
@@ -122,9 +206,35 @@ fn emission_derives_nothing() {
         for used in text.lines().filter(|line| line.starts_with("use crate::expr")) {
             assert_eq!(used, "use crate::expr::Number;", "{}", file.display());
         }
-        for derived in ["gradient", "Arena", ".jacobian(", ".equations()", ".casimirs()"] {
+        for derived in [
+            "gradient",
+            "Arena",
+            ".jacobian(",
+            ".equations()",
+            ".casimirs()",
+            "_relation()",
+            "depends_on",
+            "crate::group",
+        ] {
             assert!(!text.contains(derived), "{} derives: `{derived}`", file.display());
         }
+    }
+}
+
+/// What a quantity is stored as in Rust is the emitter's to say, and the parser's to read.
+#[test]
+fn types_of_nalgebra_are_named_by_syntax_alone() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    let words = ["UnitQuaternion\"", "UnitComplex\"", "Isometry2\"", "Isometry3\"", "SVector<", "SMatrix<"];
+    for file in files {
+        let place = file.strip_prefix(&root).expect("within the sources").to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&file).expect("a source");
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let named = code.filter(|line| words.iter().any(|word| line.contains(word))).count();
+        let may = ["emit/", "parse/", "language/"].iter().any(|folder| place.starts_with(folder));
+        assert!(may || named == 0, "{place}");
     }
 }
 
@@ -137,7 +247,6 @@ fn a_circle_is_found() {
     assert_eq!(circle(&of(&[("a", &["b", "c"]), ("b", &["c"]), ("c", &[])])), None);
     let round = of(&[("a", &["b"]), ("b", &["c", "d"]), ("c", &[]), ("d", &["b"])]);
     assert_eq!(circle(&round), Some(vec!["b".to_owned(), "d".to_owned()]));
-    let names: Vec<String> =
-        named("use crate::model::System;\n// crate::emit\nlet x = crate::group::f();").collect();
-    assert_eq!(names, ["model", "group"]);
+    let source = "use crate::model::System;\n// crate::emit\nlet x = crate::group::f();\nuse crate::{\n    a::B,\n    C,\n};";
+    assert_eq!(named(source, "crate::"), ["model", "group", "a"]);
 }

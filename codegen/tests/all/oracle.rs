@@ -10,7 +10,9 @@ use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Energy, Relation, System};
-use coadjoint_codegen::program::{CallError, Given, Input, Module, Role};
+use coadjoint_codegen::program::{
+    CallError, DerivativeRole, FunctionRole, Given, Input, Module, StepRole, SystemRole,
+};
 use coadjoint_codegen::scheme::Member;
 
 use crate::bytes::Machine;
@@ -106,12 +108,12 @@ fn given(arena: &Arena, system: &System<'_>) -> Given<f64> {
         .with(Input::Control, values(arena, &system.control_symbols()))
 }
 
-fn call(module: &Module, role: Role, given: &Given<f64>) -> Vec<Vec<f64>> {
+fn call<R: FunctionRole>(module: &Module<R>, role: R, given: &Given<f64>) -> Vec<Vec<f64>> {
     module.call(role, given).unwrap_or_else(|error| panic!("{role:?}: {error}")).results
 }
 
 /// What is given, with the record that a function returns.
-fn with_record(module: &Module, role: Role, given: Given<f64>) -> Given<f64> {
+fn with_record<R: FunctionRole>(module: &Module<R>, role: R, given: Given<f64>) -> Given<f64> {
     let returned = module.call(role, &given).unwrap_or_else(|error| panic!("{role:?}: {error}"));
     let (kind, fields) = returned.record.expect("a record");
     given.with(Input::Record(kind), fields)
@@ -158,20 +160,20 @@ fn check_step<'a>(
     let given = given(arena, system)
         .with(Input::StepSize, direct(arena, &Vector(vec![step.h])))
         .with(Input::Unknown, values(arena, &unknown));
-    let given = with_record(&module, Role::New, given);
-    let given = with_record(&module, Role::Begin, given);
+    let given = with_record(&module, StepRole::New, given);
+    let given = with_record(&module, StepRole::Begin, given);
     let one = |role, given: &Given<f64>| call(&module, role, given).concat();
-    assert_close(&one(Role::Start, &given), &direct(arena, &step.start), what);
+    assert_close(&one(StepRole::Start, &given), &direct(arena, &step.start), what);
     let residual = direct(arena, &(&step.left - &step.right));
     let right = direct(arena, &step.right);
-    assert_close(&one(Role::Evaluate, &given), &[residual.clone(), right.clone()].concat(), what);
-    let given = with_record(&module, Role::Evaluate, given)
+    assert_close(&one(StepRole::Evaluate, &given), &[residual.clone(), right.clone()].concat(), what);
+    let given = with_record(&module, StepRole::Evaluate, given)
         .with(Input::Residual, residual.clone())
         .with(Input::Right, right.clone());
-    assert_close(&one(Role::Finish, &given), &direct(arena, &step.next), what);
-    assert_eq!(module.function(Role::Domain).is_some(), !step.domain.is_empty(), "{what}");
+    assert_close(&one(StepRole::Finish, &given), &direct(arena, &step.next), what);
+    assert_eq!(module.function(StepRole::Domain).is_some(), !step.domain.is_empty(), "{what}");
     if !step.domain.is_empty() {
-        assert_close(&one(Role::Domain, &given), &direct(arena, &Vector(step.domain.clone())), what);
+        assert_close(&one(StepRole::Domain, &given), &direct(arena, &Vector(step.domain.clone())), what);
     }
     // as bytes they compute the same
     let bytes: Vec<Vec<u8>> = bytecode::functions(&module).collect();
@@ -190,14 +192,14 @@ fn check_step<'a>(
     assert_close(&results[3], &direct(arena, &step.next), what);
     // the correction solves the linearized equation
     let jacobian = (&step.left - &step.right).jacobian(&unknown);
-    let correction = one(Role::Correction, &given);
+    let correction = one(StepRole::Correction, &given);
     let row =
         |i: usize| direct(arena, &jacobian.row(i)).iter().zip(&correction).map(|(a, x)| a * x).sum::<f64>();
     let image: Vec<f64> = (0..unknown.len()).map(row).collect();
     assert_close(&image, &residual, what);
     // the update solves the equation with this right side, which is linear; of an equation without denominators it goes further
-    if module.function(Role::FixedPointUpdate).is_some() {
-        let update = one(Role::FixedPointUpdate, &given);
+    if module.function(StepRole::FixedPointUpdate).is_some() {
+        let update = one(StepRole::FixedPointUpdate, &given);
         let at = |symbol| match unknown.iter().position(|known| *known == symbol) {
             Some(place) => update[place],
             None => value(arena, symbol),
@@ -235,14 +237,14 @@ fn derivatives_compute_their_linearization() {
             .with(Input::ControlPerturbation, of(&linearization.control))
             .with(Input::ParameterPerturbation, of(&linearization.parameters))
             .with(Input::Costate, of(&adjoint.next));
-        let given = with_record(&module, Role::Point, given);
+        let given = with_record(&module, DerivativeRole::Point, given);
         let Matrices { through, columns } = linearization.matrices(&arena, Derivatives::ALL);
         let mut expected = vec![
-            (Role::Tangent, vec![linearization.next.clone()]),
-            (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
+            (DerivativeRole::Tangent, vec![linearization.next.clone()]),
+            (DerivativeRole::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
         ];
-        expected.extend(through.map(|columns| (Role::Through, columns)));
-        let roles = [Role::WrtState, Role::WrtControl, Role::WrtParameters];
+        expected.extend(through.map(|columns| (DerivativeRole::Through, columns)));
+        let roles = [DerivativeRole::WrtState, DerivativeRole::WrtControl, DerivativeRole::WrtParameters];
         for (role, columns) in roles.into_iter().zip(columns) {
             let columns = columns.map(|columns| columns.into_iter().flat_map(<[_; 2]>::from).collect());
             expected.extend(columns.map(|columns| (role, columns)));
@@ -273,35 +275,44 @@ fn functions_of_systems_compute_their_expressions() {
             .with(Input::Velocity, direct(&arena, &system.velocity_symbols()));
         let casimirs = Vector(system.casimirs().found.iter().map(|&(_, value)| value).collect());
         let mut expected = vec![
-            (Role::Energy, Vector(vec![system.energy()])),
-            (Role::Casimirs, casimirs),
-            (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
-            (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
-            (Role::SecondKindDisplacement, geometry::displaced(&system, Retraction::SecondKind, &by)),
-            (Role::Differential, geometry::differential(&system)),
-            (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
-            (Role::Force, geometry::force(&arena, &system)),
+            (SystemRole::Energy, Vector(vec![system.energy()])),
+            (SystemRole::Casimirs, casimirs),
+            (
+                SystemRole::Displacement(Retraction::Exponential),
+                geometry::displaced(&system, Retraction::Exponential, &by),
+            ),
+            (
+                SystemRole::Displacement(Retraction::Cayley),
+                geometry::displaced(&system, Retraction::Cayley, &by),
+            ),
+            (
+                SystemRole::Displacement(Retraction::SecondKind),
+                geometry::displaced(&system, Retraction::SecondKind, &by),
+            ),
+            (SystemRole::Differential, geometry::differential(&system)),
+            (SystemRole::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
+            (SystemRole::Force, geometry::force(&arena, &system)),
         ];
-        let newton = |residual: &Vector<'_>, role: Role| {
+        let newton = |residual: &Vector<'_>, role: SystemRole| {
             let (module, _) = program.function(role).expect("where there is no closed form");
             let computed = call(module, role, &given).concat();
             assert_close(&computed[..residual.len()], &direct(&arena, residual), description.0);
         };
         match system.velocity_relation() {
-            Relation::Explicit(velocity) => expected.push((Role::Velocity, velocity.clone())),
-            Relation::Implicit(residual) => newton(residual, Role::VelocityNewton),
-            Relation::Singular => assert!(program.function(Role::Velocity).is_none()),
+            Relation::Explicit(velocity) => expected.push((SystemRole::Velocity, velocity.clone())),
+            Relation::Implicit(residual) => newton(residual, SystemRole::VelocityNewton),
+            Relation::Singular => assert!(program.function(SystemRole::Velocity).is_none()),
         }
         match system.momentum_relation() {
-            Relation::Explicit(momentum) => expected.push((Role::Momentum, momentum)),
-            Relation::Implicit(residual) => newton(&residual, Role::MomentumNewton),
-            Relation::Singular => assert!(program.function(Role::Momentum).is_none()),
+            Relation::Explicit(momentum) => expected.push((SystemRole::Momentum, momentum)),
+            Relation::Implicit(residual) => newton(&residual, SystemRole::MomentumNewton),
+            Relation::Singular => assert!(program.function(SystemRole::Momentum).is_none()),
         }
         let inertias = system.inertias.iter().enumerate();
-        expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
-        if program.function(Role::WithConserved).is_some() {
-            expected.push((Role::Conserved, geometry::conserved(&system)));
-            expected.push((Role::WithConserved, geometry::with_conserved(&system, &conserved)));
+        expected.extend(inertias.map(|(place, inertia)| (SystemRole::Pivots(place), inertia.matrix.ldl().1)));
+        if program.function(SystemRole::WithConserved).is_some() {
+            expected.push((SystemRole::Conserved, geometry::conserved(&system)));
+            expected.push((SystemRole::WithConserved, geometry::with_conserved(&system, &conserved)));
         }
         for (role, expressions) in &expected {
             let (module, _) = program.function(*role).expect("every system has it");
@@ -337,9 +348,9 @@ fn calls_without_what_they_need_are_errors() {
     let module = kernel::step(&arena, &step, Inputs::of(&system));
     let call = |role, given: &Given<f64>| module.call(role, given).map(|_| ());
     let none = Given::default();
-    assert_eq!(call(Role::Energy, &none), Err(CallError::NoFunction(Role::Energy)));
-    assert_eq!(call(Role::New, &none), Err(CallError::NotGiven(Input::Parameters)));
+    assert_eq!(call(StepRole::Domain, &none), Err(CallError::NoFunction("domain".to_owned())));
+    assert_eq!(call(StepRole::New, &none), Err(CallError::NotGiven(Input::Parameters)));
     let short = Given::default().with(Input::Parameters, [1.0, 2.0]).with(Input::StepSize, [0.1]);
-    assert_eq!(call(Role::New, &short), Err(CallError::NotGiven(Input::Parameters)));
+    assert_eq!(call(StepRole::New, &short), Err(CallError::NotGiven(Input::Parameters)));
     assert!(CallError::NotGiven(Input::State).to_string().contains("State"));
 }

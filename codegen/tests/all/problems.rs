@@ -3,7 +3,7 @@
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower_scalar};
-use coadjoint_codegen::parse::Shape;
+use coadjoint_codegen::quantity::Shape;
 
 use crate::common::{compare, told};
 

@@ -3,7 +3,7 @@
 use coadjoint_codegen::emit::StepExpansion;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::program::{Role, Statement, Term};
+use coadjoint_codegen::program::{Module, Statement, StepRole, Term};
 
 use crate::common::tokens;
 
@@ -48,7 +48,7 @@ fn every_inertia_has_an_update_of_the_fixed_point_iteration() {
             let steps = steps(&format!("group = SO3, invariance = {side}, methods(Midpoint)"), &item);
             for step in &steps {
                 let name = step.program.scheme.type_name();
-                let update = step.program.module.function(Role::FixedPointUpdate);
+                let update = step.program.module.function(StepRole::FixedPointUpdate);
                 assert!(update.is_some(), "{inertia}, {side}, {name}");
             }
         }
@@ -59,19 +59,19 @@ fn every_inertia_has_an_update_of_the_fixed_point_iteration() {
 /// the inertia itself.
 #[test]
 fn a_full_inertia_costs_its_own_products_alone() {
-    let operations = |inertia: &str, role: Role| {
+    let operations = |inertia: &str, role: StepRole| {
         let item = format!("struct Body {{ #[inertia] inertia: {inertia} }}");
         let steps = steps("group = SO3", &item);
         let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
         step.expect("a Cayley step").program.module.operations(role)
     };
     let [diagonal, full] =
-        ["Vector3<f64>", "Matrix3<f64>"].map(|inertia| operations(inertia, Role::FixedPointUpdate));
+        ["Vector3<f64>", "Matrix3<f64>"].map(|inertia| operations(inertia, StepRole::FixedPointUpdate));
     // three of each are what is left of the denominator
     assert_eq!((diagonal.additions, diagonal.multiplications), (3, 6));
     assert_eq!((full.additions, full.multiplications), (9, 12));
     let [diagonal, full] =
-        ["Vector3<f64>", "Matrix3<f64>"].map(|inertia| operations(inertia, Role::Evaluate));
+        ["Vector3<f64>", "Matrix3<f64>"].map(|inertia| operations(inertia, StepRole::Evaluate));
     assert_eq!(full.additions - diagonal.additions, 6);
     // by four, as the unknown is the half of the increment
     assert!(full.multiplications - diagonal.multiplications <= 9, "{full} instead of {diagonal}");
@@ -85,7 +85,7 @@ fn sums_of_several_stages_are_made_once() {
         "struct Top { #[inertia] inertia: Vector3<f64>, weight: f64, chi: Vector3<f64> }",
     );
     let exponential = steps.iter().find(|step| step.program.scheme.retraction == Retraction::Exponential);
-    let evaluate = exponential.expect("it is always there").program.module.operations(Role::Evaluate);
+    let evaluate = exponential.expect("it is always there").program.module.operations(StepRole::Evaluate);
     // counted by hand: twelve less than with the cross products of the two parts apart
     assert_eq!((evaluate.additions, evaluate.multiplications, evaluate.divisions), (42, 60, 0));
 }
@@ -138,7 +138,7 @@ fn a_change_of_one_term_changes_the_lines_of_that_term() {
         );
         let step = steps.into_iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
         let module = step.expect("a Cayley step").program.module;
-        module.text(&[Role::Evaluate]).lines().map(str::to_owned).collect::<Vec<_>>()
+        module.text(&[StepRole::Evaluate]).lines().map(str::to_owned).collect::<Vec<_>>()
     };
     let (before, after) =
         (lines("k * first.w.powi(2)"), lines("k * first.w.powi(2) + k * (first.i * first.w).sin()"));
@@ -158,7 +158,7 @@ fn powers_are_made_by_squaring() {
         "struct Particle { #[inertia] mass: f64 }",
     );
     let module = &steps[0].program.module;
-    let multiplications: usize = [Role::New, Role::Begin, Role::Evaluate, Role::Finish]
+    let multiplications: usize = [StepRole::New, StepRole::Begin, StepRole::Evaluate, StepRole::Finish]
         .map(|role| module.operations(role).multiplications)
         .iter()
         .sum();
@@ -171,18 +171,22 @@ fn powers_are_made_by_squaring() {
 fn modules_name_each_value_once() {
     let steps = steps("group = SE3, derivatives", "struct Body { #[inertia] inertia: Matrix6<f64> }");
     for step in &steps {
-        for module in [Some(&step.program.module), step.program.derivative.as_ref()].into_iter().flatten() {
-            for function in &module.functions {
-                let mut named = std::collections::BTreeSet::new();
-                for statement in &function.statements {
-                    let values = match statement {
-                        Statement::Let { value, .. } => vec![*value],
-                        Statement::Stumpff { values, .. } => values.iter().flatten().copied().collect(),
-                    };
-                    for value in values {
-                        assert!(named.insert(module.name(value).to_owned()), "{}", module.name(value));
-                    }
-                }
+        names_are_distinct(&step.program.module);
+        step.program.derivative.iter().for_each(names_are_distinct);
+    }
+}
+
+fn names_are_distinct<R>(module: &Module<R>) {
+    for function in &module.functions {
+        let mut named = std::collections::BTreeSet::new();
+        for statement in &function.statements {
+            let values = match statement {
+                Statement::Let { value, .. } => vec![*value],
+                Statement::Stumpff { values, .. } => values.iter().flatten().copied().collect(),
+            };
+            for value in values {
+                let name = module.values.name(value);
+                assert!(named.insert(name.to_owned()), "{name}");
             }
         }
     }
@@ -204,7 +208,7 @@ fn long_sums_are_cut_into_lines() {
         for function in &step.program.module.functions {
             for statement in &function.statements {
                 if let Statement::Let { term, .. } = statement {
-                    assert!(depth(term) <= 8, "{}", step.program.module.term(term));
+                    assert!(depth(term) <= 8, "{}", step.program.module.values.term(term));
                 }
             }
         }
@@ -221,7 +225,7 @@ fn four_dimensions_cost_what_two_rotations_cost() {
             let item = format!("struct Body {{ #[inertia] j: {inertia} }}");
             let module = &steps(&attribute, &item)[0].program.module;
             // a step from the last one's increment: two evaluations, one correction, and the rest
-            [(Role::Begin, 1), (Role::Evaluate, 2), (Role::Correction, 1), (Role::Finish, 1)]
+            [(StepRole::Begin, 1), (StepRole::Evaluate, 2), (StepRole::Correction, 1), (StepRole::Finish, 1)]
                 .map(|(role, count)| count * module.operations(role).total())
                 .iter()
                 .sum::<usize>()

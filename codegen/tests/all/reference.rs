@@ -1,9 +1,13 @@
-//! The page of the guide that lists the language is the one that the tables make.
+//! The page of the guide that lists the language, made from the tables that the generator itself works with.
 //!
 //! After a change of the language, `UPDATE_REFERENCE=1 cargo test -p coadjoint-codegen` writes it anew.
 
-use coadjoint_codegen::language::reference;
+use coadjoint_codegen::group::{Group, Retraction, catalogue, family, one_word, part_name};
+use coadjoint_codegen::language::words::{
+    self, ARRAY_METHODS, CONSTRUCTORS, ITERATOR_METHODS, NOT_SMOOTH, POINTS, RANGE,
+};
 use coadjoint_codegen::parse::KEYS;
+use coadjoint_codegen::quantity::Kind;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime/src/guide/language.md");
 
@@ -28,4 +32,243 @@ fn the_attribute_documents_every_key() {
         let written = |then: &str| documentation.contains(&format!("/// | `{}{then}", key.name));
         assert!([" = ", "(", "`"].into_iter().any(written), "{} is missing", key.name);
     }
+}
+
+/// What can be written in a description, in Markdown: keys, groups with the order of what they store, and all that has a meaning in an
+/// expression.
+fn reference() -> String {
+    let sections = [keys(), groups(), matrix_groups(), arrays(), expressions(), methods(), types()];
+    let page = sections.concat();
+    // one line end at the end
+    format!("{}\n", page.trim_end())
+}
+
+/// Names as code, with commas.
+fn codes<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
+    let codes: Vec<String> = names.into_iter().map(|name| format!("`{}`", name.as_ref())).collect();
+    codes.join(", ")
+}
+
+fn keys() -> String {
+    let rows = KEYS.map(|key| format!("| `{}` | `{}` |\n", key.name, key.example));
+    format!("# Keys\n\n| key | for example |\n|---|---|\n{}\n", rows.concat())
+}
+
+fn groups() -> String {
+    let rows: Vec<String> = catalogue().iter().map(|group| group_row(*group)).collect();
+    let taken = merged(components);
+    let parts = merged(parts);
+    let conventions = merged(|group| Some(group.conventions().to_owned()));
+    format!(
+        "# Groups\n\n\
+         The order is that of `to_components`, of flat arrays and of tables: the configuration of each factor, then its momentum, then all \
+         advected parameters.\n\n\
+         | group | field of the state | stored as, in this order | momentum, in this order | acts on |\n|---|---|---|---|---|\n{}\n\
+         {}\n{QUATERNIONS}\n\n{}\n{}\n",
+        rows.concat(),
+        conventions,
+        parts,
+        taken,
+    )
+}
+
+/// Members of the families that have steps, one or more of each.
+const FAMILIES: [(&str, &str); 11] = [
+    ("SO(4)", "rotations of four dimensions"),
+    ("SL(2)", "matrices of determinant 1"),
+    ("SL(3)", "the same, of three rows"),
+    ("GL(2)", "matrices that have an inverse"),
+    ("SP(4)", "symplectic matrices"),
+    ("SU(3)", "unitary matrices of determinant 1, a complex number as two rows and columns"),
+    ("SE2(3)", "a rotation with two vectors that it turns: attitude, velocity and position"),
+    ("SGal(3)", "Galilei's group: rotation, velocity, position and time"),
+    ("SO(2, 1)", "Lorentz's group of the plane"),
+    ("Heisenberg", "upper triangular matrices with ones on the diagonal"),
+    ("Aff(1)", "scalings and translations of the line"),
+];
+
+/// Groups that are derived from a basis.
+fn matrix_groups() -> String {
+    let row = |(name, about): (&str, &str)| {
+        let group = family(&one_word(name))?;
+        let retractions = Retraction::DEFAULT.into_iter().filter(|&retraction| group.has(retraction));
+        Some(format!(
+            "| `{name}` | {about} | {} × {1} | {2} | {3} |\n",
+            group.size(),
+            group.size(),
+            group.axes().join(", "),
+            codes(retractions.map(Retraction::name)),
+        ))
+    };
+    let rows: Vec<String> = FAMILIES.into_iter().filter_map(row).collect();
+    format!(
+        "# Groups of matrices\n\n\
+         A basis of the Lie algebra is all that a group needs, in whole numbers and with a name for each coordinate:\n\n\
+         ```text\n\
+         group = matrices {{ h: [1, 0; 0, -1], e: [0, 1; 0, 0], f: [0, 0; 1, 0] }}\n\
+         ```\n\n\
+         Structure constants, both retractions with their derivatives, Casimirs and the projection onto the group are derived from it exactly. What \
+         is no basis of a Lie algebra is an error at its matrix. There are up to 16 coordinates, and matrices of up to 12 rows. Some have names:\n\n\
+         | group | what it is | matrices | coordinates | retractions |\n|---|---|---|---|---|\n{}\n\
+         Groups are made of others, of those with names too. Each part has a name, which the coordinates and the parts of the momentum begin with:\n\n\
+         | written | is |\n|---|---|\n\
+         | `product(vehicle: SE3, rotor: SO2)` | the direct product, one momentum for all; blocks of one matrix |\n\
+         | `semidirect(attitude: SO3, velocity: R3, position: R3)` | the group with vectors that it moves: `(g, v)(h, w) = (g h, v + g w)` |\n\
+         | `tangent(SO3)` | positions and velocities, `TG`: the matrices `[[X, Y], [0, X]]` |\n\
+         | `Areas!`, `groups::Areas!` | one that [`lie_group!`](crate::lie_group) defines |\n\n\
+         * The field of the state is `element`, an `SMatrix`; a factor has the name that it is given. In expressions it is that matrix: \
+         `element[(0, 1)]`, `element.transpose()`, `element * v`. The momentum is an `SVector` of coordinates with respect to the dual basis.\n\
+         * The group acts on columns of as many numbers as the matrices have rows: `advected(v: R2)`.\n\
+         * Every group, of the catalogue too, acts on its algebra, `advected(a: adjoint)`, on the dual of that, `coadjoint`, and on the dual of \
+         each of its spaces, `dual(R2)`; on the first two with the exponential alone. A space of your own has a matrix for each coordinate: `advected(q: matrices {{ h: [2], e: [0], f: [0] }})`.\n\
+         * The exponential is a finite sum where the matrices, or those of each ideal, are annihilated by `λᵃ (λ² + z)^q`. Otherwise its series is \
+         summed within `|ad_x|² + |X|² ≤ 9/4`, for up to 10 coordinates; where there is another retraction that is done only if `retractions(…)` \
+         asks for it. The Cayley map is there where it stays on the group.\n\n",
+        rows.concat(),
+    )
+}
+
+/// Arrays, and what is said of each element.
+fn arrays() -> String {
+    format!(
+        "# Arrays\n\n\
+         Equal factors may be an array, `group(spins: [SO3; 4])`, of up to 32. It is a row of factors with one name: the state has the fields `spins` and \
+         `spins_momentum`, which are arrays.\n\n\
+         | of an array | written |\n|---|---|\n\
+         | one factor, after its declaration | `force(spins[0] = …)`, `#[inertia(spins[0])]`, `advected(gamma: spins[0]::R3)` |\n\
+         | all of them | `force(spins = …)` with an array, `#[inertia(spins)]`, `advected(gammas: spins::R3)` for an array with one each |\n\
+         | fields and controls | `lengths: [f64; 4]`, `control(torques: [R3; 4])` |\n\
+         | inertias | `#[inertia] inertia: [Vector3<f64>; 4]`, or one `Vector3<f64>` for all |\n\
+         | in expressions | `spins_momentum[0]`, `spins_velocity[1]`, `[a, b]` |\n\
+         | in flat arrays, in tables, on the command line | `spins_0`, `spins_momentum_0`, `spins_1`, …: each factor with its momentum |\n\n\
+         What is said of all elements is lowered for each:\n\n\
+         ```text\n\
+         (0..3).map(|i| spins_momentum[i].dot(&spins_momentum[i + 1])).sum::<f64>()\n\
+         spins_momentum.iter().zip(&lengths).map(|(spin, length)| length * spin.x).sum::<f64>()\n\
+         ```\n\n\
+         * Methods of arrays: {}.\n\
+         * Methods of iterators, and of ranges such as `0..3`: {}.\n\
+         * Indices are integers that are known when the description is read: `i`, `i + 1`, `(i + 1) % 4`.\n\
+         * A range goes through {RANGE} integers at most.\n\
+         * A sum of nothing is an error. Within another iteration it is zero, of the type that it names.\n\n",
+        codes(ARRAY_METHODS),
+        codes(ITERATOR_METHODS),
+    )
+}
+
+/// A line for each text, with the groups that it is true of.
+fn merged(text: impl Fn(&dyn Group) -> Option<String>) -> String {
+    let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+    for group in catalogue() {
+        let Some(text) = text(*group) else { continue };
+        match lines.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, groups)) => groups.push(group.name()),
+            None => lines.push((text, vec![group.name()])),
+        }
+    }
+    lines.into_iter().map(|(text, groups)| format!("* {}: {text}.\n", codes(groups))).collect()
+}
+
+/// The two orders of a quaternion, side by side.
+const QUATERNIONS: &str = "**A quaternion has two orders.** `to_components`, and all arrays and tables of this crate, begin with the real part: \
+    `w, x, y, z`. What serde writes is nalgebra's own order, with the real part at the end: `x, y, z, w`; an isometry has `rotation` and \
+    `translation` by name. The components of a vector space are written as they are, and those of a matrix by columns; in \
+    `to_components` a matrix goes by rows.";
+
+fn group_row(group: &dyn Group) -> String {
+    let spaces = group.representations().iter().map(|space| space.name());
+    format!(
+        "| `{}` | `{}` | `{}`: {} | `{}`: {} | {} |\n",
+        group.name(),
+        group.configuration_name(),
+        stored(group.configuration_kind()),
+        group.coordinates().join(", "),
+        stored(Kind::Vector(group.dimension())),
+        group.axes().join(", "),
+        codes(spaces),
+    )
+}
+
+/// The type that a quantity of the catalogue is stored as.
+fn stored(kind: Kind) -> String {
+    match kind {
+        Kind::Vector(n) => format!("Vector{n}"),
+        Kind::UnitComplex => "UnitComplex".to_owned(),
+        Kind::UnitQuaternion => "UnitQuaternion".to_owned(),
+        Kind::RigidMotion2 => "Isometry2".to_owned(),
+        Kind::RigidMotion3 => "Isometry3".to_owned(),
+        other => panic!("{other:?} is not in the catalogue"),
+    }
+}
+
+/// The parts of a momentum that have names.
+fn parts(group: &dyn Group) -> Option<String> {
+    let [first, second] = group.parts() else { return None };
+    let name = |quantity: &str| [first, second].map(|part| part_name(quantity, part));
+    Some(format!(
+        "the momentum has the parts {}, the velocity {}, of a factor `hull` {} and so on; a part of one component is a number. A force may be \
+         a pair of parts, `({first}, {second})`",
+        codes(name("momentum")),
+        codes(name("velocity")),
+        codes(name("hull_momentum")),
+    ))
+}
+
+/// What an expression can take from a configuration.
+fn components(group: &dyn Group) -> Option<String> {
+    let written = |called: bool| {
+        let all = group.components().iter().filter(move |component| component.called == called);
+        all.map(
+            move |component| if called { format!("{}()", component.name) } else { component.name.to_owned() },
+        )
+    };
+    let all: Vec<String> = written(false).chain(written(true)).collect();
+    (!all.is_empty()).then(|| format!("an element has {}", codes(all)))
+}
+
+fn expressions() -> String {
+    format!(
+        "# Expressions\n\n\
+         * Names: fields, factors, momenta, velocities (in forces), advected parameters, controls, the time `t`, and constants of \
+         your own, `GRAVITY` or `std::f64::consts::PI`.\n\
+         * `+ - * /`, signs, parentheses, references, blocks with `let`, `integer as f64`, `f64::from(integer)`; of integers `%` and `as i32` too.\n\
+         * Components: `v.x`, `v[0]`, `m.m12`, `m[(0, 1)]`; a matrix is indexed by rows and columns, with one index by columns.\n\
+         * `g * v` and `g * h` for an element `g` of a group; of rigid motions `g * p` for a point `p`, while a vector is turned by \
+         `transform_vector`.\n\
+         * Constructors: `vector![x, y]`, `matrix![a, b; c, d]`, and of the types of nalgebra {}.\n\
+         * Points: {} of `Point2` and `Point3`; `p - q` is a vector, `p + v` a point, `p.coords` the vector to it.\n\
+         * Parts of vectors and matrices: `fixed_rows::<R>(i)`, `fixed_columns::<C>(j)`, `fixed_view::<R, C>(i, j)`.\n\
+         * `try_inverse()` of a matrix of up to four rows, taken with `.unwrap()` or `.expect(\"…\")`: by cofactors, over the determinant. A step \
+         that meets a singular matrix fails as one whose state is not finite; the method that is emitted for your text panics as `unwrap` \
+         says.\n\
+         * `angle()` of `SO2` is above −π and at most π: an energy of it jumps at half a turn, unless its derivative is the same on both \
+         sides.\n\
+         * Zero is a state like others: `v.norm() * v`, `x.norm().powi(3)` and the square of an angle have their derivatives there. Where there \
+         is none, as of `v.norm()` alone at rest, a Jacobian is an error, and a step that needs it fails.\n\
+         * What is not smooth has no derivative and is refused: {}; choices, comparisons and remainders of numbers too.\n\n",
+        codes(CONSTRUCTORS),
+        codes(POINTS),
+        codes(NOT_SMOOTH),
+    )
+}
+
+fn methods() -> String {
+    let rows = words::methods().map(|(what, methods)| format!("| {what} | {} |\n", codes(methods)));
+    format!(
+        "# Methods\n\n\
+         Each means what it means in Rust and nalgebra, and may be written as a function: `f64::sin(x)`, `Vector3::dot(&v, &w)`. `clone()`, and of \
+         vectors and matrices `into_owned()` and `clone_owned()`, change nothing.\n\n\
+         | of | methods |\n|---|---|\n{}\n",
+        rows.concat()
+    )
+}
+
+fn types() -> String {
+    "# Types\n\n\
+     * Of a field: `f64` or `f32`, one of them for all; `Vector1` to `Vector6`, `RowVector1` to `RowVector6`, `Matrix1` to `Matrix6`, \
+     `Matrix2x3` and so on, `SVector<f64, N>`, `SMatrix<f64, R, C>` with up to 32 rows and columns.\n\
+     * Of a control: the same, or `R1` to `R6` for a vector.\n\
+     * Of either: an array of up to 32 of these, `[f64; 3]`.\n\
+     * Of an advected parameter: a space that a factor acts on, `gamma: R3`, or `gamma: attitude::R3` where several do.\n"
+        .to_owned()
 }

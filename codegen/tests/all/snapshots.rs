@@ -6,7 +6,7 @@
 use coadjoint_codegen::emit::Expansion;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::group::Retraction;
-use coadjoint_codegen::program::{Module, Operations, Role};
+use coadjoint_codegen::program::{Module, Operations, StepRole};
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -209,7 +209,7 @@ struct Pendulum {
 }
 
 /// The functions of a step that tell the system, as the first member of the family with the Cayley map has them.
-fn sections(name: &str, input: &str, roles: &[Role]) {
+fn sections(name: &str, input: &str, roles: &[StepRole]) {
     let steps = expansion(input).steps;
     let step = steps.iter().find(|step| step.program.scheme.retraction == Retraction::Cayley);
     let module = &step.expect("a Cayley step").program.module;
@@ -226,7 +226,7 @@ struct Body {
     #[inertia]
     inertia: Vector6<f64>,
 }";
-    sections("body_in_a_fluid", input, &[Role::Evaluate, Role::FixedPointUpdate, Role::Domain]);
+    sections("body_in_a_fluid", input, &[StepRole::Evaluate, StepRole::FixedPointUpdate, StepRole::Domain]);
 }
 
 /// Two factors that meet in the potential alone: each is kicked, and goes on by itself.
@@ -245,7 +245,14 @@ struct Pendulums {
     second_inertia: f64,
     stiffness: f64,
 }";
-    let roles = [Role::New, Role::Begin, Role::Start, Role::Evaluate, Role::Correction, Role::Finish];
+    let roles = [
+        StepRole::New,
+        StepRole::Begin,
+        StepRole::Start,
+        StepRole::Evaluate,
+        StepRole::Correction,
+        StepRole::Finish,
+    ];
     sections("two_coupled_pendulums", input, &roles);
 }
 
@@ -302,7 +309,7 @@ struct Body {
     #[inertia]
     inertia: Vector3<f64>,
 }";
-    sections("right_invariant", input, &[Role::Evaluate, Role::Finish]);
+    sections("right_invariant", input, &[StepRole::Evaluate, StepRole::Finish]);
 }
 
 /// A step that has nothing to solve for.
@@ -324,12 +331,12 @@ struct Oscillator {
 /// are those of free bodies, with the operations of these and not one more; what else they compute has been counted by hand.
 #[test]
 fn no_system_computes_what_its_equations_do_not_need() {
-    fn module(source: &str, retraction: Retraction) -> Module {
+    fn module(source: &str, retraction: Retraction) -> Module<StepRole> {
         let steps = expansion(description(source)).steps;
         let step = steps.into_iter().find(|step| step.program.scheme.retraction == retraction);
         step.expect("a step with this retraction").program.module
     }
-    let of = |module: &Module, role: Role| {
+    let of = |module: &Module<StepRole>, role: StepRole| {
         let Operations { additions, multiplications, divisions, roots, stumpff, functions } =
             module.operations(role);
         [additions, multiplications, divisions, roots, stumpff, functions]
@@ -341,15 +348,15 @@ fn no_system_computes_what_its_equations_do_not_need() {
         let coupled = module(COUPLED_BODIES, retraction);
         // a translation is explicit: iterations know nothing of it
         for (bodies, system) in [(1, &quadrotor), (2, &coupled)] {
-            for role in [Role::Evaluate, Role::Correction, Role::FixedPointUpdate] {
+            for role in [StepRole::Evaluate, StepRole::Correction, StepRole::FixedPointUpdate] {
                 assert_eq!(of(system, role), times(bodies, of(&free, role)));
             }
         }
-        let once = |module: &Module| {
-            let (begin, finish) = (of(module, Role::Begin), of(module, Role::Finish));
+        let once = |module: &Module<StepRole>| {
+            let (begin, finish) = (of(module, StepRole::Begin), of(module, StepRole::Finish));
             core::array::from_fn(|k| begin[k] + finish[k])
         };
-        let besides = |system: &Module, bodies: usize| {
+        let besides = |system: &Module<StepRole>, bodies: usize| {
             let [all, rotation] = [once(system), times(bodies, once(&free))];
             assert_eq!(all[2..], rotation[2..]);
             [all[0] - rotation[0], all[1] - rotation[1]]

@@ -7,7 +7,7 @@ use coadjoint_codegen::group::Retraction;
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::{Step, family};
 use coadjoint_codegen::model::{Slot, System};
-use coadjoint_codegen::program::Role;
+use coadjoint_codegen::program::StepRole;
 use coadjoint_codegen::scheme::{Member, Rule, Scheme};
 use std::f64::consts::TAU;
 
@@ -174,7 +174,8 @@ fn newtons_method_undoes_no_scale() {
         let system = system(&arena, (attribute, item));
         let step = step(&system, Retraction::Cayley, Member::SYMPLECTIC_EULER_A);
         let module = kernel::step(&arena, &step, Inputs::of(&system));
-        let (evaluate, correction) = (module.operations(Role::Evaluate), module.operations(Role::Correction));
+        let (evaluate, correction) =
+            (module.operations(StepRole::Evaluate), module.operations(StepRole::Correction));
         assert!(evaluate.multiplications <= 15 && evaluate.divisions == 1, "{attribute}: {evaluate}");
         assert!(correction.multiplications <= 49 && correction.divisions == 1, "{attribute}: {correction}");
     }

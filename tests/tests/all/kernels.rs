@@ -8,7 +8,7 @@ use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Step, family, step_symbol};
 use coadjoint_codegen::model::{Energy, Relation, System};
-use coadjoint_codegen::program::{Given, Input, Module, Role};
+use coadjoint_codegen::program::{DerivativeRole, Given, Input, Module, StepRole, SystemRole};
 use coadjoint_codegen::scheme::Member;
 use coadjoint_support::precise::descriptions::{all_kinds, random_point, rigid_bodies};
 use coadjoint_support::precise::formula::Point;
@@ -41,8 +41,8 @@ fn functions_compute_their_expressions() {
 /// What a function of these variables computes.
 fn computed<'a>(arena: &'a Arena, outputs: &Vector<'a>, variables: &Vector<'a>, x: &Column) -> Column {
     let inputs = Inputs::default().with(Input::State, variables.symbols());
-    let module = kernel::function(arena, Role::Energy, outputs, inputs);
-    call(&module, Role::Energy, &Given::default().with(Input::State, x.0.clone())).remove(0)
+    let module = kernel::function(arena, SystemRole::Energy, outputs, inputs);
+    call(&module, SystemRole::Energy, &Given::default().with(Input::State, x.0.clone())).remove(0)
 }
 
 #[test]
@@ -145,14 +145,14 @@ fn inputs(symbolic: &Symbolic<'_>) -> [(Input, Vec<Symbol>); 3] {
     [(Input::Parameters, parameters.clone()), (Input::State, state), (Input::Control, step.given.clone())]
 }
 
-fn module<'a>(arena: &'a Arena, symbolic: &Symbolic<'a>) -> Module {
+fn module<'a>(arena: &'a Arena, symbolic: &Symbolic<'a>) -> Module<StepRole> {
     let inputs = inputs(symbolic).into_iter();
     let inputs = inputs.fold(Inputs::default(), |all, (input, symbols)| all.with(input, symbols));
     kernel::step(arena, &symbolic.step, inputs)
 }
 
 /// Runs a step's functions at a point, stage after stage.
-fn run(module: &Module, symbolic: &Symbolic<'_>, point: &Point) -> Stages {
+fn run(module: &Module<StepRole>, symbolic: &Symbolic<'_>, point: &Point) -> Stages {
     let given = Given::default()
         .with(Input::StepSize, [point.scalar(symbolic.step.h)])
         .with(Input::Unknown, point.vector(&symbolic.step.unknown).0);
@@ -310,36 +310,45 @@ fn functions_of_systems_compute_their_expressions() {
 
         let casimirs = Vector(system.casimirs().found.iter().map(|&(_, value)| value).collect());
         let mut expected = vec![
-            (Role::Energy, Vector(vec![system.energy()])),
-            (Role::Casimirs, casimirs),
-            (Role::ExponentialDisplacement, geometry::displaced(&system, Retraction::Exponential, &by)),
-            (Role::CayleyDisplacement, geometry::displaced(&system, Retraction::Cayley, &by)),
-            (Role::SecondKindDisplacement, geometry::displaced(&system, Retraction::SecondKind, &by)),
-            (Role::Differential, geometry::differential(&system)),
-            (Role::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
-            (Role::Force, geometry::force(&arena, &system)),
+            (SystemRole::Energy, Vector(vec![system.energy()])),
+            (SystemRole::Casimirs, casimirs),
+            (
+                SystemRole::Displacement(Retraction::Exponential),
+                geometry::displaced(&system, Retraction::Exponential, &by),
+            ),
+            (
+                SystemRole::Displacement(Retraction::Cayley),
+                geometry::displaced(&system, Retraction::Cayley, &by),
+            ),
+            (
+                SystemRole::Displacement(Retraction::SecondKind),
+                geometry::displaced(&system, Retraction::SecondKind, &by),
+            ),
+            (SystemRole::Differential, geometry::differential(&system)),
+            (SystemRole::HamiltonianVector, geometry::hamiltonian_vector(&arena, &system, &by)),
+            (SystemRole::Force, geometry::force(&arena, &system)),
         ];
-        let newton = |residual: &Vector<'_>, role: Role| {
+        let newton = |residual: &Vector<'_>, role: SystemRole| {
             let (module, _) = program.function(role).expect("where there is no closed form");
             let computed = call(module, role, &given).remove(0);
             let difference = relative(&computed.part(0, residual.len()), &point.vector(residual));
             assert!(difference < Real::ten_to(-69), "{}, {role:?}: {difference:?}", description.name);
         };
         match system.velocity_relation() {
-            Relation::Explicit(velocity) => expected.push((Role::Velocity, velocity.clone())),
-            Relation::Implicit(residual) => newton(residual, Role::VelocityNewton),
-            Relation::Singular => assert!(program.function(Role::Velocity).is_none()),
+            Relation::Explicit(velocity) => expected.push((SystemRole::Velocity, velocity.clone())),
+            Relation::Implicit(residual) => newton(residual, SystemRole::VelocityNewton),
+            Relation::Singular => assert!(program.function(SystemRole::Velocity).is_none()),
         }
         match system.momentum_relation() {
-            Relation::Explicit(momentum) => expected.push((Role::Momentum, momentum)),
-            Relation::Implicit(residual) => newton(&residual, Role::MomentumNewton),
-            Relation::Singular => assert!(program.function(Role::Momentum).is_none()),
+            Relation::Explicit(momentum) => expected.push((SystemRole::Momentum, momentum)),
+            Relation::Implicit(residual) => newton(&residual, SystemRole::MomentumNewton),
+            Relation::Singular => assert!(program.function(SystemRole::Momentum).is_none()),
         }
         let inertias = system.inertias.iter().enumerate();
-        expected.extend(inertias.map(|(place, inertia)| (Role::Pivots(place), inertia.matrix.ldl().1)));
-        if program.function(Role::WithConserved).is_some() {
-            expected.push((Role::Conserved, geometry::conserved(&system)));
-            expected.push((Role::WithConserved, geometry::with_conserved(&system, &conserved)));
+        expected.extend(inertias.map(|(place, inertia)| (SystemRole::Pivots(place), inertia.matrix.ldl().1)));
+        if program.function(SystemRole::WithConserved).is_some() {
+            expected.push((SystemRole::Conserved, geometry::conserved(&system)));
+            expected.push((SystemRole::WithConserved, geometry::with_conserved(&system, &conserved)));
         }
         for (role, expressions) in &expected {
             let (module, _) = program.function(*role).expect("every system has it");
@@ -349,17 +358,17 @@ fn functions_of_systems_compute_their_expressions() {
             assert!(difference < Real::ten_to(-69), "{}, {role:?}: {difference:?}", description.name);
         }
         // the constant momentum, which goes back to the same state; of a left-invariant system that in space
-        if let Some((module, _)) = program.function(Role::WithConserved) {
+        if let Some((module, _)) = program.function(SystemRole::WithConserved) {
             let of =
                 |role| call(program.function(role).expect("there with the other").0, role, &given).remove(0);
-            let conserved = of(Role::Conserved);
-            assert_eq!(conserved == of(Role::SpatialMomentum), system.side == Side::Left);
+            let conserved = of(SystemRole::Conserved);
+            assert_eq!(conserved == of(SystemRole::SpatialMomentum), system.side == Side::Left);
             let given = given.clone().with(Input::Conserved, conserved.0);
-            let back = call(module, Role::WithConserved, &given).remove(0);
+            let back = call(module, SystemRole::WithConserved, &given).remove(0);
             let difference = relative(&back, &point.get(&system.state_symbols()));
             assert!(difference < Real::ten_to(-69), "{}: {difference:?}", description.name);
         }
-        let newtons = [Role::VelocityNewton, Role::MomentumNewton].into_iter();
+        let newtons = [SystemRole::VelocityNewton, SystemRole::MomentumNewton].into_iter();
         let newtons = newtons.filter(|&role| program.function(role).is_some()).count();
         let all = 1 + expected.len() + newtons;
         assert_eq!(program.functions.iter().map(|module| module.functions.len()).sum::<usize>(), all);
@@ -396,11 +405,11 @@ fn derivatives_compute_their_linearization() {
 
         let Matrices { through, columns } = linearization.matrices(&arena, Derivatives::ALL);
         let mut expected = vec![
-            (Role::Tangent, vec![linearization.next.clone()]),
-            (Role::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
+            (DerivativeRole::Tangent, vec![linearization.next.clone()]),
+            (DerivativeRole::Adjoint, vec![adjoint.state, adjoint.control, adjoint.parameters]),
         ];
-        expected.extend(through.map(|columns| (Role::Through, columns)));
-        let roles = [Role::WrtState, Role::WrtControl, Role::WrtParameters];
+        expected.extend(through.map(|columns| (DerivativeRole::Through, columns)));
+        let roles = [DerivativeRole::WrtState, DerivativeRole::WrtControl, DerivativeRole::WrtParameters];
         for (role, columns) in roles.into_iter().zip(columns) {
             let columns = columns.map(|columns| columns.into_iter().flat_map(<[_; 2]>::from).collect());
             expected.extend(columns.map(|columns| (role, columns)));

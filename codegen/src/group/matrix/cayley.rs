@@ -12,7 +12,7 @@
 
 use std::sync::Arc;
 
-use crate::expr::{Differential, Expr, Matrix, Number, Vector};
+use crate::expr::{DerivativeRule, Expr, Matrix, Number, Vector};
 use crate::group::exact::{Exact, Fraction};
 
 use super::algebra::{Algebra, combination, symbolic};
@@ -60,12 +60,12 @@ impl Cayley {
             given.push(Vector(matrix.entries.clone()).hold());
         }
         let mean = self.algebra.pairings(&matrix);
-        mean.with_differential(&Vector::concat([x, m]), &Vector::concat(&given), Arc::<Self>::clone(self))
+        mean.with_rule(&Vector::concat([x, m]), &Vector::concat(&given), Arc::clone(self))
     }
 }
 
 /// Of `m̄`, by `x` and `m`, one after the other, with `R`, `S`, and `M` if that is no other name of `m̄`.
-impl Differential for Cayley {
+impl DerivativeRule for Cayley {
     fn along<'a>(&self, mean: &Vector<'a>, given: &Vector<'a>, changes: &Vector<'a>) -> Vector<'a> {
         let n = self.algebra.size();
         let mut given = given.0.chunks(n * n).map(|entries| Matrix::new(n, n, entries.to_vec()));

@@ -32,8 +32,9 @@ use std::sync::{Arc, OnceLock};
 use num_rational::Ratio;
 
 use super::calculus::transposed;
-use super::{Group, MatrixFunction, Moved, Representation, Retraction, Side, StorageType};
+use super::{Group, MatrixFunction, Moved, Representation, Retraction, Side};
 use crate::expr::{Expr, Matrix, Number, Vector};
+use crate::quantity::Kind;
 use algebra::{Algebra, symbolic};
 use cayley::Cayley;
 use constraints::{Form, Hull};
@@ -220,16 +221,12 @@ impl Group for MatrixGroup {
         "element"
     }
 
-    fn configuration_type(&self) -> StorageType {
-        StorageType::Matrix(self.size())
+    fn configuration_kind(&self) -> Kind {
+        Kind::Matrix(self.size(), self.size())
     }
 
     fn coordinates(&self) -> &'static [&'static str] {
         self.coordinates
-    }
-
-    fn momentum_type(&self) -> StorageType {
-        StorageType::Vector(self.dimension())
     }
 
     fn dimension(&self) -> usize {

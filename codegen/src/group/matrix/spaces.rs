@@ -7,7 +7,7 @@ use super::powers::{FEW_TERMS, LinearMatrix, TERMS};
 use super::{Basis, RADIUS, leaked};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::group::exact::{Exact, Fraction};
-use crate::group::{MatrixFunction, Representation, Retraction, StorageType, Translation};
+use crate::group::{MatrixFunction, Representation, Retraction, Translation};
 
 /// Why matrices are no representation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -114,10 +114,6 @@ impl Linear {
 impl Representation for Linear {
     fn name(&self) -> &'static str {
         self.name
-    }
-
-    fn storage(&self) -> StorageType {
-        StorageType::Vector(self.coordinates.len())
     }
 
     fn coordinates(&self) -> &'static [&'static str] {

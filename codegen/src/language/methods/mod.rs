@@ -30,18 +30,21 @@ struct Call<'c, 'a> {
 
 impl Method {
     /// As it is called: `dot(&other)`.
-    pub(super) fn call(&self) -> String {
+    fn call(&self) -> String {
         format!("{}({})", self.name, self.arguments.join(", "))
     }
 }
 
-/// The methods of each kind of value, for documentation.
-pub(super) static ALL: [(&str, &[Method]); 4] = [
-    ("numbers", scalar::METHODS),
-    ("vectors", tensor::VECTOR_METHODS),
-    ("matrices", tensor::MATRIX_METHODS),
-    ("configurations", element::METHODS),
-];
+/// The methods of each kind of value as they are called, for documentation.
+pub fn methods() -> [(&'static str, Vec<String>); 4] {
+    let all = [
+        ("numbers", scalar::METHODS),
+        ("vectors", tensor::VECTOR_METHODS),
+        ("matrices", tensor::MATRIX_METHODS),
+        ("configurations", element::METHODS),
+    ];
+    all.map(|(what, methods)| (what, methods.iter().map(Method::call).collect()))
+}
 
 impl<'a> Lowering<'a, '_> {
     /// `receiver.method(arguments)`
@@ -202,7 +205,7 @@ fn size(argument: &GenericArgument) -> Option<i64> {
 }
 
 /// Methods that Rust or nalgebra have and whose derivatives jump.
-pub(super) const NOT_SMOOTH: &[&str] = &[
+pub const NOT_SMOOTH: &[&str] = &[
     "abs",
     "amax",
     "amin",

@@ -1,6 +1,7 @@
 //! The struct as it is read.
 
-use coadjoint_codegen::parse::{ScalarType, Shape, without_helpers};
+use coadjoint_codegen::parse::without_helpers;
+use coadjoint_codegen::quantity::{ScalarType, Shape};
 
 use super::item;
 use crate::common::tokens;

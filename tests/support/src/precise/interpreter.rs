@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use coadjoint_codegen::program::{Given, Input, Module, Returned, Role};
+use coadjoint_codegen::program::{DerivativeRole, Given, Input, Module, Returned, FunctionRole, StepRole};
 
 use super::matrix::Column;
 use super::real::Real;
 
 /// The arrays that the function of a role returns.
-pub fn call(module: &Module, role: Role, given: &Given<Real>) -> Vec<Column> {
+pub fn call<R: FunctionRole>(module: &Module<R>, role: R, given: &Given<Real>) -> Vec<Column> {
     arrays(module.call(role, given).unwrap_or_else(|error| panic!("{role:?}: {error}")))
 }
 
@@ -35,40 +35,44 @@ pub struct Stages {
 }
 
 /// Calls the function of a role and adds the record that it returns to what is given.
-fn with_record(module: &Module, role: Role, given: Given<Real>) -> (Vec<Column>, Given<Real>) {
+fn with_record<R: FunctionRole>(module: &Module<R>, role: R, given: Given<Real>) -> (Vec<Column>, Given<Real>) {
     let returned = module.call(role, &given).unwrap_or_else(|error| panic!("{role:?}: {error}"));
     let (kind, fields) = returned.record.clone().expect("a record");
     (arrays(returned), given.with(Input::Record(kind), fields))
 }
 
 /// Calls all functions of a step. `given` holds parameters, step size, state, time, controls and unknown.
-pub fn stages(module: &Module, given: &Given<Real>) -> Stages {
-    let (_, given) = with_record(module, Role::New, given.clone());
-    let (_, given) = with_record(module, Role::Begin, given);
+pub fn stages(module: &Module<StepRole>, given: &Given<Real>) -> Stages {
+    let (_, given) = with_record(module, StepRole::New, given.clone());
+    let (_, given) = with_record(module, StepRole::Begin, given);
     let one = |role, given: &Given<Real>| {
         let mut arrays = call(module, role, given);
         assert_eq!(arrays.len(), 1);
         arrays.remove(0)
     };
     let maybe = |role, given: &Given<Real>| module.function(role).map(|_| one(role, given));
-    let start = one(Role::Start, &given);
-    let (evaluation, given) = with_record(module, Role::Evaluate, given);
+    let start = one(StepRole::Start, &given);
+    let (evaluation, given) = with_record(module, StepRole::Evaluate, given);
     let [residual, right] = &evaluation[..] else { panic!("residual and right side") };
     let given = given.with(Input::Residual, residual.0.clone()).with(Input::Right, right.0.clone());
     Stages {
         start,
         residual: residual.clone(),
         right: right.clone(),
-        correction: one(Role::Correction, &given),
-        update: maybe(Role::FixedPointUpdate, &given),
-        margins: maybe(Role::Domain, &given).unwrap_or_else(|| Column(Vec::new())),
-        next: one(Role::Finish, &given),
+        correction: one(StepRole::Correction, &given),
+        update: maybe(StepRole::FixedPointUpdate, &given),
+        margins: maybe(StepRole::Domain, &given).unwrap_or_else(|| Column(Vec::new())),
+        next: one(StepRole::Finish, &given),
     }
 }
 
 /// The linear maps of a derivative: products and matrices, at one point.
-pub fn linear_maps(module: &Module, given: &Given<Real>) -> HashMap<Role, Vec<Column>> {
-    let (_, given) = with_record(module, Role::Point, given.clone());
-    let maps = module.functions.iter().map(|function| function.role).filter(|role| *role != Role::Point);
+pub fn linear_maps(
+    module: &Module<DerivativeRole>,
+    given: &Given<Real>,
+) -> HashMap<DerivativeRole, Vec<Column>> {
+    let (_, given) = with_record(module, DerivativeRole::Point, given.clone());
+    let maps =
+        module.functions.iter().map(|function| function.role).filter(|role| *role != DerivativeRole::Point);
     maps.map(|role| (role, call(module, role, &given))).collect()
 }

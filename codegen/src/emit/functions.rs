@@ -1,0 +1,64 @@
+//! The functions of a system as free functions, and calls of them.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+
+use super::code::{free_function, size};
+use super::docs;
+use super::names::Names;
+use crate::program::{Input, Program, SystemRole};
+
+/// The free function of a role, if there is one.
+pub(super) fn function(
+    program: &Program,
+    private: &TokenStream,
+    role: SystemRole,
+    name: &str,
+) -> TokenStream {
+    let Some((module, function)) = program.function(role) else { return quote! {} };
+    let doc = docs::line(&format!("{}.", function.operations()));
+    let function = free_function(name, private, &module.values, function);
+    quote! { #doc #function }
+}
+
+/// A call of the free function of a role in a method of the system: what it is given are the variables of their names, `state`, `time`, `control`,
+/// `by`; those here are other ones.
+pub(super) fn call(
+    program: &Program,
+    names: &Names,
+    role: SystemRole,
+    name: &str,
+    others: &[(Input, TokenStream)],
+) -> TokenStream {
+    let private = &names.private;
+    let Some((_, function)) = program.function(role) else { return quote! {} };
+    let usual = |input, length| match input {
+        Input::Parameters => quote! { &#private::System::to_parameters(self) },
+        Input::State => quote! { &#private::State::to_components(state) },
+        Input::Control => quote! { &#private::Control::to_components(control) },
+        Input::Velocity => {
+            let length = size(length);
+            quote! {
+                &#private::Stored::<_, #length>::to_array(&#private::System::velocity_at(self, state, time, control))
+            }
+        }
+        Input::Time => quote! { time },
+        _ => quote! { by },
+    };
+    let arguments = function.arguments.iter().map(|argument| {
+        let other = others.iter().find(|(input, _)| *input == argument.input);
+        other.map_or_else(|| usual(argument.input, argument.values.len()), |(_, other)| other.clone())
+    });
+    let name = format_ident!("{name}");
+    quote! { #name(#(#arguments),*) }
+}
+
+/// What belongs to one scheme, in a block of its own.
+pub(super) fn block(content: &TokenStream) -> TokenStream {
+    quote! {
+        #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]
+        const _: () = {
+            #content
+        };
+    }
+}

@@ -1,0 +1,124 @@
+//! What an expansion calls things: the names and paths that all parts of it share.
+
+use std::collections::BTreeMap;
+
+use proc_macro2::{Ident, TokenStream};
+use quote::{ToTokens, format_ident, quote};
+
+use super::code::size;
+use crate::identifiers::plain;
+use crate::model::System;
+use crate::parse::Item;
+use crate::program::{Interface, Quantity};
+use crate::quantity::{Role, ScalarType};
+
+/// The names and paths that all parts of an expansion share.
+pub struct Names {
+    /// The user's struct.
+    pub system: Ident,
+    /// Its state.
+    pub state: Ident,
+    /// Its controls, if it has any.
+    pub control: Ident,
+    /// Who may see the struct.
+    pub visibility: syn::Visibility,
+    /// `f64` or `f32`
+    pub scalar: TokenStream,
+    /// The path of the runtime crate.
+    pub coadjoint: TokenStream,
+    /// The path of what generated code needs of it.
+    pub private: TokenStream,
+    /// Constants of the user's own code that stand behind the parameters.
+    pub constants: Vec<TokenStream>,
+    /// What the user calls parameters, parts of the state and controls, at the user's tokens.
+    pub identifiers: BTreeMap<String, Ident>,
+}
+
+impl Names {
+    /// The names for a system; `coadjoint` is the path of the runtime crate if it is not `::coadjoint`.
+    pub fn new(
+        interface: &Interface,
+        item: &Item,
+        coadjoint: Option<&syn::Path>,
+        source: &System<'_>,
+    ) -> Self {
+        let coadjoint = coadjoint.map_or_else(|| quote! { ::coadjoint }, |path| quote! { #path });
+        let scalar = match interface.scalar {
+            ScalarType::F64 => quote! { f64 },
+            ScalarType::F32 => quote! { f32 },
+        };
+        let system = item.name.clone();
+        Self {
+            state: format_ident!("{system}State"),
+            control: format_ident!("{system}Control"),
+            system,
+            visibility: item.visibility.clone(),
+            scalar: quote! { ::core::primitive::#scalar },
+            private: quote! { #coadjoint::__private },
+            coadjoint,
+            constants: source.constants.iter().map(|constant| constant.tokens.to_token_stream()).collect(),
+            identifiers: identifiers(source),
+        }
+    }
+
+    /// What the user calls a parameter, a part of the state or a control; of an element of an array the array.
+    pub(super) fn of(&self, quantity: &Quantity) -> Ident {
+        let known = self.identifiers.get(quantity.field()).cloned();
+        known.unwrap_or_else(|| format_ident!("{}", quantity.field()))
+    }
+
+    /// Where it stands in its struct: `attitude`, `spins[0]`.
+    pub(super) fn place(&self, quantity: &Quantity) -> TokenStream {
+        let field = self.of(quantity);
+        match &quantity.element {
+            None => quote! { #field },
+            Some(element) => {
+                let index = size(element.index);
+                quote! { #field[#index] }
+            }
+        }
+    }
+}
+
+/// The fields of a struct of quantities: each with the one that it is, or with the elements of the array that it is.
+pub(super) fn fields(quantities: &[Quantity]) -> Vec<Vec<&Quantity>> {
+    let mut fields: Vec<Vec<&Quantity>> = Vec::new();
+    for quantity in quantities {
+        match fields.iter_mut().find(|field| field[0].field() == quantity.field()) {
+            Some(field) => field.push(quantity),
+            None => fields.push(vec![quantity]),
+        }
+    }
+    fields
+}
+
+/// Several values in the place of a field: an array, or the one that there is.
+pub(super) fn whole(field: &[&Quantity], values: &[TokenStream]) -> TokenStream {
+    match (&field[0].element, values) {
+        (None, [value]) => value.clone(),
+        _ => quote! { [#(#values),*] },
+    }
+}
+
+fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
+    let parameters = source.parameters.iter().map(|field| field.name.ident.clone());
+    let parts = source.parts().into_iter().map(|part| part.name.ident);
+    let controls = source.controls.iter().map(|part| part.name.ident.clone());
+    parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident)).collect()
+}
+
+/// `Quantity { name: "gamma", role: Role::Advected, components: &["x", "y", "z"], doc: "…" }`
+pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
+    let private = &names.private;
+    let Quantity { name, role, components, doc, .. } = quantity;
+    let role = match role {
+        Role::Parameter => quote! { Parameter },
+        Role::Configuration => quote! { Configuration },
+        Role::Momentum => quote! { Momentum },
+        Role::Advected => quote! { Advected },
+        Role::Control => quote! { Control },
+    };
+    quote! {
+        #private::Quantity { name: #name, role: #private::Role::#role, components: &[#(#components),*], doc: #doc }
+    }
+}

@@ -1,0 +1,227 @@
+//! Lie groups, as the generator knows them.
+
+use num_rational::Ratio;
+
+use super::{Basis, Law, MatrixFunction, Representation, Retraction, Side, calculus, families, second_kind};
+use crate::expr::{Expr, Vector};
+use crate::quantity::Kind;
+
+/// A Lie group, left-trivialized: `g' = g ξ`.
+///
+/// Elements `x`, `y` of the algebra and `m` of its dual are vectors of [`dimension`](Self::dimension) coordinates, paired by
+/// the dot product; elements `g`, `h` of the group are vectors of the stored coordinates.
+pub trait Group: Sync {
+    /// The name users write.
+    fn name(&self) -> &'static str;
+    /// One line on coordinates and conventions, for generated documentation.
+    fn conventions(&self) -> &'static str;
+    /// The field of the state that holds the configuration of a system with this one group.
+    fn configuration_name(&self) -> &'static str;
+    /// The kind of the configuration.
+    fn configuration_kind(&self) -> Kind;
+    /// Suffixes of the stored coordinates.
+    fn coordinates(&self) -> &'static [&'static str];
+    /// The equations of motion of a left-invariant system, for generated documentation: Lie–Poisson, with the coadjoint action, unless they read
+    /// better otherwise.
+    fn equations(&self, names: &EquationNames<'_>) -> Equations {
+        let EquationNames { configuration, momentum, velocity, advected, energy } = names;
+        let bracket = EquationTerm::kept(format!("ad*({velocity}) {momentum}"));
+        let by_energy = advected.iter().map(|a| EquationTerm::by_energy(format!("{a} ⋄ ∂{energy}/∂{a}")));
+        Equations {
+            configuration: format!("{configuration} hat({velocity})"),
+            momentum: std::iter::once(bracket).chain(by_energy).collect(),
+            advected: advected.iter().map(|a| format!("ad*({velocity}) {a}")).collect(),
+        }
+    }
+    /// Dimension of the algebra.
+    fn dimension(&self) -> usize;
+    /// The lengths of the blocks of coordinates of the algebra that have a unit in common: angles, then lengths.
+    fn blocks(&self) -> Vec<usize> {
+        vec![self.dimension()]
+    }
+    /// The names of the blocks of coordinates, where a momentum is made of several: angular and linear.
+    fn parts(&self) -> &'static [&'static str] {
+        &[]
+    }
+    /// Suffixes of the algebra's coordinates.
+    fn axes(&self) -> &'static [&'static str];
+    /// The coordinates of a basis that may have simpler constants, a row for each of its elements; none if no other one is known.
+    fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
+        None
+    }
+    /// The bracket `[x, y]`.
+    fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a>;
+    /// `f(x)`
+    fn closed_form<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vector<'a>;
+    /// `(dR f_x)* m`
+    fn closed_d_right_dual<'a>(&self, f: MatrixFunction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// `dR f_x y`
+    fn closed_d_right<'a>(&self, f: MatrixFunction, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
+        calculus::transposed(y, y.len(), |m| self.closed_d_right_dual(f, x, m))
+    }
+    /// `τ(x)`
+    fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
+        match retraction.law() {
+            Law::Function(f) => self.closed_form(f, x),
+            Law::Product(order) => second_kind::retract(self, order, x),
+        }
+    }
+    /// `(dR τ_x)* m`, the dual of the right logarithmic derivative `dR τ_x y = Dτ(x)y · τ(x)⁻¹`.
+    fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        match retraction.law() {
+            Law::Function(f) => self.closed_d_right_dual(f, x, m),
+            Law::Product(order) => second_kind::d_right_dual(self, order, x, m),
+        }
+    }
+    /// Whether there are steps with a retraction: not with a map that leaves the group, or of which no closed form is known.
+    fn has(&self, _retraction: Retraction) -> bool {
+        true
+    }
+    /// Whether it is summed as a series, term by term, for want of a closed form.
+    fn is_summed(&self, _retraction: Retraction) -> bool {
+        false
+    }
+    /// Positive, all of them, where the retraction is a local diffeomorphism, one of them zero on the edge; none if that is everywhere.
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>>;
+    /// `g h`
+    fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a>;
+    /// `g⁻¹`
+    fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
+    /// `g`, which roundoff has taken an ulp or two off the group, back on it.
+    fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
+    /// What vanishes on the group, to first order the way back to it; none where the type of what is stored has told already.
+    fn deviation<'a>(&self, _g: &Vector<'a>) -> Option<Vector<'a>> {
+        None
+    }
+    /// `g τ(x)`, on the other side `τ(x) g`.
+    fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
+        let increment = self.retract(retraction, x).hold();
+        let moved = match side {
+            Side::Left => self.compose(g, &increment),
+            Side::Right => self.compose(&increment, g),
+        }
+        .hold();
+        let next = self.normalize(&moved);
+        Moved { increment, moved, next }
+    }
+    /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
+    fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// The linear spaces the group acts on, by names of their own, beside its [algebra](super::Adjoint) and what is [dual](super::Dual) to them.
+    fn representations(&self) -> &[&'static dyn Representation];
+    /// What an element does to a vector in a user's expressions, as those of the type it is stored as do, if it acts on such vectors.
+    fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
+        let mut spaces = self.representations().iter();
+        spaces.find(|space| space.coordinates().len() == v.len())?.act(g, v)
+    }
+    /// Its algebra as one of matrices, with the same axes: that of the family of its name, unless that has others.
+    fn basis(&self) -> Option<Basis> {
+        families::basis(self.name())
+    }
+    /// The same up to a few terms of series that are not finite sums, if it has such: close enough for Newton's matrix, and much shorter.
+    fn coarse(&self) -> Option<&'static dyn Group> {
+        None
+    }
+    /// The number `k` for which the unknown of a step is `η/k`: 2 where the retraction is a function of `η/2`.
+    fn unknown_scale(&self, _retraction: Retraction) -> i128 {
+        1
+    }
+    /// How many of the stored coordinates, from the first one on, make something of unit length: a rotation leaves them bounded, however
+    /// far it goes.
+    fn unit_coordinates(&self) -> usize {
+        0
+    }
+    /// Whether the group is a vector space, and its elements are vectors to a user's expressions.
+    fn is_linear(&self) -> bool {
+        false
+    }
+    /// The rows of the matrix that an element is stored as, which is then a matrix to a user's expressions.
+    fn matrix_rows(&self) -> Option<usize> {
+        None
+    }
+    /// `g τ(δ)`, on the other side `τ(δ) g`, to first order in `δ`.
+    fn near<'a>(&self, side: Side, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
+        let increment = self.retract(Retraction::Exponential, delta);
+        match side {
+            Side::Left => self.compose(g, &increment),
+            Side::Right => self.compose(&increment, g),
+        }
+    }
+    /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
+    fn components(&self) -> &'static [Component] {
+        &[]
+    }
+}
+
+/// An element of a group moved along a retraction, and what it was computed from.
+pub struct Moved<'a> {
+    /// `τ(x)`, up to a scalar factor.
+    pub increment: Vector<'a>,
+    /// The product, up to a scalar factor.
+    pub moved: Vector<'a>,
+    /// The product, on the group.
+    pub next: Vector<'a>,
+}
+
+/// What the equations of motion are written in.
+pub struct EquationNames<'n> {
+    /// The configuration.
+    pub configuration: &'n str,
+    /// The momentum.
+    pub momentum: &'n str,
+    /// The velocity.
+    pub velocity: &'n str,
+    /// The advected parameters.
+    pub advected: &'n [&'n str],
+    /// The letter of the energy that is differentiated.
+    pub energy: &'static str,
+}
+
+/// The right sides of equations of motion, as text.
+pub struct Equations {
+    /// `attitude hat(velocity)`
+    pub configuration: String,
+    /// The terms of the momentum's change but for forces and the potential on the group.
+    pub momentum: Vec<EquationTerm>,
+    /// `gamma × velocity`, for each advected parameter.
+    pub advected: Vec<String>,
+}
+
+/// A term of an equation of motion.
+pub struct EquationTerm {
+    /// As it is written.
+    pub text: String,
+    /// Whether it is linear in the energy's derivative by an advected parameter.
+    pub by_energy: bool,
+}
+
+impl EquationTerm {
+    /// A term without the energy.
+    pub fn kept(text: String) -> Self {
+        Self { text, by_energy: false }
+    }
+
+    /// A term with the energy's derivative.
+    pub fn by_energy(text: String) -> Self {
+        Self { text, by_energy: true }
+    }
+}
+
+/// Something that an expression can take from an element of a group, as `pose.rotation` or `angle.cos_angle()`.
+pub struct Component {
+    /// As the user writes it.
+    pub name: &'static str,
+    /// Whether it is a method, called without arguments.
+    pub called: bool,
+    /// What it is.
+    pub of: for<'a> fn(&Vector<'a>) -> ComponentValue<'a>,
+}
+
+/// What an expression took from an element of a group.
+pub enum ComponentValue<'a> {
+    /// A number.
+    Scalar(Expr<'a>),
+    /// A vector.
+    Vector(Vector<'a>),
+    /// An element of another group.
+    Element(&'static dyn Group, Vector<'a>),
+}

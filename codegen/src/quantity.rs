@@ -1,0 +1,111 @@
+//! Quantities of a system: what they are to it, and of what kind, in the words of mathematics.
+
+/// What a quantity is to its system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A field of the user's struct.
+    Parameter,
+    /// A factor's configuration.
+    Configuration,
+    /// A factor's momentum.
+    Momentum,
+    /// An advected parameter.
+    Advected,
+    /// A control.
+    Control,
+}
+
+/// The mathematical kind of a quantity, which says what is stored of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A number.
+    Scalar,
+    /// A column of so many numbers.
+    Vector(usize),
+    /// A symmetric matrix of so many rows, all of it stored.
+    Symmetric(usize),
+    /// A matrix of so many rows and columns.
+    Matrix(usize, usize),
+    /// A rotation of the plane: cosine and sine.
+    UnitComplex,
+    /// A rotation of space: the real part, then the imaginary ones.
+    UnitQuaternion,
+    /// A rotation of the plane and a translation.
+    RigidMotion2,
+    /// A rotation of space and a translation.
+    RigidMotion3,
+}
+
+/// The shape of a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// One number.
+    Scalar,
+    /// A column of so many numbers.
+    Vector(usize),
+    /// So many rows and columns.
+    Matrix(usize, usize),
+}
+
+/// The numbers that a system is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarType {
+    /// 64 bits.
+    F64,
+    /// 32 bits.
+    F32,
+}
+
+/// Where momentum and velocity are taken: the trivialization of the cotangent bundle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// In the body: `g' = g ξ`, for left-invariant energies.
+    Left,
+    /// In space: `g' = ξ g`, for right-invariant energies.
+    Right,
+}
+
+impl Kind {
+    /// The shape of what is stored: a column, unless it is a matrix.
+    pub fn shape(self) -> Shape {
+        match self {
+            Self::Scalar => Shape::Scalar,
+            Self::Vector(n) => Shape::Vector(n),
+            Self::Symmetric(n) => Shape::Matrix(n, n),
+            Self::Matrix(rows, columns) => Shape::Matrix(rows, columns),
+            Self::UnitComplex => Shape::Vector(2),
+            Self::UnitQuaternion | Self::RigidMotion2 => Shape::Vector(4),
+            Self::RigidMotion3 => Shape::Vector(7),
+        }
+    }
+}
+
+impl From<Shape> for Kind {
+    fn from(shape: Shape) -> Self {
+        match shape {
+            Shape::Scalar => Self::Scalar,
+            Shape::Vector(n) => Self::Vector(n),
+            Shape::Matrix(rows, columns) => Self::Matrix(rows, columns),
+        }
+    }
+}
+
+impl Shape {
+    /// How many numbers it takes.
+    pub fn size(self) -> usize {
+        match self {
+            Self::Scalar => 1,
+            Self::Vector(n) => n,
+            Self::Matrix(rows, columns) => rows * columns,
+        }
+    }
+
+    /// In words, with the article.
+    pub fn describe(self) -> String {
+        match self {
+            Self::Scalar => "a scalar".to_owned(),
+            Self::Vector(n) => format!("a vector of {n}"),
+            Self::Matrix(rows, columns) => format!("a {rows}×{columns} matrix"),
+        }
+    }
+}
