@@ -42,6 +42,7 @@ fn interface(system: &System<'_>) -> Interface {
             Role::Parameter | Role::Momentum | Role::Advected | Role::Control => part.symbols.len(),
         },
         side: (part.role != Role::Control).then_some(system.side),
+        unit: None,
         doc: part.doc.clone(),
     };
     let field = |field: &Parameter| Quantity {
@@ -57,6 +58,7 @@ fn interface(system: &System<'_>) -> Interface {
         },
         tangent: 0..field.symbols.len(),
         side: None,
+        unit: field.unit.clone(),
         doc: field.doc.clone(),
     };
     let inertia = |inertia: &InertiaField<'_>| Inertia {

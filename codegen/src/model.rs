@@ -154,6 +154,8 @@ pub struct Parameter {
     pub name: Name,
     /// Its shape.
     pub shape: Shape,
+    /// Its unit, if the user says one.
+    pub unit: Option<String>,
     /// The first line of its documentation.
     pub doc: String,
     /// Its components' symbols.

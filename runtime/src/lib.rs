@@ -179,7 +179,7 @@ pub use scheme::{
 #[cfg(feature = "serde")]
 pub use serde;
 pub use stepper::{StepReport, Stepper};
-pub use system::{Control, Discretized, NoControl, Quantity, Role, State, System};
+pub use system::{Control, Discretized, Kind, NoControl, Quantity, Role, Side, State, System};
 
 /// What generated code reaches for; not for people, and free to change with every version.
 #[doc(hidden)]
@@ -200,8 +200,8 @@ pub mod __private {
     pub use crate::scheme::{Family, Rule, StormerVerlet, TangentLift};
     pub use crate::solve::step::OneStep;
     pub use crate::system::{
-        Control, Generated, Geometry, Isolated, NoControl, Quantity, Retracted, Role, Schemes, State, Stored,
-        System, Visitor,
+        Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,
+        State, Stored, System, Visitor,
     };
     pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;

@@ -328,10 +328,7 @@ mod tests {
         assert_eq!(all.times().len(), 11);
         assert_eq!(all.states()[0], start());
         assert_eq!(some.times(), [0.0, 0.4, 0.8]);
-        assert_eq!(
-            some.states(),
-            [all.states()[0].clone(), all.states()[4].clone(), all.states()[8].clone()]
-        );
+        assert_eq!(some.states(), [all.states()[0], all.states()[4], all.states()[8]]);
         assert_eq!(zero.states(), all.states());
         assert_eq!(some.iter().map(|(time, _)| time).collect::<Vec<_>>(), some.times());
     }

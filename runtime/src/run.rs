@@ -395,7 +395,7 @@ mod tests {
             .starting_at(5.0)
             .each(|tick| {
                 seen.push((tick.index, tick.time, tick.report.is_some()));
-                first.get_or_insert_with(|| tick.state.clone());
+                first.get_or_insert_with(|| *tick.state);
             })
             .steps(1000)
             .expect("solvable");
@@ -419,7 +419,7 @@ mod tests {
         }
         assert_eq!(seen, [0, 1, 2, 3, 3, 4, 5, 6, 7]);
         Run::new(&mut body().stepper::<Cayley>(0.1).expect("valid"), &mut whole).steps(7).expect("solvable");
-        assert_eq!((state, stepper.time()), (whole.clone(), 0.7000000000000001));
+        assert_eq!((state, stepper.time()), (whole, 0.7000000000000001));
         // and begins anew
         stepper.reset();
         let mut again = start();
@@ -467,7 +467,7 @@ mod tests {
         let (mut state, mut ticks) = (start(), 0);
         let mut stepper = body().stepper::<Cayley>(0.1).expect("valid");
         Run::new(&mut stepper, &mut state).steps(3).expect("solvable");
-        let (before, memory) = (state.clone(), stepper.snapshot());
+        let (before, memory) = (state, stepper.snapshot());
         for time in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e300] {
             let run = Run::new(&mut stepper, &mut state).starting_at(2.0).each(|_| ticks += 1);
             let to = run.to(time).expect_err("out of reach");
@@ -514,7 +514,7 @@ mod tests {
     #[test]
     fn a_failing_step_is_named_and_leaves_the_state() {
         let mut state = BodyState { momentum: Vector3::new(f64::INFINITY, 0.0, 0.0), ..start() };
-        let before = state.clone();
+        let before = state;
         let mut stepper = body().stepper::<Cayley>(0.25).expect("valid");
         let mut ticks = 0;
         let error = Run::new(&mut stepper, &mut state)
@@ -536,14 +536,14 @@ mod tests {
 
     #[test]
     fn a_controller_is_asked_before_each_step() {
-        let damp = |state: &OscillatorState, time: f64| OscillatorControl {
-            force: -0.8 * state.momentum - 0.7 * time.sin(),
+        let damp = |state: &OscillatorState, time: f64| {
+            OscillatorControl::new(-0.8 * state.momentum.x - 0.7 * time.sin())
         };
-        let begin = OscillatorState { position: 1.0, momentum: 0.0 };
+        let begin = OscillatorState::new(1.0, 0.0);
         let mut asked = Vec::new();
         let mut shown = Vec::new();
         let mut record = Record::every(1);
-        let mut state = begin.clone();
+        let mut state = begin;
         let mut stepper = DRIVEN.stepper::<Order4<Exponential>>(0.1).expect("valid");
         Run::new(&mut stepper, &mut state)
             .starting_at(2.0)
@@ -558,13 +558,13 @@ mod tests {
 
         // what held over the step to a tick is what was asked for at the tick before
         assert_eq!(shown[0], None);
-        let held: Vec<_> = asked.iter().map(|(_, control)| Some(control.clone())).collect();
+        let held: Vec<_> = asked.iter().map(|(_, control)| Some(*control)).collect();
         assert_eq!(shown[1..], held);
         let from: Vec<_> = record.iter().take(100).map(|(time, state)| (time, damp(state, time))).collect();
         assert_eq!(asked, from);
 
         // by hand
-        let mut by_hand = begin.clone();
+        let mut by_hand = begin;
         let mut stepper = DRIVEN.stepper::<Order4<Exponential>>(0.1).expect("valid");
         stepper.set_time(2.0);
         for _ in 0..100 {
@@ -587,8 +587,8 @@ mod tests {
             .each(|tick| controls.push(tick.control.cloned()))
             .steps(2)
             .expect("explicit");
-        let zero = Some(OscillatorControl { force: 0.0 });
-        assert_eq!(controls, [None, zero.clone(), zero]);
+        let zero = Some(OscillatorControl::new(0.0));
+        assert_eq!(controls, [None, zero, zero]);
     }
 
     #[test]
@@ -614,7 +614,7 @@ mod tests {
     fn energy_is_measured_at_the_time_of_the_tick() {
         let mut largest = 0.0_f64;
         let mut invariants = Invariants::new();
-        let begin = OscillatorState { position: 1.0, momentum: 0.0 };
+        let begin = OscillatorState::new(1.0, 0.0);
         let initially = DRIVEN.energy_at(&begin, 2.0, &OscillatorControl::default());
         let mut state = begin;
         let mut stepper = DRIVEN.stepper::<Exponential>(0.1).expect("valid");
@@ -637,11 +637,11 @@ mod tests {
     fn a_control_that_is_not_finite_ends_the_run_where_it_is() {
         let mut state = OscillatorState::REST;
         let mut stepper = DRIVEN.stepper::<Exponential>(0.5).expect("valid");
-        let mut last = state.clone();
+        let mut last = state;
         let error = Run::new(&mut stepper, &mut state)
             .starting_at(1.0)
-            .controlled_by(|_, time| OscillatorControl { force: if time > 2.0 { f64::NAN } else { 1.0 } })
-            .each(|tick| last = tick.state.clone())
+            .controlled_by(|_, time| OscillatorControl::new(if time > 2.0 { f64::NAN } else { 1.0 }))
+            .each(|tick| last = *tick.state)
             .steps(10)
             .expect_err("not a number");
         assert_eq!((error.step, error.time, error.cause), (4, 2.5, StepError::NotFinite));

@@ -10,7 +10,7 @@ use crate::identifiers::plain;
 use crate::model::System;
 use crate::parse::Item;
 use crate::program::{Interface, Quantity};
-use crate::quantity::{Role, ScalarType};
+use crate::quantity::{Kind, Role, ScalarType};
 
 /// The names and paths that all parts of an expansion share.
 pub struct Names {
@@ -107,10 +107,10 @@ fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
     parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident)).collect()
 }
 
-/// `Quantity { name: "gamma", role: Role::Advected, components: &["x", "y", "z"], doc: "…" }`
+/// `Quantity { name: "gamma", role: Role::Advected, kind: Kind::Vector(3), components: &["x", "y", "z"], … }`
 pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
     let private = &names.private;
-    let Quantity { name, role, components, doc, .. } = quantity;
+    let Quantity { name, role, components, kind, tangent, unit, doc, .. } = quantity;
     let role = match role {
         Role::Parameter => quote! { Parameter },
         Role::Configuration => quote! { Configuration },
@@ -118,7 +118,37 @@ pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
         Role::Advected => quote! { Advected },
         Role::Control => quote! { Control },
     };
+    let kind = match *kind {
+        Kind::Scalar => quote! { Scalar },
+        Kind::Vector(n) => sized("Vector", &[n]),
+        Kind::Symmetric(n) => sized("SymmetricMatrix", &[n]),
+        Kind::Matrix(rows, columns) => sized("Matrix", &[rows, columns]),
+        Kind::UnitComplex => quote! { UnitComplex },
+        Kind::UnitQuaternion => quote! { UnitQuaternion },
+        Kind::RigidMotion2 => quote! { RigidMotion2 },
+        Kind::RigidMotion3 => quote! { RigidMotion3 },
+    };
+    let tangent = [tangent.start, tangent.end].map(size);
+    let [start, end] = &tangent;
+    let unit = match unit {
+        Some(unit) => quote! { ::core::option::Option::Some(#unit) },
+        None => quote! { ::core::option::Option::None },
+    };
     quote! {
-        #private::Quantity { name: #name, role: #private::Role::#role, components: &[#(#components),*], doc: #doc }
+        #private::Quantity {
+            name: #name,
+            role: #private::Role::#role,
+            kind: #private::Kind::#kind,
+            components: &[#(#components),*],
+            tangent: (#start, #end),
+            unit: #unit,
+            doc: #doc,
+        }
     }
+}
+
+/// `Vector(3)`
+fn sized(kind: &str, sizes: &[usize]) -> TokenStream {
+    let (kind, sizes) = (format_ident!("{kind}"), sizes.iter().map(|n| size(*n)));
+    quote! { #kind(#(#sizes),*) }
 }

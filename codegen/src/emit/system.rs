@@ -9,7 +9,7 @@ use super::functions::{call, function};
 use super::names::{Names, quantity};
 use super::state::{Conversion, arrays};
 use crate::program::{FunctionRole as _, Input, Interface, Program, Quantity, SystemRole, Transform};
-use crate::quantity::Role;
+use crate::quantity::{Role, Side};
 
 /// `impl System for HeavyTop { … }` and the functions it calls.
 pub(super) fn system(program: &Program, names: &Names) -> TokenStream {
@@ -72,6 +72,10 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
         false => quote! { #private::StormerVerlet<R> },
     };
     let quantities = interface.parameters.iter().map(|field| quantity(names, field));
+    let side = match interface.side {
+        Side::Left => quote! { Left },
+        Side::Right => quote! { Right },
+    };
     quote! {
         type Scalar = #scalar;
         type State = #state;
@@ -89,6 +93,7 @@ fn types(interface: &Interface, names: &Names) -> TokenStream {
         const AUTONOMOUS: ::core::primitive::bool = #is_autonomous;
         const INVARIANT: ::core::primitive::bool = #is_left_invariant;
         const FORCED: ::core::primitive::bool = #is_forced;
+        const SIDE: #private::Side = #private::Side::#side;
     }
 }
 

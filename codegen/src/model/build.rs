@@ -88,12 +88,14 @@ fn parameters<'a>(
 ) -> (Vec<Parameter>, Vec<Value<'a>>) {
     let fields = description.parameters.iter().flat_map(|field| {
         let elements = Name::all(&field.name, field.length).into_iter();
-        elements.map(move |name| (name, field.shape, &field.doc))
+        elements.map(move |name| (name, field))
     });
-    let fields = fields.map(|(name, shape, doc)| {
+    let fields = fields.map(|(name, field)| {
+        let shape = field.shape;
         let Named { value, symbols, names } = named(arena, &name, shape, Stage::Parameters);
         define(scope, &name, &plain(&name.ident), value.clone());
-        (Parameter { name, shape, doc: doc.clone(), symbols, names }, value)
+        let (unit, doc) = (field.unit.clone(), field.doc.clone());
+        (Parameter { name, shape, unit, doc, symbols, names }, value)
     });
     fields.unzip()
 }

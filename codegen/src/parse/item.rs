@@ -2,7 +2,7 @@
 
 use proc_macro2::{Span, TokenStream};
 use syn::punctuated::Punctuated;
-use syn::{Fields, Ident, ItemStruct, Meta, Token, Type, Visibility};
+use syn::{Fields, Ident, ItemStruct, LitStr, Meta, Token, Type, Visibility};
 
 use super::factor::FactorName;
 use super::nesting;
@@ -12,6 +12,8 @@ use crate::quantity::{ScalarType, Shape};
 
 /// Marks the field that holds the inertia.
 const INERTIA: &str = "inertia";
+/// Says a field's unit.
+const UNIT: &str = "unit";
 
 /// The struct that holds a system's parameters.
 #[derive(Debug)]
@@ -47,6 +49,8 @@ pub struct Field {
     pub scalar: ScalarType,
     /// Whether, and how, it is marked `#[inertia]`.
     pub inertia: Option<Inertia>,
+    /// Its unit, as `#[unit("kg m²")]` says it.
+    pub unit: Option<String>,
     /// The first line of its doc comment, empty if it has none.
     pub doc: String,
     /// Its type as written.
@@ -96,7 +100,7 @@ impl Item {
         };
         let (mut fields, mut unreadable) = (Vec::new(), Vec::new());
         for field in named {
-            let inertia = take_inertia(field, diagnostics);
+            let (inertia, unit) = (take_inertia(field, diagnostics), take_unit(field, diagnostics));
             let Some(name) = field.ident.clone() else { continue };
             let element = shape::element(&field.ty).and_then(|(element, length)| {
                 let known = shape::of_type(element).map(|(shape, scalar)| (shape, length, scalar));
@@ -108,7 +112,7 @@ impl Item {
                     let doc =
                         docs(&field.attrs).into_iter().find(|line| !line.is_empty()).unwrap_or_default();
                     let (ty, lints) = (field.ty.clone(), lints(&field.attrs));
-                    fields.push(Field { name, shape, length, scalar, inertia, doc, ty, lints });
+                    fields.push(Field { name, shape, length, scalar, inertia, unit, doc, ty, lints });
                 }
                 Err(error) => {
                     diagnostics.absorb(error);
@@ -149,7 +153,9 @@ pub fn without_helpers(tokens: TokenStream) -> Option<ItemStruct> {
         return None;
     }
     let mut item = syn::parse2::<ItemStruct>(tokens).ok()?;
-    item.fields.iter_mut().for_each(|field| field.attrs.retain(|attribute| !is_inertia(attribute)));
+    item.fields
+        .iter_mut()
+        .for_each(|field| field.attrs.retain(|attribute| !is(attribute, INERTIA) && !is(attribute, UNIT)));
     Some(item)
 }
 
@@ -193,24 +199,36 @@ fn conditions(declaration: &ItemStruct, diagnostics: &mut Diagnostics) {
     }
 }
 
-fn is_inertia(attribute: &syn::Attribute) -> bool {
-    attribute.path().is_ident(INERTIA)
+fn is(attribute: &syn::Attribute, helper: &str) -> bool {
+    attribute.path().is_ident(helper)
+}
+
+/// Removes one of our attributes from a field, which may be there once.
+fn take(field: &mut syn::Field, helper: &str, diagnostics: &mut Diagnostics) -> Option<syn::Attribute> {
+    let (ours, others): (Vec<_>, _) = field.attrs.drain(..).partition(|attribute| is(attribute, helper));
+    field.attrs = others;
+    if let [_, again, ..] = ours.as_slice() {
+        diagnostics.push(again, format!("`#[{helper}]` is given twice; once is enough"));
+    }
+    ours.into_iter().next()
+}
+
+/// Removes `#[unit("kg m²")]` from a field, and returns the unit.
+fn take_unit(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option<String> {
+    let attribute = take(field, UNIT, diagnostics)?;
+    let text = attribute.meta.require_list().and_then(|list| list.parse_args::<LitStr>());
+    match text.map(|text| text.value().trim().to_owned()) {
+        Ok(unit) if !unit.is_empty() => Some(unit),
+        _ => {
+            diagnostics.push(attribute, "a unit is written as a text: `#[unit(\"kg m²\")]`");
+            None
+        }
+    }
 }
 
 /// Removes `#[inertia]` from a field and says where it was, and for which factors.
 fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option<Inertia> {
-    let mut marks = Vec::new();
-    field.attrs.retain(|attribute| {
-        let ours = is_inertia(attribute);
-        if ours {
-            marks.push(attribute.clone());
-        }
-        !ours
-    });
-    if let [_, again, ..] = marks.as_slice() {
-        diagnostics.push(again, "`#[inertia]` is given twice; once is enough");
-    }
-    let mark = marks.first()?;
+    let mark = take(field, INERTIA, diagnostics)?;
     let factors = match &mark.meta {
         Meta::Path(_) => Vec::new(),
         Meta::List(list) => {
@@ -219,13 +237,14 @@ fn take_inertia(field: &mut syn::Field, diagnostics: &mut Diagnostics) -> Option
                 Ok(names) if !names.is_empty() => names.into_iter().collect(),
                 _ => {
                     let message = "`#[inertia(…)]` names the factors that it is the inertia of, as in `#[inertia(attitude)]`";
-                    diagnostics.push(mark, message);
+                    diagnostics.push(&mark, message);
                     Vec::new()
                 }
             }
         }
         Meta::NameValue(_) => {
-            diagnostics.push(mark, "write `#[inertia]`, or `#[inertia(attitude)]` with the name of a factor");
+            diagnostics
+                .push(&mark, "write `#[inertia]`, or `#[inertia(attitude)]` with the name of a factor");
             Vec::new()
         }
     };

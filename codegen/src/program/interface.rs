@@ -63,6 +63,8 @@ pub struct Quantity {
     pub tangent: Range<usize>,
     /// Where it is taken; none of what has no side: parameters and controls.
     pub side: Option<Side>,
+    /// Its unit, if the user says one.
+    pub unit: Option<String>,
     /// The first line of its documentation.
     pub doc: String,
 }

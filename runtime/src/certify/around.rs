@@ -25,7 +25,7 @@ impl Around {
     /// What lies around this state. None if the displacements there make no local coordinates.
     pub fn state(system: &dyn System, state: &[f64], time: f64, control: &[f64]) -> Option<Self> {
         let frame = Frame::new(system, state, control, time)?;
-        let blocks = frame.blocks(state);
+        let blocks = frame.blocks();
         let Frame { rate, scale, configuration, linear, .. } = frame;
         let linear = linear.iter().map(|linear| [linear.tangent, linear.component]).collect();
         Some(Self { rate, scale, configuration, linear, blocks })

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::erased::Geometry;
 use crate::retraction::Map;
+use crate::system::{Kind, Quantity, Role};
 
 /// The larger of two numbers; not-a-number if one is.
 pub(super) fn larger(a: f64, b: f64) -> f64 {
@@ -60,54 +61,39 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// What the components are is found by trying: a configuration and its momentum are the pairs whose bracket is 1 everywhere.
-    /// `None` if there are no such pairs, or parts of the state that are neither.
+    /// `None` if the geometry is not that of the quantities which the state consists of.
     pub(super) fn new(system: &'a dyn Geometry, first: &[f64], control: &[f64], time: f64) -> Option<Self> {
         let n = system.differential(first, time, control).len();
+        let (mut configuration, mut stored, mut momenta, mut advected) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for (quantity, places) in Quantity::with_ranges(system.description().state) {
+            let linear = quantity.tangent().zip(places.clone());
+            let linear = linear.map(|(tangent, component)| Linear { tangent, component });
+            match quantity.role {
+                Role::Configuration => {
+                    configuration.extend(quantity.tangent());
+                    stored.extend(places);
+                }
+                Role::Momentum => momenta.extend(linear),
+                _ => advected.extend(linear),
+            }
+        }
+        let is_whole = !configuration.is_empty()
+            && momenta.len() == configuration.len()
+            && configuration.len() + momenta.len() + advected.len() == n
+            && system.displace(first, Map::Exponential, &vec![0.0; n]).len() == first.len();
+        if !is_whole {
+            return None;
+        }
         let mut frame = Self {
             system,
-            configuration: Vec::new(),
-            linear: Vec::new(),
-            stored: Vec::new(),
+            configuration,
+            linear: momenta.into_iter().chain(advected).collect(),
+            stored,
             scale: vec![1.0; n],
             weight: vec![1.0; first.len()],
             rate: 0.0,
         };
-        let still = frame.displace(first, Map::Exponential, &vec![0.0; n]);
-        if n == 0 || still.len() != first.len() {
-            return None;
-        }
-
-        let elsewhere = |seed: f64| {
-            let by: Vec<f64> = (1..=n).map(|i| 0.3 + 0.5 * (seed * i as f64).sin()).collect();
-            frame.displace(first, Map::Exponential, &by)
-        };
-        let tensors = [first.to_vec(), elsewhere(1.0), elsewhere(2.3)].map(|state| frame.poisson(&state));
-        let is = |i: usize, j: usize, value: f64| tensors.iter().all(|tensor| tensor[(i, j)] == value);
-        let mut momenta = Vec::new();
-        for i in 0..n {
-            let partner = (0..n).find(|&j| is(i, j, 1.0) && (0..n).all(|k| k == j || is(i, k, 0.0)));
-            if let Some(j) = partner {
-                frame.configuration.push(i);
-                momenta.push(j);
-            }
-        }
-        let others = (0..n).filter(|i| !frame.configuration.contains(i) && !momenta.contains(i));
-        let before = first;
-        for tangent in momenta.iter().copied().chain(others) {
-            let moved = frame.displace(first, Map::Exponential, &frame.unit(tangent, 1.0));
-            let moves = |&c: &usize| ((moved[c] - before[c]) - 1.0).abs() <= 1e-9 * (1.0 + before[c].abs());
-            frame.linear.push(Linear { tangent, component: (0..before.len()).find(moves)? });
-        }
-        frame.stored =
-            (0..before.len()).filter(|c| frame.linear.iter().all(|linear| linear.component != *c)).collect();
-        let complete = !frame.configuration.is_empty()
-            && momenta.len() == frame.configuration.len()
-            && momenta.len() <= frame.linear.len()
-            && frame.stored.len() >= frame.configuration.len();
-        if !complete {
-            return None;
-        }
         frame.measure(first, control, time);
         Some(frame)
     }
@@ -125,10 +111,7 @@ impl<'a> Frame<'a> {
         }
         let motion = self.motion(state, time, control);
         self.rate = self.rate_at(state, control, time);
-        let mut offset = 0;
-        for quantity in self.system.description().state {
-            let places = offset..offset + quantity.components.len();
-            offset = places.end;
+        for (_, places) in Quantity::with_ranges(self.system.description().state) {
             let part: Vec<Linear> =
                 self.linear.iter().filter(|l| places.contains(&l.component)).copied().collect();
             let norm = |f: &dyn Fn(&Linear) -> f64| part.iter().map(|l| f(l).powi(2)).sum::<f64>().sqrt();
@@ -261,31 +244,28 @@ impl<'a> Frame<'a> {
         self.displace(state, map, &tangent)
     }
 
-    /// The places of the state's components, by blocks that have a unit in common: each quantity, but that a pose and its momentum are of turns
-    /// and of positions.
-    pub(super) fn blocks(&self, state: &[f64]) -> Vec<Vec<usize>> {
-        let mut quantity_of = Vec::new();
-        for (index, quantity) in self.system.description().state.iter().enumerate() {
-            // a pose has components `w`, …, `px`, …
-            let is_position = |name: &str| name.len() == 2 && name.starts_with('p');
-            quantity_of.extend(quantity.components.iter().map(|name| (index, is_position(name))));
-        }
-        // a component of a momentum is of the kind of the configuration's first component that its direction moves
-        let basis = self.basis(state);
-        for (column, momentum) in basis.column_iter().zip(&self.linear) {
-            let moved = self.stored.iter().zip(column.iter()).find(|(_, change)| change.abs() > 1e-9);
-            if let Some((&stored, _)) = moved {
-                quantity_of[momentum.component].1 = quantity_of[stored].1;
+    /// The places of the state's components, by blocks that have a unit in common: each quantity, but that a rigid motion and its momentum are of
+    /// turns and of positions.
+    pub(super) fn blocks(&self) -> Vec<Vec<usize>> {
+        let mut blocks = Vec::new();
+        let mut kind = Kind::Scalar;
+        for (quantity, places) in Quantity::with_ranges(self.system.description().state) {
+            // a momentum stands behind its configuration
+            if quantity.role != Role::Momentum {
+                kind = quantity.kind;
             }
+            let turns = match (kind, quantity.role) {
+                (Kind::RigidMotion2, Role::Configuration) => 2,
+                (Kind::RigidMotion2, _) => 1,
+                (Kind::RigidMotion3, Role::Configuration) => 4,
+                (Kind::RigidMotion3, _) => 3,
+                _ => places.len(),
+            };
+            let middle = places.start + turns;
+            blocks.extend([places.start..middle, middle..places.end].map(|block| block.collect::<Vec<_>>()));
         }
-        let mut blocks: Vec<((usize, bool), Vec<usize>)> = Vec::new();
-        for (component, key) in quantity_of.into_iter().enumerate() {
-            match blocks.iter_mut().find(|(other, _)| *other == key) {
-                Some((_, block)) => block.push(component),
-                None => blocks.push((key, vec![component])),
-            }
-        }
-        blocks.into_iter().map(|(_, block)| block).collect()
+        blocks.retain(|block| !block.is_empty());
+        blocks
     }
 
     fn stored_part(&self, state: &[f64]) -> DVector<f64> {

@@ -16,7 +16,7 @@ use super::report::{Bound, Certificate, Verdict, table};
 use crate::erased::array;
 use crate::retraction::Map;
 use crate::scheme::Rule;
-use crate::system::{Control, Geometry, Role, Schemes, State, System};
+use crate::system::{Control, Geometry, Kind, Role, Schemes, State, System};
 
 /// What differences leave of a law.
 const DIFFERENCES: Bound = Bound::AtMost(1e-10);
@@ -143,21 +143,16 @@ where
     let mut unit = Vec::new();
     for quantity in S::State::QUANTITIES {
         let start = unit.len();
-        let number = |(i, name): (usize, &&str)| match quantity.role {
-            // the entries of a matrix by row and column, of a quaternion the real one, of a complex number too
-            Role::Configuration if is_diagonal(name) || ["w", "re"].contains(name) => 1.0,
-            Role::Configuration => 0.0,
+        let number = |i: usize| match (quantity.role, quantity.kind) {
+            (Role::Configuration, Kind::Matrix(_, columns)) => f64::from(i.is_multiple_of(columns + 1)),
+            (Role::Configuration, Kind::Scalar | Kind::Vector(_)) => 0.0,
+            // a rotation begins with the real part
+            (Role::Configuration, _) => f64::from(i == 0),
             _ => 0.3 * (1.7 * (start + i) as f64 + 0.4).sin(),
         };
-        unit.extend(quantity.components.iter().enumerate().map(number));
+        unit.extend((0..quantity.components.len()).map(number));
     }
     group_laws(body, &S::State::from_components(&array(&unit)))
-}
-
-/// Whether an entry of a matrix is on its diagonal, by its name: `11`, `22`.
-fn is_diagonal(name: &str) -> bool {
-    let (row, column) = name.split_at(name.len() / 2);
-    row == column && name.bytes().all(|byte| byte.is_ascii_digit())
 }
 
 /// What measures a law of a retraction at an element of the algebra; nothing if there is nothing to measure.

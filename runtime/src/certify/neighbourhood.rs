@@ -10,10 +10,13 @@ use crate::retraction::Map;
 use crate::scalar::Components;
 use crate::scheme::Base;
 use crate::stepper::check_state;
-use crate::system::{Generated, Role, System, Visitor};
+use crate::system::{Generated, Kind, Quantity, Role, System, Visitor};
 
 /// What cannot be measured: there are no local coordinates, a matrix has no inverse, or a series does not converge.
 pub(super) struct Degenerate;
+
+/// A vector that follows from a state.
+type OfState<'a> = &'a dyn Fn(&[f64]) -> Result<DVector<f64>, Degenerate>;
 
 /// What a kernel says of a value of its unknown.
 pub(super) struct KernelValue {
@@ -149,19 +152,12 @@ impl<'a> Neighbourhood<'a> {
 
     /// The configurations that are stored as matrices.
     pub(super) fn matrices(&self) -> Vec<Stored> {
-        let mut from = 0;
-        let mut matrices = Vec::new();
-        for quantity in self.frame.system.description().state {
-            let rows = quantity.components.len().isqrt();
-            let is_matrix = rows * rows == quantity.components.len()
-                && quantity.components.first() == Some(&"11")
-                && quantity.role == Role::Configuration;
-            if is_matrix {
-                matrices.push(Stored { from, rows });
-            }
-            from += quantity.components.len();
-        }
-        matrices
+        let quantities = Quantity::with_ranges(self.frame.system.description().state);
+        let matrices = quantities.filter_map(|(quantity, places)| match (quantity.role, quantity.kind) {
+            (Role::Configuration, Kind::Matrix(rows, _)) => Some(Stored { from: places.start, rows }),
+            _ => None,
+        });
+        matrices.collect()
     }
 
     /// The matrices that belong to the axes of the algebra: those that displacements are made of, whatever the element is that is displaced.
@@ -301,10 +297,7 @@ impl<'a> Neighbourhood<'a> {
     }
 
     /// The matrix of what is linear in the momentum but for a constant.
-    pub(super) fn by_momentum(
-        &self,
-        of: &dyn Fn(&[f64]) -> Result<DVector<f64>, Degenerate>,
-    ) -> Result<DMatrix<f64>, Degenerate> {
+    pub(super) fn by_momentum(&self, of: OfState<'_>) -> Result<DMatrix<f64>, Degenerate> {
         let (start, here) = (self.frame.linear_part(&self.state), of(&self.state)?);
         let column = |i: usize| {
             let mut there = start.clone();

@@ -10,6 +10,7 @@ use crate::erased::Method;
 use crate::method::Clock;
 use crate::retraction::Map;
 use crate::stepper::check_step;
+use crate::system::Quantity;
 
 /// Steps of ordinary motion: so many that the solver looks three times, ever more rarely, at how it predicts and when
 /// it may stop, and then goes on for as long as it ever does without looking.
@@ -61,7 +62,7 @@ impl<'a, 'b> Warm<'a, 'b> {
         let state = sample.state.to_vec();
         Ok(Self {
             sample,
-            blocks: sample.frame.blocks(&state),
+            blocks: sample.frame.blocks(),
             method: (sample.scheme.method)(step).map_err(MeasureError::NotGenerated)?,
             clock: Clock { start: sample.time, step, taken: 0 },
             next: state.clone(),
@@ -232,10 +233,7 @@ impl Sample<'_> {
     /// What a control is large next to: what all those of its kind are, or else what moves the system as much as it
     /// moves by itself.
     fn control_scale(&self, index: usize) -> f64 {
-        let mut offset = 0;
-        for quantity in self.description.controls {
-            let places = offset..offset + quantity.components.len();
-            offset = places.end;
+        for (_, places) in Quantity::with_ranges(self.description.controls) {
             if places.contains(&index) {
                 let size = self.control[places].iter().fold(0.0, |size, x| larger(size, x.abs()));
                 if size > 0.0 {

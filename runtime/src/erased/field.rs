@@ -10,7 +10,7 @@ use crate::error::StepError;
 use crate::flat::Method;
 use crate::method::{Clock, Counted, StepsReport};
 use crate::retraction::Map;
-use crate::system::Role;
+use crate::system::{Quantity, Role};
 
 /// How far a configuration is moved along a direction that turns it, in radians: differences of order 8 then miss about as much as rounding.
 const TURN: f64 = 1.0 / 32.0;
@@ -21,31 +21,17 @@ const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 /// The derivative of the stored numbers along the motion.
 pub(super) fn vector_field(system: &dyn Geometry, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
     let motion = system.motion(state, time, control);
-    let quantities = system.description().state;
     let mut rates = std::vec![0.0; state.len()];
-    // places in the list of stored numbers, and in tangent vectors
-    let (mut stored, mut tangent) = (0, 0);
-    for (index, quantity) in quantities.iter().enumerate() {
-        let count = quantity.components.len();
-        if quantity.role == Role::Configuration {
-            // a configuration has as many directions as the momentum that stands behind it has components
-            let directions = quantities.get(index + 1).map_or(0, |momentum| momentum.components.len());
-            for direction in tangent..tangent + directions {
-                if motion[direction] != 0.0 {
-                    let change = along(system, state, direction, motion.len(), stored..stored + count);
-                    let rates = &mut rates[stored..stored + count];
-                    rates
-                        .iter_mut()
-                        .zip(change)
-                        .for_each(|(rate, change)| *rate += motion[direction] * change);
-                }
-            }
-            tangent += directions;
-        } else {
-            rates[stored..stored + count].copy_from_slice(&motion[tangent..tangent + count]);
-            tangent += count;
+    for (quantity, stored) in Quantity::with_ranges(system.description().state) {
+        let rates = &mut rates[stored.clone()];
+        if quantity.role != Role::Configuration {
+            rates.copy_from_slice(&motion[quantity.tangent()]);
+            continue;
         }
-        stored += count;
+        for direction in quantity.tangent().filter(|direction| motion[*direction] != 0.0) {
+            let change = along(system, state, direction, motion.len(), stored.clone());
+            rates.iter_mut().zip(change).for_each(|(rate, change)| *rate += motion[direction] * change);
+        }
     }
     rates
 }

@@ -15,7 +15,7 @@ use crate::retraction::Map;
 use crate::scalar::Batch;
 use crate::scheme::{Base, Rule, Scheme};
 use crate::solve::step::OneStep;
-use crate::system::{self, Control, Dynamics, Generated, Quantity, Schemes, State, Visitor};
+use crate::system::{self, Control, Dynamics, Generated, Quantity, Schemes, Side, State, Visitor};
 
 /// What a system is, besides its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +37,8 @@ pub struct Description {
     pub invariant: bool,
     /// Whether a force acts: [`FORCED`](crate::System::FORCED).
     pub forced: bool,
+    /// On which side of the configuration velocities and momenta are taken: [`SIDE`](crate::System::SIDE).
+    pub side: Side,
 }
 
 impl Description {
@@ -51,6 +53,7 @@ impl Description {
             autonomous: S::AUTONOMOUS,
             invariant: S::INVARIANT,
             forced: S::FORCED,
+            side: S::SIDE,
         }
     }
 }

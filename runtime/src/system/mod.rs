@@ -33,10 +33,64 @@ pub struct Quantity {
     pub name: &'static str,
     /// What it is to the system.
     pub role: Role,
+    /// What it is mathematically, which says how it is stored.
+    pub kind: Kind,
     /// The components' suffixes in storage order, `[""]` for a scalar: `["x", "y", "z"]`, `["w", "x", "y", "z"]`.
     pub components: &'static [&'static str],
+    /// Where its perturbation starts and ends within those of all quantities of the state, all parameters or all controls. The perturbation of a
+    /// configuration is an element of the Lie algebra.
+    pub tangent: (usize, usize),
+    /// Its unit, if the description says one: `#[unit("kg m²")]` on the field.
+    pub unit: Option<&'static str>,
     /// The first line of the field's documentation, empty if there is none.
     pub doc: &'static str,
+}
+
+impl Quantity {
+    /// The range of its perturbation within those of all quantities beside it.
+    pub fn tangent(&self) -> core::ops::Range<usize> {
+        self.tangent.0..self.tangent.1
+    }
+
+    /// Each quantity with the range of its numbers in a list of all of them.
+    pub fn with_ranges(quantities: &[Self]) -> impl Iterator<Item = (&Self, core::ops::Range<usize>)> {
+        quantities.iter().scan(0, |end, quantity| {
+            let start = *end;
+            *end += quantity.components.len();
+            Some((quantity, start..*end))
+        })
+    }
+}
+
+/// What a [`Quantity`] is mathematically.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// A number.
+    Scalar,
+    /// A vector of so many numbers.
+    Vector(usize),
+    /// A symmetric matrix of so many rows, all of it stored, row by row.
+    SymmetricMatrix(usize),
+    /// A matrix of so many rows and columns, row by row.
+    Matrix(usize, usize),
+    /// A rotation of the plane: cosine and sine.
+    UnitComplex,
+    /// A rotation of space, from the body: `w, x, y, z`.
+    UnitQuaternion,
+    /// A motion of the plane: its rotation, then its translation.
+    RigidMotion2,
+    /// A motion of space: its rotation, then its translation.
+    RigidMotion3,
+}
+
+/// On which side of the configuration velocities and momenta are taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// In the body: `g' = g ξ`.
+    Left,
+    /// In space: `g' = ξ g`.
+    Right,
 }
 
 /// What a [`Quantity`] is to its system.
@@ -176,6 +230,8 @@ pub trait System: Sized {
     const INVARIANT: bool;
     /// Whether a force acts: then neither the motion nor a step is symplectic.
     const FORCED: bool;
+    /// On which side of the configuration velocities and momenta are taken.
+    const SIDE: Side;
 
     /// The parameters as a flat array.
     fn to_parameters(&self) -> Self::Parameters<Self::Scalar>;
@@ -553,7 +609,7 @@ mod tests {
     #[test]
     fn controls_default_to_zero() {
         assert_eq!(OscillatorControl::default().to_components(), [0.0]);
-        assert_eq!(OscillatorControl::from_components(&[2.0]), OscillatorControl { force: 2.0 });
+        assert_eq!(OscillatorControl::from_components(&[2.0]), OscillatorControl::new(2.0));
         assert_eq!(NoControl::<f32>::default().to_components(), [0.0_f32; 0]);
         assert_eq!(NoControl::<f32>::from_components(&[]), NoControl::default());
         assert_eq!(std::format!("{:?}", NoControl::<f64>::default()), "NoControl");
@@ -563,7 +619,7 @@ mod tests {
     #[test]
     fn energy_without_a_time_is_that_of_time_0() {
         let system = Oscillator { mass: 1.5, stiffness: 4.0, drive: 0.7 };
-        let state = OscillatorState { position: 1.0, momentum: 3.0 };
+        let state = OscillatorState::new(1.0, 3.0);
         assert_eq!(system.energy(&state), 5.0);
         assert_eq!(system.energy_at(&state, 2.0, &Default::default()), 5.0 - 0.7 * 2.0_f64.sin());
     }

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 
 use coadjoint::__private::{Evaluation, Geometry, Kernel, Map, Scalar};
-use coadjoint::system::Quantity;
+use coadjoint::system::{Quantity, Side};
 use coadjoint::{LegendreError, ParameterError, System};
 
 /// What is wrong with a kernel: nothing, unless it says so.
@@ -165,6 +165,7 @@ impl<S: Geometry<Scalar = f64>, F> System for Faulty<S, F> {
     const AUTONOMOUS: bool = S::AUTONOMOUS;
     const INVARIANT: bool = S::INVARIANT;
     const FORCED: bool = S::FORCED;
+    const SIDE: Side = S::SIDE;
 
     fn to_parameters(&self) -> S::Parameters<f64> {
         self.system.to_parameters()
