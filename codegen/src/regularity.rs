@@ -3,7 +3,6 @@
 use crate::diagnostics::Diagnostics;
 use crate::model::{Relation, System};
 use crate::parse::Attribute;
-use crate::scheme::Rule;
 
 /// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity. `None` if so.
 pub(crate) fn legendre(
@@ -22,13 +21,14 @@ pub(crate) fn legendre(
         diagnostics.push(lagrangian, message);
         return None;
     }
-    let is_lift = |rule: &Rule| matches!(rule, Rule::TangentLift(_));
-    if let Some(hamiltonian) = hamiltonian
-        && methods.iter().any(is_lift)
+    let needing = methods.iter().find_map(|rule| Some((rule.method.name, rule.method.needs_momentum?)));
+    if let (Some(hamiltonian), Some((method, who))) = (hamiltonian, needing)
         && matches!(system.momentum_relation(), Relation::Singular)
     {
-        let message = "the second derivative of this by the momentum is singular, so that no momentum belongs to a velocity, as \
-                       tangent lifts need it; leave out `TangentLift`";
+        let message = format!(
+            "the second derivative of this by the momentum is singular, so that no momentum belongs to a velocity, as {who} \
+             need it; leave out `{method}`"
+        );
         diagnostics.push(hamiltonian, message);
         return None;
     }

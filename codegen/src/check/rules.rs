@@ -59,7 +59,7 @@ impl<'d> Subject<'d> {
             self.factors.iter().all(|factor| factor.group.has(retraction))
                 && advected.iter().all(|advected| advected.space.has(retraction))
         };
-        if named.is_empty() && !Retraction::DEFAULT.into_iter().any(has) {
+        if named.is_empty() && !Retraction::defaults().any(has) {
             let message = "no retraction moves all of these groups and spaces";
             diagnostics.push(self.attribute.factors[0].group.keyword(), message);
         }

@@ -18,7 +18,7 @@ use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
 use crate::quantity::{ScalarType, Shape};
-use crate::scheme::{Member, Rule};
+use crate::scheme::{Member, Method, Rule};
 
 /// A key of the attribute: how it is called and how it is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,7 +93,7 @@ pub struct Attribute {
     pub right: bool,
     /// `methods(Midpoint, …)`
     pub methods: Vec<Rule>,
-    /// `retractions(Cayley, …)`; empty for those of [`Retraction::DEFAULT`].
+    /// `retractions(Cayley, …)`; empty for those of [`Retraction::defaults`].
     retractions: Vec<Retraction>,
     /// `derivatives` for all of them, or `derivatives(state, …)`
     pub derivatives: Derivatives,
@@ -167,15 +167,15 @@ pub struct Force {
 }
 
 impl Attribute {
-    /// Reads the tokens between the parentheses of the attribute.
-    pub fn parse(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Self {
+    /// Reads the tokens between the parentheses of the attribute. `known` are the methods that there are.
+    pub fn parse(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
         let before = diagnostics.len();
-        let mut attribute = Self::read(tokens, diagnostics);
+        let mut attribute = Self::read(tokens, known, diagnostics);
         attribute.faulty = diagnostics.len() > before;
         attribute
     }
 
-    fn read(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Self {
+    fn read(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
         let mut attribute = Self::default();
         if let Some((span, message)) = nesting::excess(&tokens) {
             diagnostics.push_at(span, message);
@@ -185,7 +185,7 @@ impl Attribute {
         }
         let entries = |input: ParseStream<'_>| {
             while !input.is_empty() {
-                attribute.entry(input, diagnostics);
+                attribute.entry(input, known, diagnostics);
             }
             Ok(())
         };
@@ -216,7 +216,12 @@ impl Attribute {
     }
 
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.
-    fn entry(&mut self, input: ParseStream<'_>, diagnostics: &mut Diagnostics) {
+    fn entry(
+        &mut self,
+        input: ParseStream<'_>,
+        known_methods: &[&'static Method],
+        diagnostics: &mut Diagnostics,
+    ) {
         let key = match Ident::parse_any(input) {
             Ok(key) => key,
             Err(error) => {
@@ -266,7 +271,9 @@ impl Attribute {
             }
             FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
             INVARIANCE => invariance(&value, diagnostics).map(|right| target.right = right),
-            METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
+            METHODS => {
+                methods(&value, &key, known_methods, diagnostics).map(|methods| target.methods = methods)
+            }
             RETRACTIONS => retractions(&value, &key, diagnostics).map(|list| target.retractions = list),
             DERIVATIVES => derivatives(&value, &key, diagnostics).map(|wanted| target.derivatives = wanted),
             _ => crate_path(&value, diagnostics).map(|path| target.krate = path),
@@ -442,54 +449,62 @@ fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
 }
 
 /// `(Midpoint, SymplecticEulerB, Family(1, 4))`
-fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Rule>> {
+fn methods(
+    input: ParseStream<'_>,
+    key: &Ident,
+    known: &[&'static Method],
+    diagnostics: &mut Diagnostics,
+) -> syn::Result<Vec<Rule>> {
+    let method = |input: ParseStream<'_>| method(input, known);
     let named = entries(input, (key, METHODS), diagnostics, &mut Vec::new(), method, |_| None::<Ident>)?;
-    let mut members = Vec::new();
-    for member in named {
-        if !members.contains(&member) {
-            members.push(member);
+    let mut rules = Vec::new();
+    for rule in named {
+        if !rules.contains(&rule) {
+            rules.push(rule);
         }
     }
-    if members.len() > limits::METHODS {
+    if rules.len() > limits::METHODS {
         let message = format!("a system may have {} methods at most", limits::METHODS);
         return Err(syn::Error::new_spanned(key, message));
     }
-    Ok(members)
+    Ok(rules)
 }
 
+/// Compositions of steps that are generated without them.
+const COMPOSED: [&str; 2] = ["StormerVerlet", "RightLift"];
+
 /// `Midpoint` or `Family(1, 4)`
-fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
+fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule> {
     let name: Ident = input
         .parse()
         .map_err(|error| syn::Error::new(error.span(), "expected a method, such as `Midpoint`"))?;
-    if name == "Family" {
-        return member(input, &name).map(Rule::Family);
+    let text = name.to_string();
+    let named = known.iter().find_map(|method| method.named(&text));
+    match known.iter().find(|method| name == method.name) {
+        Some(method) if named.is_none() || input.peek(token::Paren) => {
+            return member(input, &name).map(|member| method.member(member));
+        }
+        _ => {}
     }
-    if name == "TangentLift" {
-        let explicit = !input.peek(token::Paren);
-        let member = if explicit { Ok(Member::SYMPLECTIC_EULER_A) } else { member(input, &name) };
-        return member.map(Rule::TangentLift);
-    }
-    if name == "TangentMidpoint" {
-        return Ok(Rule::TangentLift(Member::MIDPOINT));
-    }
-    Member::named(&name.to_string()).map(Rule::Family).ok_or_else(|| {
-        let known = Member::NAMED.map(|(name, _)| name);
-        let others = ["Family(numerator, denominator)", "TangentLift", "TangentLift(numerator, denominator)"];
-        let all = list(known.iter().copied().chain(others));
-        let guess = suggestion(&name.to_string(), &known);
-        let message = match name.to_string().as_str() {
-            "Exponential" | "Cayley" => format!(
+    named.ok_or_else(|| {
+        let names: Vec<&str> = known.iter().flat_map(|method| method.named).map(|(name, _)| *name).collect();
+        let guess = suggestion(&text, &names);
+        let message = match Retraction::ALL.into_iter().find(|retraction| name == retraction.name()) {
+            Some(retraction) if retraction.is_default() => format!(
                 "`{name}` is a retraction, not a method: the standard steps with it are generated, unless `retractions(…)` names others only"
             ),
-            "SecondKind" => {
+            Some(_) => {
                 format!("`{name}` is a retraction, not a method: `retractions({name})` asks for the standard steps with it")
             }
-            "StormerVerlet" | "RightLift" => {
+            None if COMPOSED.contains(&text.as_str()) => {
                 format!("leave out `{name}`: the steps that it is made of are generated without it")
             }
-            _ if guess.ends_with('?') => format!("there is no method `{name}`{guess}"),
-            _ => format!("there is no method `{name}`; there are {all}"),
+            None if guess.ends_with('?') => format!("there is no method `{name}`{guess}"),
+            None => {
+                let families = known.iter().map(|method| format!("{}(numerator, denominator)", method.name));
+                let all = list(names.iter().map(|&name| name.to_owned()).chain(families));
+                format!("there is no method `{name}`; there are {all}")
+            }
         };
         syn::Error::new_spanned(&name, message)
     })
@@ -540,7 +555,7 @@ fn entries<T, N: PartialEq + ToTokens + Display>(
     (key, known): (&Ident, Key),
     diagnostics: &mut Diagnostics,
     unreadable: &mut Vec<(Key, Ident)>,
-    parse: fn(ParseStream<'_>) -> syn::Result<T>,
+    parse: impl Fn(ParseStream<'_>) -> syn::Result<T>,
     name: impl Fn(&T) -> Option<N>,
 ) -> syn::Result<Vec<T>> {
     if !input.peek(token::Paren) {

@@ -254,7 +254,7 @@ impl Random {
 /// Runs the whole front end.
 fn read(attribute: TokenStream, item: TokenStream) {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let attribute = Attribute::parse(attribute, &coadjoint_codegen::method::known(), &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
         let description = check::resolve(&attribute, &item, &mut diagnostics);

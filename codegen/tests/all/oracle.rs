@@ -127,7 +127,7 @@ fn steps_compute_their_equations() {
                 let arena = Arena::new();
                 let system = system(&arena, description);
                 let step = family::step(&arena, &system, retraction, member);
-                let what = format!("{}, {}, {}", description.0, retraction.name(), member.name());
+                let what = format!("{}, {}, {}", description.0, retraction.name(), member.s());
                 check_step(&arena, &system, &step, &what);
             }
         }
@@ -142,7 +142,7 @@ fn tangent_lifts_compute_their_equations() {
                 let arena = Arena::new();
                 let system = system(&arena, description);
                 let step = tangent_lift::step(&arena, &system, retraction, member);
-                let what = format!("{}, {}, lift {}", description.0, retraction.name(), member.name());
+                let what = format!("{}, {}, lift {}", description.0, retraction.name(), member.s());
                 check_step(&arena, &system, &step, &what);
             }
         }

@@ -91,7 +91,7 @@ const FAMILIES: [(&str, &str); 11] = [
 fn matrix_groups() -> String {
     let row = |(name, about): (&str, &str)| {
         let group = family(&one_word(name))?;
-        let retractions = Retraction::DEFAULT.into_iter().filter(|&retraction| group.has(retraction));
+        let retractions = Retraction::defaults().filter(|&retraction| group.has(retraction));
         Some(format!(
             "| `{name}` | {about} | {} × {1} | {2} | {3} |\n",
             group.size(),

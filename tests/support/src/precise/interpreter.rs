@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use coadjoint_codegen::program::{DerivativeRole, Given, Input, Module, Returned, FunctionRole, StepRole};
+use coadjoint_codegen::program::{DerivativeRole, FunctionRole, Given, Input, Module, Returned, StepRole};
 
 use super::matrix::Column;
 use super::real::Real;
@@ -35,7 +35,11 @@ pub struct Stages {
 }
 
 /// Calls the function of a role and adds the record that it returns to what is given.
-fn with_record<R: FunctionRole>(module: &Module<R>, role: R, given: Given<Real>) -> (Vec<Column>, Given<Real>) {
+fn with_record<R: FunctionRole>(
+    module: &Module<R>,
+    role: R,
+    given: Given<Real>,
+) -> (Vec<Column>, Given<Real>) {
     let returned = module.call(role, &given).unwrap_or_else(|error| panic!("{role:?}: {error}"));
     let (kind, fields) = returned.record.clone().expect("a record");
     (arrays(returned), given.with(Input::Record(kind), fields))
