@@ -1,7 +1,7 @@
 //! What a description needs of the second derivatives of its energy.
 
 use crate::diagnostics::Diagnostics;
-use crate::model::{Relation, System};
+use crate::model::{EnergyKey, Relation, System};
 use crate::parse::Attribute;
 
 /// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity. `None` if so.
@@ -10,9 +10,15 @@ pub(crate) fn legendre(
     attribute: &Attribute,
     diagnostics: &mut Diagnostics,
 ) -> Option<()> {
-    let Attribute { hamiltonian, lagrangian, methods, .. } = attribute;
+    let [hamiltonian, lagrangian] =
+        [EnergyKey::Hamiltonian, EnergyKey::Lagrangian].map(|key| attribute.energy(key));
     if let (Some(lagrangian), Relation::Singular) = (lagrangian, system.velocity_relation()) {
-        if system.sources.lagrangian.as_ref().is_some_and(|source| !source.has_meaning) {
+        if system
+            .sources
+            .energies
+            .iter()
+            .any(|source| source.key == EnergyKey::Lagrangian && !source.has_meaning)
+        {
             // what is wrong with it was reported, and stands for nothing
             return None;
         }
@@ -21,7 +27,8 @@ pub(crate) fn legendre(
         diagnostics.push(lagrangian, message);
         return None;
     }
-    let needing = methods.iter().find_map(|rule| Some((rule.method.name, rule.method.needs_momentum?)));
+    let needing =
+        attribute.methods.iter().find_map(|rule| Some((rule.method.name, rule.method.needs_momentum?)));
     if let (Some(hamiltonian), Some((method, who))) = (hamiltonian, needing)
         && matches!(system.momentum_relation(), Relation::Singular)
     {
