@@ -132,11 +132,12 @@ fn derive<R>(
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &description, diagnostics)?;
     regularity::legendre(&system, attribute, diagnostics)?;
-    let mut program = derivation::program(&arena, &system);
+    let schemes = schemes(&system, attribute);
+    let mut program = derivation::program(&arena, &system, &retracted(&schemes));
     bounds::derived(&arena, attribute, &item, diagnostics)?;
     let wanted = attribute.derivatives;
     let mut work = arena.work();
-    for (scheme, aliases) in schemes(&system, attribute) {
+    for (scheme, aliases) in schemes {
         // each from a system of its own: what else is asked for has no part in it
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
@@ -157,6 +158,14 @@ fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
     let (summed, closed): (Vec<_>, Vec<_>) =
         there.partition(|&retraction| system.group.is_summed(retraction));
     if closed.is_empty() { summed } else { closed }
+}
+
+/// The retractions that schemes are made with, each once.
+fn retracted(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
+    let mut retractions: Vec<Retraction> = schemes.iter().map(|(scheme, _)| scheme.retraction).collect();
+    retractions.sort_unstable();
+    retractions.dedup();
+    retractions
 }
 
 /// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its

@@ -8,12 +8,12 @@ use quote::{ToTokens, format_ident, quote};
 use super::code::size;
 use super::docs;
 use super::names::Names;
-use super::state::{named_type, sized_type};
+use super::state::kind_type;
 use crate::identifiers::{plain, velocity_name};
 use crate::model::{EnergySource, Factor, Factors, ForceForm, ForceSource, Name, NamedPart, System, parts};
 use crate::parse::EnergyRow;
 use crate::program::Interface;
-use crate::quantity::{Kind, Shape};
+use crate::quantity::Kind;
 
 /// `impl HeavyTop { pub fn potential(&self, state: &HeavyTopState) -> f64 { … } }`
 pub(super) fn expressions(system: &System<'_>, interface: &Interface, names: &Names) -> TokenStream {
@@ -73,12 +73,12 @@ fn force_type(system: &System<'_>, factor: usize, form: Option<ForceForm>, names
         Some(ForceForm::Scalar) => names.scalar.clone(),
         Some(ForceForm::Parts) => {
             let parts = group.blocks().into_iter().map(|length| {
-                let shape = if length == 1 { Shape::Scalar } else { Shape::Vector(length) };
-                sized_type(shape, names)
+                let kind = if length == 1 { Kind::Scalar } else { Kind::Vector(length) };
+                kind_type(kind, names)
             });
             quote! { (#(#parts),*) }
         }
-        Some(ForceForm::Vector) | None => named_type(Kind::Vector(group.dimension()), names),
+        Some(ForceForm::Vector) | None => kind_type(Kind::Vector(group.dimension()), names),
     }
 }
 
