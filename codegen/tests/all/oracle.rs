@@ -1,6 +1,8 @@
 //! Programs in doubles against the expressions that they were made from: the fast form of what the tests of the workspace do with 77
 //! digits, for every function of every kind of system.
 
+use crate::evaluate::Evaluate as _;
+use crate::interpret::{Call as _, CallError, Given};
 use coadjoint_codegen::derivatives::Derivatives;
 use coadjoint_codegen::emit::bytecode;
 use coadjoint_codegen::expr::{Arena, Stage, Symbol, Vector};
@@ -10,9 +12,7 @@ use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Energy, Relation, System};
-use coadjoint_codegen::program::{
-    CallError, DerivativeRole, FunctionRole, Given, Input, Module, StepRole, SystemRole,
-};
+use coadjoint_codegen::program::{DerivativeRole, FunctionRole, Input, Module, StepRole, SystemRole};
 use coadjoint_codegen::scheme::Member;
 
 use crate::bytes::Machine;

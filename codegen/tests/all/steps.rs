@@ -1,6 +1,7 @@
 //! What the steps of the family say of themselves beside their equations: where they are defined, what stays bounded, which rules are one
 //! map; and what documentation says of the motion.
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
