@@ -6,7 +6,7 @@ use crate::check::Description;
 use crate::diagnostics::Diagnostics;
 use crate::expr::Arena;
 use crate::limits::{COMPONENTS, DERIVATION};
-use crate::parse::{Attribute, Item};
+use crate::parse::{Attribute, EnergyKey, Item};
 
 /// Reports that a system has too many parameters. `None` if so.
 pub(crate) fn sizes(description: &Description<'_>, diagnostics: &mut Diagnostics) -> Option<()> {
@@ -53,8 +53,8 @@ pub(crate) fn derived(
     } else {
         return Some(());
     };
-    let Attribute { hamiltonian, lagrangian, potential, .. } = attribute;
-    let energy = hamiltonian.as_ref().or(lagrangian.as_ref()).or(potential.as_ref());
+    // of several the whole one is meant, and that comes last
+    let energy = EnergyKey::ALL.into_iter().rev().find_map(|key| attribute.energy(key));
     match energy.or(attribute.forces.first().map(|force| &force.value)) {
         Some(expression) => diagnostics.push(expression, message),
         None => diagnostics.push(&item.name, message),

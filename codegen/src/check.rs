@@ -15,7 +15,7 @@ use syn::ext::IdentExt;
 use crate::diagnostics::Diagnostics;
 use crate::group::{Group, Representation, Side};
 use crate::identifiers::{Name, plain};
-use crate::parse::{self, Attribute, Field, Item};
+use crate::parse::{self, Attribute, EnergyKey, Field, Item};
 use crate::quantity::ScalarType;
 
 /// A description, resolved: parts refer to each other by index.
@@ -37,12 +37,8 @@ pub struct Description<'d> {
     pub controls: &'d [parse::Control],
     /// The fields marked `#[inertia]`.
     pub inertias: Vec<Inertia>,
-    /// The potential energy.
-    pub potential: Option<&'d syn::Expr>,
-    /// The whole energy, in place of inertia and potential.
-    pub hamiltonian: Option<&'d syn::Expr>,
-    /// The Lagrangian, in place of inertia and potential.
-    pub lagrangian: Option<&'d syn::Expr>,
+    /// The energies.
+    pub energies: &'d [(EnergyKey, syn::Expr)],
     /// What acts on momenta beside the energy.
     pub forces: Vec<Force<'d>>,
     /// Where momentum and velocity are taken.
@@ -128,6 +124,11 @@ impl Factors {
 }
 
 impl Description<'_> {
+    /// The energy of a key.
+    pub fn energy(&self, key: EnergyKey) -> Option<&syn::Expr> {
+        self.energies.iter().find(|(known, _)| *known == key).map(|(_, energy)| energy)
+    }
+
     /// Whether the description has a meaning, but for problems in its expressions.
     pub fn is_sound(&self) -> bool {
         self.sound
@@ -158,9 +159,7 @@ pub fn resolve<'d>(
         advected,
         controls: &attribute.controls,
         inertias,
-        potential: attribute.potential.as_ref(),
-        hamiltonian: attribute.hamiltonian.as_ref(),
-        lagrangian: attribute.lagrangian.as_ref(),
+        energies: &attribute.energies,
         forces,
         lints: &item.lints,
         side: if attribute.right { Side::Right } else { Side::Left },

@@ -16,9 +16,9 @@ use crate::program::{
 use crate::quantity::{Kind, Role, Shape};
 use crate::scheme::Scheme;
 
-/// What is computed for a system, but for its steps.
-pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>) -> Program {
-    let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system)];
+/// What is computed for a system, but for its steps, which are made with these retractions.
+pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[Retraction]) -> Program {
+    let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system, retractions)];
     Program {
         interface: interface(system),
         functions: functions.into_iter().flatten().collect(),
@@ -248,22 +248,22 @@ fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>
     system.inertias.iter().enumerate().map(pivots).collect()
 }
 
-/// The geometry of the states.
-fn geometry<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
+/// The geometry of the states. They are displaced along these retractions: where there are no steps with one, any local coordinates are as
+/// good as its own.
+fn geometry<'a>(
+    arena: &'a Arena,
+    system: &System<'a>,
+    retractions: &[Retraction],
+) -> Vec<Module<SystemRole>> {
     let by = geometry::tangent_symbols(arena, system, "by");
     let with_tangent = || at_state(system).with(Input::Tangent, by.symbols());
     let with_time = |inputs: Inputs| inputs.with(Input::Time, system.time_symbol());
     let controlled = at_state(system).with(Input::Control, system.control_symbols());
-    // any local coordinates are as good as others where there are no steps with the map
-    let is_there = |retraction: &Retraction| {
-        *retraction == Retraction::Exponential
-            || system.group.factors.iter().all(|factor| factor.group.has(*retraction))
-    };
-    let displacement = |retraction| {
+    let displacement = |&retraction: &Retraction| {
         let value = geometry::displaced(system, retraction, &by);
         (SystemRole::Displacement(retraction), value, with_tangent())
     };
-    let mut functions: Vec<_> = Retraction::ALL.into_iter().filter(is_there).map(displacement).collect();
+    let mut functions: Vec<_> = retractions.iter().map(displacement).collect();
     functions.extend([
         (SystemRole::Differential, geometry::differential(system), with_time(at_state(system))),
         (SystemRole::HamiltonianVector, geometry::hamiltonian_vector(arena, system, &by), with_tangent()),

@@ -45,7 +45,7 @@ use own::Answer;
 pub use own::lie_group;
 use parse::{Attribute, Definition, Item};
 use program::Program;
-use scheme::{Member, Rule, Scheme};
+use scheme::Scheme;
 
 /// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the user's
 /// tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that one mistake does not bring
@@ -70,7 +70,7 @@ fn described(
     known: &TokenStream,
 ) -> TokenStream {
     let mut diagnostics = Diagnostics::new();
-    let mut attribute = Attribute::parse(tokens.clone(), &mut diagnostics);
+    let mut attribute = Attribute::parse(tokens.clone(), &method::known(), &mut diagnostics);
     attribute.definitions = definitions;
     if let Some(question) = own::ask(&attribute, known, &tokens, &item) {
         return question;
@@ -90,7 +90,7 @@ fn described(
 /// All problems of the description, each at its tokens.
 pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansion> {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
     let expansion = derive(&attribute, item, &mut diagnostics, emitted);
     diagnostics.finish()?;
     expansion.ok_or_else(nothing)
@@ -102,7 +102,7 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansio
 /// All problems of the description, each at its tokens.
 pub fn program(attribute: TokenStream, item: TokenStream) -> syn::Result<Program> {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
     let program = derive(&attribute, item, &mut diagnostics, |program, _, _, _| program);
     diagnostics.finish()?;
     program.ok_or_else(nothing)
@@ -132,11 +132,12 @@ fn derive<R>(
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &description, diagnostics)?;
     regularity::legendre(&system, attribute, diagnostics)?;
-    let mut program = derivation::program(&arena, &system);
+    let schemes = schemes(&system, attribute);
+    let mut program = derivation::program(&arena, &system, &retracted(&schemes));
     bounds::derived(&arena, attribute, &item, diagnostics)?;
     let wanted = attribute.derivatives;
     let mut work = arena.work();
-    for (scheme, aliases) in schemes(&system, attribute) {
+    for (scheme, aliases) in schemes {
         // each from a system of its own: what else is asked for has no part in it
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
@@ -153,16 +154,24 @@ fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
     if !named.is_empty() {
         return named.to_vec();
     }
-    let there = Retraction::DEFAULT.into_iter().filter(|&retraction| system.group.has(retraction));
+    let there = Retraction::defaults().filter(|&retraction| system.group.has(retraction));
     let (summed, closed): (Vec<_>, Vec<_>) =
         there.partition(|&retraction| system.group.is_summed(retraction));
     if closed.is_empty() { summed } else { closed }
 }
 
+/// The retractions that schemes are made with, each once.
+fn retracted(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
+    let mut retractions: Vec<Retraction> = schemes.iter().map(|(scheme, _)| scheme.retraction).collect();
+    retractions.sort_unstable();
+    retractions.dedup();
+    retractions
+}
+
 /// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
 /// names.
 fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Scheme>)> {
-    let mut rules = vec![Rule::Family(Member::SYMPLECTIC_EULER_A), Rule::Family(Member::SYMPLECTIC_EULER_B)];
+    let mut rules = method::STANDARD.to_vec();
     rules.extend(&attribute.methods);
     rules.sort_unstable();
     rules.dedup();

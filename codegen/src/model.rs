@@ -22,6 +22,7 @@ use crate::expr::{Expr, Matrix, Symbol, Vector, gradient};
 use crate::group::{Product, SemidirectVector, Side};
 use crate::identifiers::velocity_name;
 use crate::language::Constant;
+pub use crate::parse::EnergyKey;
 use crate::quantity::{ScalarType, Shape};
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
@@ -117,19 +118,17 @@ pub enum Energy<'a> {
 /// The user's expressions.
 #[derive(Clone, Default)]
 pub struct Sources {
-    /// The potential.
-    pub potential: Option<Source>,
-    /// The Hamiltonian.
-    pub hamiltonian: Option<Source>,
-    /// The Lagrangian.
-    pub lagrangian: Option<Source>,
+    /// The energies.
+    pub energies: Vec<EnergySource>,
     /// The forces.
     pub forces: Vec<ForceSource>,
 }
 
 /// An energy as the user wrote it.
 #[derive(Clone)]
-pub struct Source {
+pub struct EnergySource {
+    /// Its key.
+    pub key: EnergyKey,
     /// The expression.
     pub value: syn::Expr,
     /// Whether it has a meaning; if not, that was reported.

@@ -1,9 +1,8 @@
 //! What a description needs of the second derivatives of its energy.
 
 use crate::diagnostics::Diagnostics;
-use crate::model::{Relation, System};
+use crate::model::{EnergyKey, Relation, System};
 use crate::parse::Attribute;
-use crate::scheme::Rule;
 
 /// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity. `None` if so.
 pub(crate) fn legendre(
@@ -11,9 +10,15 @@ pub(crate) fn legendre(
     attribute: &Attribute,
     diagnostics: &mut Diagnostics,
 ) -> Option<()> {
-    let Attribute { hamiltonian, lagrangian, methods, .. } = attribute;
+    let [hamiltonian, lagrangian] =
+        [EnergyKey::Hamiltonian, EnergyKey::Lagrangian].map(|key| attribute.energy(key));
     if let (Some(lagrangian), Relation::Singular) = (lagrangian, system.velocity_relation()) {
-        if system.sources.lagrangian.as_ref().is_some_and(|source| !source.has_meaning) {
+        if system
+            .sources
+            .energies
+            .iter()
+            .any(|source| source.key == EnergyKey::Lagrangian && !source.has_meaning)
+        {
             // what is wrong with it was reported, and stands for nothing
             return None;
         }
@@ -22,13 +27,15 @@ pub(crate) fn legendre(
         diagnostics.push(lagrangian, message);
         return None;
     }
-    let is_lift = |rule: &Rule| matches!(rule, Rule::TangentLift(_));
-    if let Some(hamiltonian) = hamiltonian
-        && methods.iter().any(is_lift)
+    let needing =
+        attribute.methods.iter().find_map(|rule| Some((rule.method.name, rule.method.needs_momentum?)));
+    if let (Some(hamiltonian), Some((method, who))) = (hamiltonian, needing)
         && matches!(system.momentum_relation(), Relation::Singular)
     {
-        let message = "the second derivative of this by the momentum is singular, so that no momentum belongs to a velocity, as \
-                       tangent lifts need it; leave out `TangentLift`";
+        let message = format!(
+            "the second derivative of this by the momentum is singular, so that no momentum belongs to a velocity, as {who} \
+             need it; leave out `{method}`"
+        );
         diagnostics.push(hamiltonian, message);
         return None;
     }

@@ -3,13 +3,47 @@
 use crate::expr::Number;
 pub use crate::group::Retraction;
 
-/// What a step is made by.
+/// A method, as users and generated code name it: a family of steps with a parameter `s`.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Method {
+    /// Its name in descriptions, and that of its type in the runtime.
+    pub name: &'static str,
+    /// Its name among the runtime's rules.
+    pub rule: &'static str,
+    /// The members with names of their own.
+    pub named: &'static [(&'static str, Member)],
+    /// The member that a retraction alone stands for.
+    pub bare: Option<Member>,
+    /// Who needs a momentum for each velocity; none if the method does not.
+    pub needs_momentum: Option<&'static str>,
+}
+
+impl Method {
+    /// The member of this name.
+    pub fn named(&'static self, name: &str) -> Option<Rule> {
+        self.named.iter().find(|(known, _)| *known == name).map(|&(_, member)| self.member(member))
+    }
+
+    /// A member as a rule.
+    pub const fn member(&'static self, member: Member) -> Rule {
+        Rule { method: self, member }
+    }
+}
+
+/// What a step is made by: a member of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Rule {
-    /// A member of the [`family`](crate::method::family).
-    Family(Member),
-    /// A member of the family of [tangent lifts](crate::method::tangent_lift).
-    TangentLift(Member),
+pub struct Rule {
+    /// The method.
+    pub method: &'static Method,
+    /// Its parameter `s`.
+    pub member: Member,
+}
+
+impl Rule {
+    /// Its name, if it has one.
+    pub fn name(self) -> Option<&'static str> {
+        self.method.named.iter().find(|&&(_, member)| member == self.member).map(|&(name, _)| name)
+    }
 }
 
 /// A rule with a retraction.
@@ -22,34 +56,23 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// Its name in generated code: `ExponentialMidpoint`; the retraction's alone for the first member.
+    /// Its name in generated code: `ExponentialMidpoint`, `CayleyFamily1Over4`; the retraction's alone for the member that this stands for.
     pub fn name(self) -> String {
-        let retraction = self.retraction.name();
-        match self.rule {
-            Rule::Family(Member::SYMPLECTIC_EULER_A) => retraction.to_owned(),
-            Rule::Family(member) => format!("{retraction}{}", member.name()),
-            Rule::TangentLift(Member::SYMPLECTIC_EULER_A) => format!("{retraction}TangentLift"),
-            Rule::TangentLift(member) => {
-                format!("{retraction}TangentLift{}Over{}", member.numerator, member.denominator)
-            }
+        let (retraction, Rule { method, member }) = (self.retraction.name(), self.rule);
+        match self.rule.name() {
+            _ if method.bare == Some(member) => retraction.to_owned(),
+            Some(name) => format!("{retraction}{name}"),
+            None => format!("{retraction}{}{}Over{}", method.name, member.numerator, member.denominator),
         }
     }
 
     /// Its type in the runtime, as users write it: `Midpoint<Cayley>`.
     pub fn type_name(self) -> String {
-        let Self { retraction, rule } = self;
-        let (name, Member { numerator, denominator }) = match rule {
-            Rule::Family(member) => match member.known_name() {
-                Some(name) => return format!("{name}<{}>", retraction.name()),
-                None => ("Family", member),
-            },
-            Rule::TangentLift(Member::SYMPLECTIC_EULER_A) => {
-                return format!("TangentLift<{}>", retraction.name());
-            }
-            Rule::TangentLift(Member::MIDPOINT) => return format!("TangentMidpoint<{}>", retraction.name()),
-            Rule::TangentLift(member) => ("TangentLift", member),
-        };
-        format!("{name}<{}, {numerator}, {denominator}>", retraction.name())
+        let (retraction, Rule { method, member }) = (self.retraction.name(), self.rule);
+        match self.rule.name() {
+            Some(name) => format!("{name}<{retraction}>"),
+            None => format!("{}<{retraction}, {}, {}>", method.name, member.numerator, member.denominator),
+        }
     }
 }
 
@@ -59,7 +82,7 @@ pub fn stands_for_verlet(retraction: Retraction) -> bool {
     !retraction.is_odd()
 }
 
-/// A member of the [`family`](crate::method::family): its parameter `s` as a fraction in lowest terms.
+/// A member of a [method](Method): its parameter `s` as a fraction in lowest terms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Member {
     /// The numerator of `s`.
@@ -76,13 +99,6 @@ impl Member {
     /// `s = 1`
     pub const SYMPLECTIC_EULER_B: Self = Self { numerator: 1, denominator: 1 };
 
-    /// Those with names of their own.
-    pub const NAMED: [(&'static str, Self); 3] = [
-        ("SymplecticEulerA", Self::SYMPLECTIC_EULER_A),
-        ("Midpoint", Self::MIDPOINT),
-        ("SymplecticEulerB", Self::SYMPLECTIC_EULER_B),
-    ];
-
     /// The member with this `s`, if it lies between 0 and 1.
     pub fn new(numerator: u32, denominator: u32) -> Option<Self> {
         if denominator == 0 || numerator > denominator {
@@ -93,24 +109,6 @@ impl Member {
             (a, b) = (b, a % b);
         }
         Some(Self { numerator: numerator / a, denominator: denominator / a })
-    }
-
-    /// The member of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::NAMED.iter().find(|(known, _)| *known == name).map(|&(_, member)| member)
-    }
-
-    /// Its name, if it has one.
-    fn known_name(self) -> Option<&'static str> {
-        Self::NAMED.iter().find(|&&(_, member)| member == self).map(|&(name, _)| name)
-    }
-
-    /// Its name, or `Family1Over4`.
-    pub fn name(self) -> String {
-        match self.known_name() {
-            Some(name) => name.to_owned(),
-            None => format!("Family{}Over{}", self.numerator, self.denominator),
-        }
     }
 
     /// `s`

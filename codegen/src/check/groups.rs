@@ -22,7 +22,7 @@ pub(crate) fn group(
     diagnostics: &mut Diagnostics,
 ) -> Option<&'static dyn Group> {
     let group = Resolution { definitions, depth: 0 }.of(written, None, diagnostics)?;
-    if !Retraction::DEFAULT.into_iter().any(|retraction| group.has(retraction)) {
+    if !Retraction::defaults().any(|retraction| group.has(retraction)) {
         let message = format!(
             "there are no steps on {}: its Cayley map leaves the group, and its exponential has no closed form and too many coordinates to be \
              summed",
@@ -32,12 +32,12 @@ pub(crate) fn group(
         return None;
     }
     for retraction in retractions.iter().filter(|&&retraction| !group.has(retraction)) {
-        let why = match retraction {
-            Retraction::Cayley => "(1 − X/2)⁻¹(1 + X/2) leaves the group",
-            Retraction::Exponential => "it has no closed form and too many coordinates to be summed",
-            _ => "where they are singular is not known",
-        };
-        let message = format!("there are no steps on {} with `{}`: {why}", group.name(), retraction.name());
+        let message = format!(
+            "there are no steps on {} with `{}`: {}",
+            group.name(),
+            retraction.name(),
+            retraction.absence()
+        );
         diagnostics.push(written.keyword(), message);
     }
     Some(group)

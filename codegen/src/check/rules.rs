@@ -7,7 +7,7 @@ use super::{Advected, Factors, Force, momentum_name};
 use crate::diagnostics::Diagnostics;
 use crate::group::{self, Retraction, part_name};
 use crate::identifiers::{Name, plain, velocity_name};
-use crate::parse::{Attribute, GROUP, scalar_name};
+use crate::parse::{Attribute, EnergyKey, Key, scalar_name};
 
 impl<'d> Subject<'d> {
     fn field_names(&self) -> impl Iterator<Item = &'d Ident> {
@@ -27,19 +27,27 @@ impl<'d> Subject<'d> {
 
     /// A Hamiltonian, or a Lagrangian, takes the place of inertia and potential.
     pub(super) fn check_energy(&self, diagnostics: &mut Diagnostics) {
-        let Attribute { potential, hamiltonian, lagrangian, .. } = self.attribute;
-        if let (Some(hamiltonian), Some(_)) = (hamiltonian, potential) {
-            let message = "the Hamiltonian is the whole energy; add the potential to it, or leave it out";
-            diagnostics.push(hamiltonian, message);
-        }
-        if let (Some(lagrangian), Some(_)) = (lagrangian, potential) {
-            let message = "the Lagrangian is kinetic less potential energy; subtract the potential in it, or leave it out";
-            diagnostics.push(lagrangian, message);
-        }
-        if let (Some(lagrangian), Some(_)) = (lagrangian, hamiltonian) {
-            let message =
-                "the Lagrangian says what the Hamiltonian is; give one of `lagrangian` and `hamiltonian`";
-            diagnostics.push(lagrangian, message);
+        const CLASHES: [(EnergyKey, EnergyKey, &str); 3] = [
+            (
+                EnergyKey::Hamiltonian,
+                EnergyKey::Potential,
+                "the Hamiltonian is the whole energy; add the potential to it, or leave it out",
+            ),
+            (
+                EnergyKey::Lagrangian,
+                EnergyKey::Potential,
+                "the Lagrangian is kinetic less potential energy; subtract the potential in it, or leave it out",
+            ),
+            (
+                EnergyKey::Lagrangian,
+                EnergyKey::Hamiltonian,
+                "the Lagrangian says what the Hamiltonian is; give one of `lagrangian` and `hamiltonian`",
+            ),
+        ];
+        for (whole, other, message) in CLASHES {
+            if let (Some(whole), Some(_)) = (self.attribute.energy(whole), self.attribute.energy(other)) {
+                diagnostics.push(whole, message);
+            }
         }
     }
 
@@ -59,7 +67,7 @@ impl<'d> Subject<'d> {
             self.factors.iter().all(|factor| factor.group.has(retraction))
                 && advected.iter().all(|advected| advected.space.has(retraction))
         };
-        if named.is_empty() && !Retraction::DEFAULT.into_iter().any(has) {
+        if named.is_empty() && !Retraction::defaults().any(has) {
             let message = "no retraction moves all of these groups and spaces";
             diagnostics.push(self.attribute.factors[0].group.keyword(), message);
         }
@@ -194,7 +202,7 @@ impl<'d> Subject<'d> {
         let mut names: Vec<String> = self.item.unreadable.iter().map(|field| plain(&field.name)).collect();
         for (key, name) in &self.attribute.unreadable {
             match *key {
-                GROUP => names.extend(unknown_factor(Some(name))),
+                Key::Group => names.extend(unknown_factor(Some(name))),
                 _ => names.push(plain(name)),
             }
         }

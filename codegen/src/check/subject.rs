@@ -12,7 +12,7 @@ use crate::diagnostics::{Diagnostics, suggestion};
 use crate::group::Group;
 use crate::identifiers::Name;
 use crate::limits::DIMENSION;
-use crate::parse::{self, Attribute, FactorName, GROUP, Item};
+use crate::parse::{self, Attribute, FactorName, Item, Key};
 
 /// A description while it is resolved.
 pub(super) struct Subject<'d> {
@@ -53,10 +53,10 @@ impl<'d> Subject<'d> {
             factors.extend(elements(factor, group));
             declared_factors.push(start..factors.len());
         }
-        if attribute.factors.is_empty() && !attribute.has(GROUP) {
+        if attribute.factors.is_empty() && !attribute.has(Key::Group) {
             let message = format!(
                 "the group of the configuration is missing; write `#[lie_poisson_system({}, …)]`",
-                GROUP.example
+                Key::Group.example()
             );
             diagnostics.push_at(Span::call_site(), message);
         }
@@ -69,7 +69,7 @@ impl<'d> Subject<'d> {
 
     /// Whether all factors' groups are known, so that something can be missing.
     pub(super) fn groups_are_known(&self) -> bool {
-        let readable = !self.attribute.unreadable.iter().any(|&(key, _)| key == GROUP);
+        let readable = !self.attribute.unreadable.iter().any(|&(key, _)| key == Key::Group);
         readable && !self.factors.is_empty() && self.groups.iter().all(Option::is_some)
     }
 

@@ -8,36 +8,26 @@ use quote::{ToTokens, format_ident, quote};
 use super::code::size;
 use super::docs;
 use super::names::Names;
-use super::state::{named_type, sized_type};
+use super::state::kind_type;
 use crate::identifiers::{plain, velocity_name};
-use crate::model::{Factor, Factors, ForceForm, ForceSource, Name, NamedPart, Source, System, parts};
+use crate::model::{EnergySource, Factor, Factors, ForceForm, ForceSource, Name, NamedPart, System, parts};
+use crate::parse::EnergyRow;
 use crate::program::Interface;
-use crate::quantity::{Kind, Shape};
+use crate::quantity::Kind;
 
 /// `impl HeavyTop { pub fn potential(&self, state: &HeavyTopState) -> f64 { … } }`
 pub(super) fn expressions(system: &System<'_>, interface: &Interface, names: &Names) -> TokenStream {
-    let scalar = &names.scalar;
-    let mut methods = Vec::new();
-    let mut energy = |doc: &str, name: &str, source: &Option<Source>, has_velocity: bool| {
-        if let Some(Source { value, has_meaning }) = source {
-            let result = quote! { #scalar };
-            let has_meaning = *has_meaning;
-            let controls = wholes(system.controls.iter().map(|part| &part.name));
-            let has_controls =
-                controls.iter().any(|name| mentioned(value.to_token_stream(), &name.to_string()).is_some());
-            let energy = Method { doc, name, value, result, has_meaning, has_velocity, has_controls };
-            methods.push(method(system, interface, names, energy));
-        }
+    let energy = |source: &EnergySource| {
+        let EnergySource { key, value, has_meaning } = source;
+        let EnergyRow { name, doc, has_velocity, .. } = key.row();
+        let (result, has_meaning) = (names.scalar.clone(), *has_meaning);
+        let controls = wholes(system.controls.iter().map(|part| &part.name));
+        let has_controls =
+            controls.iter().any(|name| mentioned(value.to_token_stream(), &name.to_string()).is_some());
+        let energy = Method { doc, name, value, result, has_meaning, has_velocity, has_controls };
+        method(system, interface, names, energy)
     };
-    let sources = &system.sources;
-    energy("The potential energy, as described.", "potential", &sources.potential, false);
-    energy("The Hamiltonian, as described.", "hamiltonian", &sources.hamiltonian, false);
-    energy(
-        "The Lagrangian, as described, at the velocity that belongs to the momentum.",
-        "lagrangian",
-        &sources.lagrangian,
-        true,
-    );
+    let mut methods: Vec<TokenStream> = system.sources.energies.iter().map(energy).collect();
     methods.extend(system.sources.forces.iter().map(|force| force_method(system, interface, names, force)));
     if methods.is_empty() {
         return quote! {};
@@ -83,12 +73,12 @@ fn force_type(system: &System<'_>, factor: usize, form: Option<ForceForm>, names
         Some(ForceForm::Scalar) => names.scalar.clone(),
         Some(ForceForm::Parts) => {
             let parts = group.blocks().into_iter().map(|length| {
-                let shape = if length == 1 { Shape::Scalar } else { Shape::Vector(length) };
-                sized_type(shape, names)
+                let kind = if length == 1 { Kind::Scalar } else { Kind::Vector(length) };
+                kind_type(kind, names)
             });
             quote! { (#(#parts),*) }
         }
-        Some(ForceForm::Vector) | None => named_type(Kind::Vector(group.dimension()), names),
+        Some(ForceForm::Vector) | None => kind_type(Kind::Vector(group.dimension()), names),
     }
 }
 

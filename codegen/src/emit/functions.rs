@@ -6,7 +6,7 @@ use quote::{format_ident, quote};
 use super::code::{free_function, size};
 use super::docs;
 use super::names::Names;
-use crate::program::{Input, Program, SystemRole};
+use crate::program::{FunctionRole as _, Input, Program, SystemRole};
 
 /// The free function of a role, if there is one.
 pub(super) fn function(
@@ -16,7 +16,7 @@ pub(super) fn function(
     name: &str,
 ) -> TokenStream {
     let Some((module, function)) = program.function(role) else { return quote! {} };
-    let doc = docs::line(&format!("{}.", function.operations()));
+    let doc = docs::line(&format!("{}: {}.", role.signature().purpose, function.operations()));
     let function = free_function(name, private, &module.values, function);
     quote! { #doc #function }
 }

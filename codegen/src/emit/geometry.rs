@@ -6,15 +6,13 @@ use quote::{format_ident, quote};
 use super::code::size;
 use super::functions::{call, function};
 use super::names::Names;
-use crate::program::{Input, Program, SystemRole};
+use crate::program::{Argument, Input, Program, SystemRole};
 use crate::scheme::Retraction;
 
 /// `impl Geometry for HeavyTop { … }`, and `impl Isolated` where nothing acts on the system.
 pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let Names { private, system: name, state, scalar, .. } = names;
-    let displacements = Retraction::ALL.map(SystemRole::Displacement);
-    let there = displacements.iter().find_map(|&role| program.function(role));
-    let count = size(there.map_or(0, |(_, function)| function.length(Input::Tangent)));
+    let count = size(program.interface.state_perturbation());
     let others = [
         (SystemRole::Differential, "differential"),
         (SystemRole::HamiltonianVector, "vector"),
@@ -26,10 +24,12 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let functions =
         functions.into_iter().chain(others.map(|(role, name)| function(program, private, role, name)));
     let called = |role, name: &str| call(program, names, role, name, &[]);
-    // what the program does not have is displaced by the exponential
+    // what the program does not have is displaced along another one
+    let is_there =
+        |retraction: &Retraction| program.function(SystemRole::Displacement(*retraction)).is_some();
+    let first = Retraction::ALL.into_iter().find(is_there);
     let displaced = Retraction::ALL.map(|retraction| {
-        let is_there = program.function(SystemRole::Displacement(retraction)).is_some();
-        let along = if is_there { retraction } else { Retraction::Exponential };
+        let along = Some(retraction).filter(is_there).or(first).unwrap_or(retraction);
         called(SystemRole::Displacement(along), &along.snake_name())
     });
     let maps = Retraction::ALL.map(|retraction| format_ident!("{}", retraction.name()));
@@ -90,12 +90,17 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
 /// `impl Isolated for FreeRigidBody { … }`, where nothing acts on the system.
 fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
     let Names { private, system: name, .. } = names;
-    let (_, with_conserved) = program.function(SystemRole::WithConserved)?;
-    let [parameters, all, n] =
-        [Input::Parameters, Input::State, Input::Conserved].map(|input| with_conserved.length(input));
-    // what turns the momentum does not depend on the parameters
-    let zeros = vec![quote! { T::of(0.0) }; parameters];
-    let (all, n) = (size(all), size(n));
+    let arguments = |role| {
+        let arguments = program.function(role).map(|(_, function)| &function.arguments);
+        let argument = |argument: &Argument| match argument.input {
+            Input::State => quote! { state },
+            _ => quote! { given },
+        };
+        Some(arguments?.iter().map(argument).collect::<Vec<_>>())
+    };
+    let (to_conserved, from_conserved) =
+        (arguments(SystemRole::Conserved)?, arguments(SystemRole::WithConserved)?);
+    let (all, n) = (size(program.interface.state_length()), size(program.interface.dimension));
     let conserved = function(program, private, SystemRole::Conserved, "conserved");
     let with_conserved = function(program, private, SystemRole::WithConserved, "with_conserved");
     Some(quote! {
@@ -107,11 +112,11 @@ fn isolated(program: &Program, names: &Names) -> Option<TokenStream> {
             type Conserved<T: #private::Scalar> = [T; #n];
 
             fn conserved<T: #private::Scalar>(state: &[T; #all]) -> [T; #n] {
-                conserved(&[#(#zeros),*], state)
+                conserved(#(#to_conserved),*)
             }
 
             fn with_conserved<T: #private::Scalar>(state: &[T; #all], given: &[T; #n]) -> [T; #all] {
-                with_conserved(&[#(#zeros),*], state, given)
+                with_conserved(#(#from_conserved),*)
             }
         }
     })

@@ -6,22 +6,15 @@ use quote::{format_ident, quote};
 use super::functions::block;
 use super::names::Names;
 use crate::program::StepProgram;
-use crate::scheme::{Member, Rule, Scheme, stands_for_verlet};
+use crate::scheme::{Member, Scheme, stands_for_verlet};
 
 /// The type that stands for a scheme: `Family<Cayley, 0, 1>`.
 pub(super) fn marker(names: &Names, scheme: Scheme) -> TokenStream {
     let Names { private, coadjoint, .. } = names;
-    let retraction = format_ident!("{}", scheme.retraction.name());
-    match scheme.rule {
-        Rule::Family(member) => {
-            let s = fraction(member);
-            quote! { #private::Family<#coadjoint::#retraction, #s> }
-        }
-        Rule::TangentLift(member) => {
-            let s = fraction(member);
-            quote! { #private::TangentLift<#coadjoint::#retraction, #s> }
-        }
-    }
+    let Scheme { retraction, rule } = scheme;
+    let [method, retraction] = [rule.method.name, retraction.name()].map(|name| format_ident!("{name}"));
+    let s = fraction(rule.member);
+    quote! { #private::#method<#coadjoint::#retraction, #s> }
 }
 
 /// `1, 4`
@@ -53,18 +46,10 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     });
     let arms = steps.iter().map(|step| {
         let names_of = named(step).into_iter().map(|scheme| {
-            let map = format_ident!("{}", scheme.retraction.name());
-            let rule = match scheme.rule {
-                Rule::Family(member) => {
-                    let s = fraction(member);
-                    quote! { Member(#s) }
-                }
-                Rule::TangentLift(member) => {
-                    let s = fraction(member);
-                    quote! { TangentLift(#s) }
-                }
-            };
-            quote! { (#private::Map::#map, #private::Rule::#rule) }
+            let Scheme { retraction, rule } = scheme;
+            let [map, named] = [retraction.name(), rule.method.rule].map(|name| format_ident!("{name}"));
+            let s = fraction(rule.member);
+            quote! { (#private::Map::#map, #private::Rule::#named(#s)) }
         });
         let marker = marker(names, step.scheme);
         quote! { #(#names_of)|* => #private::Visitor::visit::<#marker>(visitor) }

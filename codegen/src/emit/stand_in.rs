@@ -6,7 +6,7 @@ use syn::ext::IdentExt;
 use syn::parse_quote;
 
 use crate::diagnostics::Diagnostics;
-use crate::parse::{Attribute, CONTROL, DERIVATIVES, without_helpers};
+use crate::parse::{Attribute, Key, without_helpers};
 
 /// The struct, of a type that has the first of the errors as an argument, and aliases of a type that does not exist under all other names that
 /// users write: rustc takes what is done with such types without further complaint. An item that is no plain struct is left as it is.
@@ -26,10 +26,10 @@ pub(crate) fn stand_in(item: TokenStream, attribute: &Attribute, diagnostics: Di
     // a constant, which need not be used
     item.generics.params.push(parse_quote! { const ERROR: ::core::primitive::usize });
     let mut others: Vec<Ident> = vec![format_ident!("{}State", name.unraw())];
-    if attribute.has(CONTROL) {
+    if attribute.has(Key::Control) {
         others.push(format_ident!("{}Control", name.unraw()));
     }
-    if attribute.has(DERIVATIVES) {
+    if attribute.has(Key::Derivatives) {
         others.push(format_ident!("{}Indices", name.unraw()));
     }
     quote! {

@@ -11,7 +11,7 @@ use super::docs;
 use super::functions::function;
 use super::names::{Names, fields, quantity, whole};
 use crate::program::{Program, Quantity, SystemRole};
-use crate::quantity::{Kind, Role, Shape};
+use crate::quantity::{Kind, Role};
 
 /// The state of a system, and its controls if it has any:
 ///
@@ -158,12 +158,7 @@ fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream
 
 /// The Rust type of a field.
 fn field_type(field: &[&Quantity], names: &Names) -> TokenStream {
-    let ty = match field[0].role {
-        Role::Control => sized_type(field[0].shape(), names),
-        Role::Parameter | Role::Configuration | Role::Momentum | Role::Advected => {
-            named_type(field[0].kind, names)
-        }
-    };
+    let ty = kind_type(field[0].kind, names);
     match field[0].element {
         None => ty,
         Some(_) => {
@@ -174,33 +169,26 @@ fn field_type(field: &[&Quantity], names: &Names) -> TokenStream {
 }
 
 /// The type of a kind: one of nalgebra's, by its own name if it has one. Those of vectors and matrices end at 6.
-pub(super) fn named_type(kind: Kind, names: &Names) -> TokenStream {
+pub(super) fn kind_type(kind: Kind, names: &Names) -> TokenStream {
     let Names { private, scalar, .. } = names;
-    let name = match kind {
-        Kind::Vector(n @ 1..=6) => format!("Vector{n}"),
-        Kind::Matrix(n @ 1..=6, columns) if n == columns => format!("Matrix{n}"),
-        Kind::UnitComplex => "UnitComplex".to_owned(),
-        Kind::UnitQuaternion => "UnitQuaternion".to_owned(),
-        Kind::RigidMotion2 => "Isometry2".to_owned(),
-        Kind::RigidMotion3 => "Isometry3".to_owned(),
-        Kind::Scalar | Kind::Vector(_) | Kind::Symmetric(_) | Kind::Matrix(..) => {
-            return sized_type(kind.shape(), names);
-        }
+    let named = |name: String| {
+        let ty = format_ident!("{name}");
+        quote! { #private::nalgebra::#ty<#scalar> }
     };
-    let ty = format_ident!("{name}");
-    quote! { #private::nalgebra::#ty<#scalar> }
-}
-
-/// The type of a shape, by its size.
-pub(super) fn sized_type(shape: Shape, names: &Names) -> TokenStream {
-    let Names { private, scalar, .. } = names;
-    match shape {
-        Shape::Scalar => scalar.clone(),
-        Shape::Vector(n) => {
+    match kind {
+        Kind::Scalar => scalar.clone(),
+        Kind::UnitComplex => named("UnitComplex".to_owned()),
+        Kind::UnitQuaternion => named("UnitQuaternion".to_owned()),
+        Kind::RigidMotion2 => named("Isometry2".to_owned()),
+        Kind::RigidMotion3 => named("Isometry3".to_owned()),
+        Kind::Vector(n @ 1..=6) => named(format!("Vector{n}")),
+        Kind::Vector(n) => {
             let n = size(n);
             quote! { #private::nalgebra::SVector<#scalar, #n> }
         }
-        Shape::Matrix(rows, columns) => {
+        Kind::Matrix(n @ 1..=6, columns) if n == columns => named(format!("Matrix{n}")),
+        Kind::Symmetric(n) => kind_type(Kind::Matrix(n, n), names),
+        Kind::Matrix(rows, columns) => {
             let (rows, columns) = (size(rows), size(columns));
             quote! { #private::nalgebra::SMatrix<#scalar, #rows, #columns> }
         }

@@ -158,10 +158,9 @@ fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let interface = &program.interface;
     let (casimirs, dimension) = (size(interface.casimirs.len()), size(interface.dimension));
     let momentum = quote! { #private::nalgebra::SVector<#scalar, #dimension> };
-    let at_any_time = |role, name| call(program, names, role, name, &[(Input::Time, quote! { 0.0 })]);
     let energy = call(program, names, SystemRole::Energy, "energy", &[]);
-    let conserved = at_any_time(SystemRole::Casimirs, "casimirs");
-    let spatial_momentum = at_any_time(SystemRole::SpatialMomentum, "spatial_momentum");
+    let conserved = call(program, names, SystemRole::Casimirs, "casimirs", &[]);
+    let spatial_momentum = call(program, names, SystemRole::SpatialMomentum, "spatial_momentum", &[]);
     let legendre = legendre(program, names);
     quote! {
         fn energy_at(&self, state: &#state, time: #scalar, control: &Self::Control) -> #scalar {

@@ -3,7 +3,6 @@
 mod arena;
 mod diff;
 mod display;
-mod eval;
 mod expression;
 mod linear;
 mod node;
@@ -15,7 +14,6 @@ mod vanishing;
 pub use arena::Arena;
 pub use diff::{Derivative, Substitution, gradient};
 pub use display::Formulas;
-pub use eval::Value;
 pub use expression::Expr;
 pub(crate) use linear::uncoupled;
 pub use linear::{Matrix, Vector};

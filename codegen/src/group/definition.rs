@@ -2,7 +2,7 @@
 
 use num_rational::Ratio;
 
-use super::{Basis, Law, MatrixFunction, Representation, Retraction, Side, calculus, families, second_kind};
+use super::{Basis, Law, MatrixFunction, Representation, Retraction, Side, calculus, families};
 use crate::expr::{Expr, Vector};
 use crate::quantity::Kind;
 
@@ -10,7 +10,7 @@ use crate::quantity::Kind;
 ///
 /// Elements `x`, `y` of the algebra and `m` of its dual are vectors of [`dimension`](Self::dimension) coordinates, paired by
 /// the dot product; elements `g`, `h` of the group are vectors of the stored coordinates.
-pub trait Group: Sync {
+pub trait Group: AsGroup + Sync {
     /// The name users write.
     fn name(&self) -> &'static str;
     /// One line on coordinates and conventions, for generated documentation.
@@ -63,26 +63,40 @@ pub trait Group: Sync {
     fn retract<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vector<'a> {
         match retraction.law() {
             Law::Function(f) => self.closed_form(f, x),
-            Law::Product(order) => second_kind::retract(self, order, x),
+            Law::Composite(map) => map.retract(self.as_group(), x),
         }
     }
     /// `(dR τ_x)* m`, the dual of the right logarithmic derivative `dR τ_x y = Dτ(x)y · τ(x)⁻¹`.
     fn d_right_dual<'a>(&self, retraction: Retraction, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         match retraction.law() {
             Law::Function(f) => self.closed_d_right_dual(f, x, m),
-            Law::Product(order) => second_kind::d_right_dual(self, order, x, m),
+            Law::Composite(map) => map.d_right_dual(self.as_group(), x, m),
         }
     }
-    /// Whether there are steps with a retraction: not with a map that leaves the group, or of which no closed form is known.
-    fn has(&self, _retraction: Retraction) -> bool {
+    /// Whether there are steps with a function: not with a map that leaves the group, or of which no closed form is known.
+    fn has_function(&self, _f: MatrixFunction) -> bool {
         true
+    }
+    /// Whether there are steps with a retraction.
+    fn has(&self, retraction: Retraction) -> bool {
+        match retraction.law() {
+            Law::Function(f) => self.has_function(f),
+            Law::Composite(map) => map.is_for(self.as_group()),
+        }
     }
     /// Whether it is summed as a series, term by term, for want of a closed form.
     fn is_summed(&self, _retraction: Retraction) -> bool {
         false
     }
-    /// Positive, all of them, where the retraction is a local diffeomorphism, one of them zero on the edge; none if that is everywhere.
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>>;
+    /// Positive, all of them, where `f` is a local diffeomorphism, one of them zero on the edge; none if that is everywhere.
+    fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>>;
+    /// The same of a retraction.
+    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        match retraction.law() {
+            Law::Function(f) => self.closed_domain(f, x),
+            Law::Composite(map) => map.domain(self.as_group(), x),
+        }
+    }
     /// `g h`
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a>;
     /// `g⁻¹`
@@ -149,6 +163,18 @@ pub trait Group: Sync {
     /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
     fn components(&self) -> &'static [Component] {
         &[]
+    }
+}
+
+/// A group as one of any kind.
+pub trait AsGroup {
+    /// The same.
+    fn as_group(&self) -> &dyn Group;
+}
+
+impl<G: Group> AsGroup for G {
+    fn as_group(&self) -> &dyn Group {
+        self
     }
 }
 

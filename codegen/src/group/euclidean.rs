@@ -4,7 +4,7 @@
 //! * Storage: the vector; `g' = ξ`.
 //! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
 
-use super::{EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
+use super::{EquationNames, Equations, Group, MatrixFunction, Representation};
 use crate::expr::{Expr, Vector};
 use crate::quantity::Kind;
 
@@ -62,7 +62,7 @@ impl Group for R {
         m.clone()
     }
 
-    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Vec<Expr<'a>> {
+    fn closed_domain<'a>(&self, _: MatrixFunction, _: &Vector<'a>) -> Vec<Expr<'a>> {
         Vec::new()
     }
 

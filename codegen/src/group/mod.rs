@@ -27,13 +27,15 @@ mod su2;
 pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
-pub use definition::{Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, Moved};
+pub use definition::{
+    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, Moved,
+};
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
 pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};
-pub(crate) use retraction::{Law, Order};
+pub(crate) use retraction::{Composite, Law};
 pub use retraction::{MatrixFunction, Retraction};
 pub use se2::SE2;
 pub use se3::SE3;

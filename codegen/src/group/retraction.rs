@@ -1,4 +1,10 @@
 //! The maps from the algebra to the group that steps are made with.
+//!
+//! A retraction is a file and its row in [`Retraction::row`]: parsing, messages, displacements and schemes follow from the row.
+
+use super::second_kind::{ASCENDING, DESCENDING};
+use super::{Group, Representation, Translation};
+use crate::expr::{Expr, Vector};
 
 /// A map `τ: g → G` with `τ(0) = e`, `τ'(0) = id`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,20 +31,91 @@ pub enum MatrixFunction {
     Cayley,
 }
 
+/// How a retraction is made for any group.
+#[derive(Clone, Copy)]
+pub(crate) enum Law {
+    /// By the group's closed forms.
+    Function(MatrixFunction),
+    /// From the group's exponential, in a file of its own.
+    Composite(&'static dyn Composite),
+}
+
+/// A retraction that is made for all groups at once.
+pub(crate) trait Composite: Sync {
+    /// `τ(x)`
+    fn retract<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vector<'a>;
+    /// `(dR τ_x)* m`
+    fn d_right_dual<'a>(&self, group: &dyn Group, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// `Ad*_{τ(x)} m`
+    fn coadjoint<'a>(&self, group: &dyn Group, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
+    /// `τ(x)` acting on a vector `v` of one of the group's spaces.
+    fn transport<'a>(
+        &self,
+        group: &dyn Group,
+        space: &dyn Representation,
+        x: &Vector<'a>,
+        v: &Vector<'a>,
+    ) -> Vector<'a>;
+    /// The `V` part of `τ(x, w)` on the semidirect product.
+    fn translation<'a>(&self, w: &Vector<'a>) -> Translation<'a>;
+    /// Whether it is known of a group where the retraction is singular. There are no steps with it elsewhere.
+    fn is_for(&self, group: &dyn Group) -> bool;
+    /// Positive, all of them, where the retraction is a local diffeomorphism.
+    fn domain<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vec<Expr<'a>>;
+}
+
+/// What is known of a retraction.
+struct Row {
+    name: &'static str,
+    law: Law,
+    reversed: Retraction,
+    /// Whether steps are generated with it unless others are asked for.
+    is_default: bool,
+    /// Why some groups have no steps with it.
+    absence: &'static str,
+}
+
 impl Retraction {
     /// Those that steps are asked for by.
-    pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
-    /// Those with which steps are generated unless others are asked for.
-    pub const DEFAULT: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
+    pub const ALL: [Self; 3] = [Self::Exponential, Self::Cayley, Self::SecondKind];
+
+    fn row(self) -> Row {
+        const UNKNOWN: &str = "where they are singular is not known";
+        match self {
+            Self::Exponential => Row {
+                name: "Exponential",
+                law: Law::Function(MatrixFunction::Exponential),
+                reversed: Self::Exponential,
+                is_default: true,
+                absence: "it has no closed form and too many coordinates to be summed",
+            },
+            Self::Cayley => Row {
+                name: "Cayley",
+                law: Law::Function(MatrixFunction::Cayley),
+                reversed: Self::Cayley,
+                is_default: true,
+                absence: "(1 − X/2)⁻¹(1 + X/2) leaves the group",
+            },
+            Self::SecondKind => Row {
+                name: "SecondKind",
+                law: Law::Composite(&ASCENDING),
+                reversed: Self::ReversedSecondKind,
+                is_default: false,
+                absence: UNKNOWN,
+            },
+            Self::ReversedSecondKind => Row {
+                name: "ReversedSecondKind",
+                law: Law::Composite(&DESCENDING),
+                reversed: Self::SecondKind,
+                is_default: false,
+                absence: UNKNOWN,
+            },
+        }
+    }
 
     /// The name of the runtime's marker type; what is backwards has none of its own.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Exponential => "Exponential",
-            Self::Cayley => "Cayley",
-            Self::SecondKind => "SecondKind",
-            Self::ReversedSecondKind => "ReversedSecondKind",
-        }
+        self.row().name
     }
 
     /// Its name among those of functions: `second_kind`.
@@ -53,14 +130,25 @@ impl Retraction {
         name
     }
 
+    /// Those with which steps are generated unless others are asked for.
+    pub fn defaults() -> impl Iterator<Item = Self> {
+        Self::ALL.into_iter().filter(|retraction| retraction.is_default())
+    }
+
+    /// Whether steps are generated with it unless others are asked for.
+    pub fn is_default(self) -> bool {
+        self.row().is_default
+    }
+
+    /// Why some groups have no steps with it.
+    pub fn absence(self) -> &'static str {
+        self.row().absence
+    }
+
     /// `τ̄(x) = τ(−x)⁻¹`, a retraction with `dR τ̄_x = dL τ_{−x}`.
     #[must_use]
     pub fn reversed(self) -> Self {
-        match self {
-            Self::Exponential | Self::Cayley => self,
-            Self::SecondKind => Self::ReversedSecondKind,
-            Self::ReversedSecondKind => Self::SecondKind,
-        }
+        self.row().reversed
     }
 
     /// Whether `τ(−x) = τ(x)⁻¹`.
@@ -75,12 +163,7 @@ impl Retraction {
 
     /// By what law it is made.
     pub(crate) fn law(self) -> Law {
-        match self {
-            Self::Exponential => Law::Function(MatrixFunction::Exponential),
-            Self::Cayley => Law::Function(MatrixFunction::Cayley),
-            Self::SecondKind => Law::Product(Order::Ascending),
-            Self::ReversedSecondKind => Law::Product(Order::Descending),
-        }
+        self.row().law
     }
 }
 
@@ -91,22 +174,4 @@ impl From<MatrixFunction> for Retraction {
             MatrixFunction::Cayley => Self::Cayley,
         }
     }
-}
-
-/// How a retraction is made for any group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Law {
-    /// By the group's closed forms.
-    Function(MatrixFunction),
-    /// As a [product of one-parameter groups](super::second_kind).
-    Product(Order),
-}
-
-/// In which order the axes of an algebra come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Order {
-    /// From the first one to the last one.
-    Ascending,
-    /// From the last one to the first one.
-    Descending,
 }

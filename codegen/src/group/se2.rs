@@ -6,7 +6,7 @@
 
 use super::rigid::Rigid;
 use super::so2::{Plane, SO2};
-use super::{Component, ComponentValue, Group, MatrixFunction, Representation, Retraction, Semidirect};
+use super::{Component, ComponentValue, Group, MatrixFunction, Representation, Semidirect};
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
 
@@ -70,14 +70,13 @@ impl Group for SE2 {
         rigid().d_right_dual(f, x, m)
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        match retraction {
+    fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        match f {
             // dR exp is singular at a full turn
-            Retraction::Exponential => {
-                let edge = x.0[0].arena().number(Number::FOUR_PI_SQUARED);
-                vec![edge - x.0[0] * x.0[0]]
+            MatrixFunction::Exponential => {
+                vec![x.0[0].arena().number(Number::FOUR_PI_SQUARED) - x.0[0] * x.0[0]]
             }
-            Retraction::Cayley | Retraction::SecondKind | Retraction::ReversedSecondKind => Vec::new(),
+            MatrixFunction::Cayley => Vec::new(),
         }
     }
 

@@ -76,8 +76,8 @@ impl Group for SE3 {
         rigid().d_right_dual(f, x, m)
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        SO3.domain(retraction, &rigid().split(x).base)
+    fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        SO3.closed_domain(f, &rigid().split(x).base)
     }
 
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {

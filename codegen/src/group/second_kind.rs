@@ -5,80 +5,96 @@
 //! `Ad_{g₁ ⋯ g_{i−1}} E_i`, so that one pass of `m_i = Ad*_{g_i} m_{i−1}` from `m₀ = m` has all that a step needs: the components
 //! `((dR τ_x)* m)_i = (m_{i−1})_i`, and `Ad*_{τ(x)} m = m_d` at its end.
 //!
-//! The map is not odd: `τ̄(x) = τ(−x)⁻¹` has the factors in the opposite [`Order`]. Nor is it `Ad`-equivariant.
+//! The map is not odd: `τ̄(x) = τ(−x)⁻¹` has the factors in the opposite order. Nor is it `Ad`-equivariant.
 //!
 //! On a semidirect product `G ⋉ V` the space's axes come after the group's, `τ(x, w) = τ(x) exp(w)`, and backwards before them. For SE(2) and
 //! SE(3), which are such products, these are the coordinates of the second kind along all of their axes.
 
-use super::{Group, MatrixFunction, Order, Representation};
-use crate::expr::Vector;
+use super::{Composite, Group, MatrixFunction, Representation, Translation};
+use crate::expr::{Expr, Number, Vector};
 
-/// The axes in the order in which their one-parameter groups are multiplied, each with `exp(x_iE_i)`.
-fn factors<'a, G: Group + ?Sized>(group: &G, order: Order, x: &Vector<'a>) -> Vec<(usize, Vector<'a>)> {
-    let factor = |axis| (axis, group.closed_form(MatrixFunction::Exponential, &along(x, axis)).hold());
-    let mut factors: Vec<_> = (0..x.len()).map(factor).collect();
-    if order == Order::Descending {
-        factors.reverse();
+/// The product in one order of the axes.
+pub(super) struct SecondKind {
+    descending: bool,
+}
+
+/// From the first axis to the last one.
+pub(super) static ASCENDING: SecondKind = SecondKind { descending: false };
+/// From the last axis to the first one.
+pub(super) static DESCENDING: SecondKind = SecondKind { descending: true };
+
+impl SecondKind {
+    /// The axes in the order in which their one-parameter groups are multiplied, each with `exp(x_iE_i)`.
+    fn factors<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vec<(usize, Vector<'a>)> {
+        let factor = |axis| (axis, group.closed_form(MatrixFunction::Exponential, &along(x, axis)).hold());
+        let mut factors: Vec<_> = (0..x.len()).map(factor).collect();
+        if self.descending {
+            factors.reverse();
+        }
+        factors
     }
-    factors
-}
 
-/// `τ(x)`
-pub(super) fn retract<'a, G: Group + ?Sized>(group: &G, order: Order, x: &Vector<'a>) -> Vector<'a> {
-    let factors = factors(group, order, x).into_iter().map(|(_, factor)| factor);
-    let product = factors.reduce(|product, factor| group.compose(&product, &factor).hold());
-    // an algebra has an axis
-    product.unwrap_or_else(|| x.clone())
-}
-
-/// `(dR τ_x)* m` and `Ad*_{τ(x)} m`.
-fn pass<'a, G: Group + ?Sized>(
-    group: &G,
-    order: Order,
-    x: &Vector<'a>,
-    m: &Vector<'a>,
-) -> (Vector<'a>, Vector<'a>) {
-    let (mut dual, mut carried) = (m.clone(), m.clone());
-    for (axis, factor) in factors(group, order, x) {
-        dual.0[axis] = carried.0[axis];
-        carried = group.to_space(&group.inverse(&factor), &carried).hold();
+    /// `(dR τ_x)* m` and `Ad*_{τ(x)} m`.
+    fn pass<'a>(&self, group: &dyn Group, x: &Vector<'a>, m: &Vector<'a>) -> (Vector<'a>, Vector<'a>) {
+        let (mut dual, mut carried) = (m.clone(), m.clone());
+        for (axis, factor) in self.factors(group, x) {
+            dual.0[axis] = carried.0[axis];
+            carried = group.to_space(&group.inverse(&factor), &carried).hold();
+        }
+        (dual, carried)
     }
-    (dual, carried)
 }
 
-/// `(dR τ_x)* m`
-pub(super) fn d_right_dual<'a, G: Group + ?Sized>(
-    group: &G,
-    order: Order,
-    x: &Vector<'a>,
-    m: &Vector<'a>,
-) -> Vector<'a> {
-    pass(group, order, x, m).0
-}
+impl Composite for SecondKind {
+    fn retract<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vector<'a> {
+        let factors = self.factors(group, x).into_iter().map(|(_, factor)| factor);
+        let product = factors.reduce(|product, factor| group.compose(&product, &factor).hold());
+        // an algebra has an axis
+        product.unwrap_or_else(|| x.clone())
+    }
 
-/// `Ad*_{τ(x)} m`
-pub(super) fn coadjoint<'a, G: Group + ?Sized>(
-    group: &G,
-    order: Order,
-    x: &Vector<'a>,
-    m: &Vector<'a>,
-) -> Vector<'a> {
-    pass(group, order, x, m).1
-}
+    fn d_right_dual<'a>(&self, group: &dyn Group, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        self.pass(group, x, m).0
+    }
 
-/// `τ(x)` acting on a vector `v` of one of the group's spaces.
-pub(super) fn transport<'a>(
-    group: &dyn Group,
-    order: Order,
-    space: &dyn Representation,
-    x: &Vector<'a>,
-    v: &Vector<'a>,
-) -> Vector<'a> {
-    let turned = |v: Vector<'a>, (axis, factor): (usize, Vector<'a>)| {
-        let by_series = || space.transport(MatrixFunction::Exponential, &along(x, axis), &v);
-        space.act(&factor, &v).unwrap_or_else(by_series).hold()
-    };
-    factors(group, order, x).into_iter().rev().fold(v.clone(), turned)
+    fn coadjoint<'a>(&self, group: &dyn Group, x: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
+        self.pass(group, x, m).1
+    }
+
+    fn transport<'a>(
+        &self,
+        group: &dyn Group,
+        space: &dyn Representation,
+        x: &Vector<'a>,
+        v: &Vector<'a>,
+    ) -> Vector<'a> {
+        let turned = |v: Vector<'a>, (axis, factor): (usize, Vector<'a>)| {
+            let by_series = || space.transport(MatrixFunction::Exponential, &along(x, axis), &v);
+            space.act(&factor, &v).unwrap_or_else(by_series).hold()
+        };
+        self.factors(group, x).into_iter().rev().fold(v.clone(), turned)
+    }
+
+    fn translation<'a>(&self, w: &Vector<'a>) -> Translation<'a> {
+        let nothing = w.map(|component| component.arena().zero());
+        let (body_part, rotated_part) =
+            if self.descending { (w.clone(), nothing) } else { (nothing, w.clone()) };
+        Translation { body_part, rotated_part, is_tangent_group: false }
+    }
+
+    fn is_for(&self, group: &dyn Group) -> bool {
+        group.matrix_rows().is_none()
+    }
+
+    /// Turns of space about one axis after the other: where the second one is a quarter turn, the third axis lies along the first.
+    fn domain<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        let turns_in_space = group.unit_coordinates() == 4;
+        if !turns_in_space {
+            return Vec::new();
+        }
+        let quarter = Number::FOUR_PI_SQUARED * Number::ratio(1, 16);
+        vec![x.0[0].arena().number(quarter) - x.0[1] * x.0[1]]
+    }
 }
 
 /// `x` along one axis alone.

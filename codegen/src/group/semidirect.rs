@@ -12,7 +12,7 @@
 //! coordinates of the second kind the spaces' axes come after the group's: `f = 0`, `e = w`, and backwards `f = w`, `e = 0`.
 
 use super::calculus::transposed;
-use super::{Group, Law, Order, Representation, Retraction, Translation, placeholders, second_kind};
+use super::{Group, Law, Representation, Retraction, Translation, placeholders};
 use crate::expr::{Expr, Vector, gradient};
 
 /// A group together with the spaces its advected parameters live in.
@@ -102,16 +102,10 @@ impl Semidirect {
         x: &Vector<'a>,
         w: &Vector<'a>,
     ) -> Translation<'a> {
-        let order = match retraction.law() {
-            Law::Function(f) => return self.spaces[space].translation(f, x, w),
-            Law::Product(order) => order,
-        };
-        let nothing = w.map(|component| component.arena().zero());
-        let (body_part, rotated_part) = match order {
-            Order::Ascending => (nothing, w.clone()),
-            Order::Descending => (w.clone(), nothing),
-        };
-        Translation { body_part, rotated_part, is_tangent_group: false }
+        match retraction.law() {
+            Law::Function(f) => self.spaces[space].translation(f, x, w),
+            Law::Composite(map) => map.translation(w),
+        }
     }
 
     /// `τ(x)` acting on a vector of one of the spaces.
@@ -124,7 +118,7 @@ impl Semidirect {
     ) -> Vector<'a> {
         match retraction.law() {
             Law::Function(f) => self.spaces[space].transport(f, x, v),
-            Law::Product(order) => second_kind::transport(self.group, order, self.spaces[space], x, v),
+            Law::Composite(map) => map.transport(self.group, self.spaces[space], x, v),
         }
     }
 
@@ -180,16 +174,16 @@ impl Semidirect {
         mu: &SemidirectVector<'a>,
         mean: &SemidirectVector<'a>,
     ) -> SemidirectVector<'a> {
-        let order = match retraction.law() {
+        let map = match retraction.law() {
             Law::Function(_) => return mu.plus(&self.coadjoint(xi, mean)),
-            Law::Product(order) => order,
+            Law::Composite(map) => map,
         };
         let translations = xi.spaces.iter().enumerate();
         let translations: Vec<_> =
             translations.map(|(space, w)| self.translation(space, retraction, &xi.base, w)).collect();
         let before = translations.iter().map(|translation| &translation.body_part);
         let m = self.shifted(&mu.base, before, &mu.spaces);
-        let m = second_kind::coadjoint(self.group, order, &xi.base, &m);
+        let m = map.coadjoint(self.group, &xi.base, &m);
         let spaces = self.carry_all(retraction, &xi.base, &mu.spaces, &mean.spaces);
         let after = translations.iter().map(|translation| &translation.rotated_part);
         SemidirectVector { base: self.shifted(&m, after, &spaces).hold(), spaces }

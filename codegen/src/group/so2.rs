@@ -7,7 +7,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, MatrixFunction, Representation,
-    Retraction, Translation,
+    Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -93,7 +93,7 @@ impl Group for SO2 {
         }
     }
 
-    fn domain<'a>(&self, _: Retraction, _: &Vector<'a>) -> Vec<Expr<'a>> {
+    fn closed_domain<'a>(&self, _: MatrixFunction, _: &Vector<'a>) -> Vec<Expr<'a>> {
         Vec::new()
     }
 

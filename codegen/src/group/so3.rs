@@ -124,14 +124,13 @@ impl Group for SO3 {
         }
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        let edge = |part| x.0[0].arena().number(Number::FOUR_PI_SQUARED * Number::ratio(1, part));
-        match retraction {
+    fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        match f {
             // dR exp is singular where |x| = 2π
-            Retraction::Exponential => vec![edge(1) - x.squared_norm()],
-            Retraction::Cayley => Vec::new(),
-            // turns about one axis after the other: where the second one is a quarter turn, the third axis lies along the first
-            Retraction::SecondKind | Retraction::ReversedSecondKind => vec![edge(16) - x.0[1] * x.0[1]],
+            MatrixFunction::Exponential => {
+                vec![x.0[0].arena().number(Number::FOUR_PI_SQUARED) - x.squared_norm()]
+            }
+            MatrixFunction::Cayley => Vec::new(),
         }
     }
 

@@ -93,8 +93,8 @@ impl Group for SU2 {
         }
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        SO3.domain(retraction, x)
+    fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+        SO3.closed_domain(f, x)
     }
 
     fn compose<'a>(&self, g: &Vector<'a>, h: &Vector<'a>) -> Vector<'a> {

@@ -127,7 +127,11 @@ pub fn function<'a>(
     let outputs = code.plan(outputs);
     code.names.carry_over(arena, &code.factoring, &code.plan);
     code.plan.eliminate_common_pairs();
-    code.module(Placement::alone(), vec![returned(role, vec![outputs])])
+    let mut module = code.module(Placement::alone(), vec![returned(role, vec![outputs])]);
+    // the runtime does not know these functions: they are given what they use
+    let is_used = |argument: &Argument| argument.values.iter().any(Option::is_some);
+    module.functions.iter_mut().for_each(|function| function.arguments.retain(is_used));
+    module
 }
 
 fn returned<R>(role: R, results: Vec<Vec<Signed>>) -> Outline<R> {

@@ -40,7 +40,20 @@ use super::step::Step;
 use crate::expr::{Arena, Expr, Number, Symbol, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Energy, Factor, Parts, Relation, System};
-use crate::scheme::Member;
+use crate::scheme::{Member, Method};
+
+/// The family of steps.
+pub const METHOD: Method = Method {
+    name: "Family",
+    rule: "Member",
+    named: &[
+        ("SymplecticEulerA", Member::SYMPLECTIC_EULER_A),
+        ("Midpoint", Member::MIDPOINT),
+        ("SymplecticEulerB", Member::SYMPLECTIC_EULER_B),
+    ],
+    bare: Some(Member::SYMPLECTIC_EULER_A),
+    needs_momentum: None,
+};
 
 /// A member of the family for a system.
 struct Family<'s, 'a> {

@@ -1,4 +1,6 @@
 //! Methods: from a system and a retraction to the equations of one step. They make expressions, never tokens.
+//!
+//! A method is a file and its row in [`METHODS`]: parsing, messages and emission follow from the row.
 
 mod discretization;
 pub mod family;
@@ -13,7 +15,25 @@ pub use step::{Increment, Step, step_symbol};
 use crate::expr::Arena;
 use crate::group::Retraction;
 use crate::model::System;
-use crate::scheme::{Member, Rule, Scheme};
+use crate::scheme::{Member, Method, Rule, Scheme};
+
+/// A method's step of a system.
+type StepOf = for<'a> fn(&'a Arena, &System<'a>, Retraction, Member) -> Step<'a>;
+
+/// The methods, each with what makes its steps.
+pub const METHODS: [(&Method, StepOf); 2] =
+    [(&family::METHOD, family::step), (&tangent_lift::METHOD, tangent_lift::step)];
+
+/// The rules that every system has steps by: both ends of the family.
+pub const STANDARD: [Rule; 2] = [FIRST, LAST];
+
+const FIRST: Rule = family::METHOD.member(Member::SYMPLECTIC_EULER_A);
+const LAST: Rule = family::METHOD.member(Member::SYMPLECTIC_EULER_B);
+
+/// The methods as users name them.
+pub fn known() -> Vec<&'static Method> {
+    METHODS.into_iter().map(|(method, _)| method).collect()
+}
 
 impl Scheme {
     /// The scheme of which this one is another name for the system, if `first` is the first of its retractions. `s = 1` is `s = 0` where nothing
@@ -22,18 +42,17 @@ impl Scheme {
     pub fn original(self, system: &System<'_>, first: Retraction) -> Self {
         let is_linear = system.group.is_linear();
         let retraction = if is_linear { first } else { self.retraction };
-        let is_other_end = self.rule == Rule::Family(Member::SYMPLECTIC_EULER_B);
+        let is_other_end = self.rule == LAST;
         let is_first = is_other_end && (is_linear || retraction.is_odd()) && system.is_left_invariant();
-        let rule = if is_first { Rule::Family(Member::SYMPLECTIC_EULER_A) } else { self.rule };
+        let rule = if is_first { FIRST } else { self.rule };
         Self { retraction, rule }
     }
 
     /// The step that it makes of a system.
     pub fn step<'a>(self, arena: &'a Arena, system: &System<'a>) -> Step<'a> {
-        let step = |system: &System<'a>| match self.rule {
-            Rule::Family(member) => family::step(arena, system, self.retraction, member),
-            Rule::TangentLift(member) => tangent_lift::step(arena, system, self.retraction, member),
-        };
+        let Rule { method, member } = self.rule;
+        let (_, step_of) = METHODS.into_iter().find(|(known, _)| *known == method).unwrap_or(METHODS[0]);
+        let step = |system: &System<'a>| step_of(arena, system, self.retraction, member);
         let mut whole = step(system);
         if let Some(coarse) = system.coarse().map(|system| step(&system)) {
             // of the same equations, with symbols of their own

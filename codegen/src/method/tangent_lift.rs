@@ -22,7 +22,16 @@ use super::step::Step;
 use crate::expr::{Arena, Derivative, Expr, Number, Symbol, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side};
 use crate::model::{Energy, Parts, Relation, System};
-use crate::scheme::Member;
+use crate::scheme::{Member, Method};
+
+/// The family of tangent lifts.
+pub const METHOD: Method = Method {
+    name: "TangentLift",
+    rule: "TangentLift",
+    named: &[("TangentLift", Member::SYMPLECTIC_EULER_A), ("TangentMidpoint", Member::MIDPOINT)],
+    bare: None,
+    needs_momentum: Some("tangent lifts"),
+};
 
 /// A tangent lift of a system.
 struct Lift<'s, 'a> {

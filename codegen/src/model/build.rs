@@ -4,8 +4,8 @@ use std::cell::OnceCell;
 use std::ops::Range;
 
 use super::{
-    Advected, Energy, Factor, ForceSource, InertiaField, InertiaShape, Name, Parameter, Part, Source,
-    Sources, System, suffixes,
+    Advected, Energy, EnergyKey, EnergySource, Factor, ForceSource, InertiaField, InertiaShape, Name,
+    Parameter, Part, Sources, System, suffixes,
 };
 use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
@@ -47,12 +47,13 @@ impl<'a> System<'a> {
         let energies = energies(arena, description, &forbidden, &mut sources, &mut scope, diagnostics);
         forces(arena, description, (&group, &mut factors), &mut sources, &mut scope, diagnostics);
         let inertias = inertias(description, &factors, (&parameters, &values));
-        let energy = match (description.hamiltonian, description.lagrangian) {
-            (Some(_), _) => Energy::Hamiltonian(energies.hamiltonian),
-            (None, Some(_)) => Energy::Lagrangian(energies.lagrangian),
+        let of = |key: EnergyKey| energies.iter().find(|(known, _)| *known == key).map(|&(_, energy)| energy);
+        let energy = match (of(EnergyKey::Hamiltonian), of(EnergyKey::Lagrangian)) {
+            (Some(hamiltonian), _) => Energy::Hamiltonian(hamiltonian),
+            (None, Some(lagrangian)) => Energy::Lagrangian(lagrangian),
             (None, None) => Energy::Mechanical {
                 inertia: joint_inertia(arena, &factors, &inertias),
-                potential: energies.potential,
+                potential: of(EnergyKey::Potential).unwrap_or_else(|| arena.zero()),
             },
         };
         if description.is_sound() && diagnostics.len() == before {
@@ -133,33 +134,36 @@ struct Forbidden {
 }
 
 impl Forbidden {
-    fn to_hamiltonians(&self) -> Vec<(String, String)> {
-        let velocities = self.velocities.iter().map(|(velocity, momentum)| {
-            let message = format!("an energy is a function of the momentum; write it in `{momentum}`");
-            (velocity.clone(), message)
-        });
-        velocities.collect()
-    }
-
-    fn to_lagrangians(&self) -> Vec<(String, String)> {
-        let momenta = self.velocities.iter().map(|(velocity, momentum)| {
-            let message = format!("a Lagrangian is a function of the velocity; write it in `{velocity}`");
-            (momentum.clone(), message)
-        });
-        momenta.collect()
-    }
-
-    fn to_potentials(&self) -> Vec<(String, String)> {
-        let message = |what: &str, key: &str| {
-            format!("a potential does not depend on the {what}; an energy that does is written `{key}`")
-        };
-        let momenta =
-            self.momenta.iter().map(|momentum| (momentum.clone(), message("momentum", "hamiltonian = …")));
-        let velocities = self
-            .velocities
-            .iter()
-            .map(|(velocity, _)| (velocity.clone(), message("velocity", "lagrangian = …")));
-        momenta.chain(velocities).collect()
+    /// The names that an energy may not use, with what to write instead.
+    fn to(&self, key: EnergyKey) -> Vec<(String, String)> {
+        let pairs = self.velocities.iter();
+        match key {
+            EnergyKey::Hamiltonian => pairs
+                .map(|(velocity, momentum)| {
+                    let message =
+                        format!("an energy is a function of the momentum; write it in `{momentum}`");
+                    (velocity.clone(), message)
+                })
+                .collect(),
+            EnergyKey::Lagrangian => pairs
+                .map(|(velocity, momentum)| {
+                    let message =
+                        format!("a Lagrangian is a function of the velocity; write it in `{velocity}`");
+                    (momentum.clone(), message)
+                })
+                .collect(),
+            EnergyKey::Potential => {
+                let message = |what: &str, key: &str| {
+                    format!(
+                        "a potential does not depend on the {what}; an energy that does is written `{key}`"
+                    )
+                };
+                let momenta = self.momenta.iter();
+                let momenta = momenta.map(|name| (name.clone(), message("momentum", "hamiltonian = …")));
+                let velocities = pairs.map(|(name, _)| (name.clone(), message("velocity", "lagrangian = …")));
+                momenta.chain(velocities).collect()
+            }
+        }
     }
 }
 
@@ -265,13 +269,7 @@ fn control<'a>(arena: &'a Arena, control: &Control, scope: &mut Scope<'a>) -> Ve
     elements.collect()
 }
 
-/// What the user's energies mean; zero for one that is not there or has no meaning.
-struct Energies<'a> {
-    potential: Expr<'a>,
-    hamiltonian: Expr<'a>,
-    lagrangian: Expr<'a>,
-}
-
+/// What the user's energies mean; zero for one that has no meaning.
 fn energies<'a>(
     arena: &'a Arena,
     description: &Description<'_>,
@@ -279,28 +277,16 @@ fn energies<'a>(
     sources: &mut Sources,
     scope: &mut Scope<'a>,
     diagnostics: &mut Diagnostics,
-) -> Energies<'a> {
-    let mut lower = |what: &str, source: Option<&syn::Expr>, forbidden: Vec<(String, String)>| {
-        let source = source?;
-        scope.forbid(forbidden);
-        let value = lower_scalar(what, source, scope, arena, diagnostics);
+) -> Vec<(EnergyKey, Expr<'a>)> {
+    let lower = |key: EnergyKey| {
+        let source = description.energy(key)?;
+        scope.forbid(forbidden.to(key));
+        let value = lower_scalar(key.row().what, source, scope, arena, diagnostics);
         scope.forbid(Vec::new());
-        Some((Source { value: source.clone(), has_meaning: value.is_some() }, value))
+        sources.energies.push(EnergySource { key, value: source.clone(), has_meaning: value.is_some() });
+        Some((key, value.map_or_else(|| arena.zero(), Expr::with_limits)))
     };
-    let potential = lower("the potential", description.potential, forbidden.to_potentials());
-    let hamiltonian = lower("the Hamiltonian", description.hamiltonian, forbidden.to_hamiltonians());
-    let lagrangian = lower("the Lagrangian", description.lagrangian, forbidden.to_lagrangians());
-    let (potential, potential_value) = potential.unzip();
-    let (hamiltonian, hamiltonian_value) = hamiltonian.unzip();
-    let (lagrangian, lagrangian_value) = lagrangian.unzip();
-    (sources.potential, sources.hamiltonian, sources.lagrangian) = (potential, hamiltonian, lagrangian);
-    let or_zero =
-        |value: Option<Option<Expr<'a>>>| value.flatten().map_or_else(|| arena.zero(), Expr::with_limits);
-    Energies {
-        potential: or_zero(potential_value),
-        hamiltonian: or_zero(hamiltonian_value),
-        lagrangian: or_zero(lagrangian_value),
-    }
+    EnergyKey::ALL.into_iter().filter_map(lower).collect()
 }
 
 /// The forces, each on its factor.
@@ -391,8 +377,9 @@ fn joint_inertia<'a>(arena: &'a Arena, factors: &[Factor<'a>], fields: &[Inertia
 
 /// Warns of fields and controls that nothing depends on.
 fn warn_of_unused(description: &Description<'_>, scope: &Scope<'_>, diagnostics: &mut Diagnostics) {
-    let whole = if description.lagrangian.is_some() { "Lagrangian" } else { "Hamiltonian" };
-    let general = description.hamiltonian.is_some() || description.lagrangian.is_some();
+    let of_velocity = description.energy(EnergyKey::Lagrangian).is_some();
+    let whole = if of_velocity { "Lagrangian" } else { "Hamiltonian" };
+    let general = of_velocity || description.energy(EnergyKey::Hamiltonian).is_some();
     for (index, field) in description.parameters.iter().enumerate() {
         let is_inertia = description.inertias.iter().any(|inertia| inertia.field == index);
         if scope.is_used(&plain(&field.name)) || is_inertia && !general {

@@ -11,6 +11,7 @@ use syn::{Ident, LitInt, LitStr, Token, bracketed, parenthesized, token};
 
 use super::factor::FactorName;
 use super::group::{Group, Space, declared_name, group, space};
+use super::key::{EnergyKey, Key};
 use super::nesting;
 use super::shape;
 use crate::derivatives::Derivatives;
@@ -18,59 +19,7 @@ use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
 use crate::quantity::{ScalarType, Shape};
-use crate::scheme::{Member, Rule};
-
-/// A key of the attribute: how it is called and how it is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Key {
-    /// What stands before `=` or `(`.
-    pub name: &'static str,
-    /// An example, for messages.
-    pub example: &'static str,
-}
-
-/// The Lie group of the configuration, or several as named factors.
-pub const GROUP: Key = Key { name: "group", example: "group = SO3" };
-/// The parameters that the group acts on.
-pub const ADVECTED: Key = Key { name: "advected", example: "advected(gamma: R3)" };
-/// The potential energy.
-pub const POTENTIAL: Key = Key { name: "potential", example: "potential = weight * gamma.dot(&chi)" };
-/// The Hamiltonian, in place of inertia and potential.
-pub const HAMILTONIAN: Key =
-    Key { name: "hamiltonian", example: "hamiltonian = momentum.norm_squared() / (2.0 * mass)" };
-/// The Lagrangian, in place of inertia and potential.
-pub const LAGRANGIAN: Key =
-    Key { name: "lagrangian", example: "lagrangian = mass * velocity.norm_squared() / 2.0" };
-/// What is given from outside and held over a step.
-pub const CONTROL: Key = Key { name: "control", example: "control(moment: R3, thrust: f64)" };
-/// What acts on the momentum beside the potential.
-pub const FORCE: Key = Key { name: "force", example: "force = moment - friction * momentum" };
-/// On which side the group acts.
-pub const INVARIANCE: Key = Key { name: "invariance", example: "invariance = right" };
-/// The members of the family of steps to generate beside those that are always there.
-pub const METHODS: Key = Key { name: "methods", example: "methods(Midpoint)" };
-/// The retractions to generate steps with, where not with the default ones.
-pub(super) const RETRACTIONS: Key = Key { name: "retractions", example: "retractions(Cayley)" };
-/// Which derivatives of the steps are generated.
-pub const DERIVATIVES: Key = Key { name: "derivatives", example: "derivatives(state)" };
-/// Where the runtime crate is found.
-pub const CRATE: Key = Key { name: "crate", example: "crate = path::to::coadjoint" };
-
-/// All keys, in the order in which messages list them.
-pub const KEYS: [Key; 12] = [
-    GROUP,
-    ADVECTED,
-    POTENTIAL,
-    HAMILTONIAN,
-    LAGRANGIAN,
-    CONTROL,
-    FORCE,
-    INVARIANCE,
-    METHODS,
-    RETRACTIONS,
-    DERIVATIVES,
-    CRATE,
-];
+use crate::scheme::{Member, Method, Rule};
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
 #[derive(Debug, Default)]
@@ -79,12 +28,8 @@ pub struct Attribute {
     pub factors: Vec<Factor>,
     /// `advected(gamma: R3, …)`, in the order written.
     pub advected: Vec<Advected>,
-    /// `potential = …`
-    pub potential: Option<syn::Expr>,
-    /// `hamiltonian = …`
-    pub hamiltonian: Option<syn::Expr>,
-    /// `lagrangian = …`
-    pub lagrangian: Option<syn::Expr>,
+    /// `potential = …`, `hamiltonian = …`, `lagrangian = …`
+    pub energies: Vec<(EnergyKey, syn::Expr)>,
     /// `control(thrust: f64, …)`
     pub controls: Vec<Control>,
     /// `force = …` or `force(attitude = …, …)`
@@ -93,7 +38,7 @@ pub struct Attribute {
     pub right: bool,
     /// `methods(Midpoint, …)`
     pub methods: Vec<Rule>,
-    /// `retractions(Cayley, …)`; empty for those of [`Retraction::DEFAULT`].
+    /// `retractions(Cayley, …)`; empty for those of [`Retraction::defaults`].
     retractions: Vec<Retraction>,
     /// `derivatives` for all of them, or `derivatives(state, …)`
     pub derivatives: Derivatives,
@@ -167,25 +112,25 @@ pub struct Force {
 }
 
 impl Attribute {
-    /// Reads the tokens between the parentheses of the attribute.
-    pub fn parse(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Self {
+    /// Reads the tokens between the parentheses of the attribute. `known` are the methods that there are.
+    pub fn parse(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
         let before = diagnostics.len();
-        let mut attribute = Self::read(tokens, diagnostics);
+        let mut attribute = Self::read(tokens, known, diagnostics);
         attribute.faulty = diagnostics.len() > before;
         attribute
     }
 
-    fn read(tokens: TokenStream, diagnostics: &mut Diagnostics) -> Self {
+    fn read(tokens: TokenStream, known: &[&'static Method], diagnostics: &mut Diagnostics) -> Self {
         let mut attribute = Self::default();
         if let Some((span, message)) = nesting::excess(&tokens) {
             diagnostics.push_at(span, message);
             // nothing was read, so nothing can be said to be missing
-            attribute.given = KEYS.to_vec();
+            attribute.given = Key::all().collect();
             return attribute;
         }
         let entries = |input: ParseStream<'_>| {
             while !input.is_empty() {
-                attribute.entry(input, diagnostics);
+                attribute.entry(input, known, diagnostics);
             }
             Ok(())
         };
@@ -207,7 +152,12 @@ impl Attribute {
 
     /// Whether the energy is given whole, not as inertia and potential.
     pub fn has_whole_energy(&self) -> bool {
-        self.has(HAMILTONIAN) || self.has(LAGRANGIAN)
+        [EnergyKey::Hamiltonian, EnergyKey::Lagrangian].into_iter().any(|key| self.has(Key::Energy(key)))
+    }
+
+    /// The energy of a key.
+    pub fn energy(&self, key: EnergyKey) -> Option<&syn::Expr> {
+        self.energies.iter().find(|(known, _)| *known == key).map(|(_, energy)| energy)
     }
 
     /// The retractions that are named.
@@ -216,24 +166,30 @@ impl Attribute {
     }
 
     /// One `key = value` or `key(…)`, with the comma after it. Always consumes something.
-    fn entry(&mut self, input: ParseStream<'_>, diagnostics: &mut Diagnostics) {
+    fn entry(
+        &mut self,
+        input: ParseStream<'_>,
+        known_methods: &[&'static Method],
+        diagnostics: &mut Diagnostics,
+    ) {
         let key = match Ident::parse_any(input) {
             Ok(key) => key,
             Err(error) => {
-                diagnostics.push_at(error.span(), format!("expected a key, such as `{}`", GROUP.example));
+                diagnostics
+                    .push_at(error.span(), format!("expected a key, such as `{}`", Key::Group.example()));
                 skip_entry(input);
                 return;
             }
         };
         let name = key.to_string();
-        let names = KEYS.map(|key| key.name);
+        let names: Vec<&str> = Key::all().map(Key::name).collect();
         // a slip is read as what it is a slip of: nothing that it declares is missed elsewhere
-        let meant = nearest(&name, &names).and_then(|name| KEYS.iter().find(|known| known.name == name));
-        let is_slip = meant.is_none_or(|known| known.name != name);
+        let meant = nearest(&name, &names).and_then(|name| Key::all().find(|known| known.name() == name));
+        let is_slip = meant.is_none_or(|known| known.name() != name);
         if is_slip {
             diagnostics.push(&key, format!("there is no key `{name}`{}", suggestion(&name, &names)));
         }
-        let Some(&known) = meant else {
+        let Some(known) = meant else {
             skip_entry(input);
             return;
         };
@@ -247,29 +203,30 @@ impl Attribute {
         let target = if again { &mut ignored } else { self };
         let value = input.fork();
         let read = match known {
-            GROUP => factors(&value, &key, diagnostics, &mut target.unreadable)
+            Key::Group => factors(&value, &key, diagnostics, &mut target.unreadable)
                 .map(|factors| target.factors = factors),
-            ADVECTED => {
+            Key::Advected => {
                 let name = |advected: &Advected| Some(advected.name.clone());
                 entries(&value, (&key, known), diagnostics, &mut target.unreadable, advected, name)
                     .map(|list| target.advected = list)
             }
-            POTENTIAL => equals(&value, known, diagnostics).map(|potential| target.potential = potential),
-            HAMILTONIAN => {
-                equals(&value, known, diagnostics).map(|hamiltonian| target.hamiltonian = hamiltonian)
-            }
-            LAGRANGIAN => equals(&value, known, diagnostics).map(|lagrangian| target.lagrangian = lagrangian),
-            CONTROL => {
+            Key::Energy(energy) => equals(&value, known, diagnostics)
+                .map(|value| target.energies.extend(value.map(|value| (energy, value)))),
+            Key::Control => {
                 let name = |control: &Control| Some(control.name.clone());
                 entries(&value, (&key, known), diagnostics, &mut target.unreadable, control, name)
                     .map(|list| target.controls = list)
             }
-            FORCE => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
-            INVARIANCE => invariance(&value, diagnostics).map(|right| target.right = right),
-            METHODS => methods(&value, &key, diagnostics).map(|methods| target.methods = methods),
-            RETRACTIONS => retractions(&value, &key, diagnostics).map(|list| target.retractions = list),
-            DERIVATIVES => derivatives(&value, &key, diagnostics).map(|wanted| target.derivatives = wanted),
-            _ => crate_path(&value, diagnostics).map(|path| target.krate = path),
+            Key::Force => forces(&value, &key, diagnostics).map(|forces| target.forces = forces),
+            Key::Invariance => invariance(&value, diagnostics).map(|right| target.right = right),
+            Key::Methods => {
+                methods(&value, &key, known_methods, diagnostics).map(|methods| target.methods = methods)
+            }
+            Key::Retractions => retractions(&value, &key, diagnostics).map(|list| target.retractions = list),
+            Key::Derivatives => {
+                derivatives(&value, &key, diagnostics).map(|wanted| target.derivatives = wanted)
+            }
+            Key::Crate => crate_path(&value, diagnostics).map(|path| target.krate = path),
         };
         finish_entry(input, &value, read, diagnostics);
     }
@@ -293,7 +250,7 @@ fn retractions(
         })
     };
     let name = |(name, _): &(Ident, Retraction)| Some(name.clone());
-    let named = entries(input, (key, RETRACTIONS), diagnostics, &mut Vec::new(), retraction, name)?;
+    let named = entries(input, (key, Key::Retractions), diagnostics, &mut Vec::new(), retraction, name)?;
     // in the order in which they always come
     let is_named = |retraction: &Retraction| named.iter().any(|(_, known)| known == retraction);
     Ok(Retraction::ALL.into_iter().filter(is_named).collect())
@@ -306,7 +263,9 @@ fn derivatives(
     diagnostics: &mut Diagnostics,
 ) -> syn::Result<Derivatives> {
     if input.peek(Token![=]) {
-        return Err(input.error(format!("write `{}`, or `{key}` alone for all of them", DERIVATIVES.example)));
+        return Err(
+            input.error(format!("write `{}`, or `{key}` alone for all of them", Key::Derivatives.example()))
+        );
     }
     if !input.peek(token::Paren) {
         // or a forgotten comma, which is noticed elsewhere
@@ -324,7 +283,7 @@ fn derivatives(
         Err(syn::Error::new_spanned(&name, format!("there are no derivatives `{name}`{guess}")))
     };
     let of = |name: &Ident| Some(name.clone());
-    let named = entries(input, (key, DERIVATIVES), diagnostics, &mut Vec::new(), name, of)?;
+    let named = entries(input, (key, Key::Derivatives), diagnostics, &mut Vec::new(), name, of)?;
     let is_named = |name: &str| named.iter().any(|known| known == name);
     let [state, controls, parameters, tangent, adjoint] = NAMES.map(is_named);
     // the derivatives of composed steps by anything lead through the states between
@@ -339,11 +298,11 @@ fn equals<T: syn::parse::Parse>(
     diagnostics: &mut Diagnostics,
 ) -> syn::Result<Option<T>> {
     if !input.peek(Token![=]) || input.peek(Token![==]) {
-        return Err(input.error(format!("expected `=`; write `{}`", key.example)));
+        return Err(input.error(format!("expected `=`; write `{}`", key.example())));
     }
     let sign: Token![=] = input.parse()?;
     if input.is_empty() || input.peek(Token![,]) {
-        diagnostics.push(sign, format!("`{}` has no value; write `{}`", key.name, key.example));
+        diagnostics.push(sign, format!("`{}` has no value; write `{}`", key.name(), key.example()));
         return Ok(None);
     }
     input.parse().map(Some)
@@ -358,14 +317,14 @@ fn factors(
 ) -> syn::Result<Vec<Factor>> {
     if input.peek(token::Paren) {
         let name = |factor: &Factor| factor.name.clone();
-        return entries(input, (key, GROUP), diagnostics, unreadable, factor, name);
+        return entries(input, (key, Key::Group), diagnostics, unreadable, factor, name);
     }
     if input.peek(Token![=]) && input.peek2(token::Bracket) {
         let message = "an array of factors has a name; write `group(spins: [SO3; 4])`";
         return Err(syn::Error::new_spanned(key, message));
     }
     let name: Option<FirstWord> =
-        equals(input, GROUP, diagnostics).map_err(|error| with_example(error, GROUP))?;
+        equals(input, Key::Group, diagnostics).map_err(|error| with_example(error, Key::Group))?;
     let Some(FirstWord(name)) = name else { return Ok(Vec::new()) };
     Ok(vec![Factor { name: None, group: group(input, name)?, length: None }])
 }
@@ -410,9 +369,9 @@ fn factor_group(input: ParseStream<'_>, example: &str) -> syn::Result<Group> {
 fn forces(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Force>> {
     if input.peek(token::Paren) {
         let name = |force: &Force| force.factor.clone();
-        return entries(input, (key, FORCE), diagnostics, &mut Vec::new(), force, name);
+        return entries(input, (key, Key::Force), diagnostics, &mut Vec::new(), force, name);
     }
-    let value = equals(input, FORCE, diagnostics)?;
+    let value = equals(input, Key::Force, diagnostics)?;
     Ok(value.map(|value| Force { factor: None, value }).into_iter().collect())
 }
 
@@ -433,7 +392,7 @@ fn force(input: ParseStream<'_>) -> syn::Result<Force> {
 /// `= left` or `= right`
 fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Result<bool> {
     let side: Option<Ident> =
-        equals(input, INVARIANCE, diagnostics).map_err(|error| with_example(error, INVARIANCE))?;
+        equals(input, Key::Invariance, diagnostics).map_err(|error| with_example(error, Key::Invariance))?;
     match side.as_ref().map(ToString::to_string).as_deref() {
         None | Some("left") => Ok(false),
         Some("right") => Ok(true),
@@ -442,54 +401,62 @@ fn invariance(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
 }
 
 /// `(Midpoint, SymplecticEulerB, Family(1, 4))`
-fn methods(input: ParseStream<'_>, key: &Ident, diagnostics: &mut Diagnostics) -> syn::Result<Vec<Rule>> {
-    let named = entries(input, (key, METHODS), diagnostics, &mut Vec::new(), method, |_| None::<Ident>)?;
-    let mut members = Vec::new();
-    for member in named {
-        if !members.contains(&member) {
-            members.push(member);
+fn methods(
+    input: ParseStream<'_>,
+    key: &Ident,
+    known: &[&'static Method],
+    diagnostics: &mut Diagnostics,
+) -> syn::Result<Vec<Rule>> {
+    let method = |input: ParseStream<'_>| method(input, known);
+    let named = entries(input, (key, Key::Methods), diagnostics, &mut Vec::new(), method, |_| None::<Ident>)?;
+    let mut rules = Vec::new();
+    for rule in named {
+        if !rules.contains(&rule) {
+            rules.push(rule);
         }
     }
-    if members.len() > limits::METHODS {
+    if rules.len() > limits::METHODS {
         let message = format!("a system may have {} methods at most", limits::METHODS);
         return Err(syn::Error::new_spanned(key, message));
     }
-    Ok(members)
+    Ok(rules)
 }
 
+/// Compositions of steps that are generated without them.
+const COMPOSED: [&str; 2] = ["StormerVerlet", "RightLift"];
+
 /// `Midpoint` or `Family(1, 4)`
-fn method(input: ParseStream<'_>) -> syn::Result<Rule> {
+fn method(input: ParseStream<'_>, known: &[&'static Method]) -> syn::Result<Rule> {
     let name: Ident = input
         .parse()
         .map_err(|error| syn::Error::new(error.span(), "expected a method, such as `Midpoint`"))?;
-    if name == "Family" {
-        return member(input, &name).map(Rule::Family);
+    let text = name.to_string();
+    let named = known.iter().find_map(|method| method.named(&text));
+    match known.iter().find(|method| name == method.name) {
+        Some(method) if named.is_none() || input.peek(token::Paren) => {
+            return member(input, &name).map(|member| method.member(member));
+        }
+        _ => {}
     }
-    if name == "TangentLift" {
-        let explicit = !input.peek(token::Paren);
-        let member = if explicit { Ok(Member::SYMPLECTIC_EULER_A) } else { member(input, &name) };
-        return member.map(Rule::TangentLift);
-    }
-    if name == "TangentMidpoint" {
-        return Ok(Rule::TangentLift(Member::MIDPOINT));
-    }
-    Member::named(&name.to_string()).map(Rule::Family).ok_or_else(|| {
-        let known = Member::NAMED.map(|(name, _)| name);
-        let others = ["Family(numerator, denominator)", "TangentLift", "TangentLift(numerator, denominator)"];
-        let all = list(known.iter().copied().chain(others));
-        let guess = suggestion(&name.to_string(), &known);
-        let message = match name.to_string().as_str() {
-            "Exponential" | "Cayley" => format!(
+    named.ok_or_else(|| {
+        let names: Vec<&str> = known.iter().flat_map(|method| method.named).map(|(name, _)| *name).collect();
+        let guess = suggestion(&text, &names);
+        let message = match Retraction::ALL.into_iter().find(|retraction| name == retraction.name()) {
+            Some(retraction) if retraction.is_default() => format!(
                 "`{name}` is a retraction, not a method: the standard steps with it are generated, unless `retractions(…)` names others only"
             ),
-            "SecondKind" => {
+            Some(_) => {
                 format!("`{name}` is a retraction, not a method: `retractions({name})` asks for the standard steps with it")
             }
-            "StormerVerlet" | "RightLift" => {
+            None if COMPOSED.contains(&text.as_str()) => {
                 format!("leave out `{name}`: the steps that it is made of are generated without it")
             }
-            _ if guess.ends_with('?') => format!("there is no method `{name}`{guess}"),
-            _ => format!("there is no method `{name}`; there are {all}"),
+            None if guess.ends_with('?') => format!("there is no method `{name}`{guess}"),
+            None => {
+                let families = known.iter().map(|method| format!("{}(numerator, denominator)", method.name));
+                let all = list(names.iter().map(|&name| name.to_owned()).chain(families));
+                format!("there is no method `{name}`; there are {all}")
+            }
         };
         syn::Error::new_spanned(&name, message)
     })
@@ -512,10 +479,10 @@ fn member(input: ParseStream<'_>, name: &Ident) -> syn::Result<Member> {
 /// The error with an example of the key's use, unless it has one already.
 fn with_example(error: syn::Error, key: Key) -> syn::Error {
     let message = error.to_string();
-    if message.contains(key.example) {
+    if message.contains(key.example()) {
         return error;
     }
-    syn::Error::new(error.span(), format!("{message}; write `{}`", key.example))
+    syn::Error::new(error.span(), format!("{message}; write `{}`", key.example()))
 }
 
 /// `= path::to::coadjoint`
@@ -528,10 +495,10 @@ fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
         return Ok(None);
     }
     if ahead.is_empty() || ahead.peek(Token![,]) {
-        return equals::<syn::Path>(input, CRATE, diagnostics);
+        return equals::<syn::Path>(input, Key::Crate, diagnostics);
     }
-    input.parse::<Token![=]>().map_err(|error| with_example(error, CRATE))?;
-    syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, CRATE))
+    input.parse::<Token![=]>().map_err(|error| with_example(error, Key::Crate))?;
+    syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, Key::Crate))
 }
 
 /// Entries between parentheses, of which no two have the same name; the names of those that cannot be read are added to `unreadable`.
@@ -540,25 +507,25 @@ fn entries<T, N: PartialEq + ToTokens + Display>(
     (key, known): (&Ident, Key),
     diagnostics: &mut Diagnostics,
     unreadable: &mut Vec<(Key, Ident)>,
-    parse: fn(ParseStream<'_>) -> syn::Result<T>,
+    parse: impl Fn(ParseStream<'_>) -> syn::Result<T>,
     name: impl Fn(&T) -> Option<N>,
 ) -> syn::Result<Vec<T>> {
     if !input.peek(token::Paren) {
         let missing = input.is_empty() || input.peek(Token![,]);
         let place = if missing { key.span() } else { input.span() };
-        return Err(syn::Error::new(place, format!("expected parentheses; write `{}`", known.example)));
+        return Err(syn::Error::new(place, format!("expected parentheses; write `{}`", known.example())));
     }
     let content;
     parenthesized!(content in input);
     if content.is_empty() {
-        diagnostics.push(key, format!("`{}` names nothing; write `{}`", known.name, known.example));
+        diagnostics.push(key, format!("`{}` names nothing; write `{}`", known.name(), known.example()));
     }
     let mut list: Vec<T> = Vec::new();
     while !content.is_empty() {
         let ahead = content.fork();
         let read = parse(&ahead).map(|entry| match name(&entry) {
             Some(this) if list.iter().any(|earlier| name(earlier).as_ref() == Some(&this)) => {
-                diagnostics.push(&this, format!("`{this}` is named twice in `{}`", known.name));
+                diagnostics.push(&this, format!("`{this}` is named twice in `{}`", known.name()));
             }
             _ => list.push(entry),
         });
@@ -645,8 +612,8 @@ fn finish_entry(
 fn starts_entry(input: ParseStream<'_>) -> bool {
     let ahead = input.fork();
     let Ok(name) = Ident::parse_any(&ahead) else { return false };
-    let known = KEYS.iter().any(|key| name == key.name);
-    let alone = name == DERIVATIVES.name && (ahead.is_empty() || ahead.peek(Token![,]));
+    let known = Key::all().any(|key| name == key.name());
+    let alone = name == Key::Derivatives.name() && (ahead.is_empty() || ahead.peek(Token![,]));
     ahead.peek(Token![:]) || alone || known && (ahead.peek(Token![=]) || ahead.peek(token::Paren))
 }
 

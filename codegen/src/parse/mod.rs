@@ -4,16 +4,15 @@ mod attribute;
 mod factor;
 mod group;
 mod item;
+mod key;
 mod nesting;
 mod shape;
 
-pub use attribute::{
-    ADVECTED, Advected, Attribute, CONTROL, CRATE, Control, DERIVATIVES, Definition, FORCE, Factor, Force,
-    GROUP, HAMILTONIAN, INVARIANCE, KEYS, Key, LAGRANGIAN, METHODS, POTENTIAL,
-};
+pub use attribute::{Advected, Attribute, Control, Definition, Factor, Force};
 pub use factor::{FactorName, Index};
 pub(crate) use group::group;
 pub use group::{BasisMatrix, Group, Space};
 pub use item::{Field, Inertia, Item, Unreadable, without_helpers};
+pub use key::{EnergyKey, EnergyRow, Key};
 pub(crate) use nesting::excess as nested;
 pub(crate) use shape::{of_segment, scalar_name, scalar_named, shape_named};

@@ -1,16 +1,14 @@
 //! What is computed for a system, in no language: functions of arrays and records, made of straight-line code.
 //!
 //! Everything is decided here but spelling: which values have names, what is stored between functions, how sums associate, where a product
-//! is added in one operation. An emitter gives words to it, an interpreter numbers.
+//! is added in one operation. An emitter gives words to it.
 
 mod interface;
-mod interpreter;
 mod operations;
 mod roles;
 mod text;
 
 pub use interface::{Constant, Documentation, Element, Inertia, Interface, Quantity, Transform};
-pub use interpreter::{CallError, Given, Returned};
 pub use operations::Operations;
 pub use roles::{DerivativeRole, FunctionRole, Signature, StepRole, SystemRole};
 

@@ -1,5 +1,6 @@
 //! Whatever is described, the answer comes soon: code or an error at its tokens, and documentation of the length of the formulas' graph.
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Vector};
 use coadjoint_codegen::kernel::{self, Inputs};

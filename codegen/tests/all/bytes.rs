@@ -1,6 +1,8 @@
 //! Reads a step's functions as bytes, and runs them in doubles: as `codegen/src/emit/bytecode.rs` says what they mean.
 
-use coadjoint_codegen::expr::{Function, Value};
+use coadjoint_codegen::expr::Function;
+
+use crate::evaluate::Value;
 
 /// What the functions have computed, one after the other, by its place.
 #[derive(Default)]

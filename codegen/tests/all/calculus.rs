@@ -1,7 +1,8 @@
 //! Differentiation, evaluation and factorization against their definitions, in doubles.
 
+use crate::evaluate::{Evaluate as _, Value};
 use coadjoint_codegen::expr::{
-    Arena, Expr, Function, Matrix, Number, Quotient, Stage, Symbol, Value, Vector, gradient,
+    Arena, Expr, Function, Matrix, Number, Quotient, Stage, Symbol, Vector, gradient,
 };
 
 const FUNCTIONS: [Function; 12] = [

@@ -16,7 +16,8 @@ pub(crate) fn tokens(text: &str) -> TokenStream {
 #[track_caller]
 pub(crate) fn system<'a>(arena: &'a Arena, (attribute, item): (&str, &str)) -> System<'a> {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(tokens(attribute), &mut diagnostics);
+    let attribute =
+        Attribute::parse(tokens(attribute), &coadjoint_codegen::method::known(), &mut diagnostics);
     let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
     let description = check::resolve(&attribute, &item, &mut diagnostics);
     let system = System::build(arena, &description, &mut diagnostics);

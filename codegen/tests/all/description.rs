@@ -19,7 +19,7 @@ use coadjoint_codegen::parse::{Attribute, Item};
 #[track_caller]
 fn attribute(text: &str, expected: &[(&str, &str)]) -> Attribute {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(tokens(text), &mut diagnostics);
+    let attribute = Attribute::parse(tokens(text), &coadjoint_codegen::method::known(), &mut diagnostics);
     compare(text, &told(diagnostics), expected);
     attribute
 }
@@ -50,7 +50,8 @@ fn problems(attribute: &Attribute, item: &Item) -> Diagnostics {
 #[track_caller]
 fn breaks(attribute: &str, item: &str, expected: &[(&str, &str)]) {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(tokens(attribute), &mut diagnostics);
+    let attribute =
+        Attribute::parse(tokens(attribute), &coadjoint_codegen::method::known(), &mut diagnostics);
     let text = item;
     let item = Item::parse(tokens(item), &mut diagnostics).expect("a struct");
     assert!(diagnostics.is_empty() || text.contains("Broken"), "{text}");

@@ -5,7 +5,7 @@ use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};
 use coadjoint_codegen::model::System;
-use coadjoint_codegen::parse::{Attribute, Item, without_helpers};
+use coadjoint_codegen::parse::{Attribute, EnergyKey, Item, without_helpers};
 use coadjoint_codegen::quantity::Shape;
 use proc_macro2::TokenStream;
 
@@ -254,13 +254,13 @@ impl Random {
 /// Runs the whole front end.
 fn read(attribute: TokenStream, item: TokenStream) {
     let mut diagnostics = Diagnostics::new();
-    let attribute = Attribute::parse(attribute, &mut diagnostics);
+    let attribute = Attribute::parse(attribute, &coadjoint_codegen::method::known(), &mut diagnostics);
     without_helpers(item.clone());
     if let Some(item) = Item::parse(item, &mut diagnostics) {
         let description = check::resolve(&attribute, &item, &mut diagnostics);
         System::build(&Arena::new(), &description, &mut diagnostics);
     }
-    if let Some(potential) = &attribute.potential {
+    if let Some(potential) = attribute.energy(EnergyKey::Potential) {
         let (arena, mut scope) = (Arena::new(), Scope::new());
         define(&mut scope, &arena);
         lower_scalar("the potential", potential, &mut scope, &arena, &mut diagnostics);

@@ -3,6 +3,7 @@
 
 use std::sync::LazyLock;
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expr::{Arena, Stage, Vector};
 use coadjoint_codegen::group::{
     Adjoint, Basis, BasisError, Group, MatrixFunction, MatrixGroup, Retraction, Semidirect, Side,

@@ -1,5 +1,6 @@
 //! Linear systems of expressions, and derivatives of what is kept whole.
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
 
 /// A value for each symbol, all different.

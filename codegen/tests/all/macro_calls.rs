@@ -109,8 +109,8 @@ fn a_force_has_the_type_that_it_is_written_with() {
         whole.replace("::core::primitive::", "").replace("::coadjoint::__private::nalgebra::", "")
     };
     let parts = "force = (-j * angular_velocity, -linear_velocity)";
-    assert_eq!(result(&format!("group = SE2, {parts}")), "(f64,SVector<f64,2>)");
-    assert_eq!(result(&format!("group = SE3, {parts}")), "(SVector<f64,3>,SVector<f64,3>)");
+    assert_eq!(result(&format!("group = SE2, {parts}")), "(f64,Vector2<f64>)");
+    assert_eq!(result(&format!("group = SE3, {parts}")), "(Vector3<f64>,Vector3<f64>)");
     assert_eq!(result("group = R1, force = -j"), "f64");
     assert_eq!(result("group = SO3, force = -momentum"), "Vector3<f64>");
 }

@@ -6,6 +6,7 @@
     reason = "expressions are written in all the ways users write them"
 )]
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::diagnostics::Diagnostics;
 use coadjoint_codegen::expr::{Arena, Node, Stage};
 use coadjoint_codegen::language::{Scope, Value, lower, lower_scalar};

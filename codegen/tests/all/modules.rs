@@ -24,7 +24,7 @@ const USES: &[(&str, &[&str])] = &[
     ("bounds", &["check", "diagnostics", "expr", "limits", "parse"]),
     ("equations", &["expr", "group", "limits", "model"]),
     ("geometry", &["expr", "group", "model"]),
-    ("regularity", &["diagnostics", "model", "parse", "scheme"]),
+    ("regularity", &["diagnostics", "model", "parse"]),
     ("method", &["derivatives", "expr", "group", "model", "scheme"]),
     ("program", &["expr", "quantity", "scheme"]),
     ("kernel", &["derivatives", "expr", "method", "model", "program"]),
@@ -236,6 +236,35 @@ fn types_of_nalgebra_are_named_by_syntax_alone() {
         let may = ["emit/", "parse/", "language/"].iter().any(|folder| place.starts_with(folder));
         assert!(may || named == 0, "{place}");
     }
+}
+
+/// The files whose code has one of these words.
+fn files_with(words: &[&str]) -> BTreeSet<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    let has = |file: &PathBuf| {
+        let text = std::fs::read_to_string(file).expect("a source");
+        let mut code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        code.any(|line| words.iter().any(|word| line.contains(word)))
+    };
+    let place = |file: PathBuf| file.strip_prefix(&root).expect("within").to_string_lossy().into_owned();
+    files.into_iter().filter(has).map(place).collect()
+}
+
+/// A retraction for all groups is one file and its row: nothing else knows of coordinates of the second kind.
+#[test]
+fn a_retraction_is_one_file_and_a_row() {
+    let files = files_with(&["SecondKind", "second_kind"]);
+    let expected = ["group/mod.rs", "group/retraction.rs", "group/second_kind.rs"];
+    assert_eq!(files, expected.map(str::to_owned).into());
+}
+
+/// A method is one file and its row: nothing else knows of tangent lifts.
+#[test]
+fn a_method_is_one_file_and_a_row() {
+    let files = files_with(&["TangentLift", "TangentMidpoint", "tangent_lift"]);
+    assert_eq!(files, ["method/mod.rs", "method/tangent_lift.rs"].map(str::to_owned).into());
 }
 
 #[test]

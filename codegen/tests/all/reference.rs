@@ -6,7 +6,7 @@ use coadjoint_codegen::group::{Group, Retraction, catalogue, family, one_word, p
 use coadjoint_codegen::language::words::{
     self, ARRAY_METHODS, CONSTRUCTORS, ITERATOR_METHODS, NOT_SMOOTH, POINTS, RANGE,
 };
-use coadjoint_codegen::parse::KEYS;
+use coadjoint_codegen::parse::Key;
 use coadjoint_codegen::quantity::Kind;
 
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../runtime/src/guide/language.md");
@@ -28,9 +28,9 @@ fn the_page_is_up_to_date() {
 fn the_attribute_documents_every_key() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../macros/src/lib.rs");
     let documentation = std::fs::read_to_string(path).expect("the attribute is beside the generator");
-    for key in KEYS {
-        let written = |then: &str| documentation.contains(&format!("/// | `{}{then}", key.name));
-        assert!([" = ", "(", "`"].into_iter().any(written), "{} is missing", key.name);
+    for key in Key::all() {
+        let written = |then: &str| documentation.contains(&format!("/// | `{}{then}", key.name()));
+        assert!([" = ", "(", "`"].into_iter().any(written), "{} is missing", key.name());
     }
 }
 
@@ -50,7 +50,8 @@ fn codes<S: AsRef<str>>(names: impl IntoIterator<Item = S>) -> String {
 }
 
 fn keys() -> String {
-    let rows = KEYS.map(|key| format!("| `{}` | `{}` |\n", key.name, key.example));
+    let rows: Vec<String> =
+        Key::all().map(|key| format!("| `{}` | `{}` |\n", key.name(), key.example())).collect();
     format!("# Keys\n\n| key | for example |\n|---|---|\n{}\n", rows.concat())
 }
 
@@ -91,7 +92,7 @@ const FAMILIES: [(&str, &str); 11] = [
 fn matrix_groups() -> String {
     let row = |(name, about): (&str, &str)| {
         let group = family(&one_word(name))?;
-        let retractions = Retraction::DEFAULT.into_iter().filter(|&retraction| group.has(retraction));
+        let retractions = Retraction::defaults().filter(|&retraction| group.has(retraction));
         Some(format!(
             "| `{name}` | {about} | {} × {1} | {2} | {3} |\n",
             group.size(),

@@ -1,6 +1,7 @@
 //! What the steps of the family say of themselves beside their equations: where they are defined, what stays bounded, which rules are one
 //! map; and what documentation says of the motion.
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expand;
 use coadjoint_codegen::expr::Arena;
 use coadjoint_codegen::group::Retraction;
@@ -8,7 +9,7 @@ use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::{Step, family};
 use coadjoint_codegen::model::{Slot, System};
 use coadjoint_codegen::program::StepRole;
-use coadjoint_codegen::scheme::{Member, Rule, Scheme};
+use coadjoint_codegen::scheme::{Member, Scheme};
 use std::f64::consts::TAU;
 
 use crate::common::{system, tokens};
@@ -113,8 +114,8 @@ fn a_configuration_moves_at_once_where_the_intermediate_point_is_an_end() {
 #[test]
 fn the_last_member_is_the_first_where_nothing_depends_on_the_configuration() {
     let body = "struct Body { #[inertia] j: f64 }";
-    let first = Rule::Family(Member::SYMPLECTIC_EULER_A);
-    let last = Rule::Family(Member::SYMPLECTIC_EULER_B);
+    let first = family::METHOD.member(Member::SYMPLECTIC_EULER_A);
+    let last = family::METHOD.member(Member::SYMPLECTIC_EULER_B);
     for (attribute, same) in [
         ("group = SO3", true),
         ("group = SO3, advected(gamma: R3), potential = gamma.x", true),
@@ -124,13 +125,13 @@ fn the_last_member_is_the_first_where_nothing_depends_on_the_configuration() {
     ] {
         let arena = Arena::new();
         let system = system(&arena, (attribute, body));
-        let midpoint = Rule::Family(Member::MIDPOINT);
+        let midpoint = family::METHOD.member(Member::MIDPOINT);
         let original = |retraction, rule| {
             let original = Scheme { retraction, rule }.original(&system, Retraction::Exponential);
             assert_eq!(original.retraction, retraction);
             original.rule
         };
-        for retraction in Retraction::DEFAULT {
+        for retraction in Retraction::defaults() {
             assert_eq!(original(retraction, last), if same { first } else { last }, "{attribute}");
             assert_eq!(original(retraction, midpoint), midpoint);
         }

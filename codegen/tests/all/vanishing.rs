@@ -1,5 +1,6 @@
 //! Derivatives where a root is zero: those that exist are right, the others are not finite.
 
+use crate::evaluate::Evaluate as _;
 use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Vector, gradient};
 
 /// An energy of `x, y, z` and `w`, which is one where the others are zero.

@@ -1,7 +1,11 @@
 //! What the tests share: systems to test on, deterministic random numbers, measures of what comes out.
 
 pub mod dual;
+#[path = "../../../codegen/tests/all/evaluate.rs"]
+pub mod evaluate;
 pub mod families;
+#[path = "../../../codegen/tests/all/interpret.rs"]
+pub mod interpret;
 pub mod measure;
 pub mod precise;
 pub mod random;

@@ -5,8 +5,9 @@ use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
 use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
+use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Slot, System};
-use coadjoint_codegen::scheme::{Member, Rule, Scheme};
+use coadjoint_codegen::scheme::{Member, Scheme};
 use coadjoint_support::precise::descriptions::{all_kinds, random_point};
 use coadjoint_support::precise::formula::{Formula, Point};
 use coadjoint_support::precise::matrix::{Column, Matrix, derivative};
@@ -78,8 +79,8 @@ fn trivialized(system: &System<'_>, state: &Column, change: &Column) -> Column {
 fn schemes(retraction: Retraction, turn: u64) -> Vec<Scheme> {
     let ends = [(0, 1), (1, 2), (1, 1)];
     let member = |(n, d)| Member::new(n, d).expect("between 0 and 1");
-    let rules = ends.into_iter().chain([(3, 10)]).map(|s| Rule::Family(member(s)));
-    let rules = rules.chain([Rule::TangentLift(member(ends[turn as usize % 3]))]);
+    let rules = ends.into_iter().chain([(3, 10)]).map(|s| family::METHOD.member(member(s)));
+    let rules = rules.chain([tangent_lift::METHOD.member(member(ends[turn as usize % 3]))]);
     rules.map(|rule| Scheme { retraction, rule }).collect()
 }
 

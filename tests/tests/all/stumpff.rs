@@ -5,7 +5,8 @@ use std::sync::LazyLock;
 
 use coadjoint::__private::family;
 use coadjoint::nalgebra::RealField;
-use coadjoint_codegen::expr::{Function, Value};
+use coadjoint_codegen::expr::Function;
+use coadjoint_support::evaluate::Value;
 use coadjoint_support::precise::real::Real;
 use num_dual::Dual2_64;
 

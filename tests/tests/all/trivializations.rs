@@ -16,6 +16,7 @@ use coadjoint_codegen::group::{Retraction, Semidirect, Side};
 use coadjoint_codegen::method::family;
 use coadjoint_codegen::model::System;
 use coadjoint_codegen::scheme::Member;
+use coadjoint_support::evaluate::Evaluate as _;
 use coadjoint_support::precise::definition::{BlockDiagonal, SemidirectMatrices};
 use coadjoint_support::precise::descriptions::{all_kinds, random_point};
 use coadjoint_support::precise::matrix::{Column, Matrix, jacobian};

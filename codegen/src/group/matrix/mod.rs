@@ -277,12 +277,10 @@ impl Group for MatrixGroup {
         }
     }
 
-    fn has(&self, retraction: Retraction) -> bool {
-        match retraction {
-            Retraction::Exponential => self.is_closed() || self.dimension() <= LARGEST_SUMMED,
-            Retraction::Cayley => self.has_cayley,
-            // where it is singular is not known
-            Retraction::SecondKind | Retraction::ReversedSecondKind => false,
+    fn has_function(&self, f: MatrixFunction) -> bool {
+        match f {
+            MatrixFunction::Exponential => self.is_closed() || self.dimension() <= LARGEST_SUMMED,
+            MatrixFunction::Cayley => self.has_cayley,
         }
     }
 
@@ -290,10 +288,10 @@ impl Group for MatrixGroup {
         retraction == Retraction::Exponential && !self.is_closed()
     }
 
-    fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
+    fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>> {
         let arena = x.0[0].arena();
-        match retraction {
-            Retraction::Exponential => {
+        match f {
+            MatrixFunction::Exponential => {
                 let edge = |ideal: &Ideal| {
                     let (x, adjoint, matrix) = (ideal.part(x), ideal.adjoint(), ideal.matrix());
                     if !ideal.is_closed() {
@@ -306,13 +304,12 @@ impl Group for MatrixGroup {
                 self.ideals.iter().filter_map(edge).collect()
             }
             // the eigenvalue 2 of X is that of no element that is skew with respect to a definite form, or nilpotent
-            Retraction::Cayley => {
+            MatrixFunction::Cayley => {
                 let is_elliptic = self.ideals.iter().all(|ideal| ideal.matrix().is_elliptic());
                 let is_definite = self.form.as_ref().is_some_and(|form| form.is_definite);
                 let edge = || self.algebra.one_plus(x, Number::ratio(-1, 2)).determinant();
                 if is_elliptic || is_definite { Vec::new() } else { vec![edge()] }
             }
-            Retraction::SecondKind | Retraction::ReversedSecondKind => Vec::new(),
         }
     }
 

@@ -1,6 +1,8 @@
 //! The attribute as it is read.
 
-use coadjoint_codegen::parse::{ADVECTED, GROUP, POTENTIAL};
+use coadjoint_codegen::parse::{EnergyKey, Key};
+
+const POTENTIAL: Key = Key::Energy(EnergyKey::Potential);
 use quote::quote;
 
 use super::{advected, attribute};
@@ -15,17 +17,17 @@ fn a_whole_attribute() {
     let [factor] = &attribute.factors[..] else { panic!("one group") };
     assert!(factor.name.is_none() && factor.group.keyword() == "SO3");
     assert_eq!(advected(&attribute), ["gamma: R3", "delta: R3"]);
-    let potential = attribute.potential.as_ref().expect("a potential");
+    let potential = attribute.energy(EnergyKey::Potential).expect("a potential");
     assert_eq!(quote!(#potential).to_string(), quote!(weight * gamma.dot(&chi) + f(1, 2)).to_string());
     let path = attribute.krate.as_ref().expect("a path");
     assert_eq!(quote!(#path).to_string(), "my :: coadjoint");
-    assert!(attribute.has(GROUP) && attribute.has(POTENTIAL));
+    assert!(attribute.has(Key::Group) && attribute.has(POTENTIAL));
 }
 
 #[test]
 fn nothing_is_an_attribute_too() {
     let attribute = attribute("", &[]);
-    assert!(attribute.factors.is_empty() && attribute.potential.is_none() && !attribute.has(GROUP));
+    assert!(attribute.factors.is_empty() && attribute.energies.is_empty() && !attribute.has(Key::Group));
     assert!(attribute.advected.is_empty());
 }
 
@@ -33,7 +35,7 @@ fn nothing_is_an_attribute_too() {
 fn keys() {
     let read =
         attribute("grup = SO3, potential = a", &[("grup", "there is no key `grup`; did you mean `group`?")]);
-    assert!(read.potential.is_some() && read.has(GROUP));
+    assert!(read.energy(EnergyKey::Potential).is_some() && read.has(Key::Group));
     // the right one counts, wherever it stands
     for both in ["grup = SO3, group = SO2", "group = SO2, grup = SO3"] {
         let read = attribute(both, &[("grup", "there is no key `grup`; did you mean `group`?")]);
@@ -62,7 +64,7 @@ fn values() {
             ("advected", "expected parentheses; write `advected(gamma: R3)`"),
         ],
     );
-    assert!(read.has(GROUP) && read.has(ADVECTED));
+    assert!(read.has(Key::Group) && read.has(Key::Advected));
     attribute("group(SO3)", &[("SO3", "`SO3` needs the group it moves on; write `SO3: SO3`")]);
     attribute("group = 3, potential = 1.0", &[("3", "expected identifier; write `group = SO3`")]);
     attribute("advected = gamma", &[("=", "expected parentheses; write")]);
@@ -95,7 +97,7 @@ fn commas() {
         ],
     );
     assert_eq!(advected(&read), ["gamma: R3", "delta: R3"]);
-    assert!(!read.factors.is_empty() && read.potential.is_some());
+    assert!(!read.factors.is_empty() && read.energy(EnergyKey::Potential).is_some());
     let read = attribute(
         "group = SO3 SO2, potential = a b c, advected(gamma: R3)",
         &[("SO2", "expected a comma before this"), ("b", "expected a comma before this")],
@@ -121,7 +123,7 @@ fn advected_parameters() {
 #[test]
 fn problems_inside_an_expression_end_with_it() {
     let read = attribute("potential = a.dot(1 2) + , group = SO3", &[("2", "expected `,`")]);
-    assert!(!read.factors.is_empty() && read.potential.is_none() && read.has(POTENTIAL));
+    assert!(!read.factors.is_empty() && read.energies.is_empty() && read.has(POTENTIAL));
     attribute(
         "potential = (a + ) * 2.0, grup = SO3",
         &[(")", "unexpected end of input, expected an expression"), ("grup", "there is no key `grup`")],

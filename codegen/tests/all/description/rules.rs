@@ -108,7 +108,7 @@ fn the_potential_is_looked_at_whatever_else_is_wrong() {
 fn what_could_not_be_read_is_not_missing() {
     breaks("group = SO3", "struct A { #[inertia] j: Broken }", &[]);
     let mut ignored = Diagnostics::new();
-    let attribute = Attribute::parse(tokens("group = 3"), &mut ignored);
+    let attribute = Attribute::parse(tokens("group = 3"), &coadjoint_codegen::method::known(), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
     let found = problems(&attribute, &item);
     assert!(found.is_empty());
@@ -117,7 +117,7 @@ fn what_could_not_be_read_is_not_missing() {
 #[test]
 fn a_missing_group_is_reported_once() {
     let mut ignored = Diagnostics::new();
-    let attribute = Attribute::parse(TokenStream::new(), &mut ignored);
+    let attribute = Attribute::parse(TokenStream::new(), &coadjoint_codegen::method::known(), &mut ignored);
     let item = Item::parse(tokens("struct A { #[inertia] j: f64 }"), &mut ignored).expect("a struct");
     let found = problems(&attribute, &item);
     let [(_, message)] = &told(found)[..] else { panic!("one problem") };
@@ -135,6 +135,7 @@ fn names_of_what_could_not_be_read_are_no_further_problems() {
         tokens(
             "group(a: SO(n), b: R3), advected(gamma: 3), control(u: String), potential = gamma.z + a.x, force(b = u * a_momentum)",
         ),
+        &coadjoint_codegen::method::known(),
         &mut found,
     );
     assert_eq!(found.len(), 3);

@@ -9,7 +9,7 @@ use crate::common::tokens;
 /// The warnings about a description without problems.
 fn warnings(attribute: &str, item: &str) -> Vec<(String, String)> {
     let mut found = Diagnostics::new();
-    let attribute = Attribute::parse(tokens(attribute), &mut found);
+    let attribute = Attribute::parse(tokens(attribute), &coadjoint_codegen::method::known(), &mut found);
     let item = Item::parse(tokens(item), &mut found).expect("a struct");
     let found = problems(&attribute, &item);
     assert!(found.is_empty());
@@ -45,7 +45,11 @@ fn what_has_no_effect_is_warned_of() {
     );
     // that would be told as problems of the same thing
     let mut found = Diagnostics::new();
-    let attribute = Attribute::parse(tokens("group = R3, potential = maß * mass"), &mut found);
+    let attribute = Attribute::parse(
+        tokens("group = R3, potential = maß * mass"),
+        &coadjoint_codegen::method::known(),
+        &mut found,
+    );
     let item = Item::parse(tokens(body), &mut found).expect("a struct");
     assert_eq!(problems(&attribute, &item).warnings().count(), 0);
 }

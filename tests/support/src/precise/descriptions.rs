@@ -256,7 +256,8 @@ impl Description {
     /// The symbolic system.
     pub fn system<'a>(&self, arena: &'a Arena) -> System<'a> {
         let mut diagnostics = Diagnostics::new();
-        let attribute = Attribute::parse(self.attribute.clone(), &mut diagnostics);
+        let attribute =
+            Attribute::parse(self.attribute.clone(), &coadjoint_codegen::method::known(), &mut diagnostics);
         let system = Item::parse(self.item.clone(), &mut diagnostics).and_then(|item| {
             let description = check::resolve(&attribute, &item, &mut diagnostics);
             System::build(arena, &description, &mut diagnostics)

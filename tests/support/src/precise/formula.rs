@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Symbol, Value, Vector};
+use coadjoint_codegen::expr::{Arena, Expr, Function, Number, Stage, Symbol, Vector};
+
+use crate::evaluate::{Evaluate as _, Value};
 
 use super::matrix::{Column, Matrix};
 use super::real::Real;

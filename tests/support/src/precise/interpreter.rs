@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use coadjoint_codegen::program::{DerivativeRole, FunctionRole, Given, Input, Module, Returned, StepRole};
+use coadjoint_codegen::program::{DerivativeRole, FunctionRole, Input, Module, StepRole};
+
+use crate::interpret::{Call as _, Given, Returned};
 
 use super::matrix::Column;
 use super::real::Real;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Index, Mul, Neg, Sub};
 
-use coadjoint_codegen::expr::Value;
+use crate::evaluate::Value;
 
 use super::real::Real;
 use crate::random::Random;

@@ -4,7 +4,9 @@ use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::LazyLock;
 
-use coadjoint_codegen::expr::{Function, Number, Value};
+use coadjoint_codegen::expr::{Function, Number};
+
+use crate::evaluate::Value;
 use f256::f256;
 
 use crate::random::Random;

@@ -3,7 +3,9 @@
 use std::cell::Cell;
 use std::fmt::Debug;
 
-use coadjoint_codegen::expr::{Expr, Function, Number, Value};
+use coadjoint_codegen::expr::{Expr, Function, Number};
+
+use crate::evaluate::Value;
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{Config, RngAlgorithm, RngSeed, TestCaseError, TestRunner};

@@ -1,10 +1,14 @@
-//! Programs run on numbers of any kind: the reference for emitted code, and for whoever writes another emitter.
+//! Programs run on numbers of any kind: the reference for emitted code.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Argument, FunctionRole, Input, Module, RecordKind, Statement, Term, Value, Values};
-use crate::expr::{Function as Elementary, Number, Value as Numeric};
+use coadjoint_codegen::expr::{Function as Elementary, Number};
+use coadjoint_codegen::program::{
+    Argument, FunctionRole, Input, Module, RecordKind, Statement, Term, Value, Values,
+};
+
+use crate::evaluate::Value as Numeric;
 
 /// What functions are given: arrays, and records as the functions return them that compute them.
 #[derive(Clone, Debug)]
@@ -60,12 +64,17 @@ impl fmt::Display for CallError {
 
 impl std::error::Error for CallError {}
 
-impl<R: FunctionRole> Module<R> {
+/// A module whose functions can be called.
+pub trait Call<R> {
     /// Calls the function of a role, which sees what its arguments give it and nothing else.
     ///
     /// # Errors
     /// If there is no such function, if it is not given what it needs, and if it is no function at all.
-    pub fn call<V: Numeric>(&self, role: R, given: &Given<V>) -> Result<Returned<V>, CallError> {
+    fn call<V: Numeric>(&self, role: R, given: &Given<V>) -> Result<Returned<V>, CallError>;
+}
+
+impl<R: FunctionRole> Call<R> for Module<R> {
+    fn call<V: Numeric>(&self, role: R, given: &Given<V>) -> Result<Returned<V>, CallError> {
         let function = self.function(role).ok_or_else(|| CallError::NoFunction(role.name()))?;
         let mut frame = Frame { module: &self.values, values: BTreeMap::new(), names: BTreeMap::new() };
         function.arguments.iter().try_for_each(|argument| frame.unpack(argument, given))?;

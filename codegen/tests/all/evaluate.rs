@@ -1,12 +1,8 @@
-//! Evaluation over any number type: the reference that generated code is tested against.
+//! Evaluation of expressions over any number type: the reference that generated code is tested against.
 
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
 
-use super::arena::Arena;
-use super::expression::Expr;
-use super::linear::Vector;
-use super::node::{Function, Id, Node, Symbol};
-use super::number::Number;
+use coadjoint_codegen::expr::{Arena, Expr, Function, Id, Node, Number, Symbol, Vector};
 
 /// A number to evaluate with: `f64`, or one of many digits.
 pub trait Value: Clone {
@@ -26,29 +22,37 @@ pub trait Value: Clone {
     fn atan2(&self, x: &Self) -> Self;
 }
 
-impl Expr<'_> {
-    /// The value, given those of the symbols.
-    pub fn evaluate<V: Value>(self, symbols: &dyn Fn(Symbol) -> V) -> V {
-        let mut evaluation = Evaluation { symbols, known: FxHashMap::default() };
-        evaluation.visit(self.arena, &[self.id]);
-        evaluation.known[&self.id].clone()
+/// An expression, or several that share what they are made of.
+pub trait Evaluate {
+    /// The values: one, or one for each component.
+    type Of<V>;
+    /// The values, given those of the symbols; what they share is computed once.
+    fn evaluate<V: Value>(&self, symbols: &dyn Fn(Symbol) -> V) -> Self::Of<V>;
+}
+
+impl Evaluate for Expr<'_> {
+    type Of<V> = V;
+    fn evaluate<V: Value>(&self, symbols: &dyn Fn(Symbol) -> V) -> V {
+        let mut evaluation = Evaluation { symbols, known: HashMap::new() };
+        evaluation.visit(self.arena(), &[self.id()]);
+        evaluation.known[&self.id()].clone()
     }
 }
 
-impl Vector<'_> {
-    /// The values of the components, given those of the symbols; what they share is computed once.
-    pub fn evaluate<V: Value>(&self, symbols: &dyn Fn(Symbol) -> V) -> Vec<V> {
+impl Evaluate for Vector<'_> {
+    type Of<V> = Vec<V>;
+    fn evaluate<V: Value>(&self, symbols: &dyn Fn(Symbol) -> V) -> Vec<V> {
         let Some(first) = self.0.first() else { return Vec::new() };
-        let mut evaluation = Evaluation { symbols, known: FxHashMap::default() };
-        let ids: Vec<Id> = self.iter().map(|expr| expr.id).collect();
-        evaluation.visit(first.arena, &ids);
+        let mut evaluation = Evaluation { symbols, known: HashMap::new() };
+        let ids: Vec<Id> = self.iter().map(Expr::id).collect();
+        evaluation.visit(first.arena(), &ids);
         ids.iter().map(|id| evaluation.known[id].clone()).collect()
     }
 }
 
 struct Evaluation<'f, V> {
     symbols: &'f dyn Fn(Symbol) -> V,
-    known: FxHashMap<Id, V>,
+    known: HashMap<Id, V>,
 }
 
 impl<V: Value> Evaluation<'_, V> {
@@ -56,7 +60,7 @@ impl<V: Value> Evaluation<'_, V> {
         let order = arena.post_order(roots.iter().copied(), |_| false);
         self.known.reserve(order.len());
         for id in order {
-            let value = arena.with_node(id, |node| self.value(node));
+            let value = self.value(&arena.node(id));
             self.known.insert(id, value);
         }
     }
