@@ -43,6 +43,8 @@ pub struct Description<'d> {
     pub forces: Vec<Force<'d>>,
     /// Where momentum and velocity are taken.
     pub side: Side,
+    /// The units of state and controls.
+    pub units: &'d [parse::Unit],
     /// The struct's attributes that set the levels of lints.
     pub lints: &'d [syn::Attribute],
     /// Names whose declarations are in error: using them is no further error.
@@ -150,6 +152,7 @@ pub fn resolve<'d>(
     subject.check_names(&advected, diagnostics);
     let forces = subject.forces(diagnostics);
     subject.check_scalars(diagnostics);
+    subject.check_units(&advected, diagnostics);
     let unknown = subject.unknown_names(&advected);
     Description {
         name: plain(&item.name),
@@ -162,6 +165,7 @@ pub fn resolve<'d>(
         energies: &attribute.energies,
         forces,
         lints: &item.lints,
+        units: &attribute.units,
         side: if attribute.right { Side::Right } else { Side::Left },
         unknown,
         sound: attribute.is_sound() && item.sound && diagnostics.len() == before,

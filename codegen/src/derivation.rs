@@ -28,6 +28,10 @@ pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[
 
 /// A system's public surface.
 fn interface(system: &System<'_>) -> Interface {
+    let unit = |name: &Name| {
+        let name = plain(&name.ident);
+        system.units.iter().find(|(of, _)| *of == name).map(|(_, unit)| unit.clone())
+    };
     let part = |part: &Part<'_>| Quantity {
         role: part.role,
         name: part.name.plain(),
@@ -42,7 +46,7 @@ fn interface(system: &System<'_>) -> Interface {
             Role::Parameter | Role::Momentum | Role::Advected | Role::Control => part.symbols.len(),
         },
         side: (part.role != Role::Control).then_some(system.side),
-        unit: None,
+        unit: unit(&part.name),
         doc: part.doc.clone(),
     };
     let field = |field: &Parameter| Quantity {

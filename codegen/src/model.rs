@@ -54,6 +54,8 @@ pub struct System<'a> {
     pub inertias: Vec<InertiaField<'a>>,
     /// What the user wrote.
     pub sources: Sources,
+    /// The units of state and controls, by the names of their fields.
+    pub units: Vec<(String, String)>,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
     /// What changes the momentum beside the bracket, once it has been worked out.

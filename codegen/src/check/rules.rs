@@ -4,7 +4,7 @@ use syn::Ident;
 
 use super::subject::Subject;
 use super::{Advected, Factors, Force, momentum_name};
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostics, suggestion};
 use crate::group::{self, Retraction, part_name};
 use crate::identifiers::{Name, plain, velocity_name};
 use crate::parse::{Attribute, EnergyKey, Key, scalar_name};
@@ -70,6 +70,30 @@ impl<'d> Subject<'d> {
         if named.is_empty() && !Retraction::defaults().any(has) {
             let message = "no retraction moves all of these groups and spaces";
             diagnostics.push(self.attribute.factors[0].group.keyword(), message);
+        }
+    }
+
+    /// Units are those of parts of the state, and of controls.
+    pub(super) fn check_units(&self, advected: &[Advected<'d>], diagnostics: &mut Diagnostics) {
+        let parts = self.factors.iter().flat_map(|factor| [&factor.name, &factor.momentum_name]);
+        let parts = parts.chain(advected.iter().map(|advected| &advected.name));
+        let controls = self.attribute.controls.iter().map(|control| plain(&control.name));
+        let known: Vec<String> = parts.map(|name| plain(&name.ident)).chain(controls).collect();
+        let missing = self.unknown_names(advected);
+        for unit in &self.attribute.units {
+            let name = plain(&unit.name);
+            if known.contains(&name) || missing.contains(&name) {
+                continue;
+            }
+            let is_field = self.field_names().any(|field| plain(field) == name);
+            let message = match is_field {
+                true => format!("the unit of a parameter stands on its field: `#[unit(\"{}\")]`", unit.unit),
+                false => {
+                    let names: Vec<&str> = known.iter().map(String::as_str).collect();
+                    format!("neither the state nor the controls have `{name}`{}", suggestion(&name, &names))
+                }
+            };
+            diagnostics.push(&unit.name, message);
         }
     }
 

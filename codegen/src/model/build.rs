@@ -72,6 +72,7 @@ impl<'a> System<'a> {
             energy,
             inertias,
             sources,
+            units: description.units.iter().map(|unit| (plain(&unit.name), unit.unit.clone())).collect(),
             advected,
             kick: OnceCell::new(),
             velocity: OnceCell::new(),

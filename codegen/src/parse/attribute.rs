@@ -42,6 +42,8 @@ pub struct Attribute {
     retractions: Vec<Retraction>,
     /// `derivatives` for all of them, or `derivatives(state, …)`
     pub derivatives: Derivatives,
+    /// `units(momentum = "N m s", …)`
+    pub units: Vec<Unit>,
     /// `crate = …`
     pub krate: Option<syn::Path>,
     /// What `lie_group!` says of groups that are named by their paths.
@@ -100,6 +102,15 @@ pub struct Control {
     pub length: Option<usize>,
     /// Its type, where that says what numbers it is made of.
     pub scalar: Option<(ScalarType, syn::Type)>,
+}
+
+/// The unit of a part of the state or of a control.
+#[derive(Debug)]
+pub struct Unit {
+    /// What it is the unit of.
+    pub name: Ident,
+    /// As it is written.
+    pub unit: String,
 }
 
 /// A force on one factor.
@@ -225,6 +236,11 @@ impl Attribute {
             Key::Retractions => retractions(&value, &key, diagnostics).map(|list| target.retractions = list),
             Key::Derivatives => {
                 derivatives(&value, &key, diagnostics).map(|wanted| target.derivatives = wanted)
+            }
+            Key::Units => {
+                let name = |unit: &Unit| Some(unit.name.clone());
+                entries(&value, (&key, known), diagnostics, &mut Vec::new(), unit, name)
+                    .map(|list| target.units = list)
             }
             Key::Crate => crate_path(&value, diagnostics).map(|path| target.krate = path),
         };
@@ -387,6 +403,19 @@ fn force(input: ParseStream<'_>) -> syn::Result<Force> {
     let factor: FactorName = input.parse()?;
     input.parse::<Token![=]>().map_err(explain)?;
     Ok(Force { factor: Some(factor), value: input.parse()? })
+}
+
+/// `momentum = "N m s"`
+fn unit(input: ParseStream<'_>) -> syn::Result<Unit> {
+    let explain = |error: syn::Error| {
+        let message = "expected a name, `=` and a unit in quotes; write `units(momentum = \"N m s\")`";
+        syn::Error::new(error.span(), message)
+    };
+    let name = Ident::parse_any(input).map_err(explain)?;
+    input.parse::<Token![=]>().map_err(explain)?;
+    let text: LitStr = input.parse().map_err(explain)?;
+    let unit = text.value().trim().to_owned();
+    if unit.is_empty() { Err(explain(syn::Error::new_spanned(text, ""))) } else { Ok(Unit { name, unit }) }
 }
 
 /// `= left` or `= right`

@@ -21,6 +21,8 @@ pub enum Key {
     Retractions,
     /// Which derivatives of the steps are generated.
     Derivatives,
+    /// The units of state and controls.
+    Units,
     /// Where the runtime crate is found.
     Crate,
 }
@@ -92,6 +94,7 @@ impl Key {
             Self::Methods,
             Self::Retractions,
             Self::Derivatives,
+            Self::Units,
         ];
         let energies = EnergyKey::ALL.into_iter().map(Self::Energy);
         [Self::Group, Self::Advected].into_iter().chain(energies).chain(rest).chain([Self::Crate])
@@ -109,6 +112,7 @@ impl Key {
             Self::Methods => ("methods", "methods(Midpoint)"),
             Self::Retractions => ("retractions", "retractions(Cayley)"),
             Self::Derivatives => ("derivatives", "derivatives(state)"),
+            Self::Units => ("units", "units(momentum = \"N m s\")"),
             Self::Crate => ("crate", "crate = path::to::coadjoint"),
         }
     }

@@ -8,7 +8,7 @@ mod key;
 mod nesting;
 mod shape;
 
-pub use attribute::{Advected, Attribute, Control, Definition, Factor, Force};
+pub use attribute::{Advected, Attribute, Control, Definition, Factor, Force, Unit};
 pub use factor::{FactorName, Index};
 pub(crate) use group::group;
 pub use group::{BasisMatrix, Group, Space};
