@@ -7,6 +7,7 @@ mod groups;
 mod names;
 mod rules;
 mod structs;
+mod units;
 mod warnings;
 
 use crate::common::{compare, tokens, told};
