@@ -17,8 +17,8 @@ use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
 use coadjoint::erased::{self, StepperError};
 use coadjoint::observe::Observer;
 use coadjoint::prelude::*;
-use coadjoint::scheme::{Rule, Scheme};
-use coadjoint::{Run, Tick};
+use coadjoint::scheme::Rule;
+use coadjoint::{Run, Scheme, Tick};
 
 pub use error::SimulationError;
 pub use method::{Classical, Method};

@@ -89,6 +89,8 @@ mod retraction;
 pub mod run;
 mod scalar;
 pub mod scheme;
+#[cfg(feature = "std")]
+mod schemes;
 mod serialization;
 mod snapshot;
 mod solve;
@@ -176,6 +178,11 @@ pub use scheme::{
     Family, Midpoint, RightLift, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift,
     TangentMidpoint,
 };
+#[cfg(feature = "std")]
+#[doc(hidden)]
+pub use schemes::CoefficientSet;
+#[cfg(feature = "std")]
+pub use schemes::{ConservedCasimirs, ParseSchemeError, Properties, Scheme, SchemeType};
 #[cfg(feature = "serde")]
 pub use serde;
 pub use stepper::{StepReport, Stepper};

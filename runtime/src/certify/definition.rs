@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::frame::Frame;
 use crate::retraction::Map;
-use crate::scheme::{Rule, Scheme};
+use crate::scheme::Rule;
+use crate::schemes::Scheme;
 
 /// A state on its way through steps taken from their definition.
 pub(super) struct ReferenceStep<'a> {

@@ -11,7 +11,7 @@ use crate::erased::{Description, Geometry, Method, NotGenerated, check_length, l
 use crate::error::{ParameterError, StepError};
 use crate::method::Clock;
 use crate::retraction::Map;
-use crate::scheme::{ConservedCasimirs, Properties, Scheme};
+use crate::schemes::{ConservedCasimirs, Properties, Scheme};
 use crate::stepper::{check_state, check_step};
 
 /// Part of a radian, or of what else the motion takes, that a step covers unless another is asked for.

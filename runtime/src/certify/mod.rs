@@ -88,7 +88,7 @@ pub use report::{Bound, Certificate, Report, Verdict};
 
 use crate::erased::{self, Description, Flat, NotGenerated};
 use crate::error::{ParameterError, StepError};
-use crate::scheme::{Scheme, SchemeType};
+use crate::schemes::{Scheme, SchemeType};
 use crate::system::{Control, Discretized, Geometry, State};
 use measure::Subject;
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::scheme::Properties;
+use crate::schemes::Properties;
 
 /// Certificates of the steps of one scheme for one system.
 #[derive(Clone, Debug, PartialEq)]

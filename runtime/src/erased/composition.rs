@@ -4,13 +4,15 @@ use std::boxed::Box;
 use std::string::ToString;
 use std::vec::Vec;
 
-use super::system::{Description, System};
+use super::system::System;
 use crate::flat::{Method, NotGenerated};
 use crate::method::{Clock, Counted, StageAccumulator, StepsReport};
 use crate::retraction::Map;
 use crate::scalar::Batch;
-use crate::scheme::{Rule, Scheme};
+use crate::scheme::Rule;
+use crate::schemes::Scheme;
 use crate::snapshot::visit_flag;
+use crate::system::Description;
 
 /// Makes what takes the steps of a system with a scheme.
 ///

@@ -41,11 +41,12 @@ pub use crate::flat::NotGenerated;
 #[doc(hidden)]
 pub use crate::flat::{Flat, Method};
 pub use crate::retraction::Map;
+pub use crate::system::Description;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;
 pub use stepper::{Stepper, StepperError};
-pub use system::{At, Description, EnsembleSystem, System};
+pub use system::{At, EnsembleSystem, System};
 #[doc(hidden)]
 pub use trial::{Solved, Trial, Units};
 

@@ -13,7 +13,7 @@ use super::system::{At, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Method, NotGenerated, of_only_lane};
 use crate::method::{Clock, Counted};
-use crate::scheme::Scheme;
+use crate::schemes::Scheme;
 use crate::snapshot::{self, visit_flag};
 use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping, check_deviation, check_step, trajectory};

@@ -13,50 +13,10 @@ use crate::error::{ParameterError, StepError};
 use crate::flat::{Flat, Method, array};
 use crate::retraction::Map;
 use crate::scalar::Batch;
-use crate::scheme::{Base, Rule, Scheme};
+use crate::scheme::{Base, Rule};
+use crate::schemes::Scheme;
 use crate::solve::step::OneStep;
-use crate::system::{self, Control, Dynamics, Generated, Quantity, Schemes, Side, State, Visitor};
-
-/// What a system is, besides its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Description {
-    /// The struct's name.
-    pub name: &'static str,
-    /// The parameters; constants of the description follow them in lists of numbers.
-    pub parameters: &'static [Quantity],
-    /// What the state consists of.
-    pub state: &'static [Quantity],
-    /// The controls.
-    pub controls: &'static [Quantity],
-    /// The names of the Casimirs.
-    pub casimirs: &'static [&'static str],
-    /// Whether energy is an invariant of the motion: [`AUTONOMOUS`](crate::System::AUTONOMOUS).
-    pub autonomous: bool,
-    /// Whether momentum and advected parameters alone have a part in the motion: [`INVARIANT`](crate::System::INVARIANT).
-    pub invariant: bool,
-    /// Whether a force acts: [`FORCED`](crate::System::FORCED).
-    pub forced: bool,
-    /// On which side of the configuration velocities and momenta are taken: [`SIDE`](crate::System::SIDE).
-    pub side: Side,
-}
-
-impl Description {
-    /// What the system `S` is.
-    pub const fn of<S: system::System>() -> Self {
-        Self {
-            name: S::NAME,
-            parameters: S::PARAMETERS,
-            state: S::State::QUANTITIES,
-            controls: S::Control::QUANTITIES,
-            casimirs: S::CASIMIRS,
-            autonomous: S::AUTONOMOUS,
-            invariant: S::INVARIANT,
-            forced: S::FORCED,
-            side: S::SIDE,
-        }
-    }
-}
+use crate::system::{self, Control, Description, Dynamics, Generated, Quantity, Schemes, State, Visitor};
 
 /// How many numbers these quantities are.
 pub(crate) fn length(quantities: &[Quantity]) -> usize {

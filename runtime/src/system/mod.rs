@@ -1,5 +1,6 @@
 //! The traits that generated code implements.
 
+mod description;
 mod dynamics;
 mod geometry;
 mod right_lift;
@@ -21,6 +22,7 @@ use crate::retraction::{Cayley, Exponential, Map, SecondKind};
 use crate::scalar::{Batch, Components, Real, Scalar};
 use crate::scheme::{Base, Family, Rule, StormerVerlet, SymplecticEulerA, SymplecticEulerB, TangentLift};
 use crate::solve::step::OneStep;
+pub use description::Description;
 pub use dynamics::Dynamics;
 pub use geometry::{Geometry, Isolated};
 pub(crate) use right_lift::ConservedMomentum;

@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use coadjoint::Scheme;
 use coadjoint::composition::{KahanLi8, SofroniouSpaletta10};
 use coadjoint::erased::{Map, Stepper};
 use coadjoint::prelude::*;
-use coadjoint::scheme::Scheme;
 use coadjoint::system::Role;
 use coadjoint_app::Entry;
 use coadjoint_app::Example;

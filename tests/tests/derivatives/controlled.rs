@@ -1,11 +1,11 @@
 //! Controls in energies: what a system of them does is what one does whose parameters they are, set anew before each step.
 
+use coadjoint::SchemeType;
 use coadjoint::certify::Certification;
 use coadjoint::derivative::{WrtControl, WrtParameters};
 use coadjoint::erased;
 use coadjoint::nalgebra::SVector;
 use coadjoint::prelude::*;
-use coadjoint::scheme::SchemeType;
 use coadjoint::system::{Control, Geometry, Schemes, State};
 use coadjoint::{Discretized, RightLift, System, TangentLift};
 use coadjoint_support::array;

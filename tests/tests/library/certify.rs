@@ -15,9 +15,11 @@ use coadjoint::certify::{
 };
 use coadjoint::erased::{self, Description};
 use coadjoint::prelude::*;
-use coadjoint::scheme::{ConservedCasimirs, Properties, Rule, Scheme, SchemeType};
+use coadjoint::scheme::Rule;
 use coadjoint::system::{Generated, Schemes, Visitor};
-use coadjoint::{Discretized, Family, RightLift, TangentLift};
+use coadjoint::{
+    ConservedCasimirs, Discretized, Family, Properties, RightLift, Scheme, SchemeType, TangentLift,
+};
 
 use crate::faulty::{Fault, Faulty, FaultyKernel};
 

@@ -10,8 +10,8 @@ use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
 use coadjoint::ensemble::EnsembleError;
 use coadjoint::erased::{self, StepperError};
 use coadjoint::prelude::*;
-use coadjoint::scheme::{Rule, Scheme};
-use coadjoint::{Discretized, Run, TangentLift};
+use coadjoint::scheme::Rule;
+use coadjoint::{Discretized, Run, Scheme, TangentLift};
 
 /// Invariant: its standard step is one equation.
 #[lie_poisson_system(group = SO3, advected(gamma: R3), potential = weight * gamma.x, methods(Midpoint, TangentLift))]

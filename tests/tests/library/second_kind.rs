@@ -6,8 +6,10 @@ use coadjoint::__private::{Geometry, Isolated};
 use coadjoint::certify::{Certification, Claimed, Report, Verdict};
 use coadjoint::erased::{Description, Map, NotGenerated};
 use coadjoint::prelude::*;
-use coadjoint::scheme::{Scheme, SchemeType};
-use coadjoint::{Discretized, Family, RightLift, SecondKind, System, TangentLift, TangentMidpoint, erased};
+use coadjoint::{
+    Discretized, Family, RightLift, Scheme, SchemeType, SecondKind, System, TangentLift, TangentMidpoint,
+    erased,
+};
 use coadjoint_systems::classical::generic::{GenericStepper, Hamiltonian, MatrixRetraction, SO3};
 
 /// Nothing acts on it.

@@ -1,11 +1,11 @@
 //! Arrays of factors, parameters, controls and advected parameters: the same system as with a name for each, to the last digit.
 
+use coadjoint::SchemeType;
 use coadjoint::certify::certify;
 use coadjoint::derivative::{Block, WrtState};
 use coadjoint::erased;
 use coadjoint::nalgebra::Matrix2;
 use coadjoint::prelude::*;
-use coadjoint::scheme::SchemeType;
 use coadjoint::{Discretized, ParameterError, State, System};
 use coadjoint_support::random::Random;
 

@@ -1,10 +1,10 @@
 //! Systems on groups of which nothing is known but a basis.
 
+use coadjoint::SchemeType;
 use coadjoint::certify::certify;
 use coadjoint::erased;
 use coadjoint::nalgebra::{DVector, Matrix2, SMatrix, SVector};
 use coadjoint::prelude::*;
-use coadjoint::scheme::SchemeType;
 use coadjoint::{Discretized, System};
 
 use crate::reference::reference;

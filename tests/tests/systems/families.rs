@@ -1,10 +1,10 @@
 //! Free bodies on groups of which nothing is known but a basis, held against an integration of `g' = g ξ`, `μ' = ad*_ξ μ` by matrices alone.
 
+use coadjoint::SchemeType;
 use coadjoint::certify::certify;
 use coadjoint::erased;
 use coadjoint::nalgebra::{DMatrix, DVector};
 use coadjoint::prelude::*;
-use coadjoint::scheme::SchemeType;
 use coadjoint::{Discretized, System};
 use coadjoint_support::families::of_family;
 

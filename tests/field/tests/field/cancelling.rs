@@ -3,9 +3,9 @@
 
 use coadjoint::__private::Map;
 use coadjoint::Discretized;
+use coadjoint::Scheme;
 use coadjoint::nalgebra::{ArrayStorage, Matrix3};
 use coadjoint::prelude::*;
-use coadjoint::scheme::Scheme;
 use coadjoint::{Run, erased};
 use coadjoint_app::Example;
 use coadjoint_support::random::Random;

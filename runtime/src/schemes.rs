@@ -9,10 +9,10 @@ use std::vec::Vec;
 
 use thiserror::Error;
 
-use super::{Family, RightLift, Rule, StormerVerlet, TangentLift};
 use crate::composition::{Coefficients, Composed, KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4, checked};
-use crate::erased::Description;
 use crate::retraction::{Cayley, Exponential, Map, Retraction, SecondKind};
+use crate::scheme::{Family, RightLift, Rule, StormerVerlet, TangentLift};
+use crate::system::Description;
 
 /// A scheme as a value: what [`Stepper`](crate::Stepper) has as a type.
 ///
@@ -20,7 +20,7 @@ use crate::retraction::{Cayley, Exponential, Map, Retraction, SecondKind};
 ///
 /// ```
 /// use coadjoint::prelude::*;
-/// use coadjoint::scheme::{Scheme, SchemeType};
+/// use coadjoint::{Scheme, SchemeType};
 ///
 /// let scheme: Scheme = "Order4<Midpoint<Cayley>>".parse()?;
 /// assert_eq!(scheme, Order4::<Midpoint<Cayley>>::scheme());

@@ -26,14 +26,9 @@
 //! The family is that of V. Vivek, D. Martín de Diego and R. N. Banavar, *A Geometric Approach to Structure-Preserving
 //! Integrators for Mechanical Systems* (2026).
 
-#[cfg(feature = "std")]
-mod value;
-
 use core::marker::PhantomData;
 
 use crate::retraction::{Exponential, Map, Retraction};
-#[cfg(feature = "std")]
-pub use value::{CoefficientSet, ConservedCasimirs, ParseSchemeError, Properties, Scheme, SchemeType};
 
 /// The member `s = N/D`, in lowest terms and from 0 to 1, of the family of one-step schemes with the retraction `R`.
 ///
