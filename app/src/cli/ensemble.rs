@@ -24,7 +24,7 @@ use crate::picture::{Kind, ensemble_figure};
 use crate::setup::{Changes, Job, Retraction, Setup};
 use crate::simulate::ensemble::{self, EnsembleSpec, EnsembleSummary, Observable, Variation};
 use crate::simulate::threads;
-use crate::units::{grouped, rate_in_words, short};
+use crate::units::{grouped, short};
 
 /// Momentum components that are drawn unless others are asked for.
 const MOST: usize = 3;
@@ -279,7 +279,7 @@ fn report(
         "{} members, {} steps in {seconds:.2} s: {} member steps/s\n({width} side by side, {} threads)",
         grouped(spec.members as u64),
         grouped(*member_steps),
-        rate_in_words(*member_steps as f64 / seconds),
+        grouped((*member_steps as f64 / seconds) as u64),
         rayon::current_num_threads(),
     )?;
     for failure in failed.iter().take(TOLD) {

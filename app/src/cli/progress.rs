@@ -3,127 +3,125 @@
 use std::io::{self, IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 
-use crate::units::{rate_in_words, seconds_in_words};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Between two plain lines.
+/// The time between two plain lines.
 const PAUSE: Duration = Duration::from_secs(2);
-/// Between two looks of a bar.
-const BLINK: Duration = Duration::from_millis(100);
-/// Columns of a terminal that does not tell.
-const COLUMNS: usize = 80;
 
 /// The progress of one run, on standard error.
+#[derive(Debug)]
 pub struct Progress {
-    label: String,
-    unit: &'static str,
-    total: u64,
-    begin: Instant,
-    /// When it was shown last.
-    last: Instant,
-    display: Display,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Display {
-    Bar,
-    Lines,
-    Nothing,
+    bar: ProgressBar,
+    /// The time of the last plain line; none where there is a bar, or nothing is to be shown.
+    last: Option<Instant>,
 }
 
 impl Progress {
-    /// Begins to show the progress of something that is done in so many units.
+    /// Begins to show the progress of something that is done in these units.
     pub fn new(label: &str, total: u64, unit: &'static str, quiet: bool) -> Self {
-        let display = if quiet {
-            Display::Nothing
-        } else if io::stderr().is_terminal() {
-            Display::Bar
-        } else {
-            Display::Lines
-        };
-        let begin = Instant::now();
-        Self { label: label.to_owned(), unit, total, begin, last: begin, display }
+        // a bar hides itself where standard error is no terminal
+        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let last = (!quiet && !io::stderr().is_terminal()).then(Instant::now);
+        Self { bar: bar(label, total, unit, target), last }
     }
 
     /// Shows how many units are done.
     pub fn show(&mut self, index: u64) {
-        let text = match self.display {
-            Display::Bar if self.last.elapsed() > BLINK => {
-                let columns = terminal_size::terminal_size_of(io::stderr())
-                    .map_or(COLUMNS, |(terminal_size::Width(columns), _)| columns.into());
-                // the cursor goes back to the beginning of the line
-                format!("\r{}{CLEAR}", self.bar(index, self.begin.elapsed().as_secs_f64(), columns))
-            }
-            Display::Lines if self.last.elapsed() > PAUSE => {
-                let Self { label, unit, total, .. } = &*self;
-                format!("{label}: {unit} {index} of {total} ({} %)\n", self.percent(index))
-            }
-            _ => return,
-        };
-        self.last = Instant::now();
+        self.bar.set_position(index);
+        let Some(last) = self.last.filter(|last| last.elapsed() > PAUSE) else { return };
+        let (label, unit, total) = (self.bar.message(), self.bar.prefix(), self.bar.length().unwrap_or(0));
+        let percent = 100 * u128::from(index.min(total)) / u128::from(total.max(1));
+        self.last = Some(last + last.elapsed());
         // the run goes on even if standard error is closed
-        let _ = io::stderr().write_all(text.as_bytes());
-    }
-
-    fn percent(&self, index: u64) -> u128 {
-        100 * u128::from(index.min(self.total)) / u128::from(self.total.max(1))
-    }
-
-    /// A bar as wide as what a terminal of so many columns leaves for it: `heavy_top ████░░░░  50 %  1.2 million steps/s  3 s left`
-    fn bar(&self, index: u64, seconds: f64, columns: usize) -> String {
-        let Self { label, unit, total, .. } = self;
-        let rate = index as f64 / seconds;
-        let left = match index {
-            0 => "…".to_owned(),
-            _ => seconds_in_words(total.saturating_sub(index) as f64 / rate),
-        };
-        let after = format!(" {:>3} %  {} {unit}s/s  {left} left", self.percent(index), rate_in_words(rate));
-        // the last column stays empty: a terminal might go on to the next line
-        let room = columns.saturating_sub(label.chars().count() + after.chars().count() + 2);
-        let full = (room as u128 * self.percent(index) / 100) as usize;
-        let line = format!("{label} {}{}{after}", "█".repeat(full), "░".repeat(room - full));
-        line.chars().take(columns.saturating_sub(1)).collect()
+        let _ = writeln!(io::stderr(), "{label}: {unit} {index} of {total} ({percent} %)");
     }
 }
 
-/// What clears the rest of a terminal's line.
-const CLEAR: &str = "\x1b[K";
+fn bar(label: &str, total: u64, unit: &'static str, target: ProgressDrawTarget) -> ProgressBar {
+    let template = "{msg} {wide_bar} {percent:>3} %  {per_sec}  {eta} left";
+    // a template of ours has no mistakes
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::with_draw_target(Some(total), target).with_style(style.progress_chars("█░"));
+    bar.with_message(label.to_owned()).with_prefix(unit)
+}
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if self.display == Display::Bar {
-            let _ = write!(io::stderr(), "\r{CLEAR}");
-        }
-    }
-}
-
-impl std::fmt::Debug for Progress {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Progress")
-            .field("label", &self.label)
-            .field("total", &self.total)
-            .finish_non_exhaustive()
+        self.bar.finish_and_clear();
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use indicatif::TermLike;
+
     use super::*;
+
+    /// A terminal of so many columns, and what was written to it.
+    #[derive(Clone, Debug)]
+    struct Terminal(u16, Arc<Mutex<Vec<String>>>);
+
+    impl TermLike for Terminal {
+        fn width(&self) -> u16 {
+            self.0
+        }
+
+        fn move_cursor_up(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_down(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_right(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn move_cursor_left(&self, _: usize) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn write_line(&self, line: &str) -> io::Result<()> {
+            self.write_str(line)
+        }
+
+        fn write_str(&self, text: &str) -> io::Result<()> {
+            self.1.lock().expect("no panic").push(text.to_owned());
+            Ok(())
+        }
+
+        fn clear_line(&self) -> io::Result<()> {
+            Ok(())
+        }
+
+        fn flush(&self) -> io::Result<()> {
+            Ok(())
+        }
+    }
 
     #[test]
     fn a_bar_fits_its_terminal() {
-        let progress = Progress::new("heavy_top", 2000, "step", false);
-        for columns in [0, 1, 20, 60, 80, 200] {
-            for index in [0, 1, 1000, 2000, 3000] {
-                let bar = progress.bar(index, 0.5, columns);
-                let width = bar.chars().count();
-                assert!(width < columns.max(1), "{columns}: {bar}");
-                assert!(columns < 80 || width == columns - 1, "{columns}: {bar}");
+        for columns in [60, 80, 200] {
+            let terminal = Terminal(columns, Arc::default());
+            let target = ProgressDrawTarget::term_like_with_hz(Box::new(terminal.clone()), 255);
+            let bar = bar("heavy_top", 2000, "step", target);
+            for index in [0, 1, 1000, 2000] {
+                bar.set_position(index);
+                bar.tick();
             }
+            let written = terminal.1.lock().expect("no panic").clone();
+            for line in &written {
+                assert!(line.chars().count() <= columns.into(), "{columns}: {line}");
+            }
+            let is_half = |line: &String| {
+                line.starts_with("heavy_top █")
+                    && line.contains("░  50 %")
+                    && line.trim_end().ends_with(" left")
+            };
+            assert!(written.iter().any(is_half), "{written:?}");
         }
-        let bar = progress.bar(1000, 0.5, 80);
-        assert!(bar.starts_with("heavy_top █") && bar.contains("░  50 %") && bar.ends_with(" left"), "{bar}");
-        let [full, empty] = ['█', '░'].map(|part| bar.matches(part).count());
-        assert!(full > 5 && (full..=full + 1).contains(&empty), "{bar}");
-        assert!(progress.bar(0, 0.0, 80).contains("… left"));
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use coadjoint::RunReport;
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
 use serde_json::{Value, json};
 
 use crate::catalogue::{Entry, casimir};
@@ -155,20 +156,23 @@ impl Table<'_> {
 
 impl fmt::Display for Table<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rows = self.rows();
-        let names = rows.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let cells =
-            rows.iter().flat_map(|(_, cells)| cells).map(|cell| cell.chars().count()).max().unwrap_or(0);
-        for (i, (name, row)) in rows.iter().enumerate() {
-            write!(f, "{name:names$}")?;
-            for cell in row {
-                write!(f, "  {cell:>cells$}")?;
-            }
-            writeln!(f)?;
-            if i == 0 {
-                writeln!(f, "{}", "─".repeat(names + row.len() * (cells + 2)))?;
-            }
-        }
-        Ok(())
+        let rows = self.rows().into_iter().map(|(name, cells)| [vec![name], cells].concat()).collect();
+        f.write_str(&laid_out(rows, CellAlignment::Left))
     }
+}
+
+/// Lays out a table whose first row is its header; numbers stand to the right, the first column as it is asked.
+pub(crate) fn laid_out(rows: Vec<Vec<String>>, first: CellAlignment) -> String {
+    let mut table = comfy_table::Table::new();
+    let line = LineStyle::none().fill('─').junction('─');
+    table
+        .load_style(TableStyle::new().header_separator(line))
+        .set_content_arrangement(ContentArrangement::Disabled);
+    let mut rows = rows.into_iter();
+    table.set_header(rows.next().unwrap_or_default()).add_rows(rows);
+    for (k, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(k > 0), 0));
+        column.set_cell_alignment(if k == 0 { first } else { CellAlignment::Right });
+    }
+    table.trim_fmt() + "\n"
 }

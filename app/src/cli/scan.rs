@@ -5,6 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use comfy_table::CellAlignment;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -12,6 +13,7 @@ use super::console::Console;
 use super::interrupt;
 use super::motion::{Motion, MotionArguments};
 use super::progress::Progress;
+use super::report::laid_out;
 use super::run::RunArguments;
 use crate::catalogue::Entry;
 use crate::error::{Error, RunError};
@@ -162,28 +164,26 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
     }
     columns.push(of("iterations".to_owned(), &|outcome| format!("{:.2}", outcome.iterations)));
     columns.push(of("ns/step".to_owned(), &|outcome| format!("{:.0}", outcome.ns_per_step)));
+    // as many columns as fit
     let width = |(name, cells): &(String, Vec<String>)| {
-        cells.iter().chain([name]).map(|cell| cell.chars().count()).max().unwrap_or(0)
+        cells.iter().chain([name]).map(|cell| cell.chars().count()).max().unwrap_or(0) + 2
     };
-    let mut room = WIDTH + 2;
-    let widths: Vec<usize> = columns
-        .iter()
-        .map(width)
-        .take_while(|width| {
-            let fits = room >= width + 2;
-            room = room.saturating_sub(width + 2);
-            fits
-        })
-        .collect();
-    let line = |cells: &[&str]| {
-        let padded = cells.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}"));
-        padded.collect::<Vec<_>>().join("  ") + "\n"
-    };
-    let mut text = line(&columns.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>());
-    text += &("─".repeat(text.trim_end().chars().count()) + "\n");
-    for (i, row) in rows.iter().enumerate() {
-        text += &line(&columns.iter().map(|(_, cells)| cells[i].as_str()).collect::<Vec<_>>());
-        if let Err(reason) = &row.outcome {
+    let mut taken = 0;
+    let fit = columns.iter().map(width).take_while(|width| {
+        taken += width;
+        taken <= WIDTH + 2
+    });
+    let fit = fit.count();
+    columns.truncate(fit);
+    let header = columns.iter().map(|(name, _)| name.clone()).collect();
+    let line = |i: usize| columns.iter().map(|(_, cells)| cells[i].clone()).collect();
+    let table =
+        laid_out(std::iter::once(header).chain((0..rows.len()).map(line)).collect(), CellAlignment::Right);
+    let mut text = String::new();
+    // below the header and its line
+    for (i, line) in table.lines().enumerate() {
+        text += &format!("{line}\n");
+        if let Some(Row { outcome: Err(reason), .. }) = i.checked_sub(2).and_then(|i| rows.get(i)) {
             text += &format!("    {}\n", wrapped(reason, 74).join("\n    "));
         }
     }

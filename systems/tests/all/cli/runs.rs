@@ -129,7 +129,7 @@ fn an_interrupted_run_tells_where_it_stopped() {
     assert_eq!(output.status.code(), Some(130));
     let printed = text(&output.stdout);
     let value = |name: &str| printed.lines().find_map(|line| line.strip_prefix(name)).expect(name).trim();
-    let steps: u64 = value("steps").replace(' ', "").parse().expect("a number");
+    let steps: u64 = value("steps").replace(',', "").parse().expect("a number");
     assert!(steps >= step.parse().expect("a number"), "{line}{printed}");
     let time: f64 = value("interrupted at").trim_end_matches(" s").parse().expect("a number");
     assert!((time - steps as f64 * 0.01).abs() < 1e-6, "{printed}");
@@ -235,7 +235,7 @@ fn the_papers_heavy_top_is_one_command() {
     for expected in [
         "exponential",
         "cayley",
-        "180 000",
+        "180,000",
         "time per step",
         "largest energy error",
         "drift of",
