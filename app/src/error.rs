@@ -61,7 +61,7 @@ pub struct SetupError {
     pub field: String,
     /// The value it was given.
     pub value: String,
-    /// What is wrong with it, and what would be right.
+    /// The mistake, and what would be right.
     pub reason: String,
 }
 

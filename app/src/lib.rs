@@ -1,5 +1,5 @@
-//! A program for systems described with [`coadjoint`]: it runs and plots them, shows them moving in three dimensions, makes ensembles of them and
-//! measures the claims of their steps.
+//! A program for systems described with [`coadjoint`]: it runs and plots them, shows them moving in three dimensions,
+//! makes ensembles of them and measures the claims of their steps.
 //!
 //! ```no_run
 //! use coadjoint::prelude::*;
@@ -31,10 +31,11 @@
 //!
 //! Then `cargo run --release -- run pendulum --plot`, `view pendulum`, `ensemble pendulum`, `certify pendulum`, `list`.
 //!
-//! The program offers what was generated: `methods(Midpoint)` adds its method `midpoint`, `retractions(Cayley)` leaves the exponential out.
+//! The program offers what was generated: `methods(Midpoint)` adds its method `midpoint`, `retractions(Cayley)` leaves
+//! the exponential out.
 //!
-//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of systems. Pictures are SVG
-//! and, with the feature `png`, on by default too, PNG.
+//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of
+//! systems. Pictures are SVG and, with the feature `png`, on by default too, PNG.
 #![cfg_attr(not(feature = "program"), allow(rustdoc::broken_intra_doc_links))]
 // they panic where the stream is closed
 #![warn(clippy::print_stdout, clippy::print_stderr)]

@@ -12,8 +12,8 @@
 //! `PAGE_FORMAT.md` beside this crate's manifest describes the whole format; [`Page`] is the same as Rust types. [`Page::from_json`] reads and
 //! checks data, [`Page::write`] writes the page.
 //!
-//! In a browser's console, `coadjoint.scene()` tells what the page shows, in numbers, and `coadjoint.seek(t)` goes to a moment; so does `#t=…`
-//! after the page's address.
+//! In a browser's console, `coadjoint.scene()` tells what the page shows, in numbers, and `coadjoint.seek(t)` goes to a
+//! moment; so does `#t=…` after the page's address.
 
 mod format;
 mod run;
@@ -37,7 +37,7 @@ const SCRIPTS: [&str; 6] = [
     include_str!("page/plot.js"),
     include_str!("page/player.js"),
 ];
-/// What stands around the data in a page.
+/// The tags around the data in a page.
 const DATA: [&str; 2] = ["<script id=\"data\" type=\"application/json\">", "</script>"];
 
 impl Page {

@@ -20,7 +20,7 @@ pub fn grouped(number: u64) -> String {
     HumanCount(number).to_string()
 }
 
-/// A number with so many digits behind the first, written out where that is short.
+/// A number with some digits behind the first, written out where that is short.
 pub(crate) struct Figures(pub(crate) f64);
 
 impl fmt::Display for Figures {
@@ -39,7 +39,7 @@ impl fmt::Display for Figures {
     }
 }
 
-/// Breaks a text between words into lines of at most so many letters.
+/// Breaks a text between words into lines of at most this width.
 pub(crate) fn wrapped(text: &str, width: usize) -> Vec<String> {
     let options = Options::new(width).break_words(false).word_splitter(WordSplitter::NoHyphenation);
     if text.is_empty() {

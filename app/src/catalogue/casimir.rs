@@ -1,11 +1,12 @@
-//! What Casimirs are called where there is little room.
+//! Short names of Casimirs.
 
 use super::Entry;
 
 /// So many letters have room in a table, and at the axis of a plot.
 const ROOM: [usize; 2] = [40, 30];
 
-/// The Casimirs with their units: those of many terms in symbols, and if these are too many as well, by their number in `list`.
+/// The Casimirs with their units: those of many terms in symbols, and if these are too many as well, by their number in
+/// `list`.
 pub(crate) fn names(entry: &Entry) -> impl Iterator<Item = (String, &'static str)> {
     entry.casimirs().enumerate().map(|(k, (name, unit))| {
         let name = if fits(name, ROOM[0]) { name.to_owned() } else { symbols(name) };

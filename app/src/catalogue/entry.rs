@@ -16,7 +16,7 @@ use super::scene::Scene;
 pub struct Entry {
     /// Its name on the command line.
     pub name: String,
-    /// What it is, in one line.
+    /// A description in one line.
     pub about: &'static str,
     /// The text of its file, from which the generated code can be shown; empty where it was not given.
     pub source: &'static str,
@@ -24,9 +24,10 @@ pub struct Entry {
     pub step: f64,
     /// The duration it is run for unless another is asked for, s.
     pub duration: f64,
-    /// The step that suits its certificates, where the motion of its example does not show how fast or slow it can be, s.
+    /// The step that suits its certificates, where the motion of its example does not show how fast or slow it can be,
+    /// s.
     pub certified_step: Option<f64>,
-    /// What it is: parameters, state, controls, Casimirs.
+    /// Its parameters, state, controls and Casimirs.
     pub description: Description,
     /// The example's parameters and initial state.
     pub example: Setup,
@@ -34,17 +35,19 @@ pub struct Entry {
     build: fn(&[f64]) -> Box<dyn erased::EnsembleSystem>,
     /// Its own control law with these parameters. None if it has no controls.
     pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
-    /// What takes its steps with the momentum carried in space, with these parameters, of this size. None if something acts on it.
+    /// Builds the method that carries the momentum in space, with these parameters and this step. None if something
+    /// acts on it.
     pub(crate) right_lift: Option<MethodFn>,
     /// The moment of inertia, if it is a body of mass, by its parameters.
     pub(crate) body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
-    /// What is seen of it with these parameters, from what is seen by its state alone.
+    /// Completes the scene by its state alone with what these parameters tell.
     pub(crate) scene: fn(&[f64], Scene) -> Scene,
-    /// What pictures show of its state.
+    /// The quantities of its state that pictures show.
     pub(crate) plotted: PlottedQuantities,
 }
 
-/// What takes steps on a retraction, with these parameters, of this size. None on retractions that not every system has steps with.
+/// Builds a method on a retraction, with these parameters and this step. None on retractions that not every system has
+/// steps with.
 pub(crate) type MethodFn = fn(&[f64], Map, f64) -> Option<Box<dyn erased::Method<f64>>>;
 
 /// Writes what is held over the step from a state at a time.
@@ -87,7 +90,8 @@ impl Entry {
         }
     }
 
-    /// The same system under another name, with another example: what is `about` it, and a step and a duration that suit it, s.
+    /// The same system under another name, with another example: what is `about` it, and a step and a duration that
+    /// suit it, s.
     #[must_use]
     pub fn preset<S: Example>(
         self,
@@ -122,7 +126,8 @@ impl Entry {
         (self.build)(parameters)
     }
 
-    /// What acts on the system from outside: the controls that are held, and for the others its own law. None if it has no controls.
+    /// Builds the control law: the controls that are held, and for the others its own law. None if it has
+    /// no controls.
     pub fn law(&self, setup: &Setup) -> Option<ControlLaw> {
         let own = self.control?(&setup.parameters);
         let held = setup.controls.clone();
@@ -152,7 +157,8 @@ impl Entry {
         controls
     }
 
-    /// Whether its energy is an invariant of the motion: no force acts, and neither time nor controls have a part in it.
+    /// Whether its energy is an invariant of the motion: no force acts, and neither time nor controls have a part in
+    /// it.
     pub fn conserves_energy(&self) -> bool {
         self.description.autonomous && self.description.controls.is_empty()
     }
@@ -172,8 +178,8 @@ impl Entry {
         columns
     }
 
-    /// The unit of a quantity, a component or a Casimir, by its name: that of the longest name in [`Example::UNITS`] that it begins with. Empty for a
-    /// pure number, and where none is known.
+    /// The unit of a quantity, a component or a Casimir, by its name: that of the longest name in [`Example::UNITS`]
+    /// that it begins with. Empty for a pure number, and where none is known.
     pub fn unit(&self, name: &str) -> &'static str {
         let begins = |(of, _): &&(&str, &str)| name == *of || (is_part(of, name) && !self.is_casimir(name));
         let known = self.units.iter().filter(begins).max_by_key(|(of, _)| of.len());
@@ -213,7 +219,8 @@ impl Entry {
     }
 }
 
-/// Whether a component's name begins with another: `pose_px` with `pose_p`, `momentum_angular_x` with `momentum_angular`.
+/// Whether a component's name begins with another: `pose_px` with `pose_p`, `momentum_angular_x` with
+/// `momentum_angular`.
 fn is_part(of: &str, name: &str) -> bool {
     name.strip_prefix(of).is_some_and(|rest| rest.starts_with('_') || (of.contains('_') && rest.len() == 1))
 }

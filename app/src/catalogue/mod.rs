@@ -5,7 +5,6 @@ pub(crate) mod casimir;
 #[cfg(feature = "program")]
 mod entry;
 mod example;
-pub(crate) mod linear;
 #[cfg(feature = "program")]
 pub(crate) mod plotted;
 #[cfg(feature = "program")]

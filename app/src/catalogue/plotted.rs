@@ -1,4 +1,4 @@
-//! What pictures show of a state: of a configuration that is a matrix its rotation and its vectors, where it has some.
+//! The quantities of a state that pictures show: of a configuration that is a matrix its rotation and its vectors.
 //!
 //! Nothing here knows a group: a basis of its algebra is what small displacements of the unit matrix are.
 
@@ -139,8 +139,8 @@ impl PlottedQuantities {
         self.quantities.iter().any(|quantity| quantity.name == name && quantity.is_spatial())
     }
 
-    /// Lists where in a state the numbers of rotations are: of a quaternion, of a unit complex number or its column in a
-    /// matrix, of a matrix by rows.
+    /// Lists where in a state the numbers of rotations are: of a quaternion, of a unit complex number or its column in
+    /// a matrix, of a matrix by rows.
     pub(crate) fn rotations(&self) -> &[Vec<usize>] {
         &self.rotations
     }
@@ -194,7 +194,7 @@ fn basis(
     tangent.map(|k| element(k).map(f64::round)).collect()
 }
 
-/// What of the elements of a group of matrices turns, and what moves.
+/// The parts of the elements of a group of matrices that turn, and those that move.
 #[derive(Debug, PartialEq)]
 struct Parts {
     rows: usize,
@@ -234,7 +234,8 @@ impl Parts {
         Self { rows, turns, vectors, others: all.filter(behind).collect() }
     }
 
-    /// Where the numbers of the rotation are, of a matrix from this slot on: in the plane those of its first column, cosine and sine.
+    /// Where the numbers of the rotation are, of a matrix from this slot on: in the plane those of its first column,
+    /// cosine and sine.
     fn turning(&self, start: usize) -> Vec<usize> {
         let columns = if self.turns == 2 { 1 } else { self.turns };
         let row = |row: usize| (0..columns).map(move |column| start + row * self.rows + column);

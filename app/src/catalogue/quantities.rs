@@ -1,4 +1,4 @@
-//! What follows from the components of a quantity: names, places in flat lists, rotations, matrices.
+//! Facts about quantities by their components: names, places in flat lists, rotations, matrices.
 
 use std::ops::Range;
 
@@ -18,7 +18,8 @@ pub(crate) fn laid_out(quantities: &[Quantity]) -> impl Iterator<Item = (&Quanti
     })
 }
 
-/// Lists roles and places of quantities in tangent vectors: a configuration has as many numbers as the momentum behind it.
+/// Lists roles and places of quantities in tangent vectors: a configuration has as many numbers as the momentum behind
+/// it.
 pub(crate) fn tangent_places(quantities: &[Quantity]) -> impl Iterator<Item = (Role, Range<usize>)> + '_ {
     quantities.iter().enumerate().scan(0, |start, (index, quantity)| {
         let whose = if quantity.role == Role::Configuration { quantities.get(index + 1) } else { None };
@@ -30,7 +31,7 @@ pub(crate) fn tangent_places(quantities: &[Quantity]) -> impl Iterator<Item = (R
 
 /// The components of rotations, in space and in the plane, and no rotation; those of rigid motions begin with them.
 const ROTATIONS: [(&[&str], &str); 2] = [(&["w", "x", "y", "z"], "1,0,0,0"), (&["re", "im"], "1,0")];
-/// What follows them in rigid motions.
+/// The components behind them in rigid motions.
 const TRANSLATIONS: [&[&str]; 3] = [&[], &["px", "py"], &["px", "py", "pz"]];
 
 /// Counts the components that are those of a rotation, and writes no rotation; none of a vector.

@@ -1,9 +1,9 @@
-//! What of a system is seen in space, and where: bodies, arrows, rods.
+//! Scenes: bodies, arrows, rods and springs in space.
 //!
 //! Each system has a scene by its state alone; its [`Example::scene`](crate::Example::scene) adds what only it knows.
 //!
-//! Motion in a plane is shown upright: the plane's first axis leads to the right, its second one up. So a pendulum whose angle is counted from
-//! its lowest position hangs down, and swings about a horizontal axis.
+//! Motion in a plane is shown upright: the plane's first axis leads to the right, its second one up. So a pendulum
+//! whose angle is counted from its lowest position hangs down, and swings about a horizontal axis.
 //!
 //! ```
 //! use coadjoint::prelude::*;
@@ -23,11 +23,11 @@ use super::shape::{Shape, Solid};
 /// The weight of a mass of a kilogram on Earth, N.
 const EARTH: f64 = 9.81;
 
-/// What of a system is seen in space.
+/// Bodies, arrows and links of a system, in space.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Scene {
-    /// What moves, and what stays where it is.
+    /// Bodies that move, and bodies that stay where they are.
     pub bodies: Vec<Body>,
     /// Vectors.
     pub arrows: Vec<Arrow>,
@@ -74,7 +74,8 @@ pub struct Body<S = Source> {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Source {
-    /// A quantity of the state: a rotation, a position, or a rigid motion. The plane of a rotation in it stands upright.
+    /// A quantity of the state: a rotation, a position, or a rigid motion. The plane of a rotation in it stands
+    /// upright.
     Quantity(String),
     /// A rotation in the plane, about this axis.
     About(String, [f64; 3]),
@@ -91,7 +92,7 @@ impl Source {
     }
 }
 
-/// What leaves a trace.
+/// The trace that a body leaves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "expected `false`, or a point [x, y, z]")]
 #[non_exhaustive]
@@ -424,8 +425,8 @@ impl Scene {
         self.arrow(Arrow::constant("weight", vector![0.0, 0.0, -weight], "N").symbol("mg").on(body, point))
     }
 
-    /// Makes a body a top under its weight, N: with the lever to its centre of mass, m, and the solid that this weight on
-    /// Earth and this moment of inertia about the origin, kg m², belong to.
+    /// Makes a body a top under its weight, N: with the lever to its centre of mass, m, and the solid that this weight
+    /// on Earth and this moment of inertia about the origin, kg m², belong to.
     #[must_use]
     pub fn top(self, body: usize, inertia: &Matrix3<f64>, weight: f64, lever: Vector3<f64>) -> Self {
         let mass = weight / EARTH;

@@ -1,9 +1,8 @@
-//! What bodies look like: solids of a kind and a size, as given or as a moment of inertia has them.
+//! Shapes of bodies: solids of a kind and a size, as given or as a moment of inertia has them.
 
 use coadjoint::prelude::*;
+use nalgebra::SymmetricEigen;
 use serde::{Deserialize, Serialize};
-
-use super::linear::symmetric_eigen;
 
 /// A solid about its own centre, in its own axes; lengths in m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,7 +69,7 @@ impl Shape {
 /// A shape at its place on a body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Solid {
-    /// What it is.
+    /// Its name.
     #[serde(flatten)]
     pub shape: Shape,
     /// Its centre, in body axes, m.
@@ -82,7 +81,7 @@ pub struct Solid {
     /// Only the ratios of its lengths have a meaning: it is drawn at a size that suits the scene.
     #[serde(default)]
     pub relative: bool,
-    /// What the legend says of it.
+    /// A note for the legend.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
@@ -125,9 +124,9 @@ impl Solid {
         Self { relative: true, ..self }
     }
 
-    /// A homogeneous solid with this moment of inertia about its centre of mass, of a size that is not known: a rod, a disc, a ball or an
-    /// ellipsoid where it is round, otherwise a box. Of moments that no body has, the momental ellipsoid, and a note that says so. None if the
-    /// moments are not positive.
+    /// A homogeneous solid with this moment of inertia about its centre of mass, of a size that is not known: a rod, a
+    /// disc, a ball or an ellipsoid where it is round, otherwise a box. Of moments that no body has, the momental
+    /// ellipsoid, and a note that says so. None if the moments are not positive.
     pub fn of_inertia(inertia: &Matrix3<f64>) -> Option<Self> {
         let (moments, axes) = principal(inertia)?;
         let solid = match homogeneous(&moments) {
@@ -164,9 +163,13 @@ fn principal(inertia: &Matrix3<f64>) -> Option<(Vector3<f64>, UnitQuaternion<f64
     let (moments, axes) = if *inertia == Matrix3::from_diagonal(&diagonal) {
         (diagonal, UnitQuaternion::identity())
     } else {
-        let (moments, axes) = symmetric_eigen(inertia);
-        let rotation = Rotation3::from_matrix_unchecked(axes);
-        (moments, UnitQuaternion::from_rotation_matrix(&rotation))
+        let SymmetricEigen { eigenvalues, mut eigenvectors } = inertia.symmetric_eigen();
+        // axes of a solid have no sense of direction; those of a rotation are right-handed
+        if eigenvectors.determinant() < 0.0 {
+            eigenvectors.neg_mut();
+        }
+        let rotation = Rotation3::from_matrix_unchecked(eigenvectors);
+        (eigenvalues, UnitQuaternion::from_rotation_matrix(&rotation))
     };
     (moments.min() > 0.0).then_some((moments, axes))
 }
@@ -257,6 +260,24 @@ mod tests {
         let [w, x, y, z] = solid.rotation;
         let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)) * Vector3::ith(longest, 1.0);
         assert!((turned.dot(&(rotation * Vector3::x())).abs() - 1.0).abs() < 1e-9, "{turned}");
+    }
+
+    #[test]
+    fn symmetric_matrices_have_axes() {
+        for round in 0..200 {
+            let number =
+                |k: usize| (f64::from(round) * 0.7 + k as f64 * 2.3).sin() * 10_f64.powi(round % 7 - 3);
+            let any = Matrix3::from_fn(|i, j| number(3 * i + j));
+            let positive = any * any.transpose() + Matrix3::identity() * any.norm_squared() * 1e-3;
+            let (values, axes) = principal(&positive).expect("positive definite");
+            let axes = axes.to_rotation_matrix();
+            let scale = positive.norm();
+            let error = (axes * Matrix3::from_diagonal(&values) * axes.transpose() - positive).norm();
+            assert!(error < 1e-13 * scale, "{error:e} of {scale}");
+        }
+        let diagonal = Vector3::new(3.0, 1.0, 2.0);
+        let (values, axes) = principal(&Matrix3::from_diagonal(&diagonal)).expect("positive definite");
+        assert_eq!((values, axes), (diagonal, UnitQuaternion::identity()));
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::setup::{Method, Order, Retraction};
 use crate::simulate::{self, scheme, states_in_motion};
 
-/// Which steps to certify.
+/// The arguments of `certify`.
 #[derive(Debug, Args)]
 pub(crate) struct CertifyArguments {
     /// The system; `list` shows all
@@ -30,7 +30,7 @@ pub(crate) struct CertifyArguments {
     pub(crate) output: OutputMode,
 }
 
-/// Whether steps of a method were generated.
+/// Tells whether steps of a method were generated.
 fn is_there(entry: &Entry, method: Method) -> bool {
     let retraction = Retraction::of(entry).first().copied().unwrap_or(Retraction::Exponential);
     let system = entry.system(&entry.example.parameters);
@@ -38,8 +38,8 @@ fn is_there(entry: &Entry, method: Method) -> bool {
     scheme.is_ok_and(|scheme| coadjoint::erased::Stepper::new(&*system, &scheme, entry.step).is_ok())
 }
 
-/// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests; fails if a claim is
-/// wrong.
+/// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests;
+/// fails if a claim is wrong.
 pub(crate) fn certify(
     catalogue: &Catalogue,
     arguments: &CertifyArguments,
@@ -95,7 +95,7 @@ fn in_short(report: &Report) -> Report {
     report
 }
 
-/// What the rows say, one line each.
+/// The meaning of the rows, one line each.
 const LEGEND: [(&str, &str); 19] = [
     ("order", "the error falls with this power of the step"),
     ("consistency", "short steps follow the equations of motion"),

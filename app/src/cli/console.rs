@@ -75,7 +75,7 @@ impl Console<'_> {
         Ok(())
     }
 
-    /// Begins to show the progress of something that is done in so many units.
+    /// Begins to show the progress of something that is done in these units.
     pub fn progress(&self, label: &str, total: u64, unit: &'static str) -> Progress {
         Progress::new(label, total, unit, self.mode.quiet)
     }

@@ -29,7 +29,7 @@ use crate::units::{grouped, short};
 /// Momentum components that are drawn unless others are asked for.
 const MOST: usize = 3;
 
-/// Which ensemble to run.
+/// The arguments of `ensemble`.
 #[derive(Debug, Args)]
 pub(crate) struct EnsembleArguments {
     /// The system; `list` shows all
@@ -39,9 +39,10 @@ pub(crate) struct EnsembleArguments {
     pub(crate) members: u64,
     /// How far members differ [default: momentum=1%]
     ///
-    /// Evenly within plus or minus the width: `inertia=2%` of each component's own size, `momentum_z=0.01` in the component's own unit,
-    /// `chi=0,0,0.1` for each component. A rotation is turned about any axis by an angle up to the width: `attitude=5deg`, `attitude=0.1rad`;
-    /// advected vectors turn along. Symmetric matrices stay symmetric; an element of a group of matrices is displaced as a whole: `element=0.1`.
+    /// Evenly within plus or minus the width: `inertia=2%` of each component's own size, `momentum_z=0.01` in the
+    /// component's own unit, `chi=0,0,0.1` for each component. A rotation is turned about any axis by an angle up to
+    /// the width: `attitude=5deg`, `attitude=0.1rad`; advected vectors turn along. Symmetric matrices stay symmetric;
+    /// an element of a group of matrices is displaced as a whole: `element=0.1`.
     #[arg(long, value_name = "NAME=WIDTH")]
     pub(crate) spread: Vec<String>,
     #[command(flatten)]
@@ -255,7 +256,7 @@ fn records(named: &[(String, Observable)], summary: &EnsembleSummary) -> Vec<Vec
     std::iter::once(header).chain((0..samples).map(record)).collect()
 }
 
-/// The members that failed, at most so many of them by name.
+/// Failed members that are told by name.
 const TOLD: usize = 3;
 
 fn report(

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::files::{is_stdout, write_new};
 use crate::setup::config;
 
-/// Which file to write.
+/// The arguments of `init`.
 #[derive(Debug, Args)]
 pub(crate) struct InitArguments {
     /// The system; `list` shows all

@@ -1,4 +1,5 @@
-//! Ctrl-C and the signals to end: the first ends a run cleanly, what was computed is written; the second ends the program.
+//! Ctrl-C and the signals to end: the first ends a run cleanly, what was computed is written; the second ends the
+//! program.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicI32, Ordering};
@@ -64,7 +65,7 @@ fn ignored() -> Option<u64> {
     u64::from_str_radix(mask.trim(), 16).ok()
 }
 
-/// Whether the run should end.
+/// Tells whether the run should end.
 #[inline]
 pub(crate) fn requested() -> bool {
     SIGNAL.load(Ordering::Relaxed) != 0

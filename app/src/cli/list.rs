@@ -15,7 +15,7 @@ use crate::setup::{Method, Retraction};
 use crate::simulate::has_method;
 use crate::units::{exact, with_unit, wrapped};
 
-/// What to list.
+/// The arguments of `list`.
 #[derive(Debug, Args)]
 pub(crate) struct ListArguments {
     /// All about this system [default: one line about each]
@@ -118,7 +118,7 @@ fn order(quantity: &Quantity) -> String {
     }
 }
 
-/// What its motion keeps, with units.
+/// Lists the invariants of its motion, with units.
 fn conserved<N: From<&'static str>>(
     entry: &Entry,
     casimirs: impl Iterator<Item = (N, &'static str)>,

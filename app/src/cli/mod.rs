@@ -30,7 +30,7 @@ use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, FileProblem, RunError};
 
-/// What the exit code says.
+/// The meaning of exit codes.
 const EXIT_CODES: &str = "\
 Exit codes:
   0    all went well
@@ -77,7 +77,7 @@ enum Command {
     Man,
 }
 
-/// What runs a command of the program's own.
+/// Runs a command of the program's own.
 type RunFn = Box<dyn Fn(&Catalogue, &ArgMatches, &mut dyn Write) -> Result<(), Error>>;
 
 /// A program for some systems: [`main`](crate::main), with commands of its own.
@@ -99,7 +99,8 @@ impl App {
         Self { catalogue: Catalogue::new(entries), commands: Vec::new(), default: None }
     }
 
-    /// With one more command, of this name, with a line about it: what runs it gets its arguments, and writes to the console.
+    /// With one more command, of this name, with a line about it: what runs it gets its arguments, and writes to the
+    /// console.
     #[must_use]
     pub fn command<A: clap::Args + 'static>(
         mut self,
@@ -122,8 +123,8 @@ impl App {
         Self { default: Some(name), ..self }
     }
 
-    /// Runs the program with the arguments it was started with; its exit code says how it went: 0 well, 2 wrong input, 3 a motion that cannot
-    /// be computed, 4 output that cannot be written, 130 ended by Ctrl-C, 1 a bug.
+    /// Runs the program with the arguments it was started with; its exit code says how it went: 0 well, 2 wrong input,
+    /// 3 a motion that cannot be computed, 4 output that cannot be written, 130 ended by Ctrl-C, 1 a bug.
     pub fn main(self) -> ExitCode {
         match self.run(std::env::args_os(), &mut io::stdout().lock()) {
             Ok(()) => ExitCode::SUCCESS,

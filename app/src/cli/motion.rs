@@ -1,4 +1,4 @@
-//! What `run`, `view` and `ensemble` have in common: a system, a scheme, a setup, a step and a duration.
+//! Arguments that `run`, `view` and `ensemble` share: system, scheme, setup, step and duration.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::error::{Error, SetupError};
 use crate::setup::config::{Config, RunConfig};
 use crate::setup::{Changes, Job, Method, Order, Retraction, Setup};
 
-/// Which run, by arguments or by a file.
+/// The arguments that choose a run, or the file that describes it.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ChosenRun {
     /// The system; `list` shows all
@@ -25,7 +25,7 @@ pub(crate) struct ChosenRun {
     pub(crate) motion: MotionArguments,
 }
 
-/// Which steps to take.
+/// The arguments that choose steps.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct SchemeArguments {
     /// The map that the step is built on; `exp` and `cay` for short
@@ -33,8 +33,8 @@ pub(crate) struct SchemeArguments {
     pub(crate) retraction: Option<Retraction>,
     /// What the step makes of it, or a classical method [default: standard]
     ///
-    /// Classical methods are there to compare with, by the system's vector field: they have no retraction and an order of their own, and are
-    /// not fast; with most of those in stored numbers rotations drift off their group.
+    /// Classical methods are there to compare with, by the system's vector field: they have no retraction and an order
+    /// of their own, and are not fast; with most of those in stored numbers rotations drift off their group.
     #[arg(long)]
     pub(crate) method: Option<Method>,
     /// 2, or 4, 6, 8, 10: symmetric compositions of steps of order 2
@@ -42,7 +42,7 @@ pub(crate) struct SchemeArguments {
     pub(crate) order: Option<Order>,
 }
 
-/// What every motion needs.
+/// The arguments of every motion.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MotionArguments {
     /// A parameter, a part of the initial state, or a control to be held
@@ -69,14 +69,15 @@ pub(crate) struct MotionArguments {
 #[derive(Clone, Debug)]
 pub(crate) struct Motion<'e> {
     pub(crate) entry: &'e Entry,
-    /// What was set, before it was validated.
+    /// The changes, before they were validated.
     pub(crate) changes: Changes<'e>,
     pub(crate) setup: Setup,
     pub(crate) job: Job,
 }
 
 impl ChosenRun {
-    /// The run, from the arguments and the configuration file, and what the file says of its output; the arguments take precedence.
+    /// The run, from the arguments and the configuration file, and what the file says of its output; the arguments take
+    /// precedence.
     ///
     /// # Errors
     /// If one of them says what no run has.
@@ -135,7 +136,7 @@ impl ChosenRun {
     }
 }
 
-/// What to run: the scheme, the step and how many of them; notes if they do not add up to the duration.
+/// Builds the job from its arguments; notes if the steps do not add up to the duration.
 ///
 /// # Errors
 /// If there is no such run.

@@ -13,10 +13,11 @@ use crate::error::{Error, FileError, SetupError};
 use crate::files::{FileOrigin, OverwriteGuard, PlannedFile, is_stdout, read};
 use crate::page::Page;
 
-/// What to show.
+/// The arguments of `play`.
 #[derive(Debug, Args)]
 pub(crate) struct PlayArguments {
-    /// Data in the format of pages, which any program can write, or pages; what moves in the later ones is drawn over the first
+    /// Data in the format of pages, which any program can write, or pages; what moves in the later ones is drawn over
+    /// the first
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Where to write the page [default: the first file with the extension `html`]
@@ -52,7 +53,7 @@ pub(crate) fn play(arguments: &PlayArguments, stdout: &mut dyn Write) -> Result<
     Ok(())
 }
 
-/// Where the page goes.
+/// Names the page.
 fn out(arguments: &PlayArguments) -> Result<PathBuf, Error> {
     match (&arguments.out, &arguments.files[..]) {
         (Some(out), _) => Ok(out.clone()),
@@ -61,7 +62,7 @@ fn out(arguments: &PlayArguments) -> Result<PathBuf, Error> {
     }
 }
 
-/// What makes the page: the files by their names, and what is in them.
+/// Describes the origin of the page: the files by their names and checksums.
 fn origin(files: &[PathBuf]) -> Result<FileOrigin, FileError> {
     let described = files.iter().map(|path| {
         let content = std::fs::read(path).map_err(|source| FileError::read(path, source))?;

@@ -59,7 +59,7 @@ mod tests {
 
     use super::*;
 
-    /// A terminal of so many columns, and what was written to it.
+    /// A terminal of this width, and what was written to it.
     #[derive(Clone, Debug)]
     struct Terminal(u16, Arc<Mutex<Vec<String>>>);
 

@@ -70,7 +70,7 @@ impl RunSummary {
     }
 }
 
-/// How well a quantity was conserved, in words.
+/// Describes how well a quantity was conserved.
 fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
     // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
     let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * stats.initial.abs().max(stats.error);

@@ -18,7 +18,7 @@ use crate::setup::{Changes, Format, assignments};
 use crate::simulate::time_per_step;
 use crate::units::wrapped;
 
-/// Which run to make, and where to write it.
+/// The arguments of `run`.
 #[derive(Debug, Args)]
 pub(crate) struct RunArguments {
     #[command(flatten)]
@@ -69,7 +69,7 @@ pub(crate) struct RunArguments {
     pub(crate) output: OutputMode,
 }
 
-/// Which run to show.
+/// The arguments of `view`.
 #[derive(Debug, Args)]
 pub(crate) struct ViewArguments {
     #[command(flatten)]
@@ -96,7 +96,7 @@ fn pause(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Which run to go on with.
+/// The arguments of `resume`.
 #[derive(Debug, Args)]
 pub(crate) struct ResumeArguments {
     /// Its checkpoint

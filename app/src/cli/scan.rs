@@ -26,7 +26,7 @@ use crate::units::{grouped, magnitude, short, with_unit, wrapped};
 /// Columns that a terminal has.
 const WIDTH: usize = 80;
 
-/// What came of one run.
+/// The result of one run.
 struct Row {
     values: Vec<f64>,
     outcome: Result<Outcome, String>,
@@ -135,7 +135,7 @@ fn one(motion: &Motion<'_>, scans: &[Scan], values: &[f64]) -> Result<Outcome, E
 }
 
 impl Outcome {
-    /// What is told of energy and Casimirs.
+    /// Lists the errors of energy and Casimirs.
     fn errors(&self) -> impl Iterator<Item = f64> + '_ {
         let Self { conservation, .. } = self;
         std::iter::once(&conservation.energy).chain(&conservation.casimirs).map(|stats| stats.error)
@@ -147,7 +147,7 @@ fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
     std::iter::once(("energy", entry.unit("energy"))).chain(entry.casimirs()).collect()
 }
 
-/// The table for the terminal: as many columns as fit.
+/// Lays out the table for the terminal: the columns that fit.
 fn shown(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     for (i, scan) in scans.iter().enumerate() {

@@ -108,7 +108,7 @@ impl RunFiles {
 #[derive(Debug, Serialize, Deserialize)]
 struct Saved {
     plan: Plan,
-    /// What the steps depend on besides: the program's version, the system's description, and what it computes.
+    /// A checksum of the program's version, the system's description, and its first steps.
     version: u32,
     recorders: Recorders,
     /// None before the first step.
@@ -183,13 +183,13 @@ pub struct FinishedRun<'e> {
     pub written: Vec<PathBuf>,
     /// Whether Ctrl-C ended it.
     pub interrupted: bool,
-    /// What people should know.
+    /// Notes for people.
     pub notes: Vec<String>,
 }
 
 impl<'e> Session<'e> {
-    /// Starts a run; with a checkpoint file, one that can be resumed later. All its files are looked at first: none takes
-    /// the place of another.
+    /// Starts a run; with a checkpoint file, one that can be resumed later. All its files are looked at first: none
+    /// takes the place of another.
     ///
     /// # Errors
     /// If that is not so, or a file cannot be written.
@@ -399,7 +399,8 @@ fn shown(
     Ok(shown)
 }
 
-/// Computes a checksum of all that the digits of a step depend on: also of the first steps, as a system's text may not be known.
+/// Computes a checksum of all that the digits of a step depend on: also of the first steps, as a system's text may not
+/// be known.
 fn version(entry: &Entry, plan: &Plan) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(env!("CARGO_PKG_VERSION").as_bytes());

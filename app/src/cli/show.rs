@@ -14,7 +14,7 @@ use crate::catalogue::{Catalogue, Entry};
 use crate::error::Error;
 use crate::setup::Retraction;
 
-/// Which code to show.
+/// The arguments of `show`.
 #[derive(Debug, Args)]
 pub(crate) struct ShowArguments {
     /// The system; `list` shows all
@@ -60,7 +60,7 @@ fn without_bytes(tokens: TokenStream) -> TokenStream {
     tokens.into_iter().map(shown).collect()
 }
 
-/// What the macro puts in the place of the struct, with the steps that are wanted.
+/// Expands the struct as the macro does, with the steps that were asked for.
 fn expand(
     attribute: TokenStream,
     item: TokenStream,
@@ -71,12 +71,12 @@ fn expand(
     let asked = derivatives.then(|| quote::quote! { derivatives, });
     let mut expansion = coadjoint_codegen::expand(quote::quote! { #asked #attribute }, item)?;
     if let Some(retraction) = retraction {
-        let wanted = match retraction {
+        let requested = match retraction {
             Retraction::Exponential => group::Retraction::Exponential,
             Retraction::Cayley => group::Retraction::Cayley,
             Retraction::SecondKind => group::Retraction::SecondKind,
         };
-        let is_wanted = |scheme: &Scheme| scheme.retraction == wanted;
+        let is_wanted = |scheme: &Scheme| scheme.retraction == requested;
         expansion.steps.retain(|StepExpansion { program, .. }| {
             is_wanted(&program.scheme) || program.aliases.iter().any(is_wanted)
         });

@@ -1,8 +1,9 @@
 //! Checkpoints: all that is needed to resume a run, bit for bit.
 //!
 //! Two files: the checkpoint itself, with the plan of the run, its current state, and what it has recorded so far; and
-//! beside it the rows of the trajectory as CSV, which go into the trajectory's file when the run ends or is interrupted.
-//! The checkpoint says how many bytes of the rows belong to it, and their checksum. Whoever runs has a lock on the rows.
+//! beside it the rows of the trajectory as CSV, which go into the trajectory's file when the run ends or is
+//! interrupted. The checkpoint says how many bytes of the rows belong to it, and their checksum. Whoever runs has a
+//! lock on the rows.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Seek, SeekFrom, Write};
@@ -15,9 +16,9 @@ use super::path::followed;
 use super::table::{table, write_row};
 use crate::error::{Error, FileError, FileProblem, SetupError};
 
-/// What checkpoint files begin with; the number is the version of the format.
+/// The beginning of checkpoint files; the number is the version of the format.
 const MAGIC: &[u8] = b"coadjoint checkpoint 3\n";
-/// What those of all versions begin with.
+/// The beginning of those of all versions.
 const ANY: &[u8] = b"coadjoint checkpoint ";
 
 /// The files of a run that can be resumed, held by this process alone.
@@ -29,7 +30,7 @@ pub(crate) struct CheckpointStore {
     mark: Mark,
 }
 
-/// How far the rows had come.
+/// The end of the rows that belong to a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Mark {
     bytes: u64,
@@ -241,7 +242,7 @@ mod tests {
         (path, checkpoint, rows)
     }
 
-    /// What a run with these files is resumed with, and its rows.
+    /// Resumes a run with these files: its content and its rows.
     fn resumed(path: &Path, checkpoint: &[u8], rows: &[u8]) -> Result<(u32, Vec<f64>), String> {
         fs::write(path, checkpoint).expect("writable");
         fs::write(rows_of(path), rows).expect("writable");

@@ -15,8 +15,8 @@
 //! }
 //! ```
 //!
-//! Controls are there where any are held in place of the system's own law, and null where it chooses; the retraction is null for a classical method. Steps taken until
-//! an interruption are there of an interrupted run alone.
+//! Controls are there where any are held in place of the system's own law, and null where it chooses; the retraction is
+//! null for a classical method. Steps taken until an interruption are there of an interrupted run alone.
 
 use std::io::{self, Write as _};
 

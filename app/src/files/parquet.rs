@@ -1,5 +1,5 @@
-//! A trajectory as Parquet: a column of doubles for each of time, the state's components and energy; what the run was, and what it found of
-//! the invariants, in the file's metadata.
+//! A trajectory as Parquet: a column of doubles for each of time, the state's components and energy; what the run was,
+//! and what it found of the invariants, in the file's metadata.
 
 use std::io;
 use std::sync::Arc;

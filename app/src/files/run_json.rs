@@ -21,7 +21,7 @@ use crate::simulate::simulate;
 /// The name of the program in what it writes.
 const PROGRAM: &str = "coadjoint";
 
-/// What makes a run of a system.
+/// The origin of a run's files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// Always `coadjoint`.
@@ -50,11 +50,11 @@ pub struct Provenance {
     pub order: u32,
     /// The step, s.
     pub step: f64,
-    /// How many of them.
+    /// The number of steps.
     pub steps: u64,
     /// Steps between two rows.
     pub every: u64,
-    /// What members of an ensemble differ in.
+    /// The differences between members of an ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Members>,
     /// The values of which each has a run, as the command line takes them.
@@ -62,21 +62,21 @@ pub struct Provenance {
     pub scan: Vec<String>,
 }
 
-/// What members of an ensemble differ in.
+/// The differences between members of an ensemble.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Members {
-    /// How many there are.
+    /// Their number.
     pub members: u64,
     /// Half-widths by name, as the command line takes them.
     pub spread: Vec<String>,
     /// The seed of the random numbers.
     pub seed: u64,
-    /// What is shown of them; nothing for what is shown unless asked otherwise.
+    /// The quantities that are shown; empty for the momentum.
     pub quantity: Vec<String>,
 }
 
 impl Provenance {
-    /// Of a run.
+    /// Describes a run.
     pub fn of_run(entry: &Entry, setup: &Setup, job: &Job, every: u64) -> Self {
         let classical = job.method.classical();
         let description = &entry.description;
@@ -140,8 +140,8 @@ impl Provenance {
         object(serde_json::to_value(self).unwrap_or_default())
     }
 
-    /// What the files of the run are called: `heavy_top-midpoint-order4-cayley` with the example's numbers, step and duration; with others
-    /// followed by a checksum of them all: `heavy_top-cayley-3fa9c1`.
+    /// Names the files of the run: `heavy_top-midpoint-order4-cayley` with the example's numbers, step and
+    /// duration; with others followed by a checksum of them all: `heavy_top-cayley-3fa9c1`.
     pub fn stem(&self, entry: &Entry, job: &Job) -> String {
         let mut stem = entry.name.clone();
         let side_by_side =
@@ -246,7 +246,7 @@ impl Provenance {
 }
 
 impl Members {
-    /// Of an ensemble that nothing was asked of.
+    /// The members of an ensemble that nothing was asked of.
     pub(crate) const MEMBERS: u64 = 1000;
     /// See [`MEMBERS`](Self::MEMBERS).
     pub(crate) const SEED: u64 = 1;
@@ -256,7 +256,7 @@ impl Members {
         (steps / 300).max(1)
     }
 
-    /// Whether anything of them was asked for.
+    /// Tells whether anything of them was asked for.
     fn are_chosen(&self) -> bool {
         let Self { members, spread, seed, quantity } = self;
         (*members, *seed) != (Self::MEMBERS, Self::SEED) || !spread.is_empty() || !quantity.is_empty()
@@ -268,8 +268,8 @@ fn usual_steps(entry: &Entry) -> u64 {
     (entry.duration / entry.step.abs()).round() as u64
 }
 
-/// A checksum of the bits of three steps: of states, energies and Casimirs. A system with another potential has another one, whatever it is
-/// called and wherever its source is.
+/// A checksum of the bits of three steps: of states, energies and Casimirs. A system with another potential has another
+/// one, whatever it is called and wherever its source is.
 pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     let job = Job { steps: 3, ..*job };
@@ -321,7 +321,7 @@ fn listed(quantities: &[Quantity], from: &Map<String, Value>) -> Option<Vec<Opti
     Some(list)
 }
 
-/// What made files: a run of a system ([`Provenance`]), or a command. Files of one origin may take each other's place.
+/// The origin of files: a run of a system ([`Provenance`]), or a command. Files of one origin may replace each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileOrigin(Map<String, Value>);
 
@@ -366,12 +366,12 @@ impl FileOrigin {
     }
 }
 
-/// How much of a run a file holds.
+/// The part of a run that a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Status {
     /// Nothing is known.
     Begun,
-    /// The beginning, up to an interruption after so many steps.
+    /// The beginning, up to an interruption after this many steps.
     Interrupted(u64),
     /// All of it.
     Complete,
@@ -385,7 +385,7 @@ pub(crate) struct RunJson {
     files: BTreeMap<String, String>,
 }
 
-/// What is found in the place of a file's `NAME.run.json`.
+/// The content of the place of a file's `NAME.run.json`.
 #[derive(Debug)]
 pub(super) enum Beside {
     Nothing,
@@ -400,7 +400,7 @@ const FILES: &str = "files";
 const COMPLETE: &str = "complete";
 
 impl RunJson {
-    /// Of no files yet.
+    /// Begins one of no files yet.
     pub(super) fn of(origin: FileOrigin) -> Self {
         Self { origin, files: BTreeMap::new() }
     }

@@ -54,8 +54,8 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// Collects the states of a system at these times, s, with a word on what computed them. The energy is that with the
-    /// controls of the system's own law.
+    /// Collects the states of a system at these times, s, with a word on what computed them. The energy is that with
+    /// the controls of the system's own law.
     pub fn new<S: Example>(
         system: &S,
         scheme: &str,
@@ -76,8 +76,8 @@ impl Trajectory {
         Self { entry, setup, scheme: scheme.to_owned(), samples }
     }
 
-    /// Writes a table, in the format that the extension of its name says: `csv`, `json`, with the feature `parquet` also
-    /// `parquet`; beside it `NAME.run.json` says what it is of. A file that is there is replaced.
+    /// Writes a table, in the format that the extension of its name says: `csv`, `json`, with the feature `parquet`
+    /// also `parquet`; beside it `NAME.run.json` says what it is of. A file that is there is replaced.
     ///
     /// # Errors
     /// If there is no such format, or the file cannot be written.
@@ -124,7 +124,7 @@ impl Trajectory {
         format!("{}, {}", self.entry.name, self.scheme)
     }
 
-    /// Counts as many steps as there are states behind the first, of their mean size.
+    /// Counts the states behind the first as steps of their mean size.
     fn step(&self) -> (f64, u64) {
         let samples = &self.samples.0;
         let steps = (samples.len() as u64).saturating_sub(1);

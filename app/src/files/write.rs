@@ -20,8 +20,8 @@ static BEGUN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 /// A file that is written beside its place, and put there when it is complete; dropped before, it leaves nothing.
 ///
-/// Through a symbolic link the file it leads to is written. Devices and pipes, and the standard output, `-`, are written
-/// to as they are.
+/// Through a symbolic link the file it leads to is written. Devices and pipes, and the standard output, `-`, are
+/// written to as they are.
 #[derive(Debug)]
 pub(crate) struct NewFile {
     path: PathBuf,

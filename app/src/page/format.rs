@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 pub use crate::scene::{Arrow, Body, End, Frame, Link, Track, Trail};
 
-/// What [`Page::format`] must be.
+/// The value of [`Page::format`].
 pub const FORMAT: &str = "coadjoint page 1";
 
 /// At most so many runs, bodies, arrows, links, plots or series in one place: more could not be told apart.
@@ -21,11 +21,11 @@ pub struct Page {
     pub format: String,
     /// The heading.
     pub title: String,
-    /// What moves, in one line.
+    /// A description in one line.
     pub about: String,
-    /// What was done, in one line.
+    /// The scheme and its steps, in one line.
     pub subtitle: String,
-    /// What made it: parameters with their units, scheme, step, version.
+    /// Parameters with their units, scheme, step, version.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub details: Vec<Detail>,
     /// The moments of all runs that have none of their own, s.
@@ -33,7 +33,7 @@ pub struct Page {
     pub time: Vec<f64>,
     /// Where it moves.
     pub space: Space,
-    /// What moves. The first run is drawn solid, others as translucent ghosts over it.
+    /// The motions. The first run is drawn solid, others as translucent ghosts over it.
     pub runs: Vec<Run>,
 }
 
@@ -84,7 +84,8 @@ pub struct Space {
     /// The unit of lengths; without it `m`, and none if it is empty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// Where the eye is at first: its direction from the x axis about the vertical, and its height over the horizontal, rad.
+    /// Where the eye is at first: its direction from the x axis about the vertical, and its height over the horizontal,
+    /// rad.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look: Option<[f64; 2]>,
 }
@@ -94,13 +95,13 @@ pub struct Space {
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Run {
-    /// What tells it from the others.
+    /// Its name among the others.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Its own moments, s, all forwards or all backwards in time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub time: Vec<f64>,
-    /// What moves.
+    /// The bodies.
     pub bodies: Vec<Body<Track>>,
     /// Vectors.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -124,7 +125,7 @@ pub struct Run {
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Plot {
-    /// What is plotted.
+    /// Its name.
     pub name: String,
     /// Its unit.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -137,7 +138,7 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
-/// How values are plotted.
+/// The scale of values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
@@ -154,7 +155,7 @@ pub enum Scale {
 #[serde(default, deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Series {
-    /// What tells it from the others of its plot.
+    /// Its name among the others of its plot.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
     /// Its values, one for each moment.

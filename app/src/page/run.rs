@@ -9,7 +9,7 @@ use crate::catalogue::{ControlLaw, Entry, casimir};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
 
-/// What is said of a run beside its motion.
+/// The heading of a run's page.
 pub(crate) struct PageHeading<'a> {
     /// The system and its scheme.
     pub(crate) title: String,
@@ -17,7 +17,7 @@ pub(crate) struct PageHeading<'a> {
     /// s
     pub(crate) step: f64,
     pub(crate) steps: u64,
-    /// What acts from outside, where that is known.
+    /// The control law, where it is known.
     pub(crate) law: Option<ControlLaw>,
 }
 
@@ -75,7 +75,7 @@ fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
 struct Plots<'a> {
     entry: &'a Entry,
     samples: &'a PageSamples<'a>,
-    /// What is plotted of the state at each sample.
+    /// The plotted numbers of the state at each sample.
     states: &'a [Vec<f64>],
 }
 
@@ -185,7 +185,7 @@ impl Plots<'_> {
     }
 }
 
-/// What the names of some components begin with, or all of them: `v` of `v1` and `v2`.
+/// Finds the common beginning of some components' names, or joins them: `v` of `v1` and `v2`.
 fn common(names: &[String], places: &[usize]) -> String {
     let names: Vec<&str> = places.iter().filter_map(|&k| names.get(k).map(String::as_str)).collect();
     let begin = |name: &str| {

@@ -171,7 +171,8 @@ impl Placement {
     }
 }
 
-/// How a tick's number is written, of ticks at this distance up to this magnitude: all with as many digits, and with the same power of ten.
+/// How a tick's number is written, of ticks at this distance up to this magnitude: all with as many digits, and with
+/// the same power of ten.
 fn label(step: f64, largest: f64) -> impl Fn(f64) -> String {
     let power = if largest < 1e5 && step >= 1e-4 { 0.0 } else { largest.log10().floor() };
     let unit = 10.0_f64.powf(power);

@@ -1,4 +1,4 @@
-//! What of a line lies within a frame.
+//! Clips lines to a frame.
 
 use super::scene::Point;
 

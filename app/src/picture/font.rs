@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use ttf_parser::OutlineBuilder;
 use ttf_parser::{Face, GlyphId};
 
-/// What an SVG asks for.
+/// The fonts that an SVG asks for.
 pub(super) const FAMILIES: &str =
     "DejaVu Sans Condensed, DejaVu Sans, Segoe UI, Roboto, Helvetica, Arial, sans-serif";
 
@@ -37,7 +37,8 @@ fn glyphs(text: &str, size: f64) -> impl Iterator<Item = Glyph> {
     })
 }
 
-/// Draws the outlines of a text of this size; before each letter the pen is told how far it is from the start, and the size of a unit.
+/// Draws the outlines of a text of this size; before each letter the pen is told how far it is from the start, and the
+/// size of a unit.
 #[cfg(feature = "png")]
 pub(super) fn outline<P: OutlineBuilder>(text: &str, size: f64, pen: &mut P, place: fn(&mut P, f64, f64)) {
     let Some(face) = FACE.as_ref() else { return };

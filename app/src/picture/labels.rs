@@ -94,7 +94,8 @@ pub(super) fn place(scene: &mut Scene, frame: &Frame, lines: &[(&Series, Vec<Poi
     }
 }
 
-/// How bad a place is: what it covers, what is so near that it could be meant, how far it is, and what its leader crosses.
+/// How bad a place is: what it covers, what is so near that it could be meant, how far it is, and what its leader
+/// crosses.
 fn cost(candidate: &Candidate, own: usize, dense: &[Vec<Point>], taken: &[Area], frame: &Frame) -> f64 {
     let Candidate { area, .. } = candidate;
     let inner =

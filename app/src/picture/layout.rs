@@ -33,7 +33,7 @@ struct Placed<'a> {
     is_labelled: (bool, bool),
 }
 
-/// What stands around the frames of a row or a column.
+/// The room around the frames of a row or a column.
 #[derive(Clone, Copy, Default)]
 struct Margin {
     before: f64,

@@ -57,9 +57,9 @@ pub enum Key {
 pub struct Panel {
     /// Stands above it; may be empty.
     pub title: String,
-    /// What lies along the horizontal axis.
+    /// The horizontal axis.
     pub x: Axis,
-    /// What lies along the vertical axis.
+    /// The vertical axis.
     pub y: Axis,
     /// Whether both axes have the same scale, as in a plane of positions.
     pub equal: bool,
@@ -70,11 +70,11 @@ pub struct Panel {
 /// One series of values.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What the key calls it; what has no name is not in the key.
+    /// Its name in the key; without one it is not in the key.
     pub label: String,
     /// Pairs of the two quantities.
     pub points: Vec<(f64, f64)>,
-    /// What it belongs to.
+    /// Its colour.
     pub color: Color,
     /// How it is drawn.
     pub style: Style,
@@ -138,12 +138,12 @@ impl Series {
         Self::new(label, color, Style::Line, points)
     }
 
-    /// What the others are compared with: a dashed line in the colour of the axes.
+    /// Draws a reference: a dashed line in the colour of the axes.
     pub fn reference(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self::new(label, Color::Ink, Style::Dashed, points)
     }
 
-    /// What lies between two lines of as many points.
+    /// The area between two lines of equally many points.
     pub fn band(
         label: impl Into<String>,
         color: Color,

@@ -1,16 +1,16 @@
 //! The colours of pictures: one for each method, everywhere, and others for what has no method.
 //!
-//! Those that stand in one picture can be told apart with any colour vision, on white and on black: they differ in lightness too. A method on a
-//! retraction has the retraction's colour, another the colour of its scheme.
+//! Those that stand in one picture can be told apart with any colour vision, on white and on black: they differ in
+//! lightness too. A method on a retraction has the retraction's colour, another the colour of its scheme.
 
-/// What a colour means.
+/// A colour, by its meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Color {
-    /// What others are compared with: black on white, white on black.
+    /// The colour of references: black on white, white on black.
     Ink,
     /// Grid lines.
     Grid,
-    /// What lies below everything.
+    /// The background.
     Paper,
     /// Steps of order 2 on the exponential map.
     Exponential,
@@ -103,8 +103,8 @@ impl Color {
 mod tests {
     use super::*;
 
-    /// Red, green and blue as people without one kind of cones see them (Machado, Oliveira and Fernandes 2009): none is missing, the one for
-    /// long waves, the one for middle ones.
+    /// Red, green and blue as people without one kind of cones see them (Machado, Oliveira and Fernandes 2009): none is
+    /// missing, the one for long waves, the one for middle ones.
     const VISIONS: [[[f64; 3]; 3]; 3] = [
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],

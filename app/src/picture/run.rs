@@ -81,7 +81,8 @@ fn state_panels(part: &Part<'_>, entry: &Entry, curves: &[Envelope]) -> Vec<Pane
     panels.into_iter().map(panel).collect()
 }
 
-/// Draws what a run did, in one colour: a line, and a light area with its edges where it goes up and down too fast for a line.
+/// Draws what a run did, in one colour: a line, and a light area with its edges where it goes up and down too fast for
+/// a line.
 pub fn series(curve: &Envelope, label: &str, color: Color, unit: f64) -> Vec<Series> {
     let scaled =
         |points: Vec<(f64, f64)>| points.into_iter().map(|(time, y)| (time, unit * y)).collect::<Vec<_>>();

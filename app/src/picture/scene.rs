@@ -1,4 +1,4 @@
-//! What a picture is made of, in units of which a letter is some thirteen high; drawn as SVG and as pixels.
+//! The shapes of a picture, in units of which a letter is some thirteen high; drawn as SVG and as pixels.
 
 use super::palette::Color;
 

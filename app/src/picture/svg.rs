@@ -7,7 +7,8 @@ use super::font::FAMILIES;
 use super::palette::Color;
 use super::scene::{Anchor, DASHES, HALO, Mark, Point, RADIUS, RING, Scene, Shape, Text};
 
-/// The picture's text. Colours are attributes, which everything that draws SVG understands; where dark ones are asked for, a style takes their place.
+/// The picture's text. Colours are attributes, which everything that draws SVG understands; where dark ones are asked
+/// for, a style takes their place.
 pub(super) fn svg(scene: &Scene, title: &str) -> String {
     let mut body = String::new();
     for shape in &scene.shapes {

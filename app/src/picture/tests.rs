@@ -47,7 +47,7 @@ fn figures_without_any_variation_can_be_drawn() {
     }
 }
 
-/// What stands between a tag's beginning and the next quotation mark, of all such tags.
+/// Lists the texts between a tag's beginning and the next quotation mark.
 fn all<'a>(svg: &'a str, beginning: &str) -> Vec<&'a str> {
     svg.split(beginning).skip(1).filter_map(|rest| rest.split('"').next()).collect()
 }

@@ -37,7 +37,8 @@ impl DriftStats {
         self.line.slope()
     }
 
-    /// How much of the errors' range is that straight line's rise from the start to the end: near 1 for a drift, small for an oscillation.
+    /// Measures how much of the errors' range is that straight line's rise from the start to the end: near 1 for a
+    /// drift, small for an oscillation.
     pub fn drift(&self) -> f64 {
         let range = self.range.1 - self.range.0;
         if range == 0.0 { 0.0 } else { (self.slope() * self.line.duration).abs() / range }

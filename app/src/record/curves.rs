@@ -19,7 +19,7 @@ pub(crate) struct Curves {
     pub(crate) span: (f64, f64),
     /// Energy and Casimirs at the start.
     reference: Option<(f64, Vec<f64>)>,
-    /// Of the curves of each part of the state.
+    /// The curves of each part of the state.
     pub(crate) state: Vec<Envelope>,
     /// The angles of each rotation at the sample before, from which the next ones go on.
     angles: Vec<Option<[f64; 3]>>,
@@ -90,7 +90,8 @@ fn roll_pitch_yaw(quaternion: &[f64]) -> [f64; 3] {
     [roll, pitch, yaw]
 }
 
-/// The same rotation by the angles that are nearest to those before: they go on beyond half a turn, and the pitch beyond a quarter.
+/// The same rotation by the angles that are nearest to those before: they go on beyond half a turn, and the pitch
+/// beyond a quarter.
 fn continued(angles: [f64; 3], before: [f64; 3]) -> [f64; 3] {
     let [roll, pitch, yaw] = angles;
     let nearest = |angles: [f64; 3]| {
@@ -122,7 +123,7 @@ impl Curves {
         }
     }
 
-    /// Whether it fits this system.
+    /// Tells whether it fits this system.
     pub(crate) fn is_of(&self, entry: &Entry) -> bool {
         self.state.len() == parts(entry).map(|part| part.curves()).sum::<usize>()
             && self.angles.len() == parts(entry).count()

@@ -49,7 +49,7 @@ impl Envelope {
         bins.fold(none, |(low, high), bin| (low.min(bin.least.1), high.max(bin.greatest.1)))
     }
 
-    /// Whether a bin has, on average, more than a third of the range in which nine tenths of the bins are.
+    /// Tells whether a bin has, on average, more than a third of the range in which nine tenths of the bins are.
     pub(crate) fn is_fast(&self) -> bool {
         let sorted = |of: fn(&Bin) -> f64| {
             let mut values: Vec<f64> = self.bins.iter().flatten().map(of).collect();

@@ -42,7 +42,7 @@ pub(crate) struct PageSamples<'a> {
 }
 
 impl PageRecorder {
-    /// Prepares for a run of so many steps.
+    /// Prepares for a run of this length.
     pub(crate) fn new(entry: &Entry, steps: u64) -> Self {
         let rotations = entry.plotted.rotations().to_vec();
         let turned = vec![0.0; rotations.len()];
@@ -114,7 +114,8 @@ impl PageRecorder {
         self.turned.iter_mut().zip(carried).for_each(|(turned, carried)| *turned += carried);
     }
 
-    /// Chooses those that the page needs: so many that none of them are far apart, but not many more than a screen shows.
+    /// Chooses those that the page needs: so many that none of them are far apart, but not many more than a screen
+    /// shows.
     pub(crate) fn samples(&self) -> PageSamples<'_> {
         let samples = &self.samples.0;
         let mut stride = 1;
@@ -127,7 +128,7 @@ impl PageRecorder {
         PageSamples { kept, turn: self.most_turned(stride), rate: self.rate }
     }
 
-    /// The most that a rotation turns over so many samples.
+    /// Finds the most that a rotation turns over a stride of samples.
     fn most_turned(&self, stride: usize) -> f64 {
         let sum = |part: &[Vec<f64>], k: usize| part.iter().filter_map(|turns| turns.get(k)).sum::<f64>();
         let rest = self.turns.get(1..).unwrap_or_default();

@@ -105,7 +105,8 @@ fn symbol(name: &str) -> String {
     if symbol == name { String::new() } else { symbol }
 }
 
-/// Whether velocities, momenta and advected vectors are those of the body: whether a small displacement multiplies the first rotation from the right.
+/// Tells whether velocities, momenta and advected vectors are those of the body: whether a small displacement
+/// multiplies the first rotation from the right.
 fn is_left_invariant(entry: &Entry) -> bool {
     let start = laid_out(entry.description.state).find(|(quantity, _)| is_rotation_in_space(quantity));
     let (Some((_, slots)), Some(before)) = (start, displacement_before(entry)) else { return true };
@@ -124,7 +125,7 @@ fn is_left_invariant(entry: &Entry) -> bool {
     displaced.angle_to(&(attitude * turn)) < displaced.angle_to(&(turn * attitude))
 }
 
-/// Where in a displacement that of the first rotation in space begins.
+/// Finds where in a displacement that of the first rotation in space begins.
 fn displacement_before(entry: &Entry) -> Option<usize> {
     let mut before = 0;
     for quantity in entry.description.state {

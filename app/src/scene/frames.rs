@@ -29,7 +29,7 @@ type Pose = (Vector3<f64>, UnitQuaternion<f64>);
 /// Places what a scene shows at each sample of a run.
 pub(crate) struct Frames<'a> {
     entry: &'a Entry,
-    /// What is plotted of the state at each sample.
+    /// The plotted numbers of the state at each sample.
     pub(crate) states: Vec<Vec<f64>>,
     /// The controls of the step that begins at each sample; none where they are not known.
     controls: Vec<Vec<f64>>,
@@ -232,7 +232,8 @@ mod tests {
     use crate::simulate::simulate;
     use crate::test_systems::catalogue;
 
-    /// A motor is drawn as strong as it pulls in the step that begins at each sample; of what is not known nothing is drawn.
+    /// A motor is drawn as strong as it pulls in the step that begins at each sample; of what is not known nothing is
+    /// drawn.
     #[test]
     fn controls_are_drawn() {
         let entry = catalogue().system("planar_pendulum").expect("it is there");

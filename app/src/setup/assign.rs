@@ -15,7 +15,7 @@ use crate::error::{RunError, SetupError};
 pub(crate) struct Changes<'e> {
     entry: &'e Entry,
     setup: Setup,
-    /// Which of the state's numbers were given.
+    /// The numbers of the state that were given.
     given: Vec<bool>,
 }
 
@@ -30,7 +30,7 @@ impl<'e> Changes<'e> {
     /// Makes assignments one after the other.
     ///
     /// # Errors
-    /// If a name is unknown, or a value is not made of as many numbers as its quantity has.
+    /// If a name is unknown, or a value has another number of components than its quantity.
     pub(crate) fn apply(&mut self, assignments: &[String]) -> Result<(), SetupError> {
         for assignment in assignments {
             let (name, value) = assignment.split_once('=').ok_or_else(|| {
@@ -74,14 +74,14 @@ impl<'e> Changes<'e> {
         Ok(())
     }
 
-    /// What there is so far, as it was given.
+    /// Shows the setup so far, as it was given.
     #[cfg(test)]
     pub(crate) fn setup(&self) -> &Setup {
         &self.setup
     }
 
-    /// The setup that comes of it, and notes for the user: rotations are normalised, what is advected turns with configurations that were
-    /// given, unless it was given too.
+    /// The setup that comes of it, and notes for the user: rotations are normalised, what is advected turns with
+    /// configurations that were given, unless it was given too.
     ///
     /// # Errors
     /// If a rotation is zero, no stepper can be built with the parameters, or the energy of the state is no number.
@@ -151,7 +151,7 @@ fn list(numbers: &[f64]) -> String {
     numbers.iter().map(rounded).collect::<Vec<_>>().join(",")
 }
 
-/// Where Casimirs that are functions of advected parameters alone have other values than in the example.
+/// Notes Casimirs of advected parameters alone that have other values than in the example.
 fn other_casimirs(entry: &Entry, setup: &Setup) -> Vec<String> {
     let system = entry.system(&setup.parameters);
     let values = |state: &[f64]| system.casimirs(state);

@@ -39,7 +39,7 @@ pub(crate) struct Config {
 pub(crate) struct RunConfig {
     /// The map that the step is built on.
     pub(crate) retraction: Option<Retraction>,
-    /// What the step makes of it.
+    /// The method.
     pub(crate) method: Option<Method>,
     /// The order.
     pub(crate) order: Option<u32>,
@@ -69,7 +69,7 @@ impl Config {
     /// Sets the parameters and the initial state that the file gives.
     ///
     /// # Errors
-    /// If a name is unknown, or a value is not made of as many numbers as its quantity has.
+    /// If a name is unknown, or a value has another number of components than its quantity.
     pub(crate) fn apply(&self, path: &Path, changes: &mut Changes<'_>) -> Result<(), SetupError> {
         let tables = [
             (Names::Parameters, "parameters", &self.parameters),

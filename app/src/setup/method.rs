@@ -14,8 +14,8 @@ use coadjoint_classical::{Method as _, RungeKutta, Tableau};
 #[serde(try_from = "String", into = "String")]
 #[non_exhaustive]
 pub enum Method {
-    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part in the motion and the
-    /// retraction is odd, else `verlet`.
+    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part
+    /// in the motion and the retraction is odd, else `verlet`.
     #[default]
     Standard,
     /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
@@ -30,17 +30,18 @@ pub enum Method {
     Family(u32, u32),
     /// `euler-a` carrying the momentum in space, where nothing acts on the system.
     RightLift,
-    /// The tangent lift with `s = numerator/denominator`, in lowest terms, where it was generated: of order 1, with `s = ½` of order 2, and not
-    /// symplectic; explicit with `s = 0`.
+    /// The tangent lift with `s = numerator/denominator`, in lowest terms, where it was generated: of order 1, with `s
+    /// = ½` of order 2, and not symplectic; explicit with `s = 0`.
     TangentLift(u32, u32),
     /// A classical method, for comparison.
     Classical(Classical),
 }
 
-/// A method that knows nothing of the structure: a Runge–Kutta method for the numbers of the state as they are stored, or RKMK4.
+/// A method that knows nothing of the structure: a Runge–Kutta method for the numbers of the state as they are stored,
+/// or RKMK4.
 ///
-/// Those for stored numbers take the motion for a vector field on a vector space. Rotations drift off their group, but with the methods that keep
-/// quadratic invariants: nothing is projected.
+/// Those for stored numbers take the motion for a vector field on a vector space. Rotations drift off their group, but
+/// with the methods that keep quadratic invariants: nothing is projected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Classical {
@@ -101,7 +102,7 @@ impl Classical {
         }
     }
 
-    /// What it makes its steps with: of RKMK4, those in exponential coordinates.
+    /// Builds its Runge–Kutta method: of RKMK4, that in exponential coordinates.
     pub fn runge_kutta(self) -> RungeKutta {
         match self {
             Classical::ExplicitEuler => Tableau::explicit_euler().into(),
@@ -122,7 +123,7 @@ impl Classical {
         self.runge_kutta().order()
     }
 
-    /// What it is, for people who choose one.
+    /// Describes it for people who choose one.
     fn about(self) -> String {
         let (method, order) = (self.runge_kutta(), self.order());
         let name = method.name();
@@ -193,7 +194,7 @@ impl Method {
         self.to_string().replace(['=', '/'], "-")
     }
 
-    /// What it is, for people who choose one.
+    /// Describes it for people who choose one.
     fn about(self) -> String {
         let about = match self {
             Method::Standard => "the system's standard step of order 2: `euler-a` or `verlet`",

@@ -1,4 +1,5 @@
-//! Settings of a run: scheme, step, parameters, initial state, spreads and scans, by the names of a system's quantities.
+//! Settings of a run: scheme, step, parameters, initial state, spreads and scans, by the names of a system's
+//! quantities.
 
 mod assign;
 pub(crate) mod config;
@@ -21,8 +22,8 @@ pub(crate) use names::Names;
 pub(crate) use scan::Scan;
 pub use spread::{SampledRange, Variation};
 
+use crate::catalogue::Entry;
 pub use crate::catalogue::Setup;
-use crate::catalogue::{Entry, linear};
 use crate::units::exact;
 
 /// The map from the Lie algebra to the group that a step is built on.
@@ -35,7 +36,8 @@ pub enum Retraction {
     /// The Cayley map: rational, and defined for every angle.
     #[value(alias = "cay")]
     Cayley,
-    /// Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to compare with; there for some systems.
+    /// Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to compare with;
+    /// there for some systems.
     #[value(alias = "ccsk")]
     SecondKind,
 }
@@ -43,10 +45,10 @@ pub enum Retraction {
 impl Retraction {
     /// All of them.
     pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
-    /// Those with which most systems have steps.
+    /// The ones with which most systems have steps.
     pub const COMMON: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
 
-    /// Those with which there are steps of this system.
+    /// Lists those with which there are steps of this system.
     pub fn of(entry: &Entry) -> Vec<Self> {
         let system = entry.system(&entry.example.parameters);
         let is_there = |retraction: &Self| {
@@ -116,7 +118,7 @@ impl Order {
     }
 }
 
-/// What to run: the scheme, the step and the number of steps.
+/// The scheme, the step and the number of steps of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// The scheme's method.
@@ -127,7 +129,7 @@ pub struct Job {
     pub order: Order,
     /// The step, s.
     pub step: f64,
-    /// How many of them.
+    /// The number of steps.
     pub steps: u64,
 }
 
@@ -162,7 +164,7 @@ impl Job {
     }
 }
 
-/// How a trajectory is written.
+/// A format of trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Format {
@@ -211,7 +213,7 @@ pub fn check(entry: &Entry, setup: &Setup) -> Result<Option<String>, ParameterEr
 
 /// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.
 fn triangle_note(inertia: &Matrix3<f64>) -> Option<String> {
-    let mut moments: [f64; 3] = linear::symmetric_eigen(inertia).0.into();
+    let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     let [small, middle, large] = moments;
     (large > (small + middle) * (1.0 + 1e-12)).then(|| {

@@ -36,7 +36,7 @@ impl Names {
         }
     }
 
-    /// What they are names of.
+    /// Names their kind in messages.
     fn kind(self) -> &'static str {
         match self {
             Names::All => "parameter, state quantity or control",
@@ -48,7 +48,7 @@ impl Names {
     }
 }
 
-/// What is set.
+/// The part of a setup that a name belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     Parameters,
@@ -96,7 +96,7 @@ impl Name {
     }
 }
 
-/// What a name stands for.
+/// Finds the numbers of a name.
 pub(super) fn named(entry: &Entry, which: Names, name: &str) -> Result<Name, SetupError> {
     let mut names = Name::all(entry, which);
     let Some(index) = names.iter().position(|candidate| candidate.name == name) else {

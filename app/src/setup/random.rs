@@ -34,7 +34,8 @@ fn mixed(bits: u64) -> u64 {
 mod tests {
     use super::*;
 
-    /// Means of powers of the numbers, and of products of neighbours and of neighbouring streams, are what they should be.
+    /// Means of powers of the numbers, and of products of neighbours and of neighbouring streams, are what they should
+    /// be.
     #[test]
     fn numbers_are_even_and_have_nothing_to_do_with_each_other() {
         const COUNT: usize = 100_000;

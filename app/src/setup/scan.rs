@@ -7,7 +7,7 @@ use crate::error::SetupError;
 /// No more runs than these: a table that nobody reads, and memory for it.
 const MOST: usize = 1_000_000;
 
-/// What is scanned, and the values it takes.
+/// A number and the values that it takes in a scan.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scan {
     /// The name of a number.

@@ -10,8 +10,8 @@ use crate::catalogue::quantities::{laid_out, matrix_order, rotation};
 use crate::catalogue::{Entry, component_name};
 use crate::error::SetupError;
 
-/// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of up to its width, each
-/// matrix of a group by an element as near to the unit matrix.
+/// How members of an ensemble differ: each number evenly within its width about the setup's, each rotation by a turn of
+/// up to its width, each matrix of a group by an element as near to the unit matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation {
     parameters: Vec<f64>,
@@ -19,20 +19,21 @@ pub struct Variation {
     /// Parameters that are drawn once for two places: the second takes what the first has.
     mirrored: Vec<(usize, usize)>,
     turns: Vec<RotationSpread>,
-    /// What was asked for, in words: `inertia ±1 % of each component`.
+    /// The spread in words: `inertia ±1 % of each component`.
     pub words: Vec<String>,
-    /// What the user should know of it.
+    /// Notes for people.
     pub notes: Vec<String>,
 }
 
-/// How far a rotation is turned, or another element of a group is displaced: a vector of the algebra evenly distributed in a ball.
+/// How far a rotation is turned, or another element of a group is displaced: a vector of the algebra evenly distributed
+/// in a ball.
 #[derive(Clone, Debug, PartialEq)]
 struct RotationSpread {
     name: &'static str,
     /// The place in tangent vectors of the rotation's first component, and how many there are.
     start: usize,
     dimension: usize,
-    /// How long tangent vectors are.
+    /// The length of tangent vectors.
     length: usize,
     /// In radians, or a pure number.
     width: f64,
@@ -50,7 +51,7 @@ enum Width {
     Turn(f64, &'static str),
 }
 
-/// What was drawn of a number: the range of all members.
+/// The range of a number over all members.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledRange {
     /// The number's name, or that of a rotation.
@@ -130,7 +131,7 @@ impl Variation {
         self.drawn(entry, setup, seed, member).0
     }
 
-    /// The same with the angles by which rotations were turned, rad.
+    /// Draws a member, and the angles by which rotations were turned, rad.
     fn drawn(&self, entry: &Entry, setup: &Setup, seed: u64, member: usize) -> (Setup, Vec<f64>) {
         let mut random = Random::new(seed, member as u64);
         let mut drawn = setup.clone();
@@ -155,7 +156,7 @@ impl Variation {
         (drawn, angles)
     }
 
-    /// The ranges of all that varies, over so many members.
+    /// Begins the ranges of all that varies.
     pub(crate) fn ranges<'v>(&'v self, entry: &'v Entry, setup: &'v Setup) -> Ranges<'v> {
         let mut slots = Vec::new();
         let parts = [
@@ -210,7 +211,7 @@ impl Ranges<'_> {
         drawn
     }
 
-    /// What was drawn.
+    /// Lists the ranges.
     pub(crate) fn finish(self) -> Vec<SampledRange> {
         self.slots.into_iter().map(|(_, _, drawn)| drawn).chain(self.angles).collect()
     }
@@ -316,12 +317,12 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, SetupError>
             )),
         };
     }
-    let (wanted, one) = (target.slots.len(), numbers.len() == 1);
+    let (requested, one) = (target.slots.len(), numbers.len() == 1);
     if one {
-        numbers.resize(wanted, numbers[0]);
+        numbers.resize(requested, numbers[0]);
     }
-    if numbers.len() != wanted {
-        return wrong(format!("takes {} or one, got {}", count(wanted), numbers.len()));
+    if numbers.len() != requested {
+        return wrong(format!("takes {} or one, got {}", count(requested), numbers.len()));
     }
     match (unit, entry.unit(name)) {
         ("%", _) => Ok(Width::Percent(numbers)),

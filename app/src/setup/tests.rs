@@ -131,7 +131,7 @@ mod examples {
     }
 }
 
-/// What is advected is the image of a vector that is fixed in space: `γ = R⁻¹ v`.
+/// An advected vector is the image of one that is fixed in space: `γ = R⁻¹ v`.
 #[test]
 fn advected_vectors_turn_with_an_attitude_that_is_set() {
     use coadjoint::prelude::{UnitQuaternion, Vector3};

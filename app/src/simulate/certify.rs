@@ -5,10 +5,11 @@ use std::ops::ControlFlow;
 use coadjoint::certify::{Report, certify_erased};
 use coadjoint::erased::{self, Map};
 use coadjoint::system::Role;
+use nalgebra::{DMatrix, DVector};
 
 use super::{scheme, simulate};
 use crate::catalogue::quantities::tangent_places;
-use crate::catalogue::{Entry, Setup, linear};
+use crate::catalogue::{Entry, Setup};
 use crate::error::RunError;
 use crate::setup::random::Random;
 use crate::setup::{Job, Method, Order, Retraction, standard};
@@ -33,9 +34,9 @@ pub fn certify(
     Ok(certify_erased(&*system, &scheme, &states, &controls, entry.certified_step)?)
 }
 
-/// Three states at which the motion shows what it can: the example's, and where 40 and 80 steps lead from there; if it rests, three near it,
-/// chosen at random, with momenta that turn it by up to a radian, or move it by up to a metre, in a tenth of its usual duration. The answer is also
-/// whether it rests.
+/// Three states at which the motion shows what it can: the example's, and where 40 and 80 steps lead from there; if it
+/// rests, three near it, chosen at random, with momenta that turn it by up to a radian, or move it by up to a metre, in
+/// a tenth of its usual duration. The answer is also whether it rests.
 ///
 /// # Errors
 /// If parameters are not valid, or a step cannot be taken.
@@ -65,7 +66,8 @@ pub fn states_in_motion(entry: &Entry, setup: &Setup) -> Result<(Vec<Vec<f64>>, 
     Ok((states, rests))
 }
 
-/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each under these controls.
+/// A state near this one, displaced by up to a half along each direction, that moves at up to this rate along each
+/// under these controls.
 fn in_motion(
     system: &dyn erased::System,
     control: &[f64],
@@ -88,18 +90,20 @@ fn in_motion(
         momenta.iter().map(|&place| differential[place]).collect()
     };
     let at_rest = velocity(&vec![0.0; length]);
-    let columns: Vec<Vec<f64>> = momenta
+    let columns: Vec<DVector<f64>> = momenta
         .iter()
         .map(|&place| {
             let mut unit = vec![0.0; length];
             unit[place] = 1.0;
-            velocity(&unit).iter().zip(&at_rest).map(|(moving, resting)| moving - resting).collect()
+            DVector::from_vec(velocity(&unit)) - DVector::from_column_slice(&at_rest)
         })
         .collect();
-    let wanted: Vec<f64> = at_rest.iter().map(|resting| rate * random.even() - resting).collect();
+    let requested =
+        DVector::from_iterator(at_rest.len(), at_rest.iter().map(|resting| rate * random.even() - resting));
     let mut by = vec![0.0; length];
-    if let Some(momentum) = linear::solve(&columns, &wanted) {
-        momenta.iter().zip(momentum).for_each(|(&place, momentum)| by[place] = momentum);
+    let momentum = (!columns.is_empty()).then(|| DMatrix::from_columns(&columns).lu().solve(&requested));
+    if let Some(momentum) = momentum.flatten() {
+        momenta.iter().zip(&momentum).for_each(|(&place, momentum)| by[place] = *momentum);
     }
     system.displace(&displaced, Map::Exponential, &by)
 }

@@ -8,7 +8,7 @@ use coadjoint_classical::{Diverged, RungeKutta};
 use crate::catalogue::quantities::tangent_places;
 use crate::setup::Classical;
 
-/// What takes a step of this size.
+/// Builds the method with this step.
 pub(super) fn method(
     classical: Classical,
     system: Box<dyn erased::System>,
@@ -37,8 +37,9 @@ fn in_coordinates(
     }))
 }
 
-/// In exponential coordinates about the start of the step, in which configurations stay on their groups: the unknown is the displacement `z` from
-/// there, with `z' = (dL exp_z)⁻¹ ξ` for configurations. Its series is cut off after the term of 1/12, which leaves an order of 4.
+/// In exponential coordinates about the start of the step, in which configurations stay on their groups: the unknown is
+/// the displacement `z` from there, with `z' = (dL exp_z)⁻¹ ξ` for configurations. Its series is cut off after the term
+/// of 1/12, which leaves an order of 4.
 fn munthe_kaas(
     scheme: RungeKutta,
     system: Box<dyn erased::System>,
@@ -71,13 +72,14 @@ fn failure(error: Diverged) -> StepError {
 struct Algebra {
     /// `(i, j, k, c)`: the bracket of the directions `i` and `j` has `c` along `k`.
     constants: Vec<(usize, usize, usize, f64)>,
-    /// How long tangent vectors are.
+    /// The length of tangent vectors.
     length: usize,
 }
 
 impl Algebra {
-    /// From the Poisson structure: `⟨ad*_ξ μ, η⟩ = ⟨μ, [ξ, η]⟩` where there is nothing but a momentum `μ`. Where displacements are from the left
-    /// (`invariance = right`) its sign, and that of the bracket, is the one that the series wants there.
+    /// From the Poisson structure: `⟨ad*_ξ μ, η⟩ = ⟨μ, [ξ, η]⟩` where there is nothing but a momentum `μ`. Where
+    /// displacements are from the left (`invariance = right`) its sign, and that of the bracket, is the one that the
+    /// series wants there.
     fn of(system: &dyn erased::System) -> Self {
         let quantities = system.description().state;
         let mut places: Vec<_> = tangent_places(quantities).collect();

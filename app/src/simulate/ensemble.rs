@@ -17,9 +17,9 @@ use crate::units::grouped;
 /// The specification of an ensemble of one system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnsembleSpec {
-    /// How many members.
+    /// The number of members.
     pub members: usize,
-    /// How they differ from the setup; controls do not vary.
+    /// Their differences from the setup; controls do not vary.
     pub variation: Variation,
     /// The seed of the random members.
     pub seed: u64,
@@ -49,7 +49,7 @@ pub struct Failure {
     pub member: usize,
     /// The step that it could not take, counted from 1.
     pub step: u64,
-    /// What went wrong.
+    /// The cause.
     pub cause: StepError,
 }
 
@@ -64,14 +64,15 @@ pub struct EnsembleSummary {
     pub failed: Vec<Failure>,
     /// Steps of all members together.
     pub member_steps: u64,
-    /// How many members are stepped side by side.
+    /// The number of members that are stepped side by side.
     pub width: usize,
     /// The time that the steps took, with the choice of controls, s.
     pub seconds: f64,
 }
 
 impl EnsembleSpec {
-    /// Whether members are stepped side by side in the processor's registers: with the standard step of order 2 on the Cayley map.
+    /// Tells whether members are stepped side by side in the processor's registers: with the standard step of order 2
+    /// on the Cayley map.
     pub fn is_side_by_side(&self) -> bool {
         let Job { method, retraction, order, .. } = self.job;
         (method, retraction, order) == (Method::Standard, Retraction::Cayley, Order::Two)
@@ -176,7 +177,7 @@ fn one_by_one<'s>(
 }
 
 impl Member<'_> {
-    /// Takes so many steps, unless it failed before; returns how many were taken.
+    /// Takes steps, unless it failed before; returns their number.
     fn advance(&mut self, steps: u64, law: Option<&ControlLaw>) -> u64 {
         if self.failure.is_some() {
             return 0;
@@ -195,7 +196,7 @@ impl Member<'_> {
 }
 
 impl EnsembleBackend<'_> {
-    /// All members that have not failed take so many steps; returns how many they are together.
+    /// Steps all members that have not failed; returns the number of all their steps.
     fn advance(&mut self, steps: u64, laws: &[ControlLaw]) -> u64 {
         match self {
             Self::SideBySide(ensemble) if laws.is_empty() => ensemble.run(steps),
@@ -209,7 +210,7 @@ impl EnsembleBackend<'_> {
         }
     }
 
-    /// How a quantity is distributed over the members now.
+    /// Measures how a quantity is distributed over the members now.
     fn spread(&self, observable: Observable, time: f64, (entry, laws): (&Entry, &[ControlLaw])) -> Spread {
         let value = |index: usize, system: &dyn erased::System, state: &[f64]| match observable {
             Observable::Energy => entry.energy(system, laws.get(index), (state, time)),

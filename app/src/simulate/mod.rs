@@ -27,7 +27,7 @@ use crate::setup::{Classical, Job, Method, Order, Retraction};
 pub struct Checkpoint {
     /// The state's components.
     pub state: Vec<f64>,
-    /// What the stepper carries.
+    /// The stepper's memory.
     pub memory: Vec<f64>,
 }
 
@@ -180,7 +180,8 @@ pub fn simulate(
 /// # Errors
 /// If parameters or step are not valid, or a step cannot be taken.
 pub fn time_per_step(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<f64>, RunError> {
-    /// Enough to tell nanoseconds, and still short; those of methods that are written to be right, not to be fast, take longer.
+    /// Enough to tell nanoseconds, and still short; those of methods that are written to be right, not to be fast, take
+    /// longer.
     const STEPS: [u64; 2] = [50_000, 500];
     let most = STEPS[usize::from(job.method.classical().is_some())];
     let job = Job { steps: job.steps.min(most), ..*job };

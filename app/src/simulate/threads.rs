@@ -7,10 +7,11 @@ use crate::error::SetupError;
 
 static STARTED: OnceLock<Result<usize, String>> = OnceLock::new();
 
-/// Starts them, unless they are there; returns how many there are: one for each processor, or as many as `RAYON_NUM_THREADS` says.
+/// Starts them, unless they are there; returns their number: one for each processor, or as
+/// `RAYON_NUM_THREADS` says.
 ///
 /// # Errors
-/// If there cannot be so many.
+/// If they cannot be started.
 pub(crate) fn start() -> Result<usize, SetupError> {
     let started = STARTED.get_or_init(|| match rayon::ThreadPoolBuilder::new().build_global() {
         // without a source, they had been started before
