@@ -1,33 +1,31 @@
 //! Random numbers that are the same for the same seed, on every machine.
 
-/// A stream of random numbers: splitmix64, started from a hash of a seed and the stream's number.
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Open01, StandardNormal};
+
+/// A stream of random numbers: one of those that ChaCha has for a seed.
 #[derive(Clone, Debug)]
-pub struct Random(u64);
+pub struct Random(ChaCha8Rng);
 
 impl Random {
-    /// One of a seed's streams: they have nothing to do with each other.
+    /// Starts one of a seed's streams: they have nothing to do with each other.
     pub fn new(seed: u64, stream: u64) -> Self {
-        Self(mixed(mixed(seed).wrapping_add(stream)))
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(stream);
+        Self(random)
     }
 
-    /// Evenly distributed between −1 and 1, never either of them.
+    /// Draws a number evenly between −1 and 1, never either of them.
     pub fn even(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        ((mixed(self.0) >> 12) as f64 + 0.5) * 2_f64.powi(-51) - 1.0
+        let drawn: f64 = Open01.sample(&mut self.0);
+        2.0 * drawn - 1.0
     }
 
-    /// Normally distributed with deviation 1, by Box and Muller's transformation.
+    /// Draws a normally distributed number of deviation 1.
     pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (0.5 + 0.5 * self.even()).ln()).sqrt();
-        radius * (std::f64::consts::PI * self.even()).cos()
+        StandardNormal.sample(&mut self.0)
     }
-}
-
-/// A number all of whose bits depend on all bits of the given one; no two give the same.
-fn mixed(bits: u64) -> u64 {
-    let bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^ (bits >> 31)
 }
 
 #[cfg(test)]
