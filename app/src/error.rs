@@ -1,93 +1,31 @@
-//! The errors of the program and their exit codes.
+//! Errors of the program; each message is for the user.
 
+use std::error::Error as _;
+use std::fmt;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use coadjoint::{ParameterError, RunError};
+use coadjoint::ParameterError;
+use coadjoint::certify::CertifyError;
+use coadjoint::ensemble::EnsembleError;
+use coadjoint::erased::StepperError;
+use coadjoint_classical::Diverged;
 use thiserror::Error;
 
-use crate::interrupt;
-use crate::simulation::SimulationError;
-use coadjoint_classical::Diverged;
-
-/// An error of the program; its message is for the user.
+/// An error of the program.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum Error {
-    /// Invalid input; the message says what is valid.
-    #[error("{0}")]
-    Input(String),
-    /// No stepper can be built with these parameters.
-    #[error("{0}")]
-    Parameter(#[from] ParameterError),
-    /// A run could not be started or finished.
-    #[error("{0}")]
-    Simulation(#[from] SimulationError),
-    /// The motion of a figure could not be computed to its end.
+    /// Input that describes no run.
     #[error(transparent)]
-    Motion(#[from] RunError),
-    /// No member of an ensemble, or run of a scan, came to its end.
-    #[error("all {count} {what} failed, the first one thus: {first}")]
-    NoneLeft {
-        /// How many there were.
-        count: usize,
-        /// What they are.
-        what: &'static str,
-        /// Why the first one failed.
-        first: String,
-    },
-    /// A classical integrator could not go on.
-    #[error("{0}")]
-    Diverged(#[from] Diverged),
-    /// A command of the program's own failed.
-    #[error("{0}")]
-    Command(Box<dyn std::error::Error + Send + Sync>),
-    /// A file or directory could not be written.
-    #[error("cannot write {}: {source}", .path.display())]
-    Write {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A file is there already, and is not that of the same run.
-    #[error("{} exists and {made}: `--force` replaces it", .path.display())]
-    Taken {
-        /// Which.
-        path: PathBuf,
-        /// What it is.
-        made: String,
-    },
-    /// Two files of one command are the same.
-    #[error("{} would be both {} and {}", .path.display(), .both[0], .both[1])]
-    Collision {
-        /// Which.
-        path: PathBuf,
-        /// What they are to the command.
-        both: [&'static str; 2],
-    },
-    /// Another process is running with the same checkpoint.
-    #[error("{} is in use by another run", .path.display())]
-    InUse {
-        /// Which.
-        path: PathBuf,
-    },
-    /// A file that belongs to a checkpoint is not what was written.
-    #[error("{} {what}", .path.display())]
-    Damaged {
-        /// Which.
-        path: PathBuf,
-        /// What is wrong with it.
-        what: String,
-    },
-    /// A file could not be read.
-    #[error("cannot read {}: {source}", .path.display())]
-    Read {
-        /// Which.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// Ctrl-C, or a signal to end, ended a run; what was computed is written.
+    Setup(#[from] SetupError),
+    /// A file that cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A run that could not be started or finished.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Ctrl-C or a signal to end; what was computed is written.
     #[error("interrupted")]
     Interrupted,
     /// The terminal, or the program this one is piped into, is closed.
@@ -96,55 +34,199 @@ pub enum Error {
     /// A scheme's claims do not hold.
     #[error("wrong claims of {wrong} of the schemes for `{system}`: see the table")]
     Claim {
-        /// Which system.
-        system: &'static str,
-        /// Of how many schemes.
+        /// The system.
+        system: String,
+        /// The number of schemes with wrong claims.
         wrong: usize,
     },
     /// The generator rejects a system's description.
     #[error("the generator rejects `{system}`: {reason}")]
     Generator {
-        /// Which system.
-        system: &'static str,
-        /// What it says.
+        /// The system.
+        system: String,
+        /// The generator's message.
         reason: String,
+    },
+    /// A command of the program's own failed.
+    #[error("{0}")]
+    Command(Box<dyn std::error::Error + Send + Sync>),
+}
+
+/// A value that a setting cannot have.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{reason}")]
+#[non_exhaustive]
+pub struct SetupError {
+    /// The setting: `--step`, `weight`.
+    pub field: String,
+    /// The value it was given.
+    pub value: String,
+    /// The mistake, and what would be right.
+    pub reason: String,
+}
+
+/// A file that cannot be used.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct FileError {
+    /// The file.
+    pub path: PathBuf,
+    /// The cause.
+    pub source: FileProblem,
+}
+
+/// Why a file cannot be used.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum FileProblem {
+    /// It cannot be read.
+    Read(io::Error),
+    /// It cannot be written.
+    Write(io::Error),
+    /// It exists, and another run or another program made it, as said here.
+    Taken(String),
+    /// Two files of one command would be the same, which are these to it.
+    Shared([&'static str; 2]),
+    /// Another process uses it.
+    InUse,
+    /// Its content cannot be used, as said here.
+    Damaged(String),
+}
+
+/// A run that could not be started or finished.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// There are no such steps.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// No stepper can be built with these parameters, this scheme or this step, or an earlier run had another one.
+    #[error(transparent)]
+    Stepper(#[from] StepperError),
+    /// An ensemble cannot be built.
+    #[error("{}: {}", .0, .0.source().map(ToString::to_string).unwrap_or_default())]
+    Ensemble(#[from] EnsembleError),
+    /// A member of an ensemble has no stepper.
+    #[error("member {member}: {source}")]
+    Member {
+        /// The member, from 0.
+        member: usize,
+        /// The cause.
+        source: Box<RunError>,
+    },
+    /// The motion could not be computed to its end.
+    #[error(transparent)]
+    Motion(#[from] coadjoint::RunError),
+    /// A step turns the system farther than the retraction reaches.
+    #[error(
+        "step {}, from time {}, could not be taken: it turns by about {turn:.1} rad, and the exponential map reaches 2π; a step below \
+         {step:.1e} s turns by less than π, and the Cayley map takes every angle",
+        .source.step, .source.time
+    )]
+    TooFar {
+        /// The step that could not be taken.
+        source: coadjoint::RunError,
+        /// The angle, rad.
+        turn: f64,
+        /// The step with which the angle is π, s.
+        step: f64,
+    },
+    /// A certificate could not be measured.
+    #[error(transparent)]
+    Certificate(#[from] CertifyError),
+    /// A classical integrator could not go on.
+    #[error(transparent)]
+    Diverged(#[from] Diverged),
+    /// No member of an ensemble, or run of a scan, came to its end.
+    #[error("all {count} {what} failed, the first one thus: {first}")]
+    NoneLeft {
+        /// Their number.
+        count: usize,
+        /// `members` or `runs`.
+        what: &'static str,
+        /// The first one's error.
+        first: String,
     },
 }
 
 impl Error {
-    /// Of a command of the program's own.
+    /// Wraps an error of a command of the program's own.
     pub fn other(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         Self::Command(error.into())
     }
 
-    /// The program's exit code: 2 for wrong input, 3 for a motion that cannot be computed, 4 for output that cannot
-    /// be written, 128 and the signal's number for signals (130 for Ctrl-C), 1 for bugs.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Error::Input(_) | Error::Parameter(_) | Error::Read { .. } => 2,
-            Error::Taken { .. } | Error::Collision { .. } | Error::InUse { .. } | Error::Damaged { .. } => 2,
-            Error::Interrupted => interrupt::exit_code(),
-            Error::Simulation(
-                SimulationError::Member { .. }
-                | SimulationError::Stepper(_)
-                | SimulationError::Ensemble(_)
-                | SimulationError::NotSymmetric { .. }
-                | SimulationError::NotCertified { .. }
-                | SimulationError::NotIsolated { .. }
-                | SimulationError::NotLifted { .. },
-            ) => 2,
-            Error::NoneLeft { .. }
-            | Error::Simulation(_)
-            | Error::Motion(_)
-            | Error::Diverged(_)
-            | Error::Command(_) => 3,
-            Error::Write { .. } | Error::Console(_) => 4,
-            Error::Generator { .. } | Error::Claim { .. } => 1,
-        }
-    }
-
-    /// Whether standard output was closed, as in `coadjoint list | head -1`: not an error.
+    /// Tells whether standard output was closed, as in `coadjoint list | head -1`: not an error.
     pub fn is_broken_pipe(&self) -> bool {
         matches!(self, Error::Console(source) if source.kind() == io::ErrorKind::BrokenPipe)
     }
 }
+
+impl From<ParameterError> for Error {
+    fn from(error: ParameterError) -> Self {
+        Self::Run(StepperError::from(error).into())
+    }
+}
+
+impl From<coadjoint::RunError> for Error {
+    fn from(error: coadjoint::RunError) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl From<Diverged> for Error {
+    fn from(error: Diverged) -> Self {
+        Self::Run(error.into())
+    }
+}
+
+impl From<ParameterError> for RunError {
+    fn from(error: ParameterError) -> Self {
+        Self::Stepper(error.into())
+    }
+}
+
+impl SetupError {
+    /// Says what is wrong with a setting's value.
+    pub fn new(field: impl Into<String>, value: impl fmt::Display, reason: impl Into<String>) -> Self {
+        Self { field: field.into(), value: value.to_string(), reason: reason.into() }
+    }
+
+    /// Says where the setting stands.
+    #[must_use]
+    pub(crate) fn within(self, place: impl fmt::Display) -> Self {
+        Self { reason: format!("{place}: {}", self.reason), ..self }
+    }
+}
+
+impl FileError {
+    /// A file that cannot be read.
+    pub fn read(path: &Path, source: io::Error) -> Self {
+        Self { path: path.to_owned(), source: FileProblem::Read(source) }
+    }
+
+    /// A file that cannot be written.
+    pub fn write(path: &Path, source: io::Error) -> Self {
+        Self { path: path.to_owned(), source: FileProblem::Write(source) }
+    }
+
+    /// A file with a content that cannot be used.
+    pub(crate) fn damaged(path: &Path, what: &str) -> Self {
+        Self { path: path.to_owned(), source: FileProblem::Damaged(what.to_owned()) }
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.path.display();
+        match &self.source {
+            FileProblem::Read(source) => write!(f, "cannot read {path}: {source}"),
+            FileProblem::Write(source) => write!(f, "cannot write {path}: {source}"),
+            FileProblem::Taken(made) => write!(f, "{path} exists and {made}: `--force` replaces it"),
+            FileProblem::Shared([one, other]) => write!(f, "{path} would be both {one} and {other}"),
+            FileProblem::InUse => write!(f, "{path} is in use by another run"),
+            FileProblem::Damaged(what) => write!(f, "{path} {what}"),
+        }
+    }
+}
+
+impl std::error::Error for FileError {}

@@ -1,5 +1,5 @@
-//! A program for systems described with [`coadjoint`]: it runs and plots them, shows them moving in three dimensions, makes ensembles of them and
-//! measures the claims of their steps.
+//! A program for systems described with [`coadjoint`]: it runs and plots them, shows them moving in three dimensions,
+//! makes ensembles of them and measures the claims of their steps.
 //!
 //! ```no_run
 //! use coadjoint::prelude::*;
@@ -31,88 +31,58 @@
 //!
 //! Then `cargo run --release -- run pendulum --plot`, `view pendulum`, `ensemble pendulum`, `certify pendulum`, `list`.
 //!
-//! The program offers what was generated: `methods(Midpoint)` adds its method `midpoint`, `retractions(Cayley)` leaves the exponential out.
+//! The program offers what was generated: `methods(Midpoint)` adds its method `midpoint`, `retractions(Cayley)` leaves
+//! the exponential out.
 //!
-//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of systems. Pictures are SVG
-//! and, with the feature `png`, on by default too, PNG.
+//! The feature `program`, on by default, is all of it; without it there is only the trait [`Example`], for libraries of
+//! systems. Pictures are SVG and, with the feature `png`, on by default too, PNG.
 #![cfg_attr(not(feature = "program"), allow(rustdoc::broken_intra_doc_links))]
 // they panic where the stream is closed
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-pub mod example;
-mod linear;
-pub mod scene;
-pub mod shape;
-
-pub use example::Example;
-#[cfg(feature = "program")]
-pub use {
-    clap,
-    cli::App,
-    entry::{Catalogue, Entry},
-    error::Error,
-    trajectory::Trajectory,
-};
-
-#[cfg(feature = "program")]
-mod casimir;
-#[cfg(feature = "program")]
-mod checkpoint;
-#[cfg(feature = "program")]
-mod cli;
-#[cfg(feature = "program")]
-mod command;
-#[cfg(feature = "program")]
-mod config;
-#[cfg(feature = "program")]
-pub mod conservation;
-#[cfg(feature = "program")]
-pub mod console;
-#[cfg(feature = "program")]
-pub mod ensemble;
-#[cfg(feature = "program")]
-mod ensemble_plot;
-#[cfg(feature = "program")]
-pub mod entry;
+// each layer uses those above it alone
 #[cfg(feature = "program")]
 pub mod error;
 #[cfg(feature = "program")]
-mod estimate;
+pub mod units;
+
+pub mod catalogue;
+
 #[cfg(feature = "program")]
-mod interrupt;
+pub mod setup;
+
 #[cfg(feature = "program")]
-pub mod output;
+pub mod record;
+
+#[cfg(feature = "program")]
+pub mod simulate;
+
+#[cfg(feature = "program")]
+pub mod picture;
+
+pub mod scene;
+
 #[cfg(feature = "program")]
 pub mod page;
+
 #[cfg(feature = "program")]
-pub mod plot;
+pub mod files;
+
 #[cfg(feature = "program")]
-pub mod progress;
-#[cfg(feature = "program")]
-pub mod provenance;
-#[cfg(feature = "program")]
-pub mod random;
-#[cfg(feature = "program")]
-pub mod report;
-#[cfg(feature = "program")]
-mod run_plot;
-#[cfg(feature = "program")]
-pub mod session;
-#[cfg(feature = "program")]
-mod setting;
-#[cfg(feature = "program")]
-mod shown;
-#[cfg(feature = "program")]
-pub mod simulation;
-#[cfg(feature = "program")]
-pub mod suggest;
-#[cfg(feature = "program")]
-mod threads;
+pub mod cli;
 
 #[cfg(all(test, feature = "program"))]
 mod test_systems;
+
+pub use catalogue::{Example, shape};
 #[cfg(feature = "program")]
-pub mod trajectory;
+pub use {
+    catalogue::{Catalogue, Entry},
+    clap,
+    cli::App,
+    error::Error,
+    files::Trajectory,
+};
 
 /// The guide's page, whose code is compiled here.
 #[cfg(all(doctest, feature = "program"))]

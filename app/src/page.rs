@@ -12,27 +12,19 @@
 //! `PAGE_FORMAT.md` beside this crate's manifest describes the whole format; [`Page`] is the same as Rust types. [`Page::from_json`] reads and
 //! checks data, [`Page::write`] writes the page.
 //!
-//! In a browser's console, `coadjoint.scene()` tells what the page shows, in numbers, and `coadjoint.seek(t)` goes to a moment; so does `#t=…`
-//! after the page's address.
+//! In a browser's console, `coadjoint.scene()` tells what the page shows, in numbers, and `coadjoint.seek(t)` goes to a
+//! moment; so does `#t=…` after the page's address.
 
-mod film;
 mod format;
-mod open;
-mod recording;
-mod scenery;
+mod run;
 mod validate;
 
 use std::path::Path;
 
-pub(crate) use self::film::Heading;
 pub use self::format::*;
-pub(crate) use self::open::open;
-pub(crate) use self::recording::HtmlPlayer;
+pub(crate) use self::run::{PageHeading, page};
 pub use self::validate::PageError;
-use crate::entry::Entry;
-use crate::error::Error;
-use crate::output::{make_directory, write_bytes};
-use crate::session::{Plan, title};
+use crate::error::{Error, FileError, SetupError};
 
 /// The page; its parts go where their places stand.
 const PAGE: &str = include_str!("page/page.html");
@@ -45,7 +37,7 @@ const SCRIPTS: [&str; 6] = [
     include_str!("page/plot.js"),
     include_str!("page/player.js"),
 ];
-/// What stands around the data in a page.
+/// The tags around the data in a page.
 const DATA: [&str; 2] = ["<script id=\"data\" type=\"application/json\">", "</script>"];
 
 impl Page {
@@ -70,27 +62,17 @@ impl Page {
         html
     }
 
-    /// Writes the page as HTML, and the directory that it is in. A file that is there is replaced.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), Error> {
-        if let Some(directory) = path.parent().filter(|directory| !directory.as_os_str().is_empty()) {
-            make_directory(directory)?;
-        }
-        write_bytes(path, self.to_html().as_bytes())
-    }
-
     /// Reads data, or those of a page.
     ///
     /// # Errors
     /// If there is no such file, or it is no page; the message names the place.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| FileError::read(path, source))?;
         let in_page = text.split_once(DATA[0]).and_then(|(_, rest)| rest.split_once(DATA[1]));
-        Self::from_json(in_page.map_or(text.as_str(), |(data, _)| data))
-            .map_err(|error| Error::Input(format!("{}: {error}", path.display())))
+        let wrong = |error: PageError| {
+            SetupError::new("page", path.display(), error.to_string()).within(path.display())
+        };
+        Ok(Self::from_json(in_page.map_or(text.as_str(), |(data, _)| data)).map_err(wrong)?)
     }
 
     /// Shows another page's runs over those of this one.
@@ -112,19 +94,5 @@ fn name_run(run: &mut Run, time: &[f64], name: &str) {
     }
     if run.name.is_empty() {
         name.clone_into(&mut run.name);
-    }
-}
-
-impl HtmlPlayer {
-    /// The page.
-    pub(crate) fn html(&self, entry: &Entry, plan: &Plan) -> String {
-        let Plan { setup, job, .. } = plan;
-        let (parameters, title, law) = (&setup.parameters[..], title(entry, job), entry.law(setup));
-        self.page(entry, &Heading { title, parameters, step: job.step, steps: job.steps, law }).to_html()
-    }
-
-    /// The page with this heading.
-    pub(crate) fn page(&self, entry: &Entry, heading: &Heading<'_>) -> Page {
-        film::page(self, entry, heading)
     }
 }

@@ -1,5 +1,7 @@
 //! A few systems of different kinds, for tests.
 
+use std::sync::LazyLock;
+
 use coadjoint::prelude::*;
 
 use crate::{Catalogue, Example};
@@ -110,9 +112,13 @@ impl Example for Kepler {
 }
 
 /// All of them.
-pub(crate) fn catalogue() -> Catalogue {
-    let entries = [HeavyTop::entry(), PlanarPendulum::entry(), RigidBodyInSpace::entry(), Kepler::entry()];
-    Catalogue::new(entries.map(|entry| entry.with_source(include_str!("test_systems.rs"))))
+pub(crate) fn catalogue() -> &'static Catalogue {
+    static CATALOGUE: LazyLock<Catalogue> = LazyLock::new(|| {
+        let entries =
+            [HeavyTop::entry(), PlanarPendulum::entry(), RigidBodyInSpace::entry(), Kepler::entry()];
+        Catalogue::new(entries.map(|entry| entry.with_source(include_str!("test_systems.rs"))))
+    });
+    &CATALOGUE
 }
 
 #[test]

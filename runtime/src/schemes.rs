@@ -121,7 +121,7 @@ impl<C: Coefficients + 'static, M: SchemeType> SchemeType for Composed<C, M> {
     }
 }
 
-/// A generated step that a scheme is made of: its retraction, its rule, and its share of the whole step.
+/// A generated step that a scheme is made of: its retraction, its rule, and its length.
 pub(crate) type Part = (Map, Rule, f64);
 
 impl Scheme {
@@ -147,18 +147,17 @@ impl Scheme {
         }
     }
 
-    /// The generated steps that it is made of, one after the other.
-    pub(crate) fn parts(&self, invariant: bool) -> Vec<Part> {
-        let halves = |map| std::vec![(map, Rule::Member(0, 1), 0.5), (map, Rule::Member(1, 1), 0.5)];
+    /// The generated steps that a step of this length is made of, one after the other.
+    pub(crate) fn parts(&self, invariant: bool, step: f64) -> Vec<Part> {
+        let halves =
+            |map| std::vec![(map, Rule::Member(0, 1), 0.5 * step), (map, Rule::Member(1, 1), 0.5 * step)];
         match self.resolved(invariant) {
-            Self::Step(map, rule) => std::vec![(map, rule, 1.0)],
+            Self::Step(map, rule) => std::vec![(map, rule, step)],
             Self::StormerVerlet(map) | Self::Standard(map) => halves(map),
-            Self::RightLift(base) => base.parts(invariant),
+            Self::RightLift(base) => base.parts(invariant, step),
+            // rounded as steps of the composition are
             Self::Composed(set, base) => {
-                let parts = base.parts(invariant);
-                let scaled =
-                    |gamma: f64| parts.iter().map(move |(map, rule, share)| (*map, *rule, gamma * share));
-                set.gamma.iter().flat_map(|gamma| scaled(*gamma)).collect()
+                set.gamma.iter().flat_map(|gamma| base.parts(invariant, gamma * step)).collect()
             }
         }
     }

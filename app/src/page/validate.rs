@@ -115,7 +115,7 @@ fn check_run(place: &str, run: &mut Run, moment_count: usize) -> Result<(), Page
     Ok(())
 }
 
-fn check_body(place: &str, body: &mut Body, moment_count: usize) -> Result<(), PageError> {
+fn check_body(place: &str, body: &mut Body<Track>, moment_count: usize) -> Result<(), PageError> {
     colour(place, body.colour.as_deref())?;
     if let Some(rotation) = &mut body.rotation {
         let place = format!("{place}.rotation");

@@ -1,6 +1,8 @@
-//! Files one can trust: they say what made them, can be made again, and take no other's place.
+//! Files one can trust: beside them it says what made them, can be made again, and take no other's place.
 
 use std::fs;
+
+use serde_json::{Value, json};
 
 use crate::program::{Scratch, text};
 
@@ -23,7 +25,7 @@ const ODD: [&str; 14] = [
 ];
 
 #[test]
-fn every_file_says_what_made_it_and_can_be_made_again() {
+fn beside_every_file_it_says_what_made_it_and_it_can_be_made_again() {
     let scratch = Scratch::new("again");
     scratch.prints(&[&ODD[..], &["--plot", "--html", "out/page.html"]].concat());
     for format in ["json", "parquet"] {
@@ -31,50 +33,58 @@ fn every_file_says_what_made_it_and_can_be_made_again() {
             scratch.prints(&[&ODD[..], &["--format", format]].concat());
         }
     }
-    let files = scratch.files("out");
-    let kinds: Vec<&str> =
-        files.iter().filter_map(|name| name.rsplit_once('.')).map(|(_, kind)| kind).collect();
-    assert_eq!(kinds.len(), if cfg!(feature = "parquet") { 6 } else { 5 }, "{files:?}");
+    let all = scratch.files("out");
+    let files: Vec<&String> = all.iter().filter(|name| !name.ends_with(".run.json")).collect();
+    assert_eq!(files.len(), if cfg!(feature = "parquet") { 6 } else { 5 }, "{files:?}");
     let stem = files.iter().find_map(|name| name.strip_suffix(".csv")).expect("a table").to_owned();
     let hash = stem.strip_prefix("driven_pendulum-midpoint-cayley-").expect("settings are not the example's");
     assert!(hash.len() == 6 && hash.chars().all(|digit| digit.is_ascii_hexdigit()), "{stem}");
 
+    // a plain table: a header and numbers
     let csv = scratch.read(&format!("out/{stem}.csv"));
     let mut lines = csv.lines();
-    assert_eq!(lines.next(), Some(concat!("# coadjoint ", env!("CARGO_PKG_VERSION"))));
-    let run = lines.next().and_then(|line| line.strip_prefix("# run: ")).expect("a run");
-    for part in [
-        "\"system\":\"driven_pendulum\"",
-        "\"weight\":9.806649999999998",
-        "\"motor\":-0.001",
-        "\"method\":\"midpoint\"",
-        "\"retraction\":\"cayley\"",
-        "\"step\":0.0031415926535897933",
-        "\"every\":7",
-        "\"state\":{",
-        "\"inertia\":\"kg m²\"",
-        concat!("\"version\":\"", env!("CARGO_PKG_VERSION"), "\""),
-    ] {
-        assert!(run.contains(part), "{part} in {run}");
-    }
     assert!(lines.next().is_some_and(|header| header.starts_with("time,angle_re,")), "a header");
+    assert!(lines.flat_map(|line| line.split(',')).all(|cell| cell.parse::<f64>().is_ok()), "numbers");
+
+    let run: Value = serde_json::from_str(&scratch.read(&format!("out/{stem}.run.json"))).expect("JSON");
+    assert_eq!((&run["program"], &run["version"]), (&json!("coadjoint"), &json!(env!("CARGO_PKG_VERSION"))));
+    assert_eq!((&run["system"], &run["method"]), (&json!("driven_pendulum"), &json!("midpoint")));
+    assert_eq!((&run["retraction"], &run["every"]), (&json!("cayley"), &json!(7)));
+    assert_eq!(run["step"].to_string(), "0.0031415926535897933");
+    assert_eq!(run["parameters"]["weight"].to_string(), "9.806649999999998");
+    assert_eq!((&run["controls"]["motor"], &run["units"]["inertia"]), (&json!(-0.001), &json!("kg m²")));
+    assert_eq!(run["state"]["momentum"], json!(0.1));
+    for name in files.iter().filter(|name| **name != "page.html") {
+        assert_eq!(run["files"][name.as_str()], "complete", "{name}");
+    }
+    // the command that it says makes it
+    let command = run["command"].as_str().expect("a command");
+    let words: Vec<&str> = command.split(' ').collect();
+    assert_eq!(words[..4], ["run", "driven_pendulum", "--method", "midpoint"]);
+    scratch.prints(&[&words[..], &["--out", "typed"]].concat());
+    assert_eq!(scratch.files("typed"), [format!("{stem}.csv"), format!("{stem}.run.json")]);
+    assert!(scratch.read(&format!("typed/{stem}.csv")) == csv);
 
     for name in &files {
         scratch.prints(&["run", "--again", &format!("out/{name}"), "--out", "again"]);
     }
-    for name in files.iter().filter(|name| *name != "page.html") {
+    for name in files.iter().filter(|name| **name != "page.html") {
         assert!(scratch.bytes(&format!("out/{name}")) == scratch.bytes(&format!("again/{name}")), "{name}");
     }
     assert!(scratch.bytes("out/page.html") == scratch.bytes(&format!("again/{stem}.html")));
-    assert!(scratch.read("out/page.html").contains("<script id=\"coadjoint-run\""));
+    scratch.prints(&["run", "--again", &format!("out/{stem}.run.json"), "--out", "described"]);
+    assert!(scratch.read(&format!("described/{stem}.csv")) == csv);
+    let page: Value = serde_json::from_str(&scratch.read("out/page.run.json")).expect("JSON");
+    assert_eq!((&page["files"], &page["step"]), (&json!({ "page.html": "complete" }), &run["step"]));
     let refused = scratch.fails(2, &["run", "--again", "out/page.html", "--step", "1"]);
     assert!(refused.contains("cannot be used with"), "{refused}");
     scratch.write("stranger.csv", b"time,x\n0,1\n");
     let refused = scratch.fails(2, &["run", "--again", "stranger.csv"]);
-    assert!(refused.contains("does not say what made it"), "{refused}");
+    assert!(refused.contains("nothing beside stranger.csv says what made it"), "{refused}");
     // a system that computes something else
-    scratch.write("other.csv", csv.replacen("\"digest\":\"", "\"digest\":\"0", 1).as_bytes());
-    let refused = scratch.fails(2, &["run", "--again", "other.csv"]);
+    let other = scratch.read(&format!("out/{stem}.run.json"));
+    scratch.write("other.run.json", other.replacen("\"digest\": \"", "\"digest\": \"0", 1).as_bytes());
+    let refused = scratch.fails(2, &["run", "--again", "other.run.json"]);
     assert!(refused.contains("whose digits differ"), "{refused}");
 }
 
@@ -85,7 +95,7 @@ fn an_ensemble_is_made_again() {
     scratch.prints(&[&some[..], &["--set", "momentum_x=0.1", "--seed", "3"]].concat());
     let files = scratch.files("out");
     assert!(
-        files.len() == 3 && files.iter().all(|name| name.starts_with("heavy_top-ensemble-")),
+        files.len() == 4 && files.iter().all(|name| name.starts_with("heavy_top-ensemble-")),
         "{files:?}"
     );
     for name in &files {
@@ -106,7 +116,7 @@ fn names_tell_runs_apart_and_nothing_is_replaced_unasked() {
     scratch.prints(&["run", "driven_pendulum", "--step", "0.02"]);
     scratch.prints(&["run", "driven_pendulum", "--set", "weight=9"]);
     let files = scratch.files("out");
-    assert_eq!(files.len(), 3, "{files:?}");
+    assert_eq!(files.iter().filter(|name| name.ends_with(".csv")).count(), 3, "{files:?}");
     assert!(files.contains(&"driven_pendulum-exponential.csv".to_owned()), "{files:?}");
     // the same run takes the place of itself
     scratch.prints(&["run", "driven_pendulum"]);
@@ -123,6 +133,9 @@ fn names_tell_runs_apart_and_nothing_is_replaced_unasked() {
     scratch.write("notes.txt", b"mine");
     let refused = scratch.fails(2, &["run", "driven_pendulum", "--html", "notes.txt"]);
     assert!(refused.contains("notes.txt exists and was not made by this program"), "{refused}");
+    scratch.write("notes.run.json", b"{\"mine\": true}");
+    let refused = scratch.fails(2, &["run", "driven_pendulum", "--html", "notes.html"]);
+    assert!(refused.contains("notes.run.json exists and was not made by this program"), "{refused}");
     scratch.write("out/driven_pendulum-cayley.csv", b"mine");
     // before the run starts: this one would take days
     let long =
@@ -133,8 +146,11 @@ fn names_tell_runs_apart_and_nothing_is_replaced_unasked() {
         (scratch.read("out/driven_pendulum-cayley.csv"), scratch.read("notes.txt")),
         ("mine".into(), "mine".into())
     );
+    assert_eq!(scratch.read("notes.run.json"), "{\"mine\": true}");
     scratch.prints(&[&long[..], &["--force"]].concat());
-    assert!(scratch.read("out/driven_pendulum-cayley.csv").starts_with("# coadjoint"));
+    assert!(scratch.read("out/driven_pendulum-cayley.csv").starts_with("time,angle_re,"));
+    // what was taken by force is the run's now
+    scratch.prints(&long);
 }
 
 /// Also through links and `..`.
@@ -150,7 +166,6 @@ fn no_two_files_of_a_command_are_one() {
         &["--html", "new/../out/./driven_pendulum-exponential.csv"],
         &["--html", "c", "--checkpoint", "c"],
         &["--html", "c.rows", "--checkpoint", "c"],
-        &["--html", "c.lock", "--checkpoint", "c"],
         &["--checkpoint", "out/driven_pendulum-exponential.csv"],
         &["--html", "run.toml"],
         &["--html", "out/driven_pendulum-exponential.svg", "--plot"],
@@ -187,7 +202,7 @@ fn links_and_devices_are_written_to() {
         assert!(view("link-to-link").status.success());
         assert!(scratch.path("link").is_symlink() && scratch.path("link-to-link").is_symlink());
     }
-    assert_eq!(scratch.files("elsewhere"), ["page.html"]);
+    assert_eq!(scratch.files("elsewhere"), ["page.html", "page.run.json"]);
     let page = scratch.bytes("link");
     // through another link it is the same file
     let refused = scratch
@@ -224,8 +239,7 @@ fn a_page_that_cannot_be_written_is_told_before_the_run() {
     let scratch = Scratch::new("before");
     scratch.write("file", b"in the way");
     // long enough that it would not end
-    let output =
-        scratch.run(&["run", "driven_pendulum", "--duration", "1e12", "--long", "--html", "file/page.html"]);
+    let output = scratch.run(&["run", "driven_pendulum", "--duration", "1e12", "--html", "file/page.html"]);
     assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
     assert!(text(&output.stderr).starts_with("error: cannot write"), "{}", text(&output.stderr));
 }
@@ -245,27 +259,24 @@ fn what_describes_a_run_is_read_to_a_bound() {
     scratch.prints(&["run", "--config", "run.toml", "--duration", "0"]);
 }
 
+/// What a killed run left half-written is nobody's: other runs neither take it for theirs nor touch it.
 #[test]
-fn files_that_a_killed_run_left_are_told() {
+fn files_that_a_killed_run_left_are_not_touched() {
     let scratch = Scratch::new("stale");
     let stale = ".driven_pendulum-exponential.csv.0123abcd.coadjoint-tmp";
     scratch.write(&format!("out/{stale}"), b"half");
-    let printed = scratch.says(&["run", "driven_pendulum"]);
-    assert!(printed.contains(&format!("out/{stale}` removes it")), "{printed}");
+    scratch.prints(&["run", "driven_pendulum"]);
     assert_eq!(scratch.read(&format!("out/{stale}")), "half");
-    // one that is being written is not
-    let file = fs::File::open(scratch.path(&format!("out/{stale}"))).expect("there");
-    file.lock().expect("locked");
-    let printed = scratch.says(&["run", "driven_pendulum"]);
-    assert!(!printed.contains(stale), "{printed}");
+    let files = scratch.files("out");
+    assert_eq!(files, [stale, "driven_pendulum-exponential.csv", "driven_pendulum-exponential.run.json"]);
 }
 
 #[test]
 fn a_trajectory_goes_to_the_standard_output() {
     let scratch = Scratch::new("stdout");
     scratch.prints(&["run", "driven_pendulum", "--duration", "1"]);
-    let name = scratch.files("out").pop().expect("a file");
+    let name = scratch.named("out", "driven_pendulum", ".csv");
     let printed = scratch.says(&["run", "driven_pendulum", "--duration", "1", "--out", "-"]);
-    assert!(printed.contains(&scratch.read(&format!("out/{name}"))), "{printed}");
+    assert!(printed.contains(&scratch.read(&name)), "{printed}");
     assert_eq!(scratch.files("."), ["out"], "no directory named `-`");
 }

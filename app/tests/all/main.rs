@@ -9,6 +9,7 @@
 
 mod ensembles;
 mod files;
+mod layers;
 mod page;
 mod program;
 #[cfg(unix)]

@@ -9,6 +9,8 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
+use serde_json::Value;
+
 use crate::program::{Scratch, text};
 
 /// How often each test tries: in small, and in the campaign.
@@ -74,9 +76,9 @@ impl Foreign {
 fn undisturbed(momentum: &str) -> (String, Vec<u8>) {
     let scratch = Scratch::new("undisturbed");
     scratch.prints(&long(momentum, &[]));
-    let name = scratch.files("out").pop().expect("a trajectory");
-    let content = scratch.bytes(&format!("out/{name}"));
-    (name, content)
+    let path = scratch.named("out", "heavy_top-", ".csv");
+    let name = path.strip_prefix("out/").expect("in there").to_owned();
+    (name, scratch.bytes(&path))
 }
 
 fn signal(child: &Child, name: &str) {
@@ -100,16 +102,18 @@ fn is_killed(scratch: &Scratch, momentum: &str, bytes: u64) -> bool {
     scratch.path("run.ck").exists()
 }
 
-/// The trajectory is the whole one, or it says that it is not and is its beginning; or there is none.
+/// The trajectory is the whole one, or it is its beginning and is not said to be whole; or there is none.
 fn is_whole_or_honest(scratch: &Scratch, name: &str, whole: &[u8]) -> bool {
     let Ok(found) = fs::read(scratch.path(&format!("out/{name}"))) else { return false };
     if found == whole {
         return true;
     }
-    let (found, whole) = (text(&found), text(whole));
-    let (rows, last) = found.trim_end().rsplit_once('\n').expect("lines");
-    assert!(last.starts_with("# interrupted: "), "a file that is not whole does not say so: {last}");
+    let run = scratch.read(&format!("out/{}.run.json", name.strip_suffix(".csv").expect("a table")));
+    let run: Value = serde_json::from_str(&run).expect("JSON");
+    assert_ne!(run["files"][name], "complete", "a file that is not whole is said to be");
     // the last row of an interrupted run may be of a step that is written anyway
+    let (found, whole) = (text(&found), text(whole));
+    let (rows, _) = found.trim_end().rsplit_once('\n').expect("lines");
     assert!(whole.starts_with(rows), "an interrupted file has other rows");
     false
 }
@@ -167,7 +171,12 @@ fn two_runs_do_not_share_a_checkpoint() {
         }
         foreign.check();
         assert!(refused < before + 2, "pair {pair}: neither ran");
-        assert!(scratch.files(".").iter().all(|name| !name.starts_with("run.ck.l") && name != "run.ck"));
+        assert!(
+            scratch
+                .files(".")
+                .iter()
+                .all(|name| !name.starts_with("run.ck.r") && name != "run.ck" || name == "run.ck.rows.bak")
+        );
     }
     assert!(refused > 0, "no two ran at the same time");
 }
@@ -231,7 +240,7 @@ fn wait_for_a_moment(scratch: &Scratch, child: &mut Child, name: &str, random: &
         return std::thread::sleep(Duration::from_micros(random.below(160_000) as u64));
     }
     // a tenth more than all
-    let rows = random.below(1_300_000) as u64;
+    let rows = random.below(2_600_000) as u64;
     let is_due = || match kind < 4 {
         true => fs::metadata(scratch.path("run.ck.rows")).is_ok_and(|file| file.len() >= rows),
         false => scratch.files("out").iter().any(|file| file.starts_with(&format!(".{name}."))),
@@ -315,7 +324,7 @@ fn a_full_disk_leaves_nothing_half_written() {
     let arguments = long("momentum=0.01,1,0.01", &page);
     let whole = Scratch::new("undisturbed");
     whole.prints(&arguments);
-    let name = format!("out/{}", whole.files("out").pop().expect("a trajectory"));
+    let name = whole.named("out", "heavy_top-", ".csv");
     let sizes = [&name[..], "page.html"].map(|name| whole.bytes(name).len());
     let mut random = Random::new(4);
     let points = times(4, 50);
@@ -423,7 +432,7 @@ fn signals_end_a_run_cleanly() {
             continue;
         }
         let scratch = Scratch::new("signal");
-        let endless = ["run", "heavy_top", "--duration", "1e9", "--long", "--every", "1000", "--plot"];
+        let endless = ["run", "heavy_top", "--duration", "1e9", "--every", "1000", "--plot"];
         let end = |limit: &[&str]| {
             let child = scratch.command(&[&endless[..], limit].concat()).spawn().expect("it starts");
             wait_for_output(&scratch);
@@ -434,18 +443,27 @@ fn signals_end_a_run_cleanly() {
         let output = end(&[]);
         assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
         let files = scratch.files("out");
-        assert_eq!(files.len(), 3, "{files:?}");
+        assert_eq!(files.len(), 4, "{files:?}");
         let csv = files.iter().find(|name| name.ends_with("csv")).expect("a table");
-        let table = scratch.read(&format!("out/{csv}"));
-        assert!(table.lines().last().is_some_and(|line| line.starts_with("# interrupted: ")), "{name}");
+        let json = scratch.named("out", "heavy_top-", ".run.json");
+        let run: Value = serde_json::from_str(&scratch.read(&json)).expect("JSON");
+        for file in files.iter().filter(|name| !name.ends_with(".run.json")) {
+            let status = run["files"][file.as_str()].as_str().expect("it is told");
+            assert!(
+                status.starts_with("interrupted after ") && status.ends_with(" of 100000000000 steps"),
+                "{status}"
+            );
+        }
         // another time it comes as far as it comes
         assert_eq!(end(&[]).status.code(), Some(code));
         // but a whole run stays
-        let whole = table.rsplit_once("# interrupted").expect("interrupted").0;
-        scratch.write(&format!("out/{csv}"), whole.as_bytes());
+        let mut run: Value = serde_json::from_str(&scratch.read(&json)).expect("JSON");
+        run["files"][csv.as_str()] = "complete".into();
+        scratch.write(&json, run.to_string().as_bytes());
+        let whole = scratch.read(&format!("out/{csv}"));
         let output = end(&[]);
         assert_eq!(output.status.code(), Some(code));
-        assert!(text(&output.stderr).contains("holds the whole run, and stays"), "{}", text(&output.stderr));
+        assert!(text(&output.stdout).contains("holds the whole run, and stays"), "{}", text(&output.stdout));
         assert_eq!(scratch.read(&format!("out/{csv}")), whole);
     }
 }
@@ -455,7 +473,7 @@ fn signals_end_a_run_cleanly() {
 #[cfg(target_os = "linux")]
 fn a_run_under_nohup_goes_on() {
     let scratch = Scratch::new("nohup");
-    let endless = ["run", "heavy_top", "--duration", "1e9", "--long", "--every", "10"];
+    let endless = ["run", "heavy_top", "--duration", "1e9", "--every", "10"];
     let command = scratch.command(&endless);
     let mut nohup = Command::new("sh");
     nohup.args(["-c", "trap '' HUP; exec \"$0\" \"$@\""]).arg(command.get_program()).args(command.get_args());
@@ -488,18 +506,7 @@ fn a_second_signal_leaves_no_temporary_file() {
     // the output goes into a pipe that nobody reads: after the first signal the program waits for ever
     assert!(Command::new("mkfifo").arg(scratch.path("page")).status().expect("mkfifo").success());
     let mut child = scratch
-        .command(&[
-            "run",
-            "heavy_top",
-            "--duration",
-            "1e9",
-            "--long",
-            "--every",
-            "1000",
-            "--plot",
-            "--html",
-            "page",
-        ])
+        .command(&["run", "heavy_top", "--duration", "1e9", "--every", "1000", "--plot", "--html", "page"])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()

@@ -46,9 +46,9 @@ impl<'a> ReferenceStep<'a> {
 
     /// Takes a step with a scheme; `false` if there is no definition to take it from.
     pub(super) fn step(&mut self, scheme: &Scheme, invariant: bool, step: f64) -> bool {
-        scheme.parts(invariant).into_iter().all(|(map, rule, share)| match rule {
+        scheme.parts(invariant, step).into_iter().all(|(map, rule, step)| match rule {
             Rule::Member(numerator, denominator) => {
-                self.family(map, f64::from(numerator) / f64::from(denominator), share * step);
+                self.family(map, f64::from(numerator) / f64::from(denominator), step);
                 true
             }
             Rule::TangentLift(..) => false,

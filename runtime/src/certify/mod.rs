@@ -250,8 +250,7 @@ pub fn certify_erased(
 /// Shows the kernels that a step is made of.
 fn kernels(system: &dyn erased::System, scheme: &Scheme, probe: &mut KernelProbe<'_>, step: f64) {
     let system = system.with_parameters(probe.parameters);
-    for (map, rule, share) in scheme.parts(system.description().invariant) {
-        let step = share * step;
+    for (map, rule, step) in scheme.parts(system.description().invariant, step) {
         if let Some(equation) = system.equation(map, rule, &probe.at(step)) {
             probe.look(&*equation, step);
         }

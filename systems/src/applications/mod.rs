@@ -10,7 +10,7 @@ pub mod steering;
 
 use coadjoint::prelude::*;
 use coadjoint::{ParameterError, StepError};
-use coadjoint_app::random::Random;
+use coadjoint_app::setup::random::Random;
 
 /// A spacecraft that thrusters turn.
 ///

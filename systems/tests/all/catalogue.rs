@@ -4,8 +4,9 @@ use std::ops::ControlFlow;
 
 use coadjoint::system::{Quantity, Role};
 use coadjoint_app::Entry;
-use coadjoint_app::conservation::ConservationReport;
-use coadjoint_app::simulation::{Checkpoint, Classical, Job, Method, Order, Retraction, Sample};
+use coadjoint_app::record::ConservationReport;
+use coadjoint_app::setup::{Classical, Job, Method, Order, Retraction, check, standard};
+use coadjoint_app::simulate::{Checkpoint, Sample, simulate};
 use coadjoint_systems::catalogue::CATALOGUE;
 
 use crate::is_asked_for;
@@ -26,14 +27,13 @@ fn examine(name: &str) {
         let job = Job { method, retraction, order, step: entry.step, steps: 500 };
         let mut conservation = None;
         let mut samples = 0;
-        let report = entry
-            .simulate(&setup, &job, None, &EVERY, &mut |sample| {
-                samples += 1;
-                assert!(sample.state.iter().all(|x| x.is_finite()), "{name}, {job:?}");
-                conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
-                ControlFlow::Continue(())
-            })
-            .unwrap_or_else(|error| panic!("{name}, {job:?}: {error}"));
+        let report = simulate(entry, &setup, &job, None, &EVERY, &mut |sample| {
+            samples += 1;
+            assert!(sample.state.iter().all(|x| x.is_finite()), "{name}, {job:?}");
+            conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
+            ControlFlow::Continue(())
+        });
+        let report = report.unwrap_or_else(|error| panic!("{name}, {job:?}: {error}"));
         assert_eq!((report.steps, samples), (500, 501), "{name}, {job:?}");
         let conservation = conservation.expect("samples");
         for stats in &conservation.casimirs {
@@ -49,7 +49,7 @@ fn examine(name: &str) {
             if !entry.description.autonomous {
                 continue;
             }
-            let is_standard = entry.standard(retraction) == method;
+            let is_standard = standard(entry, retraction) == method;
             let bound = if method.is_symmetric() || is_standard { SECOND } else { FIRST };
             assert!(error <= bound * energy, "{name}, {method:?}, {retraction:?}: {error} of {energy}");
             if method.is_symmetric() {
@@ -97,7 +97,7 @@ fn comes_to_the_same(entry: &Entry, job: &Job) {
             checkpoint = Checkpoint::at(sample);
             if sample.index < until { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
-        entry.simulate(&setup, job, from, &EVERY, watch).expect("solvable");
+        simulate(entry, &setup, job, from, &EVERY, watch).expect("solvable");
         (seen, checkpoint)
     };
     let (whole, _) = run(None, job.steps);
@@ -121,9 +121,8 @@ fn compositions_need_symmetric_steps() {
         {
             let job =
                 Job { method, retraction: Retraction::Cayley, order: Order::Four, step: 0.01, steps: 1 };
-            let error = entry
-                .simulate(&setup, &job, None, &EVERY, &mut |_| ControlFlow::Continue(()))
-                .expect_err("not symmetric");
+            let ran = simulate(entry, &setup, &job, None, &EVERY, &mut |_| ControlFlow::Continue(()));
+            let error = ran.expect_err("not symmetric");
             let message = error.to_string();
             assert!(
                 message.contains(&method.to_string()) && message.contains("standard, midpoint, verlet"),
@@ -159,7 +158,7 @@ fn entries_are_complete_and_consistent() {
         let roles = |role| entry.description.state.iter().filter(|quantity| quantity.role == role).count();
         assert!(roles(Role::Configuration) > 0, "{}", entry.name);
         assert_eq!(roles(Role::Configuration), roles(Role::Momentum), "{}", entry.name);
-        entry.check(&setup).expect("an example with valid parameters");
+        check(entry, &setup).expect("an example with valid parameters");
     }
 }
 
@@ -177,7 +176,7 @@ fn the_triangle_inequality_is_noticed() {
     let note = |inertia: [f64; 3]| {
         let mut setup = entry.example.clone();
         setup.parameters.copy_from_slice(&inertia);
-        entry.check(&setup).expect("positive definite")
+        check(entry, &setup).expect("positive definite")
     };
     assert_eq!(note([1.0, 2.0, 2.5]), None);
     // a flat plate lies on the border

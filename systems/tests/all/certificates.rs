@@ -1,6 +1,7 @@
 //! What the schemes claim, measured on every system of the catalogue.
 
-use coadjoint_app::simulation::{Method, Retraction};
+use coadjoint_app::setup::{Method, Retraction};
+use coadjoint_app::simulate::{certify, states_in_motion};
 use coadjoint_systems::catalogue::CATALOGUE;
 
 use crate::is_asked_for;
@@ -16,7 +17,7 @@ fn every_claim_holds(name: &str) {
     for &method in &methods {
         for &retraction in &retractions {
             let what = format!("{name} {method} {}", retraction.name());
-            match entry.certify(&entry.example.clone(), method, retraction) {
+            match certify(entry, &entry.example, method, retraction) {
                 Ok(report) if report.passed() => {
                     reports += 1;
                     measured += report.certificates.len();
@@ -38,7 +39,7 @@ fn a_system_whose_example_rests_is_certified_in_motion() {
     for (name, at_rest) in [("hovering_quadrotor", true), ("quadrotor", false), ("heavy_top", false)] {
         let entry = CATALOGUE.find(name).expect("it is there");
         let setup = entry.example.clone();
-        let (states, rests) = entry.states_in_motion(&setup).expect("solvable");
+        let (states, rests) = states_in_motion(entry, &setup).expect("solvable");
         assert_eq!((states.len(), rests), (3, at_rest), "{name}");
         let system = entry.system(&setup.parameters);
         for state in &states {
@@ -51,7 +52,7 @@ fn a_system_whose_example_rests_is_certified_in_motion() {
     // a rate of up to 1 rad/s and 1 m/s: momenta of 0.1 kg m²/s and of some kg m/s
     let entry = CATALOGUE.find("hovering_quadrotor").expect("it is there");
     let setup = entry.example.clone();
-    let (states, _) = entry.states_in_motion(&setup).expect("solvable");
+    let (states, _) = states_in_motion(entry, &setup).expect("solvable");
     let [inertia_x, inertia_y, inertia_z, mass, _] = setup.parameters[..] else { panic!("five parameters") };
     for state in states {
         let momenta = state[4..7].iter().zip([inertia_x, inertia_y, inertia_z]);

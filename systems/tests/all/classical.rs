@@ -10,9 +10,8 @@ use coadjoint::prelude::*;
 use coadjoint::system::Role;
 use coadjoint_app::Entry;
 use coadjoint_app::Example;
-use coadjoint_app::simulation::{
-    Classical, Job, Method, Order, Retraction, Sample, Setup, classical_stepper,
-};
+use coadjoint_app::setup::{Classical, Job, Method, Order, Retraction, Setup};
+use coadjoint_app::simulate::{Sample, classical_stepper, simulate, states_in_motion};
 use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::classical::{AttitudeState, Rkmk4, bodies, integrate};
 use coadjoint_systems::heavy_top::HeavyTop;
@@ -22,12 +21,11 @@ use nalgebra::Vector6;
 fn states(entry: &Entry, setup: &Setup, method: Method, (step, steps): (f64, u64)) -> Vec<Vec<f64>> {
     let job = Job { method, retraction: Retraction::Exponential, order: Order::Two, step, steps };
     let mut states = Vec::new();
-    entry
-        .simulate(setup, &job, None, &|index| index + 1, &mut |sample| {
-            states.push(sample.state.to_vec());
-            ControlFlow::Continue(())
-        })
-        .unwrap_or_else(|error| panic!("{}, {method}: {error}", entry.name));
+    simulate(entry, setup, &job, None, &|index| index + 1, &mut |sample| {
+        states.push(sample.state.to_vec());
+        ControlFlow::Continue(())
+    })
+    .unwrap_or_else(|error| panic!("{}, {method}: {error}", entry.name));
     states
 }
 
@@ -51,7 +49,7 @@ fn the_vector_field_is_the_motion_of_generated_steps(name: &str) {
     let is_exponential = Retraction::of(entry).contains(&Retraction::Exponential);
     let map = if is_exponential { Map::Exponential } else { Map::Cayley };
     let scheme = Scheme::composed::<SofroniouSpaletta10>(Scheme::Standard(map));
-    let (states, _) = entry.states_in_motion(&setup).expect("solvable");
+    let (states, _) = states_in_motion(entry, &setup).expect("solvable");
     let small = entry.step / 16.0;
     for state in states {
         let mut control = vec![0.0; setup.controls.len()];
@@ -108,7 +106,7 @@ fn classical_methods_have_their_orders_on_every_kind_of_system() {
                 last = sample.state.to_vec();
                 ControlFlow::Continue(())
             };
-            entry.simulate(&setup, &job, None, &|_| u64::MAX, &mut observe).expect("solvable");
+            simulate(entry, &setup, &job, None, &|_| u64::MAX, &mut observe).expect("solvable");
             last
         };
         let size = distance(&reference, &vec![0.0; reference.len()]);
@@ -202,7 +200,7 @@ fn the_right_lift_takes_the_steps_of_symplectic_euler() {
         let (entry, method) = (CATALOGUE.find("heavy_top").expect("it is there"), Method::RightLift);
         let job = Job { method, retraction: Retraction::Cayley, order: Order::Two, step: 0.1, steps: 1 };
         let ignore = &mut |_: &Sample<'_>| ControlFlow::Continue(());
-        entry.simulate(&entry.example.clone(), &job, None, &|_| u64::MAX, ignore).expect_err("gravity acts")
+        simulate(entry, &entry.example, &job, None, &|_| u64::MAX, ignore).expect_err("gravity acts")
     };
     assert!(error.to_string().contains("`heavy_top` has no steps with the method right-lift"), "{error}");
 }
@@ -226,7 +224,7 @@ fn members_of_the_family_and_the_tangent_lift_have_their_orders() {
         assert!((measured - order).abs() < 0.1, "{name}, {method}: {errors:?}");
         let job =
             Job { method, retraction: Retraction::Exponential, order: Order::Two, step: 0.01, steps: 1 };
-        assert_eq!(f64::from(entry.order(&job)), order, "{name}, {method}");
+        assert_eq!(f64::from(job.order_of_step(entry)), order, "{name}, {method}");
     }
 }
 

@@ -50,18 +50,17 @@ impl Scratch {
         newest.map_or(path, |entry| entry.path())
     }
 
-    /// A text; of a table without the comments that say what made it.
     fn read(&self, path: &str) -> String {
-        let text = fs::read_to_string(self.path(path)).expect(path);
-        let is_table = path.ends_with(".csv");
-        text.split_inclusive('\n').filter(|line| !(is_table && line.starts_with('#'))).collect()
+        fs::read_to_string(self.path(path)).expect(path)
     }
 
-    /// The names of the files in a directory, hidden ones too, without checksums; none if it does not exist.
+    /// The names of the files in a directory, hidden ones too, but those that say what made the others, without checksums;
+    /// none if it does not exist.
     fn files(&self, directory: &str) -> Vec<String> {
         let Ok(entries) = fs::read_dir(self.0.join(directory)) else { return Vec::new() };
         let mut names: Vec<_> = entries
             .map(|entry| without_checksum(&entry.expect("readable").file_name().to_string_lossy()))
+            .filter(|name| !name.ends_with(".run.json"))
             .collect();
         names.sort();
         names
@@ -83,12 +82,6 @@ fn without_checksum(name: &str) -> String {
         }
         _ => name.to_owned(),
     }
-}
-
-/// A page or a picture without what made it.
-fn without_run(markup: &str) -> String {
-    let (before, rest) = markup.split_once(" id=\"coadjoint-run\"").expect("it says what made it");
-    before.to_owned() + rest.split_once("</").expect("an end").1
 }
 
 /// What a page shows.

@@ -1,6 +1,6 @@
 //! How well quantities are conserved, measured.
 
-use coadjoint_app::conservation::DriftStats;
+use coadjoint_app::record::DriftStats;
 
 fn drift_stats(value: impl Fn(f64) -> f64) -> DriftStats {
     let mut stats = DriftStats::new(value(0.0));

@@ -47,15 +47,15 @@ macro_rules! entries {
         #[test]
         fn no_entry_is_left_out() {
             let names: Vec<&str> =
-                coadjoint_systems::catalogue::CATALOGUE.entries().iter().map(|entry| entry.name).collect();
+                coadjoint_systems::catalogue::CATALOGUE.entries().iter().map(|entry| entry.name.as_str()).collect();
             assert_eq!(names, [$(stringify!($name)),*]);
         }
     };
 }
 
 /// Whether a system's text asks for a method: the midpoint costs as much to compile as all others of a large group.
-fn is_asked_for(entry: &coadjoint_app::Entry, method: coadjoint_app::simulation::Method) -> bool {
-    method != coadjoint_app::simulation::Method::Midpoint || entry.source.contains("methods(Midpoint")
+fn is_asked_for(entry: &coadjoint_app::Entry, method: coadjoint_app::setup::Method) -> bool {
+    method != coadjoint_app::setup::Method::Midpoint || entry.source.contains("methods(Midpoint")
 }
 
 mod applications;

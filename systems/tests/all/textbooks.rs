@@ -7,7 +7,8 @@ use coadjoint::nalgebra::{DVector, Matrix4, SMatrix, Vector6};
 use coadjoint::prelude::*;
 use coadjoint::{Discretized, Run, System};
 use coadjoint_app::Example;
-use coadjoint_app::simulation::{Method, Order, Retraction, scheme};
+use coadjoint_app::setup::{Method, Order, Retraction};
+use coadjoint_app::simulate::{scheme, states_in_motion};
 use coadjoint_systems::affine_body::{AffineBody, AffineBodyState};
 use coadjoint_systems::four_dimensional_body::{FourDimensionalBody, FourDimensionalBodyState};
 use coadjoint_systems::navigation::{Navigation, NavigationControl, NavigationState};
@@ -86,7 +87,7 @@ fn compositions_of_order_six_keep_what_they_claim() {
         let entry = S::entry();
         let scheme = scheme(Method::Standard, retraction, Order::Six).expect("symmetric");
         let setup = &entry.example;
-        let (states, _) = entry.states_in_motion(setup).expect("solvable");
+        let (states, _) = states_in_motion(&entry, setup).expect("solvable");
         let law = entry.law(setup);
         let control = |state: &Vec<f64>| {
             let mut control = vec![0.0; setup.controls.len()];

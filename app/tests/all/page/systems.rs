@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use coadjoint::prelude::*;
+use coadjoint_app::cli::session::{Plan, Session};
 use coadjoint_app::scene::Scene;
-use coadjoint_app::session::{Plan, Session};
-use coadjoint_app::simulation::{Job, Method, Order, Retraction};
-use coadjoint_app::{Catalogue, Entry, Example};
+use coadjoint_app::setup::{Job, Method, Order, Retraction};
+use coadjoint_app::simulate::{Sample, simulate};
+use coadjoint_app::{Entry, Example};
 
 /// A pendulum.
 #[lie_poisson_system(group = SO2, potential = -weight * length * angle.cos_angle())]
@@ -79,7 +80,7 @@ impl Asked {
             steps,
         };
         let plan = Plan {
-            system: self.0.name.to_owned(),
+            system: self.0.name.clone(),
             setup: self.0.example.clone(),
             job,
             every: 1,
@@ -92,13 +93,13 @@ impl Asked {
             inputs: Vec::new(),
         };
         let mut states = Vec::new();
-        let keep = &mut |sample: &coadjoint_app::simulation::Sample<'_>| {
+        let keep = &mut |sample: &Sample<'_>| {
             states.push(sample.state.to_vec());
             ControlFlow::Continue(())
         };
-        self.0.simulate(&self.0.example, &job, None, &|index| index + 1, keep).expect("a motion");
-        let session = Session::begin(Catalogue::new([self.0]), plan, None).expect("a run");
-        session.run().expect("a run");
+        simulate(&self.0, &self.0.example, &job, None, &|index| index + 1, keep).expect("a motion");
+        let session = Session::begin(&self.0, plan, None).expect("a run");
+        session.run(&mut |_| ()).expect("a run");
         Run { step, states }
     }
 }

@@ -42,10 +42,10 @@ pub(crate) use invariant_errors::{ErrorSeries, InvariantErrors};
 
 use caption::Caption;
 use coadjoint_app::Error;
-use coadjoint_app::output::{Claim, Guard};
-use coadjoint_app::plot::{Figure, Kind};
-use coadjoint_app::provenance::{Origin, embed};
-use coadjoint_app::suggest::did_you_mean;
+use coadjoint_app::catalogue::suggest::did_you_mean;
+use coadjoint_app::error::SetupError;
+use coadjoint_app::files::{FileOrigin, OverwriteGuard, PlannedFile};
+use coadjoint_app::picture::{Figure, Kind};
 
 /// One figure.
 #[derive(Clone, Copy, Debug)]
@@ -140,7 +140,8 @@ pub(crate) fn chosen(names: &[String]) -> Result<Vec<&'static Drawing>, Error> {
         if name != "all" && all().all(|known| known != name) {
             let hint = did_you_mean(name, all());
             let known = all().collect::<Vec<_>>().join(", ");
-            return Err(Error::Input(format!("there is no figure `{name}`{hint} (figures: all, {known})")));
+            let reason = format!("there is no figure `{name}`{hint} (figures: all, {known})");
+            return Err(SetupError::new("figures", name, reason).into());
         }
     }
     let is_all = names.is_empty() || names.iter().any(|name| name == "all");
@@ -161,11 +162,14 @@ impl Drawing {
     ///
     /// # Errors
     /// If one would, or cannot be written.
-    pub(crate) fn guard(&self, directory: &Path, force: bool) -> Result<Guard, Error> {
-        let guard = Guard::new(Origin::of_command(&format!("figures {}", self.name)), force);
+    pub(crate) fn guard(&self, directory: &Path, force: bool) -> Result<OverwriteGuard, Error> {
+        let guard = OverwriteGuard::new(FileOrigin::of_command(&format!("figures {}", self.name)), force);
         let extensions = Kind::ALL.iter().map(|kind| kind.extension()).chain(["csv", "txt"]);
-        let claim =
-            |extension| Claim { what: "a figure", path: self.path(directory, extension), written: true };
+        let claim = |extension| PlannedFile {
+            what: "a figure",
+            path: self.path(directory, extension),
+            written: true,
+        };
         guard.check_all(&extensions.map(claim).collect::<Vec<_>>())?;
         Ok(guard)
     }
@@ -174,31 +178,26 @@ impl Drawing {
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
-    pub(crate) fn write(&self, directory: &Path, guard: &Guard) -> Result<Drawn, Error> {
+    pub(crate) fn write(&self, directory: &Path, guard: &OverwriteGuard) -> Result<Drawn, Error> {
         let figure = (self.draw)()?;
         let data = Data::of(&figure);
         let caption: Vec<String> = (self.caption)(&data).iter().map(ToString::to_string).collect();
         let mut contents = Vec::new();
         for kind in Kind::ALL {
-            contents.push((kind.extension(), figure.picture(*kind)));
+            contents.push((self.path(directory, kind.extension()), figure.picture(*kind)));
         }
-        contents.push(("csv", data.csv().into_bytes()));
-        contents.push(("txt", format!("{}\n\n{}\n", figure.title, caption.join("\n")).into_bytes()));
-        let mut written = Vec::new();
-        for (extension, content) in contents {
-            let path = self.path(directory, extension);
-            guard.write(&path, &embed(extension, content, guard.origin()))?;
-            written.push(path);
-        }
-        Ok(Drawn { written, caption })
+        contents.push((self.path(directory, "csv"), data.csv()));
+        let text = format!("{}\n\n{}\n", figure.title, caption.join("\n"));
+        contents.push((self.path(directory, "txt"), text.into_bytes()));
+        guard.write_all(&contents)?;
+        Ok(Drawn { written: contents.into_iter().map(|(path, _)| path).collect(), caption })
     }
 
     /// The caption of the figure that is in a directory; none if there is no figure with a picture.
     pub(crate) fn caption_in(&self, directory: &Path) -> Option<Vec<String>> {
         let text = std::fs::read_to_string(self.path(directory, "txt")).ok()?;
-        let lines = text.lines().skip_while(|line| line.starts_with('#'));
         // its title, and an empty line
-        let caption = lines.skip(2).map(str::to_owned).collect();
+        let caption = text.lines().skip(2).map(str::to_owned).collect();
         self.path(directory, Kind::Svg.extension()).is_file().then_some(caption)
     }
 
@@ -249,7 +248,7 @@ mod tests {
     fn every_number_of_every_caption_comes_from_the_data_beside_it() {
         for (Drawing { name, caption, .. }, figure) in DRAWN.iter() {
             let data = Data::of(figure);
-            let read = Data::from_csv(&data.csv());
+            let read = Data::from_csv(&String::from_utf8(data.csv()).expect("UTF-8"));
             // too long to be printed
             assert!(read == data, "{name}: numbers change on their way through the CSV");
             let mut names: Vec<_> = read.columns().map(|(panel, name, _)| (panel, name.to_owned())).collect();

@@ -11,7 +11,7 @@ fn an_ensemble_spreads() {
         scratch.prints(&[&arguments[..], extra].concat())
     };
     let printed = run(&["--spread", "inertia=2%", "--quantity", "energy", "--quantity", "momentum_y"]);
-    assert!(printed.contains("50 members, 100 000 steps"), "{printed}");
+    assert!(printed.contains("50 members, 100,000 steps"), "{printed}");
     let stem = "free_rigid_body-ensemble";
     assert_eq!(scratch.files("out"), ["csv", "png", "svg"].map(|extension| format!("{stem}.{extension}")));
 

@@ -125,48 +125,46 @@ fn a_figure_is_a_picture_its_data_and_its_caption() {
     assert_eq!(scratch.files("out/figures"), files);
     let csv = scratch.read("out/figures/figure-1.1.csv");
     assert_eq!(csv.lines().next(), Some("panel,horizontal,vertical,series,x,y"));
-    assert!(
-        csv.contains("\n1,\"position q, m\",\"momentum p, kg m/s\",\"explicit Euler\",1.0,0.0\n"),
-        "{csv}"
-    );
+    assert!(csv.contains("\n1,\"position q, m\",\"momentum p, kg m/s\",explicit Euler,1.0,0.0\n"), "{csv}");
 
     // the numbers of a caption are those of the file beside it
     let csv = scratch.read("out/figures/figure-1.2.csv");
     let values = |panel: usize, series: &str| -> Vec<f64> {
         let of_series =
-            |line: &&str| line.starts_with(&format!("{panel},")) && line.contains(&format!(",\"{series}\","));
+            |line: &&str| line.starts_with(&format!("{panel},")) && line.contains(&format!(",{series},"));
         let value = |line: &str| line.rsplit(',').next().and_then(|y| y.parse().ok()).expect("a number");
         csv.lines().filter(of_series).map(value).collect()
     };
     let caption = scratch.read("out/figures/figure-1.2.txt");
     for (panel, series) in [(3, "RK2"), (4, "RK2"), (3, "Störmer–Verlet"), (4, "Störmer–Verlet")] {
         let largest = values(panel, series).into_iter().map(f64::abs).fold(0.0, f64::max);
-        let text = coadjoint_app::plot::two_digits(largest);
+        let text = coadjoint_app::picture::two_digits(largest);
         assert!(largest > 0.0 && caption.contains(&text), "{text} in {caption}");
     }
     for panel in [3, 4] {
-        let text = coadjoint_app::plot::two_digits(*values(panel, "RK2").last().expect("a last one"));
+        let text = coadjoint_app::picture::two_digits(*values(panel, "RK2").last().expect("a last one"));
         assert!(caption.contains(&text), "{text} in {caption}");
     }
     let page = scratch.read("out/figures/index.html");
     for link in ["href=\"#1.2\"", "src=\"figure-1.2.svg\"", "href=\"figure-1.2.txt\""] {
         assert!(page.contains(link), "{link} in {page}");
     }
-    let paragraphs: Vec<&str> = caption.lines().skip_while(|line| line.starts_with('#')).skip(2).collect();
+    let paragraphs: Vec<&str> = caption.lines().skip(2).collect();
     assert!(!paragraphs.is_empty() && paragraphs.iter().all(|paragraph| page.contains(paragraph)), "{page}");
 }
 
-/// Figures say what made them, take the place of the same figures alone, and those that were there stay on the page.
+/// Beside figures it says what made them; they take the place of the same figures alone, and those that were there stay on
+/// the page.
 #[test]
 fn figures_take_no_others_place() {
     let scratch = Scratch::new("figures-guarded");
     scratch.prints(&["figures", "1.1"]);
+    let made: Value = serde_json::from_str(&scratch.read("out/figures/figure-1.1.run.json")).expect("JSON");
+    assert_eq!((&made["program"], &made["command"]), (&"coadjoint".into(), &"figures 1.1".into()));
     for extension in ["csv", "png", "svg", "txt"] {
-        let name = format!("out/figures/figure-1.1.{extension}");
-        let file = fs::read(scratch.0.join(&name)).expect(&name);
-        let command = b"\"command\":\"figures 1.1\"";
-        assert!(file.windows(command.len()).any(|part| part == command), "{name} does not say what made it");
-        let output = scratch.coadjoint(&["run", "--again", &name]);
+        let name = format!("figure-1.1.{extension}");
+        assert_eq!(made["files"][&name], "complete", "{made}");
+        let output = scratch.coadjoint(&["run", "--again", &format!("out/figures/{name}")]);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("`coadjoint figures 1.1` makes it again"), "{message}");
@@ -175,26 +173,38 @@ fn figures_take_no_others_place() {
     scratch.prints(&["figures", "1.1"]);
     scratch.prints(&["figures", "1.2"]);
     let page = scratch.read("out/figures/index.html");
-    for link in ["src=\"figure-1.1.svg\"", "src=\"figure-1.2.svg\"", "id=\"coadjoint-run\""] {
+    for link in ["src=\"figure-1.1.svg\"", "src=\"figure-1.2.svg\""] {
         assert!(page.contains(link), "{link} in {page}");
     }
-    for (name, expected) in
-        [("figure-1.2.csv", "was not made by this program"), ("index.html", "was not made by this program")]
-    {
+    for name in ["figure-1.2.csv", "index.html"] {
         let path = scratch.0.join("out/figures").join(name);
-        let before = fs::read(&path).expect(name);
+        let beside = path.with_extension("run.json");
+        let (before, made) = (fs::read(&path).expect(name), fs::read(&beside).expect(name));
         fs::write(&path, "mine").expect("writable");
-        let output = scratch.coadjoint(&["figures", "1.1", "1.2"]);
-        let message = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{name}: {message}");
-        assert!(message.contains(name) && message.contains(expected), "{name}: {message}");
-        assert_eq!(fs::read(&path).expect(name), b"mine");
-        // nothing was drawn before it was refused
-        assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
+        for others in [None, Some("mine too")] {
+            match others {
+                None => fs::remove_file(&beside).expect("there"),
+                Some(others) => fs::write(&beside, others).expect("writable"),
+            }
+            let output = scratch.coadjoint(&["figures", "1.1", "1.2"]);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{name}: {message}");
+            let stem = name.split_once(".csv").map_or("index", |(stem, _)| stem);
+            assert!(
+                message.contains(stem) && message.contains("was not made by this program"),
+                "{name}: {message}"
+            );
+            assert_eq!(fs::read(&path).expect(name), b"mine");
+            // nothing was drawn before it was refused
+            assert!(output.stdout.is_empty(), "{}", text(&output.stdout));
+        }
         fs::write(&path, before).expect("writable");
+        fs::write(&beside, made).expect("writable");
     }
-    fs::copy(scratch.0.join("out/figures/figure-1.1.csv"), scratch.0.join("out/figures/figure-1.2.csv"))
-        .expect("copied");
+    let [first, second] =
+        ["1.1", "1.2"].map(|name| scratch.0.join(format!("out/figures/figure-{name}.run.json")));
+    let other = fs::read_to_string(first).expect("there").replace("figure-1.1", "figure-1.2");
+    fs::write(second, other).expect("writable");
     let output = scratch.coadjoint(&["figures", "1.2"]);
     assert!(text(&output.stderr).contains("was made by `figures 1.1`"), "{}", text(&output.stderr));
     scratch.prints(&["figures", "1.2", "--force"]);

@@ -5,7 +5,7 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 
-use super::{Scratch, shown, table, text, without_run};
+use super::{Scratch, shown, table, text};
 
 #[test]
 fn list_names_systems_parameters_and_defaults() {
@@ -94,12 +94,7 @@ fn every_thins_what_is_written_and_nothing_else() {
         assert_eq!(json["rows"].as_array().map(Vec::len), Some(rows));
         let page = scratch.read("view.html");
         assert_eq!(shown(&page)["time"].as_array().map(Vec::len), Some(3001));
-        (
-            told,
-            json["invariants"].clone(),
-            without_run(&scratch.read(&format!("{stem}.svg"))),
-            without_run(&page),
-        )
+        (told, json["invariants"].clone(), scratch.read(&format!("{stem}.svg")), page)
     };
     let all = found(1);
     assert!(all.0.iter().any(|line| line.ends_with("and does not grow")), "{:?}", all.0);
@@ -118,7 +113,7 @@ fn an_interrupted_run_tells_where_it_stopped() {
     use std::io::{BufRead, BufReader};
     let scratch = Scratch::new("interrupted");
     let mut child = Command::new(env!("CARGO_BIN_EXE_coadjoint"))
-        .args(["run", "heavy_top", "--duration", "1e9", "--every", "100000000000", "--long"])
+        .args(["run", "heavy_top", "--duration", "1e9", "--every", "100000000000"])
         .current_dir(&scratch.0)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
@@ -134,7 +129,7 @@ fn an_interrupted_run_tells_where_it_stopped() {
     assert_eq!(output.status.code(), Some(130));
     let printed = text(&output.stdout);
     let value = |name: &str| printed.lines().find_map(|line| line.strip_prefix(name)).expect(name).trim();
-    let steps: u64 = value("steps").replace(' ', "").parse().expect("a number");
+    let steps: u64 = value("steps").replace(',', "").parse().expect("a number");
     assert!(steps >= step.parse().expect("a number"), "{line}{printed}");
     let time: f64 = value("interrupted at").trim_end_matches(" s").parse().expect("a number");
     assert!((time - steps as f64 * 0.01).abs() < 1e-6, "{printed}");
@@ -240,7 +235,7 @@ fn the_papers_heavy_top_is_one_command() {
     for expected in [
         "exponential",
         "cayley",
-        "180 000",
+        "180,000",
         "time per step",
         "largest energy error",
         "drift of",

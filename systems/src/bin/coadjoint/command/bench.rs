@@ -7,6 +7,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
+use coadjoint_app::error::SetupError;
 use coadjoint_app::{Catalogue, Error};
 
 /// What to do with the times.
@@ -26,16 +27,15 @@ pub(crate) struct Arguments {
     pub(crate) quiet: bool,
 }
 
-pub(crate) fn bench(_: Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
+pub(crate) fn bench(_: &Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
     #[cfg(feature = "bench")]
     return timing::bench(arguments, console);
     #[cfg(not(feature = "bench"))]
     {
         let Arguments { filter: _, json: _, force: _, quiet: _ } = arguments;
         let _ = console;
-        Err(Error::Input(
-            "this program was built without its benchmarks: `cargo run --profile bench --features bench -- bench` builds and runs them"
-                .to_owned(),
-        ))
+        let reason = "this program was built without its benchmarks: `cargo run --profile bench --features bench -- bench` \
+                      builds and runs them";
+        Err(SetupError::new("bench", "", reason).into())
     }
 }

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use coadjoint_app::output::{Claim, Guard};
-use coadjoint_app::provenance::{Origin, embed};
+use coadjoint_app::error::SetupError;
+use coadjoint_app::files::{FileOrigin, OverwriteGuard, PlannedFile};
 use coadjoint_app::{Catalogue, Error};
 
 use crate::figures::{DRAWINGS, Drawing, chosen};
@@ -25,15 +25,16 @@ pub(crate) struct Arguments {
 }
 
 /// Draws figures, each with its data and its caption, and a page with all that are in the directory.
-pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
+pub(crate) fn figures(_: &Catalogue, arguments: &Arguments, console: &mut dyn Write) -> Result<(), Error> {
     let Arguments { figures, out, force } = arguments;
     if out.as_os_str() == "-" {
-        return Err(Error::Input("figures are many files: give `--out` a directory".to_owned()));
+        let reason = "figures are many files: give `--out` a directory";
+        return Err(SetupError::new("out", "-", reason).into());
     }
     let drawings = chosen(figures)?;
     let page = out.join("index.html");
-    let page_guard = Guard::new(Origin::of_command("figures"), *force);
-    page_guard.check_all(&[Claim { what: "the page", path: page.clone(), written: true }])?;
+    let page_guard = OverwriteGuard::new(FileOrigin::of_command("figures"), *force);
+    page_guard.check_all(&[PlannedFile { what: "the page", path: page.clone(), written: true }])?;
     // all places are looked at before the first figure takes its time
     let guarded = |drawing: &'static Drawing| Ok((drawing, drawing.guard(out, *force)?));
     let drawings = drawings.into_iter().map(guarded).collect::<Result<Vec<_>, Error>>()?;
@@ -50,7 +51,7 @@ pub(crate) fn figures(_: Catalogue, arguments: &Arguments, console: &mut dyn Wri
     }
     let there = DRAWINGS.iter().filter_map(|drawing| Some((drawing, drawing.caption_in(out)?)));
     let content = index(&there.collect::<Vec<_>>()).into_bytes();
-    page_guard.write(&page, &embed("html", content, page_guard.origin()))?;
+    page_guard.write_all(&[(page.clone(), content)])?;
     writeln!(console, "wrote {}, a page with all that are there", page.display())?;
     Ok(())
 }

@@ -4,10 +4,13 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use clap::Args;
-use coadjoint_app::output::Format;
-use coadjoint_app::report::{RunSummary, Table, grouped};
-use coadjoint_app::session::{Plan, Session};
-use coadjoint_app::simulation::{Job, Method, Order, Retraction};
+use coadjoint_app::cli::console::OutputMode;
+use coadjoint_app::cli::report::{RunSummary, Table};
+use coadjoint_app::cli::session::{Plan, Session};
+use coadjoint_app::error::SetupError;
+use coadjoint_app::setup::{Format, Job, Method, Order, Retraction, check};
+use coadjoint_app::simulate::time_per_step;
+use coadjoint_app::units::grouped;
 use coadjoint_app::{Catalogue, Error};
 
 use crate::figures::{Drawing, chosen};
@@ -31,7 +34,7 @@ const STEPS: u64 = 180_000;
 const EVERY: u64 = 10;
 
 pub(crate) fn paper(
-    catalogue: Catalogue,
+    catalogue: &Catalogue,
     arguments: &Arguments,
     console: &mut dyn Write,
 ) -> Result<(), Error> {
@@ -39,7 +42,8 @@ pub(crate) fn paper(
     let setup = entry.example.clone();
     let out = &arguments.out;
     if out.as_os_str() == "-" {
-        return Err(Error::Input("these are many files: give `--out` a directory".to_owned()));
+        let reason = "these are many files: give `--out` a directory";
+        return Err(SetupError::new("out", "-", reason).into());
     }
     let guarded = |drawing: &'static Drawing| Ok((drawing, drawing.guard(out, arguments.force)?));
     let figure = chosen(&[FIGURE.to_owned()])?.into_iter().map(guarded).collect::<Result<Vec<_>, Error>>()?;
@@ -48,7 +52,7 @@ pub(crate) fn paper(
         "The heavy top with principal moments of inertia 1, 10, 100 kg m², {} steps of {STEP} s",
         grouped(STEPS)
     )?;
-    if let Some(note) = entry.check(&setup)? {
+    if let Some(note) = check(entry, &setup)? {
         writeln!(console, "note: {note}")?;
     }
     console.flush()?;
@@ -70,12 +74,14 @@ pub(crate) fn paper(
             force: arguments.force,
             inputs: Vec::new(),
         };
-        let done = Session::begin(catalogue, plan, None)?.run()?;
+        let mut progress = OutputMode::default().on(console, false)?.progress(SYSTEM, STEPS, "step");
+        let done = Session::begin(entry, plan, None)?.run(&mut |index| progress.show(index))?;
+        drop(progress);
         written.extend(done.written);
         if done.interrupted {
             return Err(Error::Interrupted);
         }
-        let time_per_step = entry.time_per_step(&setup, &job)?;
+        let time_per_step = time_per_step(entry, &setup, &job)?;
         summaries.push(RunSummary {
             job,
             report: done.report,

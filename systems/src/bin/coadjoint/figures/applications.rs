@@ -6,7 +6,7 @@ use coadjoint_systems::applications::{Failure, Spacecraft, estimation, identific
 use super::Data;
 use super::caption::{Caption, given, measured, paragraph, with_places};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Color, Figure, Key, Mark, Panel, Series, Style};
+use coadjoint_app::picture::{Axis, Color, Figure, Key, Mark, Panel, Series, Style};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const SEED: u64 = 1;

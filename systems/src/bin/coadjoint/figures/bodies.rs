@@ -10,8 +10,8 @@ use super::methods::{CAYLEY, EXPONENTIAL, RK4, RKMK4};
 use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
 use coadjoint_app::Example;
-use coadjoint_app::plot::{Figure, Key};
-use coadjoint_app::simulation::{Method, Order, Retraction};
+use coadjoint_app::picture::{Figure, Key};
+use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_systems::classical::{
     AttitudeState, Integrator, OnSo3, Rk4Quaternion, Rkmk4, bodies, integrate,
 };

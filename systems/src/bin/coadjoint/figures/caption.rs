@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use coadjoint_app::plot::{two_digits, with_minus};
+use coadjoint_app::picture::{two_digits, with_minus};
 
 /// The paragraphs below a figure.
 pub(crate) type Caption = Vec<Paragraph>;

@@ -9,8 +9,8 @@ use crate::figures::pendulum::Swings;
 use crate::figures::quadrotor::Hover;
 use crate::figures::steps::{Steps, better, growth};
 use crate::figures::work::{Sampling, Work};
-use coadjoint_app::conservation::DriftStats;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel};
+use coadjoint_app::picture::{Axis, Figure, Key, Panel};
+use coadjoint_app::record::DriftStats;
 
 /// Whether a quantity drifts: whether a linear trend makes up most of its range.
 fn drifts(stats: &DriftStats) -> bool {

@@ -1,8 +1,7 @@
 //! The numbers that a figure is drawn from, as its CSV has them. Captions are computed from nothing else.
 
-use std::fmt::Write as _;
-
-use coadjoint_app::plot::Figure;
+use coadjoint_app::files::table;
+use coadjoint_app::picture::Figure;
 
 /// All series of a figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,17 +39,14 @@ impl Data {
     }
 
     /// A line for each point. The ends of bands and bars come one after the other: all lower ones, then all upper ones.
-    pub(crate) fn csv(&self) -> String {
-        let mut text = String::from("panel,horizontal,vertical,series,x,y\n");
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-        for Column { panel, horizontal, vertical, name, points } in &self.0 {
-            let [horizontal, vertical, name] = [horizontal, vertical, name].map(|text| quoted(text));
-            for (x, y) in points {
-                // writing to a string does not fail; the numbers read back as they are
-                let _ = writeln!(text, "{panel},{horizontal},{vertical},{name},{x:?},{y:?}");
-            }
-        }
-        text
+    pub(crate) fn csv(&self) -> Vec<u8> {
+        let header = ["panel", "horizontal", "vertical", "series", "x", "y"].map(str::to_owned).to_vec();
+        let records = self.0.iter().flat_map(|Column { panel, horizontal, vertical, name, points }| {
+            let texts = [panel.to_string(), horizontal.clone(), vertical.clone(), name.clone()];
+            // the numbers read back as they are
+            points.iter().map(move |(x, y)| [&texts[..], &[format!("{x:?}"), format!("{y:?}")]].concat())
+        });
+        table(&std::iter::once(header).chain(records).collect::<Vec<_>>())
     }
 
     /// The points of a series in a panel, which is counted from 1; none if it has no such series.
@@ -113,13 +109,9 @@ pub(crate) mod tests {
         /// As a CSV has it.
         pub(crate) fn from_csv(text: &str) -> Self {
             let mut columns: Vec<Column> = Vec::new();
-            for line in text.lines().skip(1) {
-                let (panel, rest) = line.split_once(",\"").expect("a panel");
-                let (texts, numbers) = rest.rsplit_once("\",").expect("a name");
-                let texts: Vec<String> =
-                    texts.split("\",\"").map(|text| text.replace("\"\"", "\"")).collect();
-                let [horizontal, vertical, name] = texts.try_into().expect("three texts");
-                let (x, y) = numbers.split_once(',').expect("two numbers");
+            for record in csv::Reader::from_reader(text.as_bytes()).into_records() {
+                let record: Vec<String> = record.expect("a record").iter().map(str::to_owned).collect();
+                let [panel, horizontal, vertical, name, x, y] = record.try_into().expect("six fields");
                 let point = (x.parse().expect("x"), y.parse().expect("y"));
                 let panel = panel.parse().expect("a number");
                 match columns.last_mut().filter(|last| last.panel == panel && last.name == name) {

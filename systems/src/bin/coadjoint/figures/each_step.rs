@@ -2,8 +2,10 @@
 
 use coadjoint::erased::Stepper;
 use coadjoint::prelude::*;
-use coadjoint::{RunError, RunReport, State};
-use coadjoint_app::simulation::{Method, Order, Retraction, SimulationError, scheme};
+use coadjoint::{RunReport, State};
+use coadjoint_app::error::RunError;
+use coadjoint_app::setup::{Method, Order, Retraction};
+use coadjoint_app::simulate::scheme;
 use coadjoint_app::{Error, Example};
 use coadjoint_systems::catalogue::CATALOGUE;
 
@@ -21,14 +23,14 @@ pub(super) fn each_step<S: Example>(
 ) -> Result<(), Error> {
     let erased = CATALOGUE.erased(system)?;
     let mut stepper =
-        Stepper::new(erased, &scheme(method, retraction, order)?, step).map_err(SimulationError::from)?;
+        Stepper::new(erased, &scheme(method, retraction, order)?, step).map_err(RunError::from)?;
     let mut components = start.to_components();
     for index in 0..=steps {
         let (state, time) = (S::State::from_components(&components), stepper.time());
         observe(index, time, &state);
         if index < steps {
             let control = system.control(&state, time).to_components();
-            let step = |cause| RunError::new(index + 1, time, RunReport::default(), cause);
+            let step = |cause| coadjoint::RunError::new(index + 1, time, RunReport::default(), cause);
             stepper.step(components.as_mut(), control.as_ref()).map_err(step)?;
         }
     }

@@ -1,7 +1,8 @@
 //! The errors of invariants over a long run, with one method.
 
-use coadjoint_app::conservation::DriftStats;
-use coadjoint_app::plot::{Axis, Envelope, Panel};
+use coadjoint_app::picture::{Axis, Panel};
+use coadjoint_app::record::DriftStats;
+use coadjoint_app::record::Envelope;
 
 use super::methods::{RKMK4, line, marked};
 

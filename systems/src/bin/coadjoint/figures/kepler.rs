@@ -8,8 +8,8 @@ use super::each_step::each_step;
 use super::methods::{RK2, VERLET, line};
 use super::{Data, ErrorSeries};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Color, Figure, Key, Mark, Panel, Series, Style};
-use coadjoint_app::simulation::{Method, Order, Retraction};
+use coadjoint_app::picture::{Axis, Color, Figure, Key, Mark, Panel, Series, Style};
+use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_systems::classical::{RungeKutta, Tableau, integrate};
 use coadjoint_systems::kepler::{Kepler, KeplerState};
 

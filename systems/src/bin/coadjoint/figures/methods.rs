@@ -1,6 +1,6 @@
 //! How each method is called, and the colour that it has in every figure.
 
-use coadjoint_app::plot::{Color, Mark, Series, Style};
+use coadjoint_app::picture::{Color, Mark, Series, Style};
 
 /// Names in keys and captions.
 pub(crate) const EXPONENTIAL: &str = "exponential";

@@ -8,8 +8,8 @@ use super::caption::{Caption, given, paragraph, with_places};
 use super::each_step::each_step;
 use super::methods::{EULER_A, EULER_B, EXPLICIT_EULER, IMPLICIT_EULER, marked};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series};
-use coadjoint_app::simulation::{Method, Order, Retraction};
+use coadjoint_app::picture::{Axis, Figure, Key, Panel, Series};
+use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_systems::classical::{RungeKutta, Tableau, integrate};
 use coadjoint_systems::harmonic_oscillator::{HarmonicOscillator, HarmonicOscillatorState};
 

@@ -7,8 +7,8 @@ use super::each_step::each_step;
 use super::methods::{RK2, RK2_PROJECTED, VERLET, line, marked};
 use super::{Data, ErrorSeries};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel, Series};
-use coadjoint_app::simulation::{Method, Order, Retraction};
+use coadjoint_app::picture::{Axis, Figure, Key, Panel, Series};
+use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_systems::classical::{Integrator, Projected, RungeKutta, Tableau, integrate, unit_leading};
 use coadjoint_systems::planar_pendulum::{PlanarPendulum, PlanarPendulumState};
 

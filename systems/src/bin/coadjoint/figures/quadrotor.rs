@@ -7,8 +7,9 @@ use super::caption::{Caption, Paragraph, given, measured, paragraph};
 use super::each_step::each_step;
 use super::{Data, InvariantErrors};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Color, Envelope, Figure, Key, Panel, Series, Style};
-use coadjoint_app::simulation::{Method, Order, Retraction};
+use coadjoint_app::picture::{Axis, Color, Figure, Key, Panel, Series, Style};
+use coadjoint_app::record::Envelope;
+use coadjoint_app::setup::{Method, Order, Retraction};
 use coadjoint_systems::quadrotor::{Quadrotor, QuadrotorState};
 
 /// Both retractions, each with the paper's step and with the one that its text recommends: `𝓘 = diag(1, 10, 100)`, `Π₀ = (1, 1, 1)`, `R₀ = 1`,

@@ -6,9 +6,9 @@ use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, RK4, RKMK4, marked};
 use super::work::{body, invariants, top};
 use super::{Curve, Data};
 use coadjoint_app::Error;
-use coadjoint_app::conservation::DriftStats;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel};
-use coadjoint_app::simulation::{self, Order, Retraction};
+use coadjoint_app::picture::{Axis, Figure, Key, Panel};
+use coadjoint_app::record::DriftStats;
+use coadjoint_app::setup::{self, Order, Retraction};
 use coadjoint_systems::classical::{AttitudeState, Integrator, Rk4Quaternion, Rkmk4, bodies, integrate};
 
 /// How long the motion is followed, s: some six hundred of the top's swings.
@@ -182,7 +182,7 @@ fn ours(retraction: Retraction, order: Order, step: f64, duration: f64) -> Optio
     let (top, start) = top();
     let by_hand = bodies::HeavyTop::new(top.inertia, top.weight, top.chi);
     let [mut energy, mut casimir] = invariants(&by_hand, &body(&start)).map(DriftStats::new);
-    let scheme = (simulation::Method::Standard, retraction, order);
+    let scheme = (setup::Method::Standard, retraction, order);
     let run = each_step(&top, &start, scheme, (step, count(step, duration)), |_, time, state| {
         let now = invariants(&by_hand, &body(state));
         energy.push(time, now[0]);

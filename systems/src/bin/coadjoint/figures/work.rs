@@ -12,8 +12,9 @@ use super::caption::{Caption, Paragraph, Piece, given, measured, paragraph, verd
 use super::each_step::each_step;
 use super::methods::{CAYLEY, EXPONENTIAL, ORDER_4, ORDER_6, ORDER_8, ORDER_10, RK4, RKMK4, marked};
 use coadjoint_app::Error;
-use coadjoint_app::plot::{Axis, Figure, Key, Panel};
-use coadjoint_app::simulation::{self, Order, Retraction};
+use coadjoint_app::picture::{Axis, Figure, Key, Panel};
+use coadjoint_app::setup::{self, Order, Retraction};
+use coadjoint_app::simulate;
 use coadjoint_systems::catalogue::CATALOGUE;
 use coadjoint_systems::classical::{AttitudeState, Rk4Quaternion, Rkmk4, Timed, bodies, integrate};
 use coadjoint_systems::heavy_top::{HeavyTop, HeavyTopState};
@@ -308,7 +309,7 @@ fn integrate_to_end(
     steps: u64,
     observe: &mut Observe<'_>,
 ) -> Result<AttitudeState<6>, Error> {
-    let (scheme, step) = ((simulation::Method::Standard, retraction, order), DURATION / steps as f64);
+    let (scheme, step) = ((setup::Method::Standard, retraction, order), DURATION / steps as f64);
     let mut end = start;
     each_step(top, &start, scheme, (step, steps), |_, _, state| {
         observe(&body(state));
@@ -324,7 +325,7 @@ fn run(
     (retraction, order): (Retraction, Order),
     (step, batch): (f64, u64),
 ) -> Option<Run<'static>> {
-    let scheme = simulation::scheme(simulation::Method::Standard, retraction, order).ok()?;
+    let scheme = simulate::scheme(setup::Method::Standard, retraction, order).ok()?;
     let mut stepper = erased::Stepper::new(top, &scheme, step).ok()?;
     let mut components = start.to_components();
     Some(Box::new(move || stepper.steps(components.as_mut(), &[], batch).is_ok()))

@@ -4,9 +4,9 @@ use std::io::Write;
 use std::time::Instant;
 
 use coadjoint_app::Error;
-use coadjoint_app::output::{Claim, Guard};
-use coadjoint_app::progress::Progress;
-use coadjoint_app::provenance::Origin;
+use coadjoint_app::cli::console::OutputMode;
+use coadjoint_app::error::SetupError;
+use coadjoint_app::files::{FileOrigin, check_new, write_new};
 use coadjoint_systems::cases::{self, BASELINE, Case};
 use serde::Serialize;
 use serde_json::json;
@@ -32,14 +32,19 @@ struct Timed {
 
 /// Times the standard cases in turns, so that a slow machine slows all of them alike.
 pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Result<(), Error> {
-    let origin = origin(arguments);
-    let guard = guard(arguments, &origin)?;
+    // times are other ones each time: they are not to be lost
+    if let Some(path) = &arguments.json {
+        check_new(path, arguments.force)?;
+    }
     let mut cases = cases::all().map_err(|error| Error::other(error.to_string()))?;
     keep(&mut cases, arguments.filter.as_deref().unwrap_or(""))?;
     let mut best = vec![f64::INFINITY; cases.len()];
-    let mut progress = (!arguments.quiet).then(|| Progress::of("bench", ROUNDS as u64 + 1, "round"));
+    let mut progress = {
+        let mode = OutputMode { quiet: arguments.quiet, json: false };
+        mode.on(console, false)?.progress("bench", ROUNDS as u64 + 1, "round")
+    };
     for round in 0..=ROUNDS {
-        progress.iter_mut().for_each(|progress| progress.show(round as u64));
+        progress.show(round as u64);
         for (case, best) in cases.iter_mut().zip(&mut best) {
             let start = Instant::now();
             if !case.run(case.steps) {
@@ -65,36 +70,23 @@ pub(super) fn bench(arguments: &super::Arguments, console: &mut dyn Write) -> Re
         ratio: baseline(case.problem).map(|other| ns_per_step / other),
     });
     let results = Results { processor: processor(), cases: timed.collect() };
-    match (&arguments.json, guard) {
-        (Some(path), _) if path.as_os_str() == "-" => write!(console, "{}", object(&results, &origin)?)?,
-        (Some(path), Some(guard)) => {
+    match &arguments.json {
+        Some(path) if path.as_os_str() == "-" => write!(console, "{}", object(&results, arguments)?)?,
+        Some(path) => {
             print(&results, console)?;
-            guard.write(path, object(&results, &origin)?.as_bytes())?;
+            write_new(path, object(&results, arguments)?.as_bytes(), arguments.force)?;
             writeln!(console, "wrote {}", path.display())?;
         }
-        _ => print(&results, console)?,
+        None => print(&results, console)?,
     }
     Ok(())
 }
 
-/// What makes the file.
-fn origin(arguments: &super::Arguments) -> Origin {
-    let filter = arguments.filter.as_ref().map_or(String::new(), |filter| format!(" --filter {filter}"));
-    Origin::of_command(&format!("bench{filter}"))
-}
-
-/// Guards the file, if there is to be one: times are other ones each time.
-fn guard(arguments: &super::Arguments, origin: &Origin) -> Result<Option<Guard>, Error> {
-    let Some(path) = &arguments.json else { return Ok(None) };
-    let guard = Guard::new(origin.clone(), arguments.force).unrepeatable();
-    guard.check_all(&[Claim { what: "the times", path: path.clone(), written: true }])?;
-    Ok(Some(guard))
-}
-
 /// The results as one object, which begins with what made it.
-fn object(results: &Results, origin: &Origin) -> Result<String, Error> {
+fn object(results: &Results, arguments: &super::Arguments) -> Result<String, Error> {
+    let filter = arguments.filter.as_ref().map_or(String::new(), |filter| format!(" --filter {filter}"));
     let mut text = String::from("{\n");
-    for (name, value) in origin.fields() {
+    for (name, value) in FileOrigin::of_command(&format!("bench{filter}")).fields() {
         text += &format!("  {}: {value},\n", json!(name));
     }
     let cases = serde_json::to_string_pretty(&results.cases).map_err(Error::other)?;
@@ -115,10 +107,8 @@ fn keep(cases: &mut Vec<Case>, filter: &str) -> Result<(), Error> {
     if problems.is_empty() {
         let mut known: Vec<&str> = cases.iter().map(|case| case.problem).collect();
         known.dedup();
-        return Err(Error::Input(format!(
-            "no case has `{filter}` in its name (problems: {})",
-            known.join("; ")
-        )));
+        let reason = format!("no case has `{filter}` in its name (problems: {})", known.join("; "));
+        return Err(SetupError::new("filter", filter, reason).into());
     }
     cases.retain(|case| is_named(case) || (case.method == BASELINE && problems.contains(&case.problem)));
     Ok(())

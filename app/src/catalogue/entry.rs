@@ -1,0 +1,301 @@
+//! Systems as the program sees them, each behind the same [`Entry`].
+
+use std::sync::Arc;
+
+use coadjoint::erased::{self, Description, Flat, Map};
+use coadjoint::prelude::*;
+use coadjoint::system::{Isolated, Quantity};
+use coadjoint::{Discretized, RightLift, System};
+use serde::{Deserialize, Serialize};
+
+use super::example::Example;
+use super::plotted::PlottedQuantities;
+use super::quantities::component_name;
+use super::scene::Scene;
+
+/// One system of a program, its type erased: parameters and states are flat lists of numbers.
+#[derive(Clone, Debug)]
+pub struct Entry {
+    /// Its name on the command line.
+    pub name: String,
+    /// A description in one line.
+    pub about: &'static str,
+    /// The text of its file, from which the generated code can be shown; empty where it was not given.
+    pub source: &'static str,
+    /// The step it is run with unless another is asked for, s.
+    pub step: f64,
+    /// The duration it is run for unless another is asked for, s.
+    pub duration: f64,
+    /// The step that suits its certificates, where the motion of its example does not show how fast or slow it can be,
+    /// s.
+    pub certified_step: Option<f64>,
+    /// Its parameters, state, controls and Casimirs.
+    pub description: Description,
+    /// The example's parameters and initial state.
+    pub example: Setup,
+    units: &'static [(&'static str, &'static str)],
+    build: fn(&[f64]) -> Arc<dyn erased::EnsembleSystem>,
+    /// Its own control law with these parameters. None if it has no controls.
+    pub(crate) control: Option<fn(&[f64]) -> ControlLaw>,
+    /// Builds the method that carries the momentum in space, with these parameters and this step. None if something
+    /// acts on it.
+    pub(crate) right_lift: Option<MethodFn>,
+    /// The moment of inertia, if it is a body of mass, by its parameters.
+    pub(crate) body_inertia: fn(&[f64]) -> Option<Matrix3<f64>>,
+    /// Completes the scene by its state alone with what these parameters tell.
+    pub(crate) scene: fn(&[f64], Scene) -> Scene,
+    /// The quantities of its state that pictures show.
+    pub(crate) plotted: PlottedQuantities,
+}
+
+/// Builds a method on a retraction, with these parameters and this step. None on retractions that not every system has
+/// steps with.
+pub(crate) type MethodFn = fn(&[f64], Map, f64) -> Option<Box<dyn erased::Method<f64>>>;
+
+/// Writes what is held over the step from a state at a time.
+pub type ControlLaw = Box<dyn Fn(&[f64], f64, &mut [f64]) + Send + Sync>;
+
+/// Parameters, an initial state and controls, in the order of the system's quantities.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Setup {
+    /// The parameters' components.
+    pub parameters: Vec<f64>,
+    /// The initial state's components.
+    pub state: Vec<f64>,
+    /// The controls' components, where they are held all the time; where there is none, the system's own law chooses.
+    pub controls: Vec<Option<f64>>,
+}
+
+impl Entry {
+    /// The entry of a system, under its own name.
+    pub fn of<S: Example>() -> Self {
+        let description = Description::of::<S>();
+        let example = flat(&S::example());
+        let build =
+            |parameters: &[f64]| -> Arc<dyn erased::EnsembleSystem> { Arc::new(system::<S>(parameters)) };
+        Self {
+            name: snake_case(S::NAME),
+            about: S::ABOUT,
+            source: "",
+            step: S::STEP,
+            duration: S::DURATION,
+            certified_step: S::CERTIFIED_STEP,
+            description,
+            plotted: PlottedQuantities::of(&*build(&example.parameters), &example.state),
+            example,
+            units: S::UNITS,
+            build,
+            control: if description.controls.is_empty() { None } else { Some(control::<S>) },
+            right_lift: None,
+            body_inertia: |parameters| system::<S>(parameters).body_inertia(),
+            scene: |parameters, by_state| system::<S>(parameters).scene(by_state),
+        }
+    }
+
+    /// The same system under another name, with another example: what is `about` it, and a step and a duration that
+    /// suit it, s.
+    #[must_use]
+    pub fn preset<S: Example>(
+        self,
+        name: &str,
+        about: &'static str,
+        example: &(S, S::State),
+        (step, duration): (f64, f64),
+    ) -> Self {
+        Self { name: name.to_owned(), about, step, duration, example: flat(example), ..self }
+    }
+
+    /// With the text of the file that describes it, for `show`: `include_str!("heavy_top.rs")`.
+    #[must_use]
+    pub fn with_source(self, source: &'static str) -> Self {
+        Self { source, ..self }
+    }
+
+    /// With the method `right-lift`, for a system on which nothing acts: its steps carry the momentum in space.
+    #[must_use]
+    pub fn with_right_lift<S>(self) -> Self
+    where
+        S: Example
+            + Isolated
+            + Discretized<SymplecticEulerA<Exponential>>
+            + Discretized<SymplecticEulerA<Cayley>>,
+    {
+        Self { right_lift: Some(right_lift::<S>), ..self }
+    }
+
+    /// The system with these parameters; what is missing is as in the example.
+    pub fn system(&self, parameters: &[f64]) -> Arc<dyn erased::EnsembleSystem> {
+        (self.build)(parameters)
+    }
+
+    /// Builds the control law: the controls that are held, and for the others its own law. None if it has
+    /// no controls.
+    pub fn law(&self, setup: &Setup) -> Option<ControlLaw> {
+        let own = self.control?(&setup.parameters);
+        let held = setup.controls.clone();
+        Some(Box::new(move |state, time, to| {
+            own(state, time, to);
+            for (to, held) in to.iter_mut().zip(&held) {
+                *to = held.unwrap_or(*to);
+            }
+        }))
+    }
+
+    /// Evaluates the energy at a time, with the controls that a law chooses there.
+    pub(crate) fn energy(
+        &self,
+        system: &dyn erased::System,
+        law: Option<&ControlLaw>,
+        (state, time): (&[f64], f64),
+    ) -> f64 {
+        let control = law.map(|law| self.chosen(law, (state, time)));
+        system.energy(state, time, &control.unwrap_or_default())
+    }
+
+    /// The controls that a law chooses.
+    pub(crate) fn chosen(&self, law: &ControlLaw, (state, time): (&[f64], f64)) -> Vec<f64> {
+        let mut controls = vec![0.0; self.example.controls.len()];
+        law(state, time, &mut controls);
+        controls
+    }
+
+    /// Whether its energy is an invariant of the motion: no force acts, and neither time nor controls have a part in
+    /// it.
+    pub fn conserves_energy(&self) -> bool {
+        self.description.autonomous && self.description.controls.is_empty()
+    }
+
+    /// Whether there is the method `right-lift`.
+    pub fn has_right_lift(&self) -> bool {
+        self.right_lift.is_some()
+    }
+
+    /// The names of the columns of a trajectory: time, every component of the state, energy.
+    pub fn columns(&self) -> Vec<String> {
+        let mut columns = vec!["time".to_owned()];
+        for quantity in self.description.state {
+            columns.extend(quantity.components.iter().map(|component| component_name(quantity, component)));
+        }
+        columns.push("energy".to_owned());
+        columns
+    }
+
+    /// The unit of a quantity, a component or a Casimir, by its name: that of the longest name in [`Example::UNITS`]
+    /// that it begins with. Empty for a pure number, and where none is known.
+    pub fn unit(&self, name: &str) -> &'static str {
+        let begins = |(of, _): &&(&str, &str)| name == *of || (is_part(of, name) && !self.is_casimir(name));
+        let known = self.units.iter().filter(begins).max_by_key(|(of, _)| of.len());
+        match (known, name) {
+            (Some((_, unit)), _) => unit,
+            (None, "time") => "s",
+            (None, "energy") => "J",
+            (None, _) => "",
+        }
+    }
+
+    fn is_casimir(&self, name: &str) -> bool {
+        self.description.casimirs.contains(&name)
+    }
+
+    /// Its Casimirs, with their units.
+    pub fn casimirs(&self) -> impl Iterator<Item = (&'static str, &'static str)> + '_ {
+        self.description.casimirs.iter().map(|name| (*name, self.unit(name)))
+    }
+
+    /// The names in [`Example::UNITS`] that it has nothing of.
+    pub fn unknown_units(&self) -> Vec<&'static str> {
+        let Description { parameters, state, controls, casimirs, .. } = self.description;
+        let names = |quantity: &Quantity| {
+            let components = quantity.components.iter().map(|component| component_name(quantity, component));
+            components.chain([quantity.name.to_owned()]).collect::<Vec<_>>()
+        };
+        let mut known: Vec<String> =
+            [parameters, state, controls].into_iter().flatten().flat_map(names).collect();
+        for plotted in self.plotted.all() {
+            let components = plotted.components.iter().map(|component| plotted.component_name(component));
+            known.extend(components.chain([plotted.name.clone()]));
+        }
+        known.extend(casimirs.iter().copied().chain(["energy", "time"]).map(str::to_owned));
+        let is_known = |of: &str| known.iter().any(|name| name == of || is_part(of, name));
+        self.units.iter().map(|(of, _)| *of).filter(|of| !is_known(of)).collect()
+    }
+}
+
+/// Whether a component's name begins with another: `pose_px` with `pose_p`, `momentum_angular_x` with
+/// `momentum_angular`.
+fn is_part(of: &str, name: &str) -> bool {
+    name.strip_prefix(of).is_some_and(|rest| rest.starts_with('_') || (of.contains('_') && rest.len() == 1))
+}
+
+/// `heavy_top` for `HeavyTop`, `heavy_top_on_se3` for `HeavyTopOnSE3`.
+fn snake_case(name: &str) -> String {
+    let mut snake = String::new();
+    let mut before: Option<char> = None;
+    for letter in name.chars() {
+        if letter.is_uppercase() && before.is_some_and(|before| !before.is_uppercase()) {
+            snake.push('_');
+        }
+        snake.extend(letter.to_lowercase());
+        before = Some(letter);
+    }
+    snake
+}
+
+/// A system and its state as flat lists; its own law chooses all controls.
+fn flat<S: System<Scalar = f64>>((system, state): &(S, S::State)) -> Setup {
+    Setup {
+        parameters: system.to_parameters().as_ref().to_vec(),
+        state: state.to_components().as_ref().to_vec(),
+        controls: vec![None; S::Control::default().to_components().as_ref().len()],
+    }
+}
+
+/// The numbers as an array; what is missing is as in the example.
+fn filled<A: AsMut<[f64]>>(mut array: A, numbers: &[f64]) -> A {
+    array.as_mut().iter_mut().zip(numbers).for_each(|(to, number)| *to = *number);
+    array
+}
+
+/// The system with these parameters.
+fn system<S: Example>(parameters: &[f64]) -> S {
+    S::from_parameters(&filled(S::example().0.to_parameters(), parameters))
+}
+
+fn control<S: Example>(parameters: &[f64]) -> ControlLaw {
+    let system = system::<S>(parameters);
+    let example = S::example().1.to_components();
+    Box::new(move |state, time, to| {
+        let state = S::State::from_components(&filled(example, state));
+        let control = system.control(&state, time).to_components();
+        to.iter_mut().zip(control.as_ref()).for_each(|(to, number)| *to = *number);
+    })
+}
+
+fn right_lift<S>(parameters: &[f64], retraction: Map, step: f64) -> Option<Box<dyn erased::Method<f64>>>
+where
+    S: Example
+        + Isolated
+        + Discretized<SymplecticEulerA<Exponential>>
+        + Discretized<SymplecticEulerA<Cayley>>,
+{
+    type Lifted<S, R> = <S as Discretized<RightLift<SymplecticEulerA<R>>>>::Method<f64>;
+    match retraction {
+        Map::Exponential => Some(Flat::<Lifted<S, Exponential>, false>::boxed(parameters, step)),
+        Map::Cayley => Some(Flat::<Lifted<S, Cayley>, false>::boxed(parameters, step)),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_in_snake_case() {
+        for (name, snake) in
+            [("HeavyTop", "heavy_top"), ("HeavyTopOnSE3", "heavy_top_on_se3"), ("SE3Body", "se3_body")]
+        {
+            assert_eq!(snake_case(name), snake);
+        }
+    }
+}

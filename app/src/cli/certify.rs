@@ -1,0 +1,165 @@
+//! `coadjoint certify`
+
+use std::io::Write;
+
+use clap::Args;
+use coadjoint::certify::Report;
+use coadjoint::system::Quantity;
+use serde_json::json;
+
+use super::console::OutputMode;
+use crate::catalogue::casimir::symbols;
+use crate::catalogue::quantities::laid_out;
+use crate::catalogue::{Catalogue, Entry};
+use crate::error::Error;
+use crate::setup::{Method, Order, Retraction};
+use crate::simulate::{self, scheme, states_in_motion};
+
+/// The arguments of `certify`.
+#[derive(Debug, Args)]
+pub(crate) struct CertifyArguments {
+    /// The system; `list` shows all
+    pub(crate) system: String,
+    /// Only this method [default: the standard one and the midpoint]
+    #[arg(long)]
+    pub(crate) method: Option<Method>,
+    /// Only the steps built on this map; `exp` and `cay` for short
+    #[arg(long, value_enum)]
+    pub(crate) retraction: Option<Retraction>,
+    #[command(flatten)]
+    pub(crate) output: OutputMode,
+}
+
+/// Tells whether steps of a method were generated.
+fn is_there(entry: &Entry, method: Method) -> bool {
+    let retraction = Retraction::of(entry).first().copied().unwrap_or(Retraction::Exponential);
+    let system = entry.system(&entry.example.parameters);
+    let scheme = scheme(method, retraction, Order::Two);
+    scheme.is_ok_and(|scheme| coadjoint::erased::Stepper::new(system.clone(), &scheme, entry.step).is_ok())
+}
+
+/// Measures what the schemes claim of their steps of a system, on the system's example, or near it where that rests;
+/// fails if a claim is wrong.
+pub(crate) fn certify(
+    catalogue: &Catalogue,
+    arguments: &CertifyArguments,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let mut console = arguments.output.on(stdout, false)?;
+    let entry = catalogue.system(&arguments.system)?;
+    let methods = match arguments.method {
+        Some(method) => vec![method],
+        None => [Method::Standard, Method::Midpoint]
+            .into_iter()
+            .filter(|&method| is_there(entry, method))
+            .collect(),
+    };
+    let retractions = match arguments.retraction {
+        Some(retraction) => vec![retraction],
+        None => Retraction::of(entry),
+    };
+    let (states, rests) = states_in_motion(entry, &entry.example)?;
+    if rests {
+        console.note("the example rests; measured at states near it, chosen at random:".to_owned())?;
+        for state in &states {
+            writeln!(console.words(), "  {}", assignments(entry.description.state, state))?;
+        }
+        writeln!(console.words())?;
+    }
+    let mut reports = Vec::new();
+    for &method in &methods {
+        for &retraction in &retractions {
+            let report = simulate::certify(entry, &entry.example, method, retraction)?;
+            writeln!(console.words(), "{}\n", in_short(&report))?;
+            reports.push(report);
+        }
+    }
+    for line in legend(&reports) {
+        writeln!(console.words(), "{line}")?;
+    }
+    let notes = console.notes().to_vec();
+    let passed = reports.iter().all(Report::passed);
+    console.object(|| json!({ "passed": passed, "states": states, "reports": reports, "notes": notes }))?;
+    match reports.iter().filter(|report| !report.passed()).count() {
+        0 => Ok(()),
+        wrong => Err(Error::Claim { system: entry.name.clone(), wrong }),
+    }
+}
+
+/// With the Casimirs of many terms in symbols.
+fn in_short(report: &Report) -> Report {
+    let mut report = report.clone();
+    for row in report.certificates.iter_mut().filter(|row| row.name.chars().count() > 40) {
+        row.name = symbols(&row.name);
+    }
+    report
+}
+
+/// The meaning of the rows, one line each.
+const LEGEND: [(&str, &str); 19] = [
+    ("order", "the error falls with this power of the step"),
+    ("consistency", "short steps follow the equations of motion"),
+    ("Poisson map", "a step keeps the Poisson structure: it is symplectic"),
+    (CASIMIRS, "how far steps are from keeping each, under its name"),
+    ("energy drift", "how much of the energy's error is a straight line's"),
+    ("energy order", "the energy's error falls with this power of the step"),
+    ("reversibility", "steps, and as many back, lead to where they started"),
+    ("Newton correction", "the solver's, against one by finite differences"),
+    ("definition", "the generated step, against the scheme as defined"),
+    ("warm steps", "steps that remember earlier ones, against single steps"),
+    ("restarts", "the same from states that no step has led to"),
+    ("control jumps", "the same where controls jump from step to step"),
+    ("long steps", "the same with steps as long as can be taken"),
+    ("zeros", "the same from states where momenta are zero"),
+    ("energy differential", "the generated one, against finite differences"),
+    ("antisymmetry", "of the Poisson structure"),
+    ("Jacobi identity", "of the Poisson structure"),
+    ("exponential", "displacements and Poisson structure are of one group"),
+    ("inverse", "the map of the opposite displacement is its inverse"),
+];
+
+/// The Casimirs' line of the legend.
+const CASIMIRS: &str = "Casimirs";
+
+/// The lines of the legend for the rows that there are.
+fn legend(reports: &[Report]) -> Vec<String> {
+    let names = || reports.iter().flat_map(|report| &report.certificates).map(|row| row.name.as_str());
+    let is_there = |name: &str| match name {
+        CASIMIRS => names().any(|row| LEGEND.iter().all(|(known, _)| *known != row)),
+        _ => names().any(|row| row == name),
+    };
+    let lines = LEGEND.iter().filter(|(name, _)| is_there(name));
+    lines.map(|(name, meaning)| format!("{name:19}  {meaning}")).collect()
+}
+
+/// A state as `--set` takes it, to three digits.
+fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
+    let quantity = |(quantity, slots): (&Quantity, std::ops::Range<usize>)| {
+        // adding zero leaves no −0
+        let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
+        format!("{}={}", quantity.name, state[slots].iter().map(rounded).collect::<Vec<_>>().join(","))
+    };
+    laid_out(quantities).map(quantity).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    #[test]
+    fn every_row_is_explained_in_a_line() {
+        for entry in catalogue().entries() {
+            let report = simulate::certify(entry, &entry.example, Method::Standard, Retraction::Cayley);
+            let reports = [report.expect("measured")];
+            let lines = legend(&reports);
+            assert!(lines.iter().all(|line| line.chars().count() <= 80), "{lines:#?}");
+            for row in &reports[0].certificates {
+                let is_casimir = entry.description.casimirs.contains(&row.name.as_str());
+                let name = if is_casimir { CASIMIRS } else { row.name.as_str() };
+                assert!(lines.iter().any(|line| line.starts_with(name)), "{name} of {}", entry.name);
+            }
+            assert!(reports[0].to_string().lines().all(|line| line.chars().count() <= 80));
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! `init`: a file that describes a run.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::program;
+use crate::catalogue::Catalogue;
+use crate::error::Error;
+use crate::files::{is_stdout, write_new};
+use crate::setup::config;
+
+/// The arguments of `init`.
+#[derive(Debug, Args)]
+pub(crate) struct InitArguments {
+    /// The system; `list` shows all
+    pub(crate) system: String,
+    /// Where to write it [default: `<system>.toml`]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Replace a file that is there
+    #[arg(long)]
+    pub(crate) force: bool,
+}
+
+pub(crate) fn init(
+    catalogue: &Catalogue,
+    arguments: &InitArguments,
+    console: &mut dyn Write,
+) -> Result<(), Error> {
+    let entry = catalogue.system(&arguments.system)?;
+    let path = arguments.out.clone().unwrap_or_else(|| format!("{}.toml", entry.name).into());
+    // it is written to be edited: the same one would be a loss too
+    write_new(&path, config::example(entry).as_bytes(), arguments.force)?;
+    if !is_stdout(&path) {
+        writeln!(console, "wrote {}; run it with `{} run --config {0}`", path.display(), program())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,166 @@
+//! `coadjoint list`
+
+use std::io::Write;
+
+use clap::Args;
+use coadjoint::system::Quantity;
+use serde_json::{Value, json};
+
+use super::console::OutputMode;
+use super::program;
+use crate::catalogue::quantities::laid_out;
+use crate::catalogue::{Catalogue, Entry, casimir};
+use crate::error::Error;
+use crate::setup::{Method, Retraction};
+use crate::simulate::has_method;
+use crate::units::{exact, with_unit, wrapped};
+
+/// The arguments of `list`.
+#[derive(Debug, Args)]
+pub(crate) struct ListArguments {
+    /// All about this system [default: one line about each]
+    pub(crate) system: Option<String>,
+    #[command(flatten)]
+    pub(crate) output: OutputMode,
+}
+
+pub(crate) fn list(
+    catalogue: &Catalogue,
+    arguments: &ListArguments,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let mut console = arguments.output.on(stdout, false)?;
+    if let Some(name) = &arguments.system {
+        let entry = catalogue.system(name)?;
+        console.object(|| object(entry))?;
+        return one(console.words(), entry);
+    }
+    let entries = catalogue.entries();
+    console.object(|| json!({ "systems": entries.iter().map(object).collect::<Vec<_>>() }))?;
+    let words = console.words();
+    let width = entries.iter().map(|entry| entry.name.len()).max().unwrap_or(0);
+    for entry in entries {
+        let about = wrapped(entry.about, 80 - width - 2).join(&format!("\n{:width$}  ", ""));
+        writeln!(words, "{}", format!("{:width$}  {about}", entry.name).trim_end())?;
+    }
+    writeln!(words, "\n`{} list NAME` tells all about a system", program())?;
+    Ok(())
+}
+
+/// All about one system.
+fn one(words: &mut dyn Write, entry: &Entry) -> Result<(), Error> {
+    let title = format!("{}: {}", entry.name, entry.about);
+    writeln!(words, "{}", wrapped(title.trim_end_matches(": "), 80).join("\n"))?;
+    let example = &entry.example;
+    quantities(words, entry, "parameters", entry.description.parameters, Some(&example.parameters))?;
+    quantities(words, entry, "initial state", entry.description.state, Some(&example.state))?;
+    quantities(words, entry, "controls", entry.description.controls, None)?;
+    if !entry.description.controls.is_empty() {
+        writeln!(words, "  held over each step, chosen by the system's own law, or by `--set`")?;
+    }
+    writeln!(words, "\nconserved")?;
+    let conserved = conserved(entry, casimir::listed(entry));
+    let while_held = entry.description.autonomous && !entry.conserves_energy();
+    if while_held {
+        let energy = with_unit("energy while the controls are the same", entry.unit("energy"));
+        writeln!(words, "  {energy}")?;
+    } else if conserved.is_empty() {
+        writeln!(words, "  nothing")?;
+    }
+    for (name, unit) in conserved {
+        for (i, line) in wrapped(&with_unit(&name, unit), 76).iter().enumerate() {
+            writeln!(words, "{}{line}", if i == 0 { "  " } else { "    " })?;
+        }
+    }
+    writeln!(words, "\nretractions  {}", retractions(entry).join(", "))?;
+    let methods = methods(entry).join(", ");
+    for (i, line) in wrapped(&methods, 67).iter().enumerate() {
+        writeln!(words, "{:11}  {line}", if i == 0 { "methods" } else { "" })?;
+    }
+    writeln!(words, "step {} s, duration {} s\n", exact(entry.step), exact(entry.duration))?;
+    writeln!(words, "{} run {} --plot", program(), entry.name)?;
+    Ok(())
+}
+
+/// One line for each quantity with its value in the example, as `--set` takes it, and below it what it is.
+fn quantities(
+    words: &mut dyn Write,
+    entry: &Entry,
+    title: &str,
+    all: &[Quantity],
+    values: Option<&[f64]>,
+) -> Result<(), Error> {
+    if !all.is_empty() {
+        writeln!(words, "\n{title}")?;
+    }
+    for (quantity, slots) in laid_out(all) {
+        let list = |values: &[f64]| values.iter().map(|x| exact(*x)).collect::<Vec<_>>().join(",");
+        let value = values.map_or(String::new(), |values| format!("={}", list(&values[slots])));
+        let unit = entry.unit(quantity.name);
+        writeln!(words, "  {}", format!("{}{value}  {unit}", quantity.name).trim_end())?;
+        for line in wrapped(&format!("{} {}", order(quantity), quantity.doc), 74) {
+            writeln!(words, "      {line}")?;
+        }
+    }
+    Ok(())
+}
+
+/// The order of a quantity's numbers, `(w, x, y, z)`; nothing of a single one, or of a matrix, which has a pattern.
+fn order(quantity: &Quantity) -> String {
+    match quantity.components {
+        [_] | [] => String::new(),
+        components
+            if components.iter().all(|component| component.len() == 2 && !component.starts_with('p')) =>
+        {
+            String::new()
+        }
+        components => format!("({})", components.join(", ")),
+    }
+}
+
+/// Lists the invariants of its motion, with units.
+fn conserved<N: From<&'static str>>(
+    entry: &Entry,
+    casimirs: impl Iterator<Item = (N, &'static str)>,
+) -> Vec<(N, &'static str)> {
+    let energy = entry.conserves_energy().then(|| ("energy".into(), entry.unit("energy")));
+    energy.into_iter().chain(casimirs).collect()
+}
+
+/// The methods of ours that there are of it.
+fn methods(entry: &Entry) -> Vec<String> {
+    let generated = Method::COMMON.into_iter().filter(|method| has_method(entry, *method));
+    let lifted = entry.has_right_lift().then_some(Method::RightLift);
+    generated.chain(lifted).map(|method| method.to_string()).collect()
+}
+
+/// The retractions that there are steps of it with.
+fn retractions(entry: &Entry) -> Vec<&'static str> {
+    Retraction::of(entry).iter().map(|retraction| retraction.name()).collect()
+}
+
+/// A system as a JSON object.
+fn object(entry: &Entry) -> Value {
+    let of = |all: &[Quantity], values: Option<&[f64]>| {
+        let quantity = |(quantity, slots): (&Quantity, std::ops::Range<usize>)| {
+            json!({
+                "name": quantity.name, "components": quantity.components, "unit": entry.unit(quantity.name),
+                "about": quantity.doc, "example": values.map(|values| &values[slots]),
+            })
+        };
+        laid_out(all).map(quantity).collect::<Vec<_>>()
+    };
+    let conserved = |(name, unit): (&str, &str)| json!({ "name": name, "unit": unit });
+    json!({
+        "name": entry.name,
+        "about": entry.about,
+        "parameters": of(entry.description.parameters, Some(&entry.example.parameters)),
+        "state": of(entry.description.state, Some(&entry.example.state)),
+        "controls": of(entry.description.controls, None),
+        "conserved": self::conserved(entry, entry.casimirs()).into_iter().map(conserved).collect::<Vec<_>>(),
+        "retractions": retractions(entry),
+        "methods": methods(entry),
+        "step": entry.step,
+        "duration": entry.duration,
+    })
+}

@@ -1,0 +1,259 @@
+//! The command line.
+
+mod certify;
+pub mod console;
+mod ensemble;
+mod init;
+mod interrupt;
+mod list;
+#[cfg(feature = "manual")]
+mod manual;
+mod motion;
+mod open;
+mod play;
+pub mod progress;
+pub mod report;
+mod run;
+mod scan;
+pub mod session;
+#[cfg(feature = "show")]
+mod show;
+
+use std::ffi::OsString;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::catalogue::{Catalogue, Entry};
+use crate::error::{Error, FileProblem, RunError};
+
+/// The meaning of exit codes.
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    all went well
+  1    a claim of a scheme does not hold, or a bug
+  2    the input is wrong: the message says what is right
+  3    the motion cannot be computed
+  4    the output cannot be written
+  130  ended by Ctrl-C; what was computed is written";
+
+/// Runs structure-preserving steppers of mechanical systems.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXIT_CODES)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// List the systems, or tell all about one
+    List(list::ListArguments),
+    /// Run a system and write its trajectory
+    Run(run::RunArguments),
+    /// Go on with a run that was interrupted
+    Resume(run::ResumeArguments),
+    /// Run a system and write a page that shows it moving
+    View(run::ViewArguments),
+    /// Write a page that shows data of any program's moving
+    Play(play::PlayArguments),
+    /// Write a file that describes a run, for `run --config`
+    Init(init::InitArguments),
+    /// Run many members of a system, and draw how they spread
+    Ensemble(ensemble::EnsembleArguments),
+    /// Print the code generated for a system
+    #[cfg(feature = "show")]
+    Show(show::ShowArguments),
+    /// Measure what the schemes claim of their steps of a system
+    Certify(certify::CertifyArguments),
+    /// Print a script that completes commands in a shell
+    #[cfg(feature = "manual")]
+    Completions(manual::CompletionsArguments),
+    /// Print the manual's page
+    #[cfg(feature = "manual")]
+    Man,
+}
+
+/// Runs a command of the program's own.
+type RunFn = Box<dyn Fn(&Catalogue, &ArgMatches, &mut dyn Write) -> Result<(), Error>>;
+
+/// A program for some systems: [`main`](crate::main), with commands of its own.
+pub struct App {
+    catalogue: Catalogue,
+    commands: Vec<(clap::Command, RunFn)>,
+    default: Option<&'static str>,
+}
+
+impl std::fmt::Debug for App {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("App").field("catalogue", &self.catalogue).finish_non_exhaustive()
+    }
+}
+
+impl App {
+    /// A program for these systems.
+    pub fn new(entries: impl IntoIterator<Item = Entry>) -> Self {
+        Self { catalogue: Catalogue::new(entries), commands: Vec::new(), default: None }
+    }
+
+    /// With one more command, of this name, with a line about it: what runs it gets its arguments, and writes to the
+    /// console.
+    #[must_use]
+    pub fn command<A: clap::Args + 'static>(
+        mut self,
+        name: &'static str,
+        about: &'static str,
+        run: fn(&Catalogue, &A, &mut dyn Write) -> Result<(), Error>,
+    ) -> Self {
+        let command = A::augment_args(clap::Command::new(name)).about(about);
+        let run: RunFn = Box::new(move |catalogue, matches, console| {
+            let arguments = A::from_arg_matches(matches).unwrap_or_else(|error| error.exit());
+            run(catalogue, &arguments, console)
+        });
+        self.commands.push((command, run));
+        self
+    }
+
+    /// With one of its commands for a call without any, which otherwise shows the help.
+    #[must_use]
+    pub fn default_command(self, name: &'static str) -> Self {
+        Self { default: Some(name), ..self }
+    }
+
+    /// Runs the program with the arguments it was started with; its exit code says how it went: 0 well, 2 wrong input,
+    /// 3 a motion that cannot be computed, 4 output that cannot be written, 130 ended by Ctrl-C, 1 a bug.
+    pub fn main(self) -> ExitCode {
+        match self.run(std::env::args_os(), &mut io::stdout().lock()) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
+            // the message has been printed
+            Err(Error::Interrupted) => ExitCode::from(exit_code(&Error::Interrupted)),
+            Err(error) => {
+                // if standard error is closed too, the exit code still speaks
+                let _ = writeln!(io::stderr(), "error: {error}");
+                ExitCode::from(exit_code(&error))
+            }
+        }
+    }
+
+    /// All commands, as clap knows them.
+    fn parser(&self) -> clap::Command {
+        let own = self.commands.iter().map(|(arguments, _)| arguments.clone());
+        let systems = SystemParser(self.catalogue.clone());
+        CommandLine::command()
+            .name(program())
+            .subcommands(own)
+            .mut_subcommands(|command| {
+                command.mut_args(|argument| match argument.get_id().as_str() {
+                    "system" => argument.value_parser(systems.clone()).hide_possible_values(true),
+                    _ => argument,
+                })
+            })
+            .subcommand_required(true)
+            .arg_required_else_help(true)
+    }
+
+    fn run(
+        &self,
+        arguments: impl IntoIterator<Item = OsString>,
+        console: &mut dyn Write,
+    ) -> Result<(), Error> {
+        let mut arguments: Vec<OsString> = arguments.into_iter().collect();
+        if arguments.len() == 1 {
+            arguments.extend(self.default.map(OsString::from));
+        }
+        let matches = self.parser().get_matches_from(arguments);
+        let own = matches.subcommand().and_then(|(name, matches)| {
+            let own = self.commands.iter().find(|(arguments, _)| arguments.get_name() == name);
+            own.map(|(_, run)| (run, matches))
+        });
+        match own {
+            Some((run, matches)) => run(&self.catalogue, matches, console)?,
+            None => {
+                let line = CommandLine::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+                line.command.run(self, console)?;
+            }
+        }
+        Ok(console.flush()?)
+    }
+}
+
+impl Command {
+    fn run(&self, app: &App, console: &mut dyn Write) -> Result<(), Error> {
+        let catalogue = &app.catalogue;
+        match self {
+            Command::List(arguments) => list::list(catalogue, arguments, console),
+            Command::Run(arguments) => run::run(catalogue, arguments, console),
+            Command::Resume(arguments) => run::resume(catalogue, arguments, console),
+            Command::View(arguments) => run::view(catalogue, arguments, console),
+            Command::Play(arguments) => play::play(arguments, console),
+            Command::Init(arguments) => init::init(catalogue, arguments, console),
+            Command::Ensemble(arguments) => ensemble::ensemble(catalogue, arguments, console),
+            #[cfg(feature = "show")]
+            Command::Show(arguments) => show::show(catalogue, arguments, console),
+            Command::Certify(arguments) => certify::certify(catalogue, arguments, console),
+            #[cfg(feature = "manual")]
+            Command::Completions(arguments) => manual::completions(app.parser(), arguments, console),
+            #[cfg(feature = "manual")]
+            Command::Man => manual::man(app.parser(), console),
+        }
+    }
+}
+
+/// Takes any name, so that [`Catalogue::system`] can find near ones; shells complete those that there are.
+#[derive(Clone, Debug)]
+struct SystemParser(Catalogue);
+
+impl TypedValueParser for SystemParser {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.0.entries().iter().map(|entry| PossibleValue::new(&entry.name).help(entry.about))))
+    }
+}
+
+/// Tells the exit code of an error, as [`EXIT_CODES`] lists them.
+fn exit_code(error: &Error) -> u8 {
+    match error {
+        Error::Setup(_) => 2,
+        Error::File(error) if matches!(error.source, FileProblem::Write(_)) => 4,
+        Error::File(_) => 2,
+        Error::Run(
+            RunError::Setup(_) | RunError::Stepper(_) | RunError::Ensemble(_) | RunError::Member { .. },
+        ) => 2,
+        Error::Run(_) | Error::Command(_) => 3,
+        Error::Interrupted => interrupt::exit_code(),
+        Error::Console(_) => 4,
+        Error::Claim { .. } | Error::Generator { .. } => 1,
+    }
+}
+
+/// The name by which the program was started, for messages that say what to type.
+fn program() -> String {
+    let path = std::env::args_os().next().unwrap_or_default();
+    Path::new(&path)
+        .file_stem()
+        .map_or_else(|| "coadjoint".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        App::new([]).parser().debug_assert();
+    }
+}

@@ -1,0 +1,178 @@
+//! The report of a run, for the user.
+
+use std::fmt;
+
+use coadjoint::RunReport;
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, TableStyle};
+use serde_json::{Value, json};
+
+use crate::catalogue::{Entry, casimir};
+use crate::files::{Provenance, invariants};
+use crate::record::{ConservationReport, DriftStats};
+use crate::setup::{Job, Method, Setup, standard};
+use crate::units::{Figures, grouped, magnitude, with_unit, with_unit_behind};
+
+/// A table with a column for each run.
+#[derive(Debug)]
+pub struct Table<'a> {
+    entry: &'a Entry,
+    runs: Vec<RunSummary>,
+}
+
+/// One run's column.
+#[derive(Clone, Debug)]
+pub struct RunSummary {
+    /// The job.
+    pub job: Job,
+    /// Steps and iterations.
+    pub report: RunReport,
+    /// The conservation of energy and Casimirs.
+    pub conservation: ConservationReport,
+    /// How far the configuration was off its group, at most.
+    pub off_group: f64,
+    /// The time of a step without an observer, ns; none if there were no steps.
+    pub time_per_step: Option<f64>,
+}
+
+impl RunSummary {
+    /// The conservation of energy and Casimirs, in words.
+    pub fn conclusions(&self, entry: &Entry) -> Vec<String> {
+        let mut lines = Vec::new();
+        let energy = &self.conservation.energy;
+        lines.push(if entry.conserves_energy() {
+            format!("energy: {}", describe(energy, self.conservation.steps, entry.unit("energy")))
+        } else if entry.description.autonomous {
+            "energy: conserved only while the controls are the same".to_owned()
+        } else {
+            "energy: not conserved by this system".to_owned()
+        });
+        for ((name, unit), stats) in casimir::names(entry).zip(&self.conservation.casimirs) {
+            lines.push(format!("{name}: {}", describe(stats, self.conservation.steps, unit)));
+        }
+        lines
+    }
+}
+
+impl RunSummary {
+    /// All of it as a JSON object.
+    pub(crate) fn object(&self, entry: &Entry, setup: &Setup) -> Value {
+        let mut object = Provenance::of_run(entry, setup, &self.job, 1).fields();
+        object.insert("steps".to_owned(), json!(self.conservation.steps));
+        object.insert("time".to_owned(), json!(self.conservation.time));
+        object.insert("ns_per_step".to_owned(), json!(self.time_per_step));
+        object.insert("iterations_per_step".to_owned(), json!(self.report.iterations_per_step()));
+        object.insert("max_iterations".to_owned(), json!(self.report.max_iterations));
+        object.insert("max_residual".to_owned(), json!(self.report.max_residual));
+        object.insert("off_group".to_owned(), json!(self.off_group));
+        object.insert("invariants".to_owned(), invariants(entry, &self.conservation));
+        object.insert("conclusions".to_owned(), json!(self.conclusions(entry)));
+        Value::Object(object)
+    }
+}
+
+/// Describes how well a quantity was conserved.
+fn describe(stats: &DriftStats, steps: u64, unit: &str) -> String {
+    // roundoff of every step, adding up like the steps of a walk, and some factor for the few operations of each
+    let roundoff = 16.0 * f64::EPSILON * (steps.max(1) as f64).sqrt() * stats.initial.abs().max(stats.error);
+    let (least, greatest) = stats.range;
+    if stats.error.is_nan() {
+        "became not a number".to_owned()
+    } else if stats.error <= roundoff {
+        "kept to roundoff".to_owned()
+    } else if steps < 100 {
+        format!("kept to {}; too few steps for a trend", with_unit_behind(stats.error, unit))
+    } else if stats.drift() < 0.5 {
+        format!(
+            "bounded: its error stays from {} to {} and does not grow",
+            magnitude(least),
+            with_unit_behind(greatest, unit)
+        )
+    } else {
+        format!(
+            "drifts: by {} per second, or swings more slowly than this run shows",
+            with_unit_behind(stats.slope(), unit)
+        )
+    }
+}
+
+impl<'a> Table<'a> {
+    /// A table of runs of one system.
+    pub fn new(entry: &'a Entry, runs: Vec<RunSummary>) -> Self {
+        Self { entry, runs }
+    }
+
+    fn rows(&self) -> Vec<(String, Vec<String>)> {
+        let row = |name: &str, cell: &dyn Fn(&RunSummary) -> String| {
+            (name.to_owned(), self.runs.iter().map(cell).collect::<Vec<_>>())
+        };
+        let of = |energy: &str| with_unit(energy, self.entry.unit("energy"));
+        let mut rows = vec![
+            row("retraction", &|run| match run.job.method.classical() {
+                None => run.job.retraction.name().to_owned(),
+                Some(_) => "–".to_owned(),
+            }),
+            row("method", &|run| self.method(&run.job)),
+            row("order", &|run| run.job.order_of_step(self.entry).to_string()),
+            row("steps", &|run| grouped(run.conservation.steps)),
+            row("time per step, ns", &|run| {
+                run.time_per_step.map_or("–".to_owned(), |time| format!("{time:.0}"))
+            }),
+            row("iterations per step", &|run| format!("{:.2}", run.report.iterations_per_step())),
+            row(&of("energy at the start"), &|run| {
+                format!("{:.4}", Figures(run.conservation.energy.initial + 0.0))
+            }),
+            row(
+                &if self.entry.conserves_energy() {
+                    of("largest energy error")
+                } else {
+                    // forces act, or time or controls have a part in it
+                    of("largest change of energy") + " (it is not conserved)"
+                },
+                &|run| magnitude(run.conservation.energy.error),
+            ),
+        ];
+        for (i, (name, unit)) in casimir::names(self.entry).enumerate() {
+            let name = with_unit(&format!("drift of {name}"), unit);
+            rows.push(row(&name, &|run| {
+                magnitude(run.conservation.casimirs.get(i).map_or(f64::NAN, |stats| stats.error))
+            }));
+        }
+        if self.runs.iter().any(|run| run.job.method.classical().is_some()) {
+            rows.push(row("largest distance from the group", &|run| magnitude(run.off_group)));
+        }
+        rows
+    }
+}
+
+impl Table<'_> {
+    /// `midpoint`, or `standard (verlet)`
+    fn method(&self, job: &Job) -> String {
+        match job.method {
+            Method::Standard => format!("standard ({})", standard(self.entry, job.retraction)),
+            method => method.to_string(),
+        }
+    }
+}
+
+impl fmt::Display for Table<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = self.rows().into_iter().map(|(name, cells)| [vec![name], cells].concat()).collect();
+        f.write_str(&laid_out(rows, CellAlignment::Left))
+    }
+}
+
+/// Lays out a table whose first row is its header; numbers stand to the right, the first column as it is asked.
+pub(crate) fn laid_out(rows: Vec<Vec<String>>, first: CellAlignment) -> String {
+    let mut table = comfy_table::Table::new();
+    let line = LineStyle::none().fill('─').junction('─');
+    table
+        .load_style(TableStyle::new().header_separator(line))
+        .set_content_arrangement(ContentArrangement::Disabled);
+    let mut rows = rows.into_iter();
+    table.set_header(rows.next().unwrap_or_default()).add_rows(rows);
+    for (k, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(k > 0), 0));
+        column.set_cell_alignment(if k == 0 { first } else { CellAlignment::Right });
+    }
+    table.trim_fmt() + "\n"
+}

@@ -1,0 +1,299 @@
+//! `coadjoint run`, `coadjoint view` and `coadjoint resume`
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::console::{Console, OutputMode};
+use super::motion::{ChosenRun, Motion};
+use super::program;
+use super::report::{RunSummary, Table};
+use super::session::{FinishedRun, Plan, Session};
+use super::{ensemble, play, scan};
+use crate::catalogue::{Catalogue, Entry};
+use crate::error::{Error, SetupError};
+use crate::files::{self, Provenance, is_stdout};
+use crate::setup::{Changes, Format, assignments};
+use crate::simulate::time_per_step;
+use crate::units::wrapped;
+
+/// The arguments of `run`.
+#[derive(Debug, Args)]
+pub(crate) struct RunArguments {
+    #[command(flatten)]
+    pub(crate) chosen: ChosenRun,
+    /// A file that a run wrote, or its `.run.json`: the run is made again, to the last byte
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = [
+            "system", "config", "retraction", "method", "order", "set", "step", "duration", "every", "format", "plot", "scan"
+        ]
+    )]
+    pub(crate) again: Option<PathBuf>,
+    /// Write the state after every N-th step [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) every: Option<u64>,
+    /// The format of the trajectory [default: csv]
+    ///
+    /// What made it stands beside it, in a file that ends in `.run.json`.
+    #[arg(long, value_enum)]
+    pub(crate) format: Option<Format>,
+    /// Draw the run too: what moves, and the errors of what is conserved
+    #[arg(long)]
+    pub(crate) plot: bool,
+    /// Write a page that shows the run moving, to be opened in a browser
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+    /// Open the page in a browser
+    #[arg(long)]
+    pub(crate) open: bool,
+    /// Keep a checkpoint here, for `resume FILE` after an interruption
+    #[arg(long, value_name = "FILE")]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// How often the checkpoint is brought up to date, s
+    #[arg(long = "save-every", value_name = "S", default_value_t = PAUSE, requires = "checkpoint", value_parser = pause)]
+    pub(crate) checkpoint_every: f64,
+    /// One run for each value, in parallel: `weight=1:10:20`, `weight=1,2,5`
+    ///
+    /// `weight=1:10:20` are twenty values from 1 to 10. Two of them make a grid. Of each run a row is printed and written, with its largest
+    /// errors and its end state; no trajectories.
+    #[arg(
+        long,
+        value_name = "NAME=VALUES",
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every"]
+    )]
+    pub(crate) scan: Vec<String>,
+    #[command(flatten)]
+    pub(crate) output: OutputMode,
+}
+
+/// The arguments of `view`.
+#[derive(Debug, Args)]
+pub(crate) struct ViewArguments {
+    #[command(flatten)]
+    pub(crate) chosen: ChosenRun,
+    /// The page to write [default: `<DIR>/<name of the run>.html`]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) html: Option<PathBuf>,
+    /// Open the page in a browser
+    #[arg(long)]
+    pub(crate) open: bool,
+    #[command(flatten)]
+    pub(crate) output: OutputMode,
+}
+
+/// The time between two checkpoints unless another is asked for, s.
+const PAUSE: f64 = 10.0;
+
+/// A time between two checkpoints.
+fn pause(text: &str) -> Result<f64, String> {
+    let seconds: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    match seconds {
+        0.0..=1e9 => Ok(seconds),
+        _ => Err(format!("the time between two checkpoints cannot be {seconds} s")),
+    }
+}
+
+/// The arguments of `resume`.
+#[derive(Debug, Args)]
+pub(crate) struct ResumeArguments {
+    /// Its checkpoint
+    pub(crate) checkpoint: PathBuf,
+    #[command(flatten)]
+    pub(crate) output: OutputMode,
+}
+
+pub(crate) fn run(
+    catalogue: &Catalogue,
+    arguments: &RunArguments,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let mut console = arguments.output.on(stdout, is_stdout(&arguments.chosen.motion.out))?;
+    if arguments.open && arguments.html.is_none() {
+        let reason = "`--open` opens a page: say where to write it by `--html`";
+        return Err(SetupError::new("open", "", reason).into());
+    }
+    if let Some(file) = &arguments.again {
+        return again(catalogue, file, arguments, &mut console);
+    }
+    let (motion, config) = arguments.chosen.motion(catalogue, &mut console)?;
+    if !arguments.scan.is_empty() {
+        return scan::scan(&motion, &arguments.scan, arguments, &mut console);
+    }
+    let every = arguments.every.or(config.every).unwrap_or(1);
+    if every == 0 {
+        return Err(SetupError::new("every", 0, "`every` must be 1 or more, got 0").into());
+    }
+    let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
+    let inputs = arguments.chosen.config.iter().cloned().collect();
+    let plan = Plan { every, format, inputs, ..planned(&motion, arguments) };
+    made(motion.entry, plan, arguments, &mut console)
+}
+
+/// Plans a run of which nothing is written yet.
+fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
+    Plan {
+        system: motion.entry.name.clone(),
+        setup: motion.setup.clone(),
+        job: motion.job,
+        every: 1,
+        format: None,
+        plot: arguments.plot,
+        html: arguments.html.clone(),
+        out: arguments.chosen.motion.out.clone(),
+        pause: arguments.checkpoint_every,
+        force: arguments.chosen.motion.force,
+        inputs: Vec::new(),
+    }
+}
+
+/// Makes a run, and reports it.
+fn made(entry: &Entry, plan: Plan, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Error> {
+    let checkpoint = arguments.checkpoint.as_deref();
+    let page = plan.html.clone().filter(|_| arguments.open);
+    let session = Session::begin(entry, plan, checkpoint)?;
+    let done = finished(session, console)?;
+    report(done, checkpoint, console)?;
+    page.map_or(Ok(()), |page| play::show(&page, console))
+}
+
+fn finished<'e>(session: Session<'e>, console: &mut Console<'_>) -> Result<FinishedRun<'e>, Error> {
+    let (name, steps) = session.size();
+    let mut progress = console.progress(name, steps, "step");
+    session.run(&mut |index| progress.show(index))
+}
+
+pub(crate) fn resume(
+    catalogue: &Catalogue,
+    arguments: &ResumeArguments,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let path = &arguments.checkpoint;
+    let session = Session::resume(catalogue, path)?;
+    let mut console = arguments.output.on(stdout, session.is_for_stdout())?;
+    let done = finished(session, &mut console)?;
+    report(done, Some(path), &mut console)
+}
+
+/// Makes a run of which nothing is written but the page.
+pub(crate) fn view(
+    catalogue: &Catalogue,
+    arguments: &ViewArguments,
+    stdout: &mut dyn Write,
+) -> Result<(), Error> {
+    let ViewArguments { chosen, html, open, output } = arguments;
+    if is_stdout(&chosen.motion.out) {
+        let reason = "a page is a file: `--html FILE` says where it goes";
+        return Err(SetupError::new("out", "-", reason).into());
+    }
+    let mut console = output.on(stdout, false)?;
+    let (motion, _) = chosen.motion(catalogue, &mut console)?;
+    let arguments = RunArguments {
+        chosen: chosen.clone(),
+        html: html.clone(),
+        open: *open,
+        again: None,
+        every: None,
+        format: None,
+        plot: false,
+        checkpoint: None,
+        checkpoint_every: PAUSE,
+        scan: Vec::new(),
+        output: *output,
+    };
+    let inputs = chosen.config.iter().cloned().collect();
+    let mut plan = Plan { inputs, ..planned(&motion, &arguments) };
+    plan.html = Some(html.clone().unwrap_or_else(|| page_of(motion.entry, &plan)));
+    made(motion.entry, plan, &arguments, &mut console)
+}
+
+/// Names the page of a run, unless its name is given.
+fn page_of(entry: &Entry, plan: &Plan) -> PathBuf {
+    plan.out.join(format!("{}.html", plan.provenance(entry).stem(entry, &plan.job)))
+}
+
+/// Makes the run again that made a file, for a file of the same kind.
+fn again(
+    catalogue: &Catalogue,
+    file: &Path,
+    arguments: &RunArguments,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
+    let name = file.display();
+    let wrong = |reason: String| SetupError::new("again", &name, reason);
+    let (origin, interrupted) =
+        files::read(file)?.ok_or_else(|| wrong(format!("nothing beside {name} says what made it")))?;
+    let made_by = origin.run().ok_or_else(|| {
+        wrong(format!("{name} is of no run: `{} {}` makes it again", program(), origin.command()))
+    })?;
+    if interrupted {
+        console.note(format!("the run of {name} was interrupted; now it goes to its end"))?;
+    }
+    let motion = motion_of(catalogue, &made_by)?;
+    if !made_by.scan.is_empty() {
+        return scan::scan(&motion, &made_by.scan, arguments, console);
+    }
+    if made_by.ensemble.is_some() {
+        return ensemble::again(&motion, &made_by, arguments, console);
+    }
+    let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    let is_run_json = name.to_string().ends_with(".run.json");
+    let mut plan = Plan {
+        every: made_by.every,
+        format: if is_run_json { Some(Format::Csv) } else { Format::of_extension(&extension) },
+        plot: matches!(extension.as_str(), "svg" | "png"),
+        ..planned(&motion, arguments)
+    };
+    if plan.html.is_none() && matches!(extension.as_str(), "html" | "htm") {
+        plan.html = Some(page_of(motion.entry, &plan));
+    }
+    if plan.format.is_none() && !plan.plot && plan.html.is_none() {
+        return Err(wrong(format!("{name} has an extension of no kind of output")).into());
+    }
+    made(motion.entry, plan, arguments, console)
+}
+
+/// Reads the run that made a file.
+fn motion_of<'c>(catalogue: &'c Catalogue, made: &Provenance) -> Result<Motion<'c>, Error> {
+    let entry = made.entry(catalogue)?;
+    let setup = made.setup(entry)?;
+    let mut changes = Changes::of(entry);
+    changes.apply(&assignments(entry, &setup))?;
+    Ok(Motion { entry, changes, setup, job: made.job()? })
+}
+
+/// Reports a run.
+fn report(done: FinishedRun<'_>, checkpoint: Option<&Path>, console: &mut Console<'_>) -> Result<(), Error> {
+    let FinishedRun { entry, plan, conservation, off_group, report, written, interrupted, notes } = done;
+    notes.into_iter().try_for_each(|note| console.note(note))?;
+    let time_per_step = if interrupted { None } else { time_per_step(entry, &plan.setup, &plan.job)? };
+    let end = conservation.time;
+    let summary = RunSummary { job: plan.job, report, conservation, off_group, time_per_step };
+    let conclusions = summary.conclusions(entry);
+    let notes = console.notes().to_vec();
+    console.object(|| {
+        let mut object = summary.object(entry, &plan.setup);
+        object["notes"] = notes.into();
+        object["written"] = written.iter().map(|path| path.display().to_string()).collect();
+        object["interrupted"] = interrupted.into();
+        object
+    })?;
+    let words = console.words();
+    write!(words, "{}", Table::new(entry, vec![summary]))?;
+    for line in conclusions {
+        writeln!(words, "{}", wrapped(&line, 78).join("\n  "))?;
+    }
+    for path in written {
+        writeln!(words, "wrote {}", path.display())?;
+    }
+    if !interrupted {
+        return Ok(());
+    }
+    writeln!(words, "interrupted at {end} s")?;
+    if let Some(path) = checkpoint {
+        writeln!(words, "`{} resume {}` resumes it", program(), path.display())?;
+    }
+    Err(Error::Interrupted)
+}

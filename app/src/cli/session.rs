@@ -1,0 +1,474 @@
+//! A run of the program: its plan, the files it claims, the recorders it feeds, and the files it writes at the end.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use coadjoint::RunReport;
+use coadjoint::erased;
+use serde::{Deserialize, Serialize};
+
+use super::interrupt;
+use crate::catalogue::{Catalogue, Entry};
+use crate::error::{Error, FileError, SetupError};
+use crate::files::{
+    CheckpointStore, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, TrajectoryWriter, Written,
+    beside, digest, is_stdout,
+};
+use crate::page::{PageHeading, page};
+use crate::picture::{Kind, run_figure};
+use crate::record::{ConservationReport, Curves, PageRecorder, Recorders};
+use crate::setup::{Format, Job, Setup};
+use crate::simulate::{Checkpoint, Sample, simulate};
+
+/// Reading the clock costs more than a step: it is read once in this many.
+const INTERVAL: u64 = 1024;
+
+/// The plan of a run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Plan {
+    /// The system's name.
+    pub system: String,
+    /// Parameters and initial state.
+    pub setup: Setup,
+    /// Scheme, step and number of steps.
+    pub job: Job,
+    /// Steps between two rows.
+    pub every: u64,
+    /// The format of the trajectory; none writes none.
+    pub format: Option<Format>,
+    /// Whether to draw the run.
+    pub plot: bool,
+    /// The page that shows it moving.
+    pub html: Option<PathBuf>,
+    /// The directory to write to; `-` writes the trajectory to the standard output.
+    pub out: PathBuf,
+    /// The time between two checkpoints, s.
+    pub pause: f64,
+    /// Whether files of other runs may be replaced.
+    pub force: bool,
+    /// Files that were read, and are not to be replaced.
+    pub inputs: Vec<PathBuf>,
+}
+
+impl Plan {
+    /// Describes what makes the files of the run.
+    pub fn provenance(&self, entry: &Entry) -> Provenance {
+        Provenance::of_run(entry, &self.setup, &self.job, self.every)
+    }
+
+    /// Names a file of the run.
+    fn place(&self, stem: &str, extension: &str) -> PathBuf {
+        self.out.join(format!("{stem}.{extension}"))
+    }
+}
+
+/// The files that a run writes.
+#[derive(Clone, Debug)]
+struct RunFiles {
+    trajectory: Option<(Format, PathBuf)>,
+    pictures: Vec<(Kind, PathBuf)>,
+    page: Option<PathBuf>,
+}
+
+impl RunFiles {
+    fn of(entry: &Entry, plan: &Plan) -> Result<Self, Error> {
+        let to_stdout = is_stdout(&plan.out);
+        if to_stdout && plan.plot {
+            let reason = "`--plot` writes pictures: `--out` has to name a directory";
+            return Err(SetupError::new("out", "-", reason).into());
+        }
+        let stem = plan.provenance(entry).stem(entry, &plan.job);
+        let trajectory = plan.format.map(|format| match to_stdout {
+            true => (format, plan.out.clone()),
+            false => (format, plan.place(&stem, format.extension())),
+        });
+        let kinds = if plan.plot { Kind::ALL } else { &[] };
+        let pictures = kinds.iter().map(|kind| (*kind, plan.place(&stem, kind.extension()))).collect();
+        Ok(Self { trajectory, pictures, page: plan.html.clone() })
+    }
+
+    /// Lists what each is to the run.
+    fn planned(&self, plan: &Plan, checkpoint: Option<&Path>) -> Vec<PlannedFile> {
+        let file = |what, path: &Path, written| PlannedFile { what, path: path.to_owned(), written };
+        let mut files: Vec<PlannedFile> =
+            plan.inputs.iter().map(|path| file("what describes the run", path, false)).collect();
+        if let Some(path) = checkpoint {
+            files.push(file("the checkpoint", path, false));
+            files.push(file("the checkpoint's rows", &beside(path, "rows"), false));
+        }
+        files.extend(self.trajectory.iter().map(|(_, path)| file("the trajectory", path, true)));
+        files.extend(self.page.iter().map(|path| file("the page", path, true)));
+        files.extend(self.pictures.iter().map(|(_, path)| file("the picture", path, true)));
+        files
+    }
+}
+
+/// The content of a checkpoint: all that is needed to resume a run.
+#[derive(Debug, Serialize, Deserialize)]
+struct Saved {
+    plan: Plan,
+    /// A checksum of the program's version, the system's description, and its first steps.
+    version: u32,
+    recorders: Recorders,
+    /// None before the first step.
+    checkpoint: Option<Checkpoint>,
+}
+
+impl Saved {
+    /// Tells whether it fits this system: all lists have the required lengths.
+    fn fits(&self, entry: &Entry) -> bool {
+        let Setup { parameters, state, controls } = &entry.example;
+        let Self { plan, recorders, checkpoint, .. } = self;
+        let states = checkpoint.iter().map(|checkpoint| &checkpoint.state).chain([&plan.setup.state]);
+        plan.setup.parameters.len() == parameters.len()
+            && plan.setup.controls.len() == controls.len()
+            && plan.every > 0
+            && states.into_iter().all(|list| list.len() == state.len())
+            && recorders.are_of(entry)
+    }
+
+    /// Finds the system's entry, if the run can be resumed here.
+    fn entry<'c>(&self, catalogue: &'c Catalogue, path: &Path) -> Result<&'c Entry, Error> {
+        let entry = catalogue.system(&self.plan.system)?;
+        if !self.fits(entry) {
+            return Err(FileError::damaged(path, "is a damaged checkpoint").into());
+        }
+        if self.version != version(entry, &self.plan) {
+            let what = "was made by another version of the program or the system, whose steps may differ in their \
+                        last digits: use that version, or start again";
+            return Err(FileError::damaged(path, what).into());
+        }
+        Ok(entry)
+    }
+}
+
+/// A run in progress.
+pub struct Session<'e> {
+    entry: &'e Entry,
+    system: Arc<dyn erased::System>,
+    plan: Plan,
+    files: RunFiles,
+    guard: OverwriteGuard,
+    recorders: Recorders,
+    rows: Rows,
+    from: Option<Checkpoint>,
+}
+
+/// The destination of the trajectory's rows.
+#[derive(Debug)]
+enum Rows {
+    /// Nowhere.
+    Discarded,
+    /// Into the file.
+    File(TrajectoryWriter),
+    /// To be put into the file at the end.
+    Checkpoint(CheckpointStore),
+}
+
+/// A finished or interrupted run.
+#[derive(Debug)]
+pub struct FinishedRun<'e> {
+    /// Its system.
+    pub entry: &'e Entry,
+    /// Its plan.
+    pub plan: Plan,
+    /// The conservation of energy and Casimirs.
+    pub conservation: ConservationReport,
+    /// How far the configuration was off its group, at most.
+    pub off_group: f64,
+    /// Newton iterations and the like, of the steps since it was started or resumed.
+    pub report: RunReport,
+    /// The files that it wrote.
+    pub written: Vec<PathBuf>,
+    /// Whether Ctrl-C ended it.
+    pub interrupted: bool,
+    /// Notes for people.
+    pub notes: Vec<String>,
+}
+
+impl<'e> Session<'e> {
+    /// Starts a run; with a checkpoint file, one that can be resumed later. All its files are looked at first: none
+    /// takes the place of another.
+    ///
+    /// # Errors
+    /// If that is not so, or a file cannot be written.
+    pub fn begin(entry: &'e Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
+        let (files, guard) = claimed(entry, &plan, checkpoint)?;
+        let Job { step, steps, .. } = plan.job;
+        let recorders = Recorders {
+            curves: plan.plot.then(|| Curves::new(entry, (step, steps))),
+            page: plan.html.is_some().then(|| PageRecorder::new(entry, steps)),
+            ..Recorders::default()
+        };
+        let mut session = Self {
+            system: entry.system(&plan.setup.parameters),
+            rows: Rows::Discarded,
+            from: None,
+            entry,
+            plan,
+            files,
+            guard,
+            recorders,
+        };
+        if let Some(path) = checkpoint {
+            let saved = session.saved(None);
+            session.rows = Rows::Checkpoint(CheckpointStore::begin(path, entry.columns(), &saved)?);
+            session.recorders = saved.recorders;
+        } else if let Some((format, path)) = &session.files.trajectory {
+            let writer = TrajectoryWriter::create(path, *format, entry, session.guard.origin())?;
+            session.rows = Rows::File(writer);
+        }
+        Ok(session)
+    }
+
+    /// Resumes a run from its checkpoint.
+    ///
+    /// # Errors
+    /// If it is in use, is not what was written, or a file of the run cannot be written.
+    pub fn resume(catalogue: &'e Catalogue, path: &Path) -> Result<Self, Error> {
+        let (store, saved) = CheckpointStore::open::<Saved>(path)?;
+        let entry = saved.entry(catalogue, path)?;
+        let Saved { plan, recorders, checkpoint: from, .. } = saved;
+        let (files, guard) = claimed(entry, &plan, Some(path))?;
+        let system = entry.system(&plan.setup.parameters);
+        Ok(Self { entry, system, plan, files, guard, recorders, rows: Rows::Checkpoint(store), from })
+    }
+
+    /// Tells whether the trajectory goes to standard output.
+    pub(crate) fn is_for_stdout(&self) -> bool {
+        is_stdout(&self.plan.out)
+    }
+
+    /// Names its system, and counts its steps.
+    pub(crate) fn size(&self) -> (&str, u64) {
+        (&self.entry.name, self.plan.job.steps)
+    }
+
+    /// Makes the run, with a word on its progress now and then, and writes its files.
+    ///
+    /// # Errors
+    /// If a step cannot be taken, or a file not be written.
+    pub fn run(mut self, progress: &mut dyn FnMut(u64)) -> Result<FinishedRun<'e>, Error> {
+        interrupt::listen();
+        let simulated = self.simulate(progress);
+        match simulated {
+            Ok(report) => self.write(report),
+            Err(Error::Run(failure)) => {
+                // resumed, it would fail again
+                if let Rows::Checkpoint(store) = self.rows {
+                    store.remove();
+                }
+                Err(failure.into())
+            }
+            Err(failure) => Err(failure),
+        }
+    }
+
+    /// Takes the steps, and records them.
+    fn simulate(&mut self, progress: &mut dyn FnMut(u64)) -> Result<RunReport, Error> {
+        let (entry, from) = (self.entry, self.from.take());
+        let (setup, job) = (self.plan.setup.clone(), self.plan.job);
+        let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();
+        let mut saved = Instant::now();
+        // a resumed run has recorded its first sample before
+        let mut is_new = from.is_none();
+        let mut failure = None;
+        // `every` thins what is written and nothing else: an error's peak may be as short as one step, so every step is recorded
+        let next = |index: u64| index + 1;
+        let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
+            let is_due = sample.index.is_multiple_of(INTERVAL);
+            if is_due {
+                progress(sample.index);
+            }
+            let pushed = if is_new { self.push(sample) } else { Ok(()) };
+            is_new = true;
+            let stop = interrupt::requested() && sample.index < job.steps;
+            let result = pushed.and_then(|()| {
+                if stop || (is_due && saved.elapsed() > pause) {
+                    self.save(sample)?;
+                    saved = Instant::now();
+                }
+                Ok(())
+            });
+            failure = result.err();
+            if stop || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        failure.map_or_else(|| Ok(simulated?), Err)
+    }
+
+    fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
+        self.recorders.push(self.entry, &*self.system, sample);
+        if sample.index.is_multiple_of(self.plan.every) {
+            let row = || [&[sample.time], sample.state, &[sample.energy]].concat();
+            match &mut self.rows {
+                Rows::Discarded => {}
+                Rows::File(trajectory) => trajectory.row(&row())?,
+                Rows::Checkpoint(store) => store.row(&row())?,
+            }
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
+        if !matches!(self.rows, Rows::Checkpoint(_)) {
+            return Ok(());
+        }
+        let saved = self.saved(Some(Checkpoint::at(sample)));
+        let done = match &mut self.rows {
+            Rows::Checkpoint(store) => store.save(&saved),
+            _ => Ok(()),
+        };
+        self.recorders = saved.recorders;
+        Ok(done?)
+    }
+
+    /// Collects what the run is to be resumed with; its recorders have to be given back.
+    fn saved(&mut self, checkpoint: Option<Checkpoint>) -> Saved {
+        let recorders = std::mem::take(&mut self.recorders);
+        Saved { plan: self.plan.clone(), version: version(self.entry, &self.plan), recorders, checkpoint }
+    }
+
+    /// Writes the trajectory, the pictures and the page.
+    fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
+        let Self { entry, plan, files, guard, mut recorders, rows, .. } = self;
+        let Some(conservation) = recorders.conservation.take() else {
+            return Err(SetupError::new("steps", plan.job.steps, "the run has no samples").into());
+        };
+        let interrupted = (conservation.steps < plan.job.steps).then_some(conservation.steps);
+        let mut contents = Vec::new();
+        let mut store = None;
+        match (rows, &files.trajectory) {
+            (Rows::File(trajectory), _) => {
+                contents.push(trajectory.finish(entry, &conservation, interrupted)?)
+            }
+            (Rows::Checkpoint(mut rows), Some((format, path))) => {
+                let mut trajectory = TrajectoryWriter::create(path, *format, entry, guard.origin())?;
+                rows.replay(|row| trajectory.row(row))?;
+                contents.push(trajectory.finish(entry, &conservation, interrupted)?);
+                store = Some(rows);
+            }
+            _ => {}
+        }
+        contents.extend(shown(entry, &plan, &recorders, &files)?);
+        let status = interrupted.map_or(Status::Complete, Status::Interrupted);
+        let Written { files: written, kept } = guard.put(contents, status)?;
+        if let (Some(store), None) = (store, interrupted) {
+            store.remove();
+        }
+        let notes =
+            kept.iter().map(|path| format!("{} holds the whole run, and stays", path.display())).collect();
+        let (off_group, interrupted) = (recorders.off_group, interrupted.is_some());
+        Ok(FinishedRun { entry, plan, conservation, off_group, report, written, interrupted, notes })
+    }
+}
+
+/// Lists the files of a run, looked at before it starts, and what guards them.
+fn claimed(
+    entry: &Entry,
+    plan: &Plan,
+    checkpoint: Option<&Path>,
+) -> Result<(RunFiles, OverwriteGuard), Error> {
+    let files = RunFiles::of(entry, plan)?;
+    let guard = OverwriteGuard::new(plan.provenance(entry).origin(entry), plan.force);
+    guard.check_all(&files.planned(plan, checkpoint))?;
+    Ok((files, guard))
+}
+
+/// Writes pictures and the page, not yet in their places.
+fn shown(
+    entry: &Entry,
+    plan: &Plan,
+    recorders: &Recorders,
+    files: &RunFiles,
+) -> Result<Vec<(PathBuf, NewFile)>, FileError> {
+    let Plan { setup, job, .. } = plan;
+    let mut shown = Vec::new();
+    if let (Some(recorder), Some(path)) = (&recorders.page, &files.page) {
+        let (title, parameters, law) = (job.title(entry), &setup.parameters[..], entry.law(setup));
+        let heading = PageHeading { title, parameters, step: job.step, steps: job.steps, law };
+        let html = page(recorder, entry, &heading).to_html();
+        shown.push((path.clone(), NewFile::with(path, html.as_bytes())?));
+    }
+    if let Some(curves) = &recorders.curves {
+        let figure = run_figure(curves, entry, job.title(entry));
+        for (kind, path) in &files.pictures {
+            shown.push((path.clone(), NewFile::with(path, &figure.picture(*kind))?));
+        }
+    }
+    Ok(shown)
+}
+
+/// Computes a checksum of all that the digits of a step depend on: also of the first steps, as a system's text may not
+/// be known.
+fn version(entry: &Entry, plan: &Plan) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.update(entry.source.as_bytes());
+    hasher.update(&digest(entry, &plan.setup, &plan.job).to_le_bytes());
+    hasher.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setup::{Method, Order, Retraction};
+    use crate::test_systems::catalogue;
+
+    fn saved(of: &str) -> Saved {
+        let entry = catalogue().system(of).expect("it is there");
+        let setup = entry.example.clone();
+        let job = Job {
+            method: Method::Standard,
+            retraction: Retraction::Cayley,
+            order: Order::Two,
+            step: 0.01,
+            steps: 10,
+        };
+        let recorders = Recorders {
+            curves: Some(Curves::new(entry, (0.01, 10))),
+            page: Some(PageRecorder::new(entry, 10)),
+            ..Recorders::default()
+        };
+        let checkpoint = Some(Checkpoint { state: setup.state.clone(), memory: Vec::new() });
+        let plan = Plan {
+            system: of.to_owned(),
+            setup,
+            job,
+            every: 1,
+            format: None,
+            plot: true,
+            html: None,
+            out: std::env::temp_dir(),
+            pause: 10.0,
+            force: false,
+            inputs: Vec::new(),
+        };
+        Saved { version: version(entry, &plan), plan, recorders, checkpoint }
+    }
+
+    #[test]
+    fn a_checkpoint_that_was_tampered_with_is_damaged() {
+        let path = std::env::temp_dir().join(format!("coadjoint-tampered-{}.ck", std::process::id()));
+        let resumed = |tamper: &dyn Fn(&mut Saved)| {
+            let mut file = saved("heavy_top");
+            tamper(&mut file);
+            drop(CheckpointStore::begin(&path, Vec::new(), &file).expect("writable"));
+            let resumed = Session::resume(catalogue(), &path);
+            let _ = std::fs::remove_file(&path);
+            let _ = std::fs::remove_file(beside(&path, "rows"));
+            resumed.map(|_| ()).map_err(|error| error.to_string())
+        };
+        assert_eq!(resumed(&|_| {}), Ok(()));
+        let damaged = Err(format!("{} is a damaged checkpoint", path.display()));
+        assert_eq!(resumed(&|file| file.plan.every = 0), damaged);
+        assert_eq!(resumed(&|file| file.plan.setup.parameters.truncate(1)), damaged);
+        assert_eq!(resumed(&|file| file.plan.setup.state.push(0.0)), damaged);
+        assert_eq!(resumed(&|file| file.checkpoint.as_mut().expect("there").state.clear()), damaged);
+        assert_eq!(resumed(&|file| file.recorders.curves = saved("kepler").recorders.curves), damaged);
+        // another potential, of whatever text
+        let other = resumed(&|file| file.plan.setup.parameters[3] = 2.0).expect_err("other steps");
+        assert!(other.contains("another version of the program or the system"), "{other}");
+    }
+}

@@ -1,0 +1,158 @@
+//! Nothing of others is replaced unasked: all files of a run are looked at before it starts.
+
+use std::path::{Path, PathBuf};
+
+use super::path::{is_special, is_stdout, resolved};
+use super::run_json::{Beside, FileOrigin, RunJson, Status};
+use super::write::{NewFile, make_directory_of};
+use crate::error::{FileError, FileProblem};
+
+/// Lets files replace those of the same origin, and others where that was asked for.
+#[derive(Clone, Debug)]
+pub struct OverwriteGuard {
+    origin: FileOrigin,
+    force: bool,
+}
+
+/// A file of a command, and what it is to it.
+#[derive(Clone, Debug)]
+pub struct PlannedFile {
+    /// `the page`, `the trajectory`
+    pub what: &'static str,
+    /// Its place.
+    pub path: PathBuf,
+    /// Whether it is written under the guard; else it is read, or is new.
+    pub written: bool,
+}
+
+/// The files that were put in their places, and those that stay as they are.
+#[derive(Debug, Default)]
+pub(crate) struct Written {
+    pub(crate) files: Vec<PathBuf>,
+    /// Complete ones, whose places those of an interrupted run do not take.
+    pub(crate) kept: Vec<PathBuf>,
+}
+
+impl OverwriteGuard {
+    /// Guards files of this origin.
+    pub fn new(origin: FileOrigin, force: bool) -> Self {
+        Self { origin, force }
+    }
+
+    /// Tells what makes the files.
+    pub(crate) fn origin(&self) -> &FileOrigin {
+        &self.origin
+    }
+
+    /// Checks that a file may be put here.
+    fn check(&self, path: &Path) -> Result<(), FileError> {
+        if self.force || is_stdout(path) || is_special(path) {
+            return Ok(());
+        }
+        let taken = |path: &Path, made: String| {
+            Err(FileError { path: path.to_owned(), source: FileProblem::Taken(made) })
+        };
+        let stranger = || "was not made by this program".to_owned();
+        let (beside, found) = RunJson::beside(path)?;
+        match found {
+            Beside::Nothing if path.exists() => taken(path, stranger()),
+            Beside::Nothing => Ok(()),
+            Beside::Foreign => taken(&beside, stranger()),
+            Beside::Ours(found) if found.origin == self.origin => match path.exists() && !found.has(path) {
+                true => taken(path, stranger()),
+                false => Ok(()),
+            },
+            Beside::Ours(found) if found.is_of_files_beside(&beside) => {
+                let place = if path.exists() { path } else { &beside };
+                taken(place, self.origin.difference(&found.origin))
+            }
+            Beside::Ours(_) => Ok(()),
+        }
+    }
+
+    /// Looks at all files of a run before it starts: no two are one, none takes the place of another run's or of a
+    /// stranger's, all can be written.
+    ///
+    /// # Errors
+    /// If any of that is not so.
+    pub fn check_all(&self, files: &[PlannedFile]) -> Result<(), FileError> {
+        let places: Vec<PathBuf> = files.iter().map(|file| resolved(&file.path)).collect();
+        for (i, file) in files.iter().enumerate() {
+            // into a device as much goes as one likes
+            let other = (0..i).find(|&j| places[i] == places[j] && !is_special(&places[i]));
+            if let Some(other) = other {
+                let source = FileProblem::Shared([files[other].what, file.what]);
+                return Err(FileError { path: file.path.clone(), source });
+            }
+        }
+        let written = || files.iter().filter(|file| file.written).map(|file| &file.path);
+        written().try_for_each(|path| self.check(path))?;
+        for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {
+            make_directory_of(
+                &super::path::followed(path).map_err(|source| FileError::write(path, source))?,
+            )?;
+            // dropped at once: it can be written
+            NewFile::begin(path)?;
+        }
+        Ok(())
+    }
+
+    /// Writes files with these contents, and what made them beside them.
+    ///
+    /// # Errors
+    /// If one cannot be written, or another file came in its place.
+    pub fn write_all(&self, contents: &[(PathBuf, Vec<u8>)]) -> Result<(), FileError> {
+        let begun = |(path, content): &(PathBuf, Vec<u8>)| Ok((path.clone(), NewFile::with(path, content)?));
+        let files = contents.iter().map(begun).collect::<Result<Vec<_>, FileError>>()?;
+        self.put(files, Status::Complete).map(|_| ())
+    }
+
+    /// Puts complete files in their places, and what made them beside them.
+    ///
+    /// # Errors
+    /// If one cannot be put there, or another file came in its place.
+    pub(crate) fn put(&self, files: Vec<(PathBuf, NewFile)>, status: Status) -> Result<Written, FileError> {
+        let mut written = Written::default();
+        let mut kept = Vec::new();
+        for (path, file) in files {
+            match status != Status::Complete && self.is_complete(&path)? {
+                true => written.kept.push(path),
+                false => kept.push((path, file)),
+            }
+        }
+        // what is killed here leaves no file whose origin is not known, and none that is said to be more than it is
+        let paths = || kept.iter().map(|(path, _)| path.as_path());
+        self.note(paths(), Status::Begun)?;
+        let may_replace: Vec<bool> = paths().map(|path| self.check(path).is_ok()).collect();
+        let places: Vec<PathBuf> = paths().map(Path::to_owned).collect();
+        for ((_, file), may_replace) in kept.into_iter().zip(may_replace) {
+            file.finish(may_replace)?;
+        }
+        self.note(places.iter().map(PathBuf::as_path), status)?;
+        written.files = places.into_iter().filter(|path| !is_stdout(path)).collect();
+        Ok(written)
+    }
+
+    /// Tells whether the file of the same run is here, complete.
+    fn is_complete(&self, path: &Path) -> Result<bool, FileError> {
+        let (_, found) = RunJson::beside(path)?;
+        let is_whole =
+            |found: &RunJson| found.origin == self.origin && found.status(path) == Some(Status::Complete);
+        Ok(!is_stdout(path) && path.is_file() && matches!(found, Beside::Ours(found) if is_whole(&found)))
+    }
+
+    /// Notes the status of files beside them, unless a better one of the same run is known.
+    fn note<'p>(&self, paths: impl Iterator<Item = &'p Path>, status: Status) -> Result<(), FileError> {
+        for path in paths.filter(|path| !is_stdout(path) && !is_special(path)) {
+            let (beside, found) = RunJson::beside(path)?;
+            let mut json = match found {
+                Beside::Ours(found) if found.origin == self.origin => found,
+                _ => RunJson::of(self.origin.clone()),
+            };
+            if json.set(path, status) {
+                NewFile::with(&beside, json.text().as_bytes())?.finish(true)?;
+            }
+        }
+        Ok(())
+    }
+}

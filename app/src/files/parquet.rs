@@ -1,0 +1,103 @@
+//! A trajectory as Parquet: a column of doubles for each of time, the state's components and energy; what the run was,
+//! and what it found of the invariants, in the file's metadata.
+
+use std::io;
+use std::sync::Arc;
+
+use parquet::basic::{Repetition, Type as Physical};
+use parquet::data_type::DoubleType;
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+
+use super::NewFile;
+use super::json::invariants;
+use super::run_json::FileOrigin;
+use super::table::Rows;
+use crate::catalogue::Entry;
+use crate::record::ConservationReport;
+
+/// Rows that are kept in memory before they are written.
+const GROUP: usize = 1 << 14;
+
+pub(super) struct Parquet {
+    writer: SerializedFileWriter<NewFile>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Parquet {
+    pub(super) fn new(file: NewFile, entry: &Entry, origin: &FileOrigin) -> io::Result<Self> {
+        let names = entry.columns();
+        let writer = || -> Result<_, ParquetError> {
+            let fields = names.iter().map(|name| {
+                let field = Type::primitive_type_builder(name, Physical::DOUBLE);
+                field.with_repetition(Repetition::REQUIRED).build().map(Arc::new)
+            });
+            let fields = fields.collect::<Result<Vec<_>, _>>()?;
+            let schema = Type::group_type_builder("trajectory").with_fields(fields).build()?;
+            // neighbouring states share no values that a dictionary could name
+            let properties = WriterProperties::builder().set_dictionary_enabled(false).build();
+            let mut writer = SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties))?;
+            for (name, value) in origin.fields() {
+                writer.append_key_value_metadata(KeyValue::new(name.clone(), value.to_string()));
+            }
+            Ok(writer)
+        };
+        Ok(Self { writer: writer().map_err(cause)?, columns: vec![Vec::new(); names.len()] })
+    }
+
+    fn write_group(&mut self) -> Result<(), ParquetError> {
+        let mut group = self.writer.next_row_group()?;
+        for column in &mut self.columns {
+            if let Some(mut writer) = group.next_column()? {
+                writer.typed::<DoubleType>().write_batch(column, None, None)?;
+                writer.close()?;
+            }
+            column.clear();
+        }
+        group.close()?;
+        Ok(())
+    }
+}
+
+impl Rows for Parquet {
+    fn row(&mut self, row: &[f64]) -> io::Result<()> {
+        for (column, value) in self.columns.iter_mut().zip(row) {
+            column.push(*value);
+        }
+        match self.columns.first() {
+            Some(column) if column.len() >= GROUP => self.write_group().map_err(cause),
+            _ => Ok(()),
+        }
+    }
+
+    fn finish(
+        mut self: Box<Self>,
+        entry: &Entry,
+        conservation: &ConservationReport,
+        interrupted: Option<u64>,
+    ) -> io::Result<NewFile> {
+        if self.columns.iter().any(|column| !column.is_empty()) {
+            self.write_group().map_err(cause)?;
+        }
+        let invariants = invariants(entry, conservation).to_string();
+        self.writer.append_key_value_metadata(KeyValue::new("invariants".to_owned(), invariants));
+        if let Some(steps) = interrupted {
+            self.writer.append_key_value_metadata(KeyValue::new("interrupted".to_owned(), steps.to_string()));
+        }
+        self.writer.into_inner().map_err(cause)
+    }
+}
+
+/// The error of the disk, where it was the disk's.
+fn cause(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(source) => match source.downcast::<io::Error>() {
+            Ok(source) => *source,
+            Err(source) => io::Error::other(source),
+        },
+        error => io::Error::other(error),
+    }
+}

@@ -1,0 +1,571 @@
+//! `NAME.run.json`, which stands beside `NAME.csv` and the like: what made them, so that they can be made again and
+//! files of different runs are told apart.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Read};
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use coadjoint::system::Quantity;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+
+use super::path::{followed, is_special, is_stdout};
+use crate::catalogue::quantities::laid_out;
+use crate::catalogue::{Catalogue, Entry};
+use crate::error::{FileError, SetupError};
+use crate::setup::{Classical, Job, Method, Order, Retraction, Setup, assignments};
+use crate::simulate::simulate;
+
+/// The name of the program in what it writes.
+const PROGRAM: &str = "coadjoint";
+
+/// The origin of a run's files.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Always `coadjoint`.
+    pub program: String,
+    /// The program's version.
+    pub version: String,
+    /// The system's name.
+    pub system: String,
+    /// A checksum of the first steps' bits: of what the system computes, whatever it is called.
+    pub digest: String,
+    /// Parameters by their names: a number, or a list of the components.
+    pub parameters: Map<String, Value>,
+    /// The initial state by the names of its quantities.
+    pub state: Map<String, Value>,
+    /// Controls by their names where any are held, null where the system's own law chooses.
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
+    pub controls: Map<String, Value>,
+    /// Units of all these, where they are no pure numbers.
+    #[serde(default, skip_serializing_if = "Map::is_empty")]
+    pub units: Map<String, Value>,
+    /// The method, as the command line takes it.
+    pub method: String,
+    /// The retraction; a classical method has none.
+    pub retraction: Option<Retraction>,
+    /// The order asked for, or a classical method's own.
+    pub order: u32,
+    /// The step, s.
+    pub step: f64,
+    /// The number of steps.
+    pub steps: u64,
+    /// Steps between two rows.
+    pub every: u64,
+    /// The differences between members of an ensemble.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ensemble: Option<Members>,
+    /// The values of which each has a run, as the command line takes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scan: Vec<String>,
+}
+
+/// The differences between members of an ensemble.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Members {
+    /// Their number.
+    pub members: u64,
+    /// Half-widths by name, as the command line takes them.
+    pub spread: Vec<String>,
+    /// The seed of the random numbers.
+    pub seed: u64,
+    /// The quantities that are shown; empty for the momentum.
+    pub quantity: Vec<String>,
+}
+
+impl Provenance {
+    /// Describes a run.
+    pub fn of_run(entry: &Entry, setup: &Setup, job: &Job, every: u64) -> Self {
+        let classical = job.method.classical();
+        let description = &entry.description;
+        let held = setup.controls.iter().any(Option::is_some);
+        let controls = if held { by_name(description.controls, &setup.controls) } else { Map::new() };
+        let names = [description.parameters, description.state, description.controls];
+        let units = names.into_iter().flatten().map(|quantity| (quantity.name, entry.unit(quantity.name)));
+        let units = units.filter(|(_, unit)| !unit.is_empty());
+        Self {
+            program: PROGRAM.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            system: entry.name.clone(),
+            digest: format!("{:08x}", digest(entry, setup, job)),
+            parameters: by_name(description.parameters, &setup.parameters),
+            state: by_name(description.state, &setup.state),
+            controls,
+            units: units.map(|(name, unit)| (name.to_owned(), json!(unit))).collect(),
+            method: job.method.to_string(),
+            retraction: classical.is_none().then_some(job.retraction),
+            order: classical.map_or(job.order.number(), Classical::order),
+            step: job.step,
+            steps: job.steps,
+            every,
+            ensemble: None,
+            scan: Vec::new(),
+        }
+    }
+
+    /// Describes the origin of its files.
+    pub fn origin(&self, entry: &Entry) -> FileOrigin {
+        FileOrigin(self.fields()).with("command", self.command(entry).into())
+    }
+
+    /// Writes the command that makes it, behind the program's name.
+    fn command(&self, entry: &Entry) -> String {
+        let mut command = format!("run {} --method {}", self.system, self.method);
+        if let Some(retraction) = self.retraction {
+            command += &format!(" --retraction {} --order {}", retraction.name(), self.order);
+        }
+        command += &format!(" --step {} --duration {}", self.step, self.steps as f64 * self.step.abs());
+        if let Some(Members { members, spread, seed, quantity }) = &self.ensemble {
+            command = command.replacen("run", "ensemble", 1) + &format!(" --members {members} --seed {seed}");
+            spread.iter().for_each(|spread| command += &format!(" --spread {spread}"));
+            quantity.iter().for_each(|quantity| command += &format!(" --quantity {quantity}"));
+        }
+        if self.every != 1 {
+            command += &format!(" --every {}", self.every);
+        }
+        self.scan.iter().for_each(|scan| command += &format!(" --scan {scan}"));
+        if let Some(setup) = self.setup(entry).ok().filter(|setup| *setup != entry.example) {
+            assignments(entry, &setup)
+                .iter()
+                .for_each(|assignment| command += &format!(" --set {assignment}"));
+        }
+        command
+    }
+
+    /// Lists its fields by their names.
+    pub(crate) fn fields(&self) -> Map<String, Value> {
+        // its maps have texts for keys
+        object(serde_json::to_value(self).unwrap_or_default())
+    }
+
+    /// Names the files of the run: `heavy_top-midpoint-order4-cayley` with the example's numbers, step and
+    /// duration; with others followed by a checksum of them all: `heavy_top-cayley-3fa9c1`.
+    pub fn stem(&self, entry: &Entry, job: &Job) -> String {
+        let mut stem = entry.name.clone();
+        let side_by_side =
+            (job.method, job.retraction, job.order) == (Method::Standard, Retraction::Cayley, Order::Two);
+        if self.ensemble.is_none() || !side_by_side {
+            if job.method != Method::Standard {
+                stem += &format!("-{}", job.method.stem());
+            }
+            if job.order != Order::Two {
+                stem += &format!("-order{}", job.order.number());
+            }
+            if job.method.classical().is_none() {
+                stem += &format!("-{}", job.retraction.name());
+            }
+        }
+        if self.ensemble.is_some() {
+            stem += "-ensemble";
+        }
+        if !self.scan.is_empty() {
+            stem += "-scan";
+        }
+        let usual = Job { step: entry.step, steps: usual_steps(entry), ..*job };
+        let every = if self.ensemble.is_some() { Members::every(usual.steps) } else { 1 };
+        let usual =
+            Self { ensemble: self.ensemble.clone(), ..Self::of_run(entry, &entry.example, &usual, every) };
+        if self.fields() != usual.fields() || self.ensemble.as_ref().is_some_and(Members::are_chosen) {
+            let line = json!(self.fields()).to_string();
+            stem += &format!("-{:06x}", crc32fast::hash(line.as_bytes()) & 0xff_ffff);
+        }
+        stem
+    }
+
+    /// Parameters, initial state and controls of the run.
+    ///
+    /// # Errors
+    /// If they are not those of this system.
+    pub(crate) fn setup(&self, entry: &Entry) -> Result<Setup, SetupError> {
+        let Setup { parameters, state, controls } = &entry.example;
+        let description = &entry.description;
+        // numbers that have no name are as in the example
+        let list = |quantities: &[Quantity], from: &Map<String, Value>, example: &[f64]| {
+            let mut numbers = listed(quantities, from)?.into_iter().collect::<Option<Vec<f64>>>()?;
+            numbers.extend_from_slice(example.get(numbers.len()..)?);
+            Some(numbers)
+        };
+        let held = match self.controls.is_empty() {
+            true => Some(vec![None; controls.len()]),
+            false => listed(description.controls, &self.controls),
+        };
+        let setup = || {
+            Some(Setup {
+                parameters: list(description.parameters, &self.parameters, parameters)?,
+                state: list(description.state, &self.state, state)?,
+                controls: held.filter(|held| held.len() == controls.len())?,
+            })
+        };
+        setup().ok_or_else(|| {
+            let reason = format!(
+                "`{}` has other parameters, states or controls here than where this was made",
+                entry.name
+            );
+            SetupError::new("system", &entry.name, reason)
+        })
+    }
+
+    /// The scheme, the step and the number of steps.
+    ///
+    /// # Errors
+    /// If there is no such method or order.
+    pub(crate) fn job(&self) -> Result<Job, SetupError> {
+        let wrong = |reason| SetupError::new("method", &self.method, reason);
+        let method: Method = self.method.parse().map_err(wrong)?;
+        let order = Order::of_number(self.order);
+        let order = if method.classical().is_some() { Some(Order::Two) } else { order };
+        Ok(Job {
+            method,
+            retraction: self.retraction.unwrap_or(Retraction::Exponential),
+            order: order.ok_or_else(|| {
+                SetupError::new("order", self.order, format!("there is no order {}", self.order))
+            })?,
+            step: self.step,
+            steps: self.steps,
+        })
+    }
+
+    /// The system's entry, which must compute what it computed when this was made.
+    ///
+    /// # Errors
+    /// If there is no such system, or its steps have other digits.
+    pub(crate) fn entry<'c>(&self, catalogue: &'c Catalogue) -> Result<&'c Entry, SetupError> {
+        let entry = catalogue.system(&self.system)?;
+        let digest = digest(entry, &self.setup(entry)?, &self.job()?);
+        if self.version != env!("CARGO_PKG_VERSION") || self.digest != format!("{digest:08x}") {
+            let reason = format!(
+                "the run was made with version {} of the program and steps of `{}` whose digits differ from those taken here",
+                self.version, self.system
+            );
+            return Err(SetupError::new("system", &self.system, reason));
+        }
+        Ok(entry)
+    }
+}
+
+impl Members {
+    /// The members of an ensemble that nothing was asked of.
+    pub(crate) const MEMBERS: u64 = 1000;
+    /// See [`MEMBERS`](Self::MEMBERS).
+    pub(crate) const SEED: u64 = 1;
+
+    /// Steps between two looks at them: 300 in all.
+    pub(crate) fn every(steps: u64) -> u64 {
+        (steps / 300).max(1)
+    }
+
+    /// Tells whether anything of them was asked for.
+    fn are_chosen(&self) -> bool {
+        let Self { members, spread, seed, quantity } = self;
+        (*members, *seed) != (Self::MEMBERS, Self::SEED) || !spread.is_empty() || !quantity.is_empty()
+    }
+}
+
+/// The number of steps of the system's example.
+fn usual_steps(entry: &Entry) -> u64 {
+    (entry.duration / entry.step.abs()).round() as u64
+}
+
+/// A checksum of the bits of three steps: of states, energies and Casimirs. A system with another potential has another
+/// one, whatever it is called and wherever its source is.
+pub(crate) fn digest(entry: &Entry, setup: &Setup, job: &Job) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    let job = Job { steps: 3, ..*job };
+    // where a step cannot be taken, what was before it counts: the run itself tells of it
+    let _ = simulate(entry, setup, &job, None, &|index| index + 1, &mut |sample| {
+        for number in sample.state.iter().chain(sample.casimirs).chain([&sample.energy]) {
+            hasher.update(&number.to_bits().to_le_bytes());
+        }
+        ControlFlow::Continue(())
+    });
+    hasher.finalize()
+}
+
+/// Takes the fields of what is an object.
+fn object(value: Value) -> Map<String, Value> {
+    match value {
+        Value::Object(fields) => fields,
+        _ => Map::new(),
+    }
+}
+
+pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map<String, Value> {
+    let named = laid_out(quantities).map(|(quantity, slots)| {
+        let value = match &values[slots] {
+            [scalar] => json!(scalar),
+            components => json!(components),
+        };
+        (quantity.name.to_owned(), value)
+    });
+    named.collect()
+}
+
+/// The numbers of all quantities in their order, None for null; None in all if one is missing, or is no number.
+fn listed(quantities: &[Quantity], from: &Map<String, Value>) -> Option<Vec<Option<f64>>> {
+    let number = |value: &Value| match value {
+        Value::Null => Some(None),
+        value => value.as_f64().map(Some),
+    };
+    let mut list = Vec::new();
+    for (quantity, slots) in laid_out(quantities) {
+        match from.get(quantity.name)? {
+            Value::Array(values) if values.len() == slots.len() => {
+                list.extend(values.iter().map(number).collect::<Option<Vec<_>>>()?);
+            }
+            value if slots.len() == 1 => list.push(number(value)?),
+            _ => return None,
+        }
+    }
+    Some(list)
+}
+
+/// The origin of files: a run of a system ([`Provenance`]), or a command. Files of one origin may replace each other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileOrigin(Map<String, Value>);
+
+impl FileOrigin {
+    /// Describes a command, as it can be typed again behind the program's name: `figures 6.2`.
+    pub fn of_command(command: &str) -> Self {
+        Self(object(json!({ "program": PROGRAM, "version": env!("CARGO_PKG_VERSION"), "command": command })))
+    }
+
+    /// Adds one more thing to know of it.
+    #[must_use]
+    pub fn with(mut self, name: &str, value: Value) -> Self {
+        self.0.insert(name.to_owned(), value);
+        self
+    }
+
+    /// Lists its fields by their names.
+    pub fn fields(&self) -> &Map<String, Value> {
+        &self.0
+    }
+
+    /// Reads the run, if it is one.
+    pub(crate) fn run(&self) -> Option<Provenance> {
+        serde_json::from_value(Value::Object(self.0.clone())).ok()
+    }
+
+    /// Reads the command.
+    pub(crate) fn command(&self) -> &str {
+        self.0.get("command").and_then(Value::as_str).unwrap_or_default()
+    }
+
+    /// Says how another one differs.
+    pub(super) fn difference(&self, other: &Self) -> String {
+        if self.run().is_none() || other.run().is_none() {
+            return format!("was made by `{}`", other.command());
+        }
+        let mut names: Vec<&str> = self.0.keys().chain(other.0.keys()).map(String::as_str).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.retain(|name| *name != "command" && self.0.get(*name) != other.0.get(*name));
+        format!("is of a run with another {}", names.join(", "))
+    }
+}
+
+/// The part of a run that a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Status {
+    /// Nothing is known.
+    Begun,
+    /// The beginning, up to an interruption after this many steps.
+    Interrupted(u64),
+    /// All of it.
+    Complete,
+}
+
+/// The content of `NAME.run.json`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RunJson {
+    pub(super) origin: FileOrigin,
+    /// For each file `complete`, or how much of the run it holds.
+    files: BTreeMap<String, String>,
+}
+
+/// The content of the place of a file's `NAME.run.json`.
+#[derive(Debug)]
+pub(super) enum Beside {
+    Nothing,
+    /// A file that this program did not write.
+    Foreign,
+    Ours(RunJson),
+}
+
+/// The field of the files.
+const FILES: &str = "files";
+/// The status of whole files.
+const COMPLETE: &str = "complete";
+
+impl RunJson {
+    /// Begins one of no files yet.
+    pub(super) fn of(origin: FileOrigin) -> Self {
+        Self { origin, files: BTreeMap::new() }
+    }
+
+    /// Reads what stands beside a file, and tells where that is.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub(super) fn beside(path: &Path) -> Result<(PathBuf, Beside), FileError> {
+        /// No description of a run is longer.
+        const MOST: u64 = 1 << 24;
+        let place = followed(path).unwrap_or_else(|_| path.to_owned()).with_extension("run.json");
+        if is_stdout(path) || is_special(path) {
+            return Ok((place, Beside::Nothing));
+        }
+        let mut text = Vec::new();
+        match File::open(&place).and_then(|file| file.take(MOST).read_to_end(&mut text)) {
+            Ok(_) => {}
+            Err(error) if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory].contains(&error.kind()) => {
+                return Ok((place, Beside::Nothing));
+            }
+            Err(source) => return Err(FileError::read(&place, source)),
+        }
+        Ok((place, Self::parse(&text).map_or(Beside::Foreign, Beside::Ours)))
+    }
+
+    fn parse(text: &[u8]) -> Option<Self> {
+        let mut fields: Map<String, Value> = serde_json::from_slice(text).ok()?;
+        let files = serde_json::from_value(fields.remove(FILES)?).ok()?;
+        let origin = FileOrigin(fields);
+        let is_ours = origin.0.get("program").is_some_and(|program| program == PROGRAM);
+        (is_ours && !origin.command().is_empty()).then_some(Self { origin, files })
+    }
+
+    /// Writes its content.
+    pub(super) fn text(&self) -> String {
+        let mut fields = self.origin.0.clone();
+        fields.insert(FILES.to_owned(), json!(self.files));
+        format!("{:#}\n", Value::Object(fields))
+    }
+
+    /// Tells whether it speaks of a file.
+    pub(super) fn has(&self, path: &Path) -> bool {
+        self.files.contains_key(&name(path))
+    }
+
+    /// Tells whether one of its files is there.
+    pub(super) fn is_of_files_beside(&self, place: &Path) -> bool {
+        self.files.keys().any(|name| place.with_file_name(name).exists())
+    }
+
+    /// Tells how much of the run a file holds.
+    pub(super) fn status(&self, path: &Path) -> Option<Status> {
+        let status = self.files.get(&name(path))?;
+        Some(match status.strip_prefix("interrupted after ") {
+            _ if status == COMPLETE => Status::Complete,
+            Some(rest) => rest.split(' ').next()?.parse().map_or(Status::Begun, Status::Interrupted),
+            None => Status::Begun,
+        })
+    }
+
+    /// Sets how much of the run a file holds, and tells whether that is news. What is begun again is as it was.
+    pub(super) fn set(&mut self, path: &Path, status: Status) -> bool {
+        let steps = self.origin.0.get("steps").and_then(Value::as_u64).unwrap_or(0);
+        let words = match status {
+            Status::Begun if self.has(path) => return false,
+            Status::Begun => "begun".to_owned(),
+            Status::Interrupted(after) => format!("interrupted after {after} of {steps} steps"),
+            Status::Complete => COMPLETE.to_owned(),
+        };
+        self.files.insert(name(path), words.clone()) != Some(words)
+    }
+}
+
+fn name(path: &Path) -> String {
+    let place = followed(path).unwrap_or_else(|_| path.to_owned());
+    place.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Reads what made a file, or what a `NAME.run.json` says, and whether the file's run was interrupted.
+///
+/// # Errors
+/// If it cannot be read.
+pub(crate) fn read(path: &Path) -> Result<Option<(FileOrigin, bool)>, FileError> {
+    if path.to_string_lossy().ends_with(".run.json") {
+        let text = std::fs::read(path).map_err(|source| FileError::read(path, source))?;
+        return Ok(RunJson::parse(&text).map(|found| (found.origin, false)));
+    }
+    std::fs::metadata(path).map_err(|source| FileError::read(path, source))?;
+    Ok(match RunJson::beside(path)?.1 {
+        Beside::Ours(found) if found.has(path) => {
+            let status = found.status(path);
+            Some((found.origin, status != Some(Status::Complete)))
+        }
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    fn provenance() -> (FileOrigin, Provenance) {
+        let entry = catalogue().system("heavy_top").expect("it is there");
+        let (retraction, order) = (Retraction::Cayley, Order::Four);
+        let job = Job { method: Method::Midpoint, retraction, order, step: 0.1 + 0.2, steps: 9 };
+        let mut setup = entry.example.clone();
+        setup.parameters[3] = 9.806_650_000_000_001;
+        setup.state[4] = -0.0;
+        let provenance = Provenance::of_run(entry, &setup, &job, 3);
+        (provenance.origin(entry), provenance)
+    }
+
+    #[test]
+    fn what_is_put_in_is_found() {
+        let (origin, provenance) = provenance();
+        let entry = catalogue().system("heavy_top").expect("it is there");
+        let setup = provenance.setup(entry).expect("of this system");
+        assert_eq!(
+            (setup.parameters[3], setup.state[4].to_bits()),
+            (9.806_650_000_000_001, (-0.0_f64).to_bits())
+        );
+        assert_eq!(provenance.job().expect("a job").step.to_bits(), (0.1_f64 + 0.2).to_bits());
+        let command = provenance.command(entry);
+        assert!(
+            command.starts_with(
+                "run heavy_top --method midpoint --retraction cayley --order 4 --step 0.30000000000000004"
+            ) && command.contains("--every 3 --set inertia=1.0,10.0,100.0 --set weight=9.806650000000001"),
+            "{command}"
+        );
+        let mut json = RunJson::of(origin);
+        let (whole, cut) = (Path::new("out/a.csv"), Path::new("out/a.svg"));
+        assert!(json.set(whole, Status::Complete) && json.set(cut, Status::Interrupted(4)));
+        assert!(!json.set(whole, Status::Begun) && !json.set(cut, Status::Interrupted(4)));
+        let read = RunJson::parse(json.text().as_bytes()).expect("its own text");
+        assert_eq!(read, json);
+        assert_eq!(read.origin.run(), Some(provenance));
+        assert_eq!(
+            (read.status(whole), read.status(cut)),
+            (Some(Status::Complete), Some(Status::Interrupted(4)))
+        );
+        assert!(json.text().contains("\"a.svg\": \"interrupted after 4 of 9 steps\""), "{}", json.text());
+    }
+
+    #[test]
+    fn what_a_command_made_says_so() {
+        let origin = FileOrigin::of_command("figures 6.2").with("note", "<b>".into());
+        assert_eq!((origin.command(), origin.run()), ("figures 6.2", None));
+        let read = RunJson::parse(RunJson::of(origin.clone()).text().as_bytes()).expect("its own text");
+        assert_eq!(read.origin, origin);
+        let (run, _) = provenance();
+        assert_eq!(run.difference(&origin), "was made by `figures 6.2`");
+        assert_eq!(run.difference(&run.clone().with("steps", 10.into())), "is of a run with another steps");
+    }
+
+    #[test]
+    fn files_of_others_say_nothing() {
+        let text = RunJson::of(provenance().0).text();
+        let stranger = text.replace("\"program\": \"coadjoint\"", "\"program\": \"another\"");
+        assert_ne!(text, stranger);
+        for content in
+            ["", "{}", "{\"program\": \"coadjoint\", \"files\": {}}", &stranger, &text[..text.len() / 2]]
+        {
+            assert_eq!(RunJson::parse(content.as_bytes()), None, "{content}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Trajectories as CSV, JSON or Parquet, and tables of texts.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::NewFile;
+use super::json::Json;
+#[cfg(feature = "parquet")]
+use super::parquet::Parquet;
+use super::run_json::FileOrigin;
+use crate::catalogue::Entry;
+use crate::error::{Error, FileError};
+use crate::record::ConservationReport;
+use crate::setup::Format;
+
+/// A format of trajectories.
+pub(super) trait Rows {
+    /// Adds a row: time, the state's components, energy.
+    fn row(&mut self, row: &[f64]) -> io::Result<()>;
+    /// Ends the file.
+    fn finish(
+        self: Box<Self>,
+        entry: &Entry,
+        conservation: &ConservationReport,
+        interrupted: Option<u64>,
+    ) -> io::Result<NewFile>;
+}
+
+/// A trajectory being written; dropped before it is finished, it leaves no file.
+pub(crate) struct TrajectoryWriter {
+    path: PathBuf,
+    rows: Box<dyn Rows>,
+}
+
+impl TrajectoryWriter {
+    /// Begins a trajectory; `-` is the standard output.
+    ///
+    /// # Errors
+    /// If the file cannot be created.
+    pub(crate) fn create(
+        path: &Path,
+        format: Format,
+        entry: &Entry,
+        origin: &FileOrigin,
+    ) -> Result<Self, Error> {
+        let file = NewFile::begin(path)?;
+        let rows = || -> io::Result<Box<dyn Rows>> {
+            Ok(match format {
+                Format::Csv => Box::new(Csv::new(file, entry)?),
+                Format::Json => Box::new(Json::new(file, entry, origin)?),
+                #[cfg(feature = "parquet")]
+                Format::Parquet => Box::new(Parquet::new(file, entry, origin)?),
+                #[cfg(not(feature = "parquet"))]
+                Format::Parquet => {
+                    let missing = "this program was built without `--features parquet`";
+                    return Err(io::Error::new(io::ErrorKind::Unsupported, missing));
+                }
+            })
+        };
+        match rows() {
+            Ok(rows) => Ok(Self { path: path.to_owned(), rows }),
+            Err(source) => Err(failure(path, source)),
+        }
+    }
+
+    /// Adds a row: time, the state's components, energy.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub(crate) fn row(&mut self, row: &[f64]) -> Result<(), Error> {
+        self.rows.row(row).map_err(|source| failure(&self.path, source))
+    }
+
+    /// Ends the file, to be put in its place; with the number of steps, if the run was interrupted.
+    ///
+    /// # Errors
+    /// If the rest cannot be written.
+    pub(crate) fn finish(
+        self,
+        entry: &Entry,
+        conservation: &ConservationReport,
+        interrupted: Option<u64>,
+    ) -> Result<(PathBuf, NewFile), Error> {
+        let finish = || {
+            let mut file = self.rows.finish(entry, conservation, interrupted)?;
+            file.flush()?;
+            Ok(file)
+        };
+        match finish() {
+            Ok(file) => Ok((self.path, file)),
+            Err(source) => Err(failure(&self.path, source)),
+        }
+    }
+}
+
+/// That nobody reads the standard output is no error.
+fn failure(path: &Path, source: io::Error) -> Error {
+    if super::is_stdout(path) { Error::Console(source) } else { FileError::write(path, source).into() }
+}
+
+impl std::fmt::Debug for TrajectoryWriter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TrajectoryWriter").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+/// A header and numbers.
+struct Csv(NewFile);
+
+impl Csv {
+    fn new(mut file: NewFile, entry: &Entry) -> io::Result<Self> {
+        file.write_all(&table(&[entry.columns()]))?;
+        Ok(Self(file))
+    }
+}
+
+impl Rows for Csv {
+    fn row(&mut self, row: &[f64]) -> io::Result<()> {
+        write_row(&mut self.0, row)
+    }
+
+    fn finish(self: Box<Self>, _: &Entry, _: &ConservationReport, _: Option<u64>) -> io::Result<NewFile> {
+        Ok(self.0)
+    }
+}
+
+/// Writes numbers as a line of CSV, each as the shortest text that reads back as the same.
+pub(super) fn write_row(to: &mut impl Write, row: &[f64]) -> io::Result<()> {
+    for (k, value) in row.iter().enumerate() {
+        write!(to, "{}{value:?}", if k > 0 { "," } else { "" })?;
+    }
+    to.write_all(b"\n")
+}
+
+/// Writes records as CSV; texts that would end a field or a line are quoted.
+pub fn table(records: &[Vec<String>]) -> Vec<u8> {
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+    // writing to memory does not fail
+    let _ = records.iter().try_for_each(|record| writer.write_record(record));
+    writer.into_inner().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_that_would_end_a_field_are_quoted() {
+        let record = |fields: &[&str]| {
+            let fields = fields.iter().map(|&field| field.to_owned()).collect();
+            String::from_utf8(table(&[fields])).expect("UTF-8")
+        };
+        assert_eq!(record(&["time", "|γ|²", ""]), "time,|γ|²,\n");
+        assert_eq!(
+            record(&["#1", "a,b", "say \"no\"", "two\nlines"]),
+            "#1,\"a,b\",\"say \"\"no\"\"\",\"two\nlines\"\n"
+        );
+        let mut row = Vec::new();
+        write_row(&mut row, &[0.1, -1e-300, f64::NAN]).expect("in memory");
+        assert_eq!(row, b"0.1,-1e-300,NaN\n");
+    }
+}

@@ -1,0 +1,178 @@
+//! Motions in memory as tables, plots and pages, from whatever computed them.
+
+use std::path::Path;
+
+use coadjoint::State;
+use serde_json::json;
+
+use super::overwrite::OverwriteGuard;
+use super::run_json::{FileOrigin, Status, by_name};
+use super::table::TrajectoryWriter;
+use crate::catalogue::{Entry, Example, Setup};
+use crate::error::{Error, SetupError};
+use crate::page::{Page, PageHeading, page};
+use crate::picture::{Figure, run_figure};
+use crate::record::{ConservationReport, Curves, PageRecorder, RecordedSample, Samples};
+use crate::setup::Format;
+
+/// States of a system at times: of a stepper, a [`Record`](coadjoint::Record), a filter, measurements.
+///
+/// ```
+/// # use coadjoint::prelude::*;
+/// # use coadjoint_app::{Example, Trajectory};
+/// # #[lie_poisson_system(group = SO2, potential = -weight * length * angle.cos_angle())]
+/// # struct Pendulum { #[inertia] inertia: f64, weight: f64, length: f64 }
+/// # impl Example for Pendulum {
+/// #     fn example() -> (Self, PendulumState) {
+/// #         let pendulum = Pendulum { inertia: 0.1, weight: 9.81, length: 0.3 };
+/// #         (pendulum, PendulumState { angle: UnitComplex::new(1.0), momentum: vector![0.0] })
+/// #     }
+/// # }
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let directory = std::env::temp_dir().join(format!("trajectory-{}", std::process::id()));
+/// # std::fs::create_dir_all(&directory)?;
+/// let (pendulum, mut state) = Pendulum::example();
+/// let mut stepper = pendulum.stepper::<Cayley>(0.01)?;
+/// let moments = (0..=500).map(|_| {
+///     let moment = (stepper.time(), state);
+///     stepper.step(&mut state).map(|_| moment)
+/// });
+/// let trajectory = Trajectory::new(&pendulum, "Cayley", moments.collect::<Result<Vec<_>, _>>()?);
+/// trajectory.write(&directory.join("pendulum.csv"))?;
+/// trajectory.plot().write(&directory.join("pendulum"))?; // .svg and .png
+/// trajectory.page().write(&directory.join("pendulum.html"))?; // in three dimensions
+/// # std::fs::remove_dir_all(&directory)?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug)]
+pub struct Trajectory {
+    entry: Entry,
+    setup: Setup,
+    scheme: String,
+    samples: Samples,
+}
+
+impl Trajectory {
+    /// Collects the states of a system at these times, s, with a word on what computed them. The energy is that with
+    /// the controls of the system's own law.
+    pub fn new<S: Example>(
+        system: &S,
+        scheme: &str,
+        moments: impl IntoIterator<Item = (f64, S::State)>,
+    ) -> Self {
+        let erased: &dyn coadjoint::erased::System = system;
+        let entry = Entry::of::<S>();
+        let law = entry.law(&Setup { parameters: erased.parameters(), ..entry.example.clone() });
+        let sample = |(index, (time, state)): (u64, (f64, S::State))| {
+            let state = state.to_components().as_ref().to_vec();
+            let energy = entry.energy(erased, law.as_ref(), (&state, time));
+            RecordedSample { index, time, energy, casimirs: erased.casimirs(&state), state }
+        };
+        let samples = Samples((0..).zip(moments).map(sample).collect());
+        let state =
+            samples.0.first().map_or_else(|| entry.example.state.clone(), |first| first.state.clone());
+        let setup = Setup { parameters: erased.parameters(), state, ..entry.example.clone() };
+        Self { entry, setup, scheme: scheme.to_owned(), samples }
+    }
+
+    /// Writes a table, in the format that the extension of its name says: `csv`, `json`, with the feature `parquet`
+    /// also `parquet`; beside it `NAME.run.json` says what it is of. A file that is there is replaced.
+    ///
+    /// # Errors
+    /// If there is no such format, or the file cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let wrong = |reason: String| SetupError::new("path", path.display(), reason);
+        let format = Format::of_extension(&extension).ok_or_else(|| {
+            wrong(format!("{}: there is no format of tables `{extension}`", path.display()))
+        })?;
+        let Some(first) = self.samples.0.first() else {
+            return Err(wrong("a trajectory without a state is no table".to_owned()).into());
+        };
+        let origin = self.origin();
+        let mut writer = TrajectoryWriter::create(path, format, &self.entry, &origin)?;
+        let mut conservation = ConservationReport::at(first.time, first.energy, &first.casimirs);
+        self.samples.replay(|sample| conservation.push(sample));
+        for RecordedSample { time, state, energy, .. } in &self.samples.0 {
+            writer.row(&[&[*time], &state[..], &[*energy]].concat())?;
+        }
+        let file = writer.finish(&self.entry, &conservation, None)?;
+        OverwriteGuard::new(origin, true).put(vec![file], Status::Complete)?;
+        Ok(())
+    }
+
+    /// Draws what moves, and the errors of what is conserved, over time.
+    pub fn plot(&self) -> Figure {
+        let mut curves = Curves::new(&self.entry, self.step());
+        self.samples.replay(|sample| curves.push(&self.entry, sample));
+        run_figure(&curves, &self.entry, self.title())
+    }
+
+    /// Shows the motion in three dimensions, to be opened in a browser.
+    pub fn page(&self) -> Page {
+        let (step, steps) = self.step();
+        let mut recorder = PageRecorder::new(&self.entry, steps);
+        self.samples.replay(|sample| recorder.push(sample));
+        let parameters = &self.setup.parameters;
+        // what acted on what was measured elsewhere is not known
+        let heading = PageHeading { title: self.title(), parameters, step, steps, law: None };
+        page(&recorder, &self.entry, &heading)
+    }
+
+    fn title(&self) -> String {
+        format!("{}, {}", self.entry.name, self.scheme)
+    }
+
+    /// Counts the states behind the first as steps of their mean size.
+    fn step(&self) -> (f64, u64) {
+        let samples = &self.samples.0;
+        let steps = (samples.len() as u64).saturating_sub(1);
+        let span = samples.last().zip(samples.first()).map_or(0.0, |(last, first)| last.time - first.time);
+        (span / steps.max(1) as f64, steps)
+    }
+
+    fn origin(&self) -> FileOrigin {
+        let origin = FileOrigin::of_command("Trajectory::write").with("system", json!(self.entry.name));
+        let description = &self.entry.description;
+        let parameters = by_name(description.parameters, &self.setup.parameters);
+        let state = by_name(description.state, &self.setup.state);
+        origin
+            .with("parameters", parameters.into())
+            .with("state", state.into())
+            .with("scheme", json!(self.scheme))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::HeavyTop;
+
+    #[test]
+    fn a_table_a_plot_and_a_page_show_what_was_given() {
+        let (top, start) = HeavyTop::example();
+        let moments = (0..5).map(|k| (0.5 * f64::from(k), start));
+        let trajectory = Trajectory::new(&top, "measured", moments);
+        let path = std::env::temp_dir().join(format!("coadjoint-trajectory-{}.csv", std::process::id()));
+        trajectory.write(&path).expect("writable");
+        let table = std::fs::read_to_string(&path).expect("written");
+        let made = std::fs::read_to_string(path.with_extension("run.json")).expect("written");
+        let _ = std::fs::remove_file(path.with_extension("run.json"));
+        let _ = std::fs::remove_file(path);
+        let rows: Vec<&str> = table.lines().collect();
+        assert_eq!(rows.len(), 6);
+        assert!(rows[0].starts_with("time,attitude_w,"), "{}", rows[0]);
+        assert_eq!(rows[5].split(',').next(), Some("2.0"));
+        assert!(
+            made.contains("\"scheme\": \"measured\"") && made.contains("\"system\": \"heavy_top\""),
+            "{made}"
+        );
+        assert!(trajectory.plot().svg().contains("heavy_top, measured"));
+        let page = trajectory.page();
+        assert_eq!((page.time.len(), page.time[4]), (5, 2.0));
+        assert!(trajectory.write(Path::new("motion.txt")).is_err());
+        let none = Trajectory::new(&top, "nothing", []);
+        assert!(none.plot().svg().contains("svg") && none.page().time.is_empty());
+    }
+}

@@ -1,0 +1,216 @@
+//! The page of a run: its system's scene at each sample, curves, and what made it.
+
+use coadjoint::system::Role;
+
+use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
+use crate::catalogue::plotted::PlottedQuantity;
+use crate::catalogue::quantities::{laid_out, rotation};
+use crate::catalogue::{ControlLaw, Entry, casimir};
+use crate::record::{PageRecorder, PageSamples};
+use crate::scene::{self, Frames, rounded};
+
+/// The heading of a run's page.
+pub(crate) struct PageHeading<'a> {
+    /// The system and its scheme.
+    pub(crate) title: String,
+    pub(crate) parameters: &'a [f64],
+    /// s
+    pub(crate) step: f64,
+    pub(crate) steps: u64,
+    /// The control law, where it is known.
+    pub(crate) law: Option<ControlLaw>,
+}
+
+/// Builds the page of a run.
+pub(crate) fn page(recorder: &PageRecorder, entry: &Entry, heading: &PageHeading<'_>) -> Page {
+    let samples = recorder.samples();
+    let scene = scene::scene(entry, heading.parameters);
+    let frames = Frames::new(entry, &samples.kept, heading.law.as_ref());
+    let plots = Plots { entry, samples: &samples, states: &frames.states };
+    let run = Run {
+        name: heading.title.clone(),
+        bodies: (0..scene.bodies.len()).map(|k| frames.body(&scene, k)).collect(),
+        arrows: scene.arrows.iter().filter_map(|arrow| frames.arrow(&scene, arrow)).collect(),
+        links: scene.links.clone(),
+        plots: plots.all(),
+        turn: Some(rounded(samples.turn)),
+        rate: Some(rounded(samples.rate)),
+        ..Run::default()
+    };
+    Page {
+        format: FORMAT.to_owned(),
+        title: entry.name.clone(),
+        about: entry.about.to_owned(),
+        subtitle: format!("{}, {} steps", heading.title, heading.steps),
+        details: details(entry, heading),
+        time: samples.kept.iter().map(|sample| sample.time).collect(),
+        space: Space { axes: scene::axes(entry, &scene), ground: scene.ground, ..Space::default() },
+        runs: vec![run],
+    }
+}
+
+fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
+    let detail =
+        |name: &str, value, unit: &str| Detail { name: name.to_owned(), value, unit: unit.to_owned() };
+    let mut details = Vec::new();
+    for (quantity, slots) in laid_out(entry.description.parameters) {
+        let value = match heading.parameters.get(slots).unwrap_or_default() {
+            [one] => DetailValue::Number(*one),
+            several => DetailValue::Numbers(several.to_vec()),
+        };
+        details.push(detail(quantity.name, value, entry.unit(quantity.name)));
+    }
+    details.push(detail("scheme", DetailValue::Text(heading.title.clone()), ""));
+    details.push(detail("step", DetailValue::Number(heading.step), "s"));
+    details.push(detail("steps", DetailValue::Number(heading.steps as f64), ""));
+    details.push(detail(
+        "made by",
+        DetailValue::Text(format!("coadjoint {}", env!("CARGO_PKG_VERSION"))),
+        "",
+    ));
+    details
+}
+
+/// Draws curves of the samples.
+struct Plots<'a> {
+    entry: &'a Entry,
+    samples: &'a PageSamples<'a>,
+    /// The plotted numbers of the state at each sample.
+    states: &'a [Vec<f64>],
+}
+
+impl Plots<'_> {
+    /// Draws each quantity, and the errors of what is conserved.
+    fn all(&self) -> Vec<Plot> {
+        let quantities = self.entry.plotted.laid_out();
+        let mut plots: Vec<Plot> =
+            quantities.flat_map(|(quantity, slots)| self.plots_of(quantity, slots.start)).collect();
+        plots.extend(self.errors());
+        plots
+    }
+
+    /// Draws a quantity whose numbers begin here.
+    fn plots_of(&self, quantity: &PlottedQuantity, start: usize) -> Vec<Plot> {
+        let names: Vec<String> = component_names(self.entry, quantity);
+        let series = |places: &[usize]| -> Vec<Series> {
+            places.iter().map(|&k| self.series(&names[k], |state| state[start + k])).collect()
+        };
+        let title = if quantity.is_of_a_matrix { quantity.title() } else { quantity.name.clone() };
+        let plot = |part: &str, unit: &str, series| Plot {
+            name: if part.is_empty() || part == title { title.clone() } else { format!("{title}, {part}") },
+            unit: unit.to_owned(),
+            shown: quantity.role == Role::Momentum,
+            series,
+            ..Plot::default()
+        };
+        let all: Vec<usize> = (0..names.len()).collect();
+        let unit = self.entry.unit(&quantity.name);
+        match quantity.rotation {
+            2 if names.len() == 2 => {
+                let part = if quantity.name.contains("angle") { "" } else { "angle" };
+                vec![plot(part, "rad", vec![self.angle(start)])]
+            }
+            count @ 1.. => {
+                let turning = match count {
+                    2 => plot("angle", "rad", vec![self.angle(start)]),
+                    _ => plot("rotation", "", series(&all[..count])),
+                };
+                let unit = if unit.is_empty() { "m" } else { unit };
+                let moving = (count < all.len()).then(|| plot("position", unit, series(&all[count..])));
+                std::iter::once(turning).chain(moving).collect()
+            }
+            0 => {
+                let parts = self.by_unit(quantity);
+                let one = |(unit, places): &(&str, Vec<usize>)| {
+                    let part = if parts.len() == 1 { String::new() } else { common(&names, places) };
+                    plot(&part, unit, series(places))
+                };
+                parts.iter().map(one).collect()
+            }
+        }
+    }
+
+    /// Units, and the components that have them.
+    fn by_unit(&self, quantity: &PlottedQuantity) -> Vec<(&'static str, Vec<usize>)> {
+        let mut parts: Vec<(&str, Vec<usize>)> = Vec::new();
+        for (k, component) in quantity.components.iter().enumerate() {
+            let unit = self.entry.unit(&quantity.component_name(component));
+            match parts.iter_mut().find(|(known, _)| *known == unit) {
+                Some((_, places)) => places.push(k),
+                None => parts.push((unit, vec![k])),
+            }
+        }
+        parts
+    }
+
+    fn series(&self, name: &str, of: impl Fn(&[f64]) -> f64) -> Series {
+        let values = self.states.iter().map(|state| rounded(of(state))).collect();
+        Series { name: name.to_owned(), values, ..Series::default() }
+    }
+
+    /// The angle of a rotation in the plane, which goes on where it has turned all around.
+    fn angle(&self, slot: usize) -> Series {
+        let mut angle = 0.0;
+        let angles = self.states.iter().map(|state| {
+            let now = state[slot + 1].atan2(state[slot]);
+            let turn = std::f64::consts::TAU;
+            angle = now + turn * ((angle - now) / turn).round();
+            rounded(angle)
+        });
+        Series { values: angles.collect(), ..Series::default() }
+    }
+
+    fn errors(&self) -> Vec<Plot> {
+        let kept = &self.samples.kept;
+        let plot = |name: String, unit: &str, scale, colour: &str, values: Vec<f64>| Plot {
+            name,
+            unit: unit.to_owned(),
+            scale,
+            shown: false,
+            series: vec![Series { values, colour: Some(colour.to_owned()), ..Series::default() }],
+        };
+        let errors = |of: &dyn Fn(usize) -> f64| (0..kept.len()).map(|k| rounded(of(k) - of(0))).collect();
+        let unit = self.entry.unit("energy");
+        let mut plots = vec![if self.entry.conserves_energy() {
+            plot("error of energy".to_owned(), unit, Scale::Log, "c6", errors(&|k| kept[k].energy))
+        } else {
+            let energies = kept.iter().map(|sample| rounded(sample.energy)).collect();
+            plot("energy".to_owned(), unit, Scale::Linear, "c6", energies)
+        }];
+        for (i, (name, unit)) in casimir::symbols_of(self.entry).enumerate() {
+            let error = errors(&|k| kept[k].casimirs[i]);
+            plots.push(plot(format!("error of {name}"), unit, Scale::Log, "c3", error));
+        }
+        plots
+    }
+}
+
+/// Finds the common beginning of some components' names, or joins them: `v` of `v1` and `v2`.
+fn common(names: &[String], places: &[usize]) -> String {
+    let names: Vec<&str> = places.iter().filter_map(|&k| names.get(k).map(String::as_str)).collect();
+    let begin = |name: &str| {
+        let letters = name.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        letters.split(' ').next().unwrap_or(letters).to_owned()
+    };
+    let first = names.first().map(|name| begin(name)).unwrap_or_default();
+    if names.iter().all(|name| begin(name) == first) { first } else { names.join(" ") }
+}
+
+/// Names a quantity's components; those of the momentum of a rigid motion by its two parts.
+fn component_names(entry: &Entry, quantity: &PlottedQuantity) -> Vec<String> {
+    if quantity.components.len() == 1 {
+        return vec![String::new()];
+    }
+    let before = entry.description.state.iter().take_while(|other| other.name != quantity.name);
+    let configuration = before.filter(|other| other.role == Role::Configuration).last();
+    let rigid = configuration.and_then(|other| {
+        let (count, _) = rotation(other).filter(|(count, _)| *count < other.components.len())?;
+        (quantity.role == Role::Momentum).then_some(count)
+    });
+    let names: &[&str] = match (rigid, quantity.components.len()) {
+        (Some(4), 6) => &["angular x", "angular y", "angular z", "linear x", "linear y", "linear z"],
+        (Some(2), 3) => &["angular", "linear x", "linear y"],
+        _ => return quantity.components.clone(),
+    };
+    names.iter().map(|&name| name.to_owned()).collect()
+}

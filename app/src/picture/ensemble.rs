@@ -1,0 +1,49 @@
+//! The plot of an ensemble: how its members spread over time.
+
+use coadjoint::ensemble::Spread;
+
+use super::{Axis, Color, Figure, Key, Panel, Series};
+use crate::catalogue::Entry;
+use crate::simulate::ensemble::{EnsembleSpec, EnsembleSummary, Observable};
+use crate::units::{grouped, with_unit};
+
+/// Between which quantiles the bands lie, from the widest, how they are called, and how they cover what is below.
+const BANDS: [(usize, usize, &str, f64); 3] =
+    [(0, 6, "all members", 0.18), (1, 5, "nine tenths", 0.25), (2, 4, "half", 0.35)];
+
+/// A panel for each quantity: the median in bands that hold more and more members.
+pub(crate) fn figure(
+    entry: &Entry,
+    named: &[(String, Observable)],
+    summary: &EnsembleSummary,
+    spec: &EnsembleSpec,
+    spread: &[String],
+) -> Figure {
+    const TIME: &str = "time, s";
+    let panel = |((name, _), spreads): (&(String, Observable), &Vec<Spread>)| {
+        let edge = |k: usize| {
+            let points = spreads.iter().filter(|spread| spread.members > 0);
+            points.map(|spread| (spread.time, spread.quantiles[k])).collect::<Vec<_>>()
+        };
+        let bands = BANDS
+            .map(|(low, high, label, opacity)| Series::band(label, Color::X, opacity, edge(low), edge(high)));
+        let series = bands.into_iter().chain([Series::line("median", Color::X, edge(3))]).collect();
+        let label = with_unit(&name.replace('_', " "), entry.unit(name));
+        Panel::new(Axis::linear(TIME), Axis::linear(label), series)
+    };
+    let panels: Vec<Panel> = named.iter().zip(&summary.spreads).map(panel).collect();
+    let times = |of: fn(f64, f64) -> f64| {
+        let times = summary.spreads.iter().flatten().map(|spread| spread.time);
+        times.reduce(of).unwrap_or(0.0)
+    };
+    let mut title = format!(
+        "{} of {}, {}",
+        grouped(spec.members as u64),
+        entry.name,
+        spread.iter().map(|spread| spread.replacen('=', " ± ", 1)).collect::<Vec<_>>().join(", ")
+    );
+    if !summary.failed.is_empty() {
+        title += &format!("; {} failed on the way", grouped(summary.failed.len() as u64));
+    }
+    Figure::over_time(title, TIME, (times(f64::min), times(f64::max)), Key::Above, panels)
+}

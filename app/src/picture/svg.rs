@@ -1,0 +1,138 @@
+//! A picture as SVG. Its colours follow those of the page it stands on, dark or light.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use super::font::FAMILIES;
+use super::palette::Color;
+use super::scene::{Anchor, DASHES, HALO, Mark, Point, RADIUS, RING, Scene, Shape, Text};
+
+/// The picture's text. Colours are attributes, which everything that draws SVG understands; where dark ones are asked
+/// for, a style takes their place.
+pub(super) fn svg(scene: &Scene, title: &str) -> String {
+    let mut body = String::new();
+    for shape in &scene.shapes {
+        // writing to a string does not fail
+        let _ = write_shape(&mut body, shape);
+    }
+    let (width, height) = (scene.width.ceil(), scene.height.ceil());
+    let [paper, dark_paper] = Color::Paper.hex();
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
+         font-family=\"{FAMILIES}\">\n<title>{}</title>\n<style>\n@media (prefers-color-scheme: dark) {{\n.paper {{ fill: {dark_paper} }}\n\
+         .halo {{ stroke: {dark_paper} }}\n{}}}\n</style>\n<rect class=\"paper\" width=\"{width}\" height=\"{height}\" fill=\"{paper}\"/>\n{body}</svg>\n",
+        escape(title),
+        dark(scene),
+    )
+}
+
+/// Rules for the colours that the picture has.
+fn dark(scene: &Scene) -> String {
+    let mut rules = BTreeSet::new();
+    for shape in &scene.shapes {
+        let (color, properties): (Color, &[&str]) = match shape {
+            Shape::Line { color, .. } => (*color, &["stroke"]),
+            Shape::Marks { mark: Mark::Ring, color, .. } => (*color, &["stroke"]),
+            Shape::Marks { color, .. } | Shape::Area { color, .. } => (*color, &["fill"]),
+            Shape::Text(text) => (text.color, &["fill"]),
+        };
+        for property in properties {
+            let [name, dark] = [class(color, property), color.hex()[1].to_owned()];
+            rules.insert(format!(".{name} {{ {property}: {dark} }}\n"));
+        }
+    }
+    rules.into_iter().collect()
+}
+
+/// `stroke-rk4`
+fn class(color: Color, property: &str) -> String {
+    format!("{property}-{color:?}").to_lowercase()
+}
+
+fn write_shape(to: &mut String, shape: &Shape) -> std::fmt::Result {
+    match shape {
+        Shape::Line { points, color, width, dashed } => {
+            write!(to, "<polyline class=\"{}\" points=\"", class(*color, "stroke"))?;
+            write_points(to, points)?;
+            write!(to, "\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\"", color.hex()[0])?;
+            if *dashed {
+                write!(to, " stroke-dasharray=\"{} {}\"", DASHES[0], DASHES[1])?;
+            }
+            writeln!(to, " stroke-linejoin=\"round\"/>")
+        }
+        Shape::Area { points, color, opacity } => {
+            write!(to, "<polygon class=\"{}\" points=\"", class(*color, "fill"))?;
+            write_points(to, points)?;
+            writeln!(to, "\" fill=\"{}\" fill-opacity=\"{opacity}\"/>", color.hex()[0])
+        }
+        Shape::Marks { at, mark, color } => {
+            let hex = color.hex()[0];
+            let radius = match mark {
+                Mark::Dot => {
+                    writeln!(to, "<g class=\"{}\" fill=\"{hex}\">", class(*color, "fill"))?;
+                    RADIUS
+                }
+                Mark::Ring => {
+                    let name = class(*color, "stroke");
+                    writeln!(
+                        to,
+                        "<g class=\"{name}\" fill=\"none\" stroke=\"{hex}\" stroke-width=\"{}\">",
+                        RING.1
+                    )?;
+                    RING.0
+                }
+            };
+            for (x, y) in at {
+                writeln!(to, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius}\"/>")?;
+            }
+            writeln!(to, "</g>")
+        }
+        Shape::Text(text) => write_text(to, text),
+    }
+}
+
+fn write_points(to: &mut String, points: &[Point]) -> std::fmt::Result {
+    for (k, (x, y)) in points.iter().enumerate() {
+        let space = if k > 0 { " " } else { "" };
+        write!(to, "{space}{x:.1},{y:.1}")?;
+    }
+    Ok(())
+}
+
+fn write_text(
+    to: &mut String,
+    Text { at: (x, y), text, size, color, anchor, upwards, halo }: &Text,
+) -> std::fmt::Result {
+    let anchor = match anchor {
+        Anchor::Start => "start",
+        Anchor::Middle => "middle",
+        Anchor::End => "end",
+    };
+    let place = |to: &mut String| match upwards {
+        true => write!(to, " transform=\"translate({x:.1} {y:.1}) rotate(-90)\""),
+        false => write!(to, " x=\"{x:.1}\" y=\"{y:.1}\""),
+    };
+    if *halo {
+        write!(to, "<text")?;
+        place(to)?;
+        let paper = Color::Paper.hex()[0];
+        write!(
+            to,
+            " class=\"halo\" text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"none\" stroke=\"{paper}\" stroke-width=\"{HALO}\" \
+             stroke-linejoin=\"round\" aria-hidden=\"true\">{}</text>",
+            escape(text)
+        )?;
+    }
+    write!(to, "<text class=\"{}\"", class(*color, "fill"))?;
+    place(to)?;
+    writeln!(
+        to,
+        " text-anchor=\"{anchor}\" font-size=\"{size}\" fill=\"{}\">{}</text>",
+        color.hex()[0],
+        escape(text)
+    )
+}
+
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}

@@ -1,0 +1,152 @@
+//! The scene of a system by its state alone, which the system's own completes.
+
+use coadjoint::erased::Map;
+use coadjoint::prelude::*;
+use coadjoint::system::{Quantity, Role};
+
+use super::{Arrow, Body, Frame, Scene, Source, Vector};
+use crate::catalogue::Entry;
+use crate::catalogue::casimir::symbols;
+use crate::catalogue::plotted::PlottedQuantity;
+use crate::catalogue::quantities::{laid_out, rotation};
+use crate::catalogue::shape::{Shape, Solid};
+
+/// Builds the scene of a system with these parameters.
+pub(crate) fn scene(entry: &Entry, parameters: &[f64]) -> Scene {
+    let mut scene = by_state(entry);
+    if let (Some(inertia), Some(body)) = ((entry.body_inertia)(parameters), scene.bodies.first_mut()) {
+        body.shape = Solid::of_inertia(&inertia);
+    }
+    let mut scene = (entry.scene)(parameters, scene);
+    for body in &mut scene.bodies {
+        let planar =
+            body.rotation.as_ref().is_some_and(|source| !entry.plotted.is_spatial(source.quantity()));
+        if planar && body.shape.is_none() && body.position.is_none() {
+            let note = Some("a rod of a length that is not known".to_owned());
+            let rod = Solid::new(Shape::Rod { length: 1.0, radius: 0.03 }).at(vector![0.0, 0.0, -0.5]);
+            body.shape = Some(Solid { relative: true, note, ..rod });
+        }
+    }
+    scene
+}
+
+/// A body for each configuration, with its momenta, and what the first body sees of space.
+fn by_state(entry: &Entry) -> Scene {
+    let quantities = entry.plotted.all();
+    let frame = if is_left_invariant(entry) { Frame::Body } else { Frame::Space };
+    let mut scene = Scene::default();
+    let configurations: Vec<usize> =
+        (0..quantities.len()).filter(|&k| quantities[k].role == Role::Configuration).collect();
+    let kinds = |turns| configurations.iter().filter(|&&k| (quantities[k].rotation > 0) == turns).count();
+    let alone = kinds(true) <= 1 && kinds(false) <= 1;
+    for &k in &configurations {
+        let quantity = &quantities[k];
+        // which of several vectors is a place is not known, nor is a matrix that turns nothing
+        let of_matrix = quantity.is_of_a_matrix && quantity.rotation == 0;
+        if of_matrix && (configurations.len() > 2 || !quantity.name.contains('_')) {
+            continue;
+        }
+        let mut after = quantities[k + 1..].iter().take_while(|next| next.role != Role::Configuration);
+        let momentum = after.find(|next| next.role == Role::Momentum);
+        let position_of_the_body = configurations.len() == 2
+            && quantity.rotation == 0
+            && matches!(scene.bodies.as_slice(), [Body { rotation: Some(_), position: None, .. }]);
+        if position_of_the_body {
+            scene.bodies = scene.bodies.into_iter().map(|body| body.and_moving(&quantity.name)).collect();
+        } else if quantity.rotation > 0 {
+            let body = Body::turning(&quantity.name).named(if alone { "body" } else { &quantity.name });
+            let moves = quantity.components.len() > quantity.rotation;
+            scene = scene.body(if moves { body.and_moving(&quantity.name) } else { body });
+        } else if quantity.components.len() <= 3 {
+            scene =
+                scene.body(Body::moving(&quantity.name).named(if alone { "point" } else { &quantity.name }));
+        } else {
+            continue;
+        }
+        let body = scene.bodies.len() - 1;
+        for arrow in momentum.into_iter().flat_map(|momentum| momenta(quantity, momentum, frame)) {
+            let name =
+                if alone { arrow.name.clone() } else { format!("{} of {}", arrow.name, quantity.name) };
+            scene = scene.arrow(arrow.named(&name).on(body, Vector3::zeros()));
+        }
+    }
+    let seen = quantities
+        .iter()
+        .filter(|quantity| quantity.role == Role::Advected && quantity.components.len() == 3);
+    for (quantity, colour) in seen.zip(["c4", "c5"].into_iter().cycle()) {
+        let on = (!scene.bodies.is_empty()).then_some(0);
+        let arrow = Arrow { frame, body: on, ..Arrow::quantity(&quantity.name).colour(colour) };
+        scene = scene.arrow(arrow.symbol(&symbol(&quantity.name)));
+    }
+    scene
+}
+
+/// The arrows of a configuration's momentum: angular and linear.
+fn momenta(configuration: &PlottedQuantity, momentum: &PlottedQuantity, frame: Frame) -> Vec<Arrow> {
+    let angular = Arrow { frame, ..Arrow::quantity(&momentum.name).symbol("Π") };
+    let linear = |first, frame| Arrow {
+        vector: Vector::Quantity(momentum.name.clone(), first),
+        frame,
+        ..Arrow::quantity(&momentum.name).symbol("p").colour("c5")
+    };
+    match (configuration.rotation, momentum.components.len()) {
+        (4, 3) => vec![Arrow { name: "angular momentum".to_owned(), ..angular }],
+        (4, 6) => vec![
+            Arrow { name: "angular momentum".to_owned(), ..angular },
+            Arrow { name: "linear momentum".to_owned(), unit: "kg m/s".to_owned(), ..linear(3, frame) },
+        ],
+        (0, 1..=3) => vec![Arrow { name: "momentum".to_owned(), ..linear(0, Frame::Space) }],
+        _ => Vec::new(),
+    }
+}
+
+fn symbol(name: &str) -> String {
+    let symbol = symbols(name);
+    if symbol == name { String::new() } else { symbol }
+}
+
+/// Tells whether velocities, momenta and advected vectors are those of the body: whether a small displacement
+/// multiplies the first rotation from the right.
+fn is_left_invariant(entry: &Entry) -> bool {
+    let start = laid_out(entry.description.state).find(|(quantity, _)| is_rotation_in_space(quantity));
+    let (Some((_, slots)), Some(before)) = (start, displacement_before(entry)) else { return true };
+    let attitude = UnitQuaternion::from_euler_angles(0.4, 0.8, 1.2);
+    let mut state = entry.example.state.clone();
+    let [i, j, k, w]: [f64; 4] = attitude.coords.into();
+    state[slots.start..slots.start + 4].copy_from_slice(&[w, i, j, k]);
+    let numbers = entry.description.state.iter().map(|quantity| quantity.components.len()).sum::<usize>();
+    let mut by = vec![0.0; numbers];
+    let angle = 0.1;
+    by[before] = angle;
+    let displaced = entry.system(&entry.example.parameters).displace(&state, Map::Exponential, &by);
+    let [w, i, j, k] = [0, 1, 2, 3].map(|n| displaced[slots.start + n]);
+    let displaced = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+    let turn = UnitQuaternion::new(Vector3::x() * angle);
+    displaced.angle_to(&(attitude * turn)) < displaced.angle_to(&(turn * attitude))
+}
+
+/// Finds where in a displacement that of the first rotation in space begins.
+fn displacement_before(entry: &Entry) -> Option<usize> {
+    let mut before = 0;
+    for quantity in entry.description.state {
+        if is_rotation_in_space(quantity) {
+            return Some(before);
+        }
+        // a rotation has more components than directions
+        before += quantity.components.len() - usize::from(rotation(quantity).is_some());
+    }
+    None
+}
+
+fn is_rotation_in_space(quantity: &Quantity) -> bool {
+    quantity.role == Role::Configuration && rotation(quantity).is_some_and(|(count, _)| count == 4)
+}
+
+/// Names the axes, where the motion is in an upright plane or on a line.
+pub(crate) fn axes(entry: &Entry, scene: &Scene) -> Option<[String; 3]> {
+    let sources = || scene.bodies.iter().flat_map(|body| body.rotation.iter().chain(&body.position));
+    let is_plane = |source: &Source| {
+        !matches!(source, Source::About(..)) && !entry.plotted.is_spatial(source.quantity())
+    };
+    (sources().next().is_some() && sources().all(is_plane)).then(|| ["x", "", "y"].map(str::to_owned))
+}

@@ -1,0 +1,194 @@
+//! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single components.
+
+use coadjoint::system::Role;
+
+use super::names::{Names, Part, count, named, numbers};
+use super::rotation::normalize;
+use super::transport::moved;
+use super::{Setup, check};
+use crate::catalogue::quantities::laid_out;
+use crate::catalogue::{Entry, component_name};
+use crate::error::{RunError, SetupError};
+
+/// A system's example with some of its numbers changed.
+#[derive(Clone, Debug)]
+pub(crate) struct Changes<'e> {
+    entry: &'e Entry,
+    setup: Setup,
+    /// The numbers of the state that were given.
+    given: Vec<bool>,
+}
+
+impl<'e> Changes<'e> {
+    /// None yet.
+    pub(crate) fn of(entry: &'e Entry) -> Self {
+        let setup = entry.example.clone();
+        let given = vec![false; setup.state.len()];
+        Self { entry, setup, given }
+    }
+
+    /// Makes assignments one after the other.
+    ///
+    /// # Errors
+    /// If a name is unknown, or a value has another number of components than its quantity.
+    pub(crate) fn apply(&mut self, assignments: &[String]) -> Result<(), SetupError> {
+        for assignment in assignments {
+            let (name, value) = assignment.split_once('=').ok_or_else(|| {
+                let example = self.entry.description.state.first().map_or("name", |quantity| quantity.name);
+                let reason =
+                    format!("`--set {assignment}` has no `=`; write for example `--set {example}=…`");
+                SetupError::new("set", assignment, reason)
+            })?;
+            let (name, value) = (name.trim(), value.trim());
+            self.assign(Names::All, name, &numbers(name, value)?)?;
+        }
+        Ok(())
+    }
+
+    /// Sets a quantity or one of its components.
+    ///
+    /// # Errors
+    /// If there is none of this name, its number of components is another one, or a number is not finite.
+    pub(crate) fn assign(&mut self, which: Names, name: &str, numbers: &[f64]) -> Result<(), SetupError> {
+        let target = named(self.entry, which, name)?;
+        if let Some(number) = numbers.iter().find(|number| !number.is_finite()) {
+            let reason = format!("`{name}` must be finite, got `{number}`");
+            return Err(SetupError::new(name, number, reason));
+        }
+        let slots = target.slots;
+        if numbers.len() != slots.len() {
+            let reason = format!("`{name}` takes {}, got {}", count(slots.len()), count(numbers.len()));
+            return Err(SetupError::new(name, format!("{numbers:?}"), reason));
+        }
+        match target.part {
+            Part::Parameters => self.setup.parameters[slots].copy_from_slice(numbers),
+            Part::State => {
+                self.given[slots.clone()].fill(true);
+                self.setup.state[slots].copy_from_slice(numbers);
+            }
+            Part::Controls => {
+                let controls = self.setup.controls[slots].iter_mut();
+                controls.zip(numbers).for_each(|(control, number)| *control = Some(*number));
+            }
+        }
+        Ok(())
+    }
+
+    /// Shows the setup so far, as it was given.
+    #[cfg(test)]
+    pub(crate) fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// The setup that comes of it, and notes for the user: rotations are normalised, what is advected turns with
+    /// configurations that were given, unless it was given too.
+    ///
+    /// # Errors
+    /// If a rotation is zero, no stepper can be built with the parameters, or the energy of the state is no number.
+    pub(crate) fn finish(self) -> Result<(Setup, Vec<String>), RunError> {
+        let Self { entry, mut setup, given } = self;
+        let mut notes = normalize(entry, &mut setup)?;
+        notes.extend(check(entry, &setup)?);
+        notes.extend(turn_along(entry, &mut setup, &given));
+        notes.extend(other_casimirs(entry, &setup));
+        let law = entry.law(&setup);
+        let energy = entry.energy(&*entry.system(&setup.parameters), law.as_ref(), (&setup.state, 0.0));
+        if !energy.is_finite() {
+            let reason = format!(
+                "the energy of the initial state is {energy}: no motion of `{}` starts there",
+                entry.name
+            );
+            return Err(SetupError::new("state", energy, reason).into());
+        }
+        Ok((setup, notes))
+    }
+}
+
+/// Turns what is advected and was not given along with configurations that were.
+fn turn_along(entry: &Entry, setup: &mut Setup, given: &[bool]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let quantities = || laid_out(entry.description.state);
+    let is_given = |slots: &std::ops::Range<usize>| given[slots.clone()].contains(&true);
+    let turned: Vec<&str> = quantities()
+        .filter(|(quantity, slots)| {
+            let is_other = setup.state[slots.clone()] != entry.example.state[slots.clone()];
+            quantity.role == Role::Configuration && is_given(slots) && is_other
+        })
+        .map(|(quantity, _)| quantity.name)
+        .collect();
+    let left: Vec<_> = quantities()
+        .filter(|(quantity, slots)| quantity.role == Role::Advected && !is_given(slots))
+        .collect();
+    if turned.is_empty() || left.is_empty() {
+        return notes;
+    }
+    let system = entry.system(&setup.parameters);
+    let there = moved(&*system, &entry.example.state, &setup.state);
+    let with = turned.join("`, `");
+    for (quantity, slots) in left {
+        let name = quantity.name;
+        match &there {
+            None => notes.push(format!(
+                "`{name}` stays {}, seen from `{with}`: set it too if it is fixed in space",
+                list(&setup.state[slots])
+            )),
+            Some(there) if there[slots.clone()] != setup.state[slots.clone()] => {
+                setup.state[slots.clone()].copy_from_slice(&there[slots.clone()]);
+                notes.push(format!(
+                    "`{name}` is fixed in space and turns with `{with}`: it is {}",
+                    list(&there[slots])
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    notes
+}
+
+/// Three digits of each.
+fn list(numbers: &[f64]) -> String {
+    let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
+    numbers.iter().map(rounded).collect::<Vec<_>>().join(",")
+}
+
+/// Notes Casimirs of advected parameters alone that have other values than in the example.
+fn other_casimirs(entry: &Entry, setup: &Setup) -> Vec<String> {
+    let system = entry.system(&setup.parameters);
+    let values = |state: &[f64]| system.casimirs(state);
+    let mut other_momentum = setup.state.clone();
+    for (quantity, slots) in laid_out(entry.description.state) {
+        if quantity.role == Role::Momentum {
+            other_momentum[slots].iter_mut().enumerate().for_each(|(i, x)| *x += 1.0 + 0.25 * i as f64);
+        }
+    }
+    let (now, moving, usual) = (values(&setup.state), values(&other_momentum), values(&entry.example.state));
+    let cases = entry.casimirs().zip(now).zip(moving).zip(usual);
+    cases
+        .filter(|(((_, now), moving), usual)| now == moving && (now - usual).abs() > 1e-9 * usual.abs())
+        .map(|((((name, unit), now), _), usual)| {
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            format!("`{name}` is {}{unit}, in the example {}{unit}", list(&[now]), list(&[usual]))
+        })
+        .collect()
+}
+
+/// The assignments that lead to a setup, from whatever other one.
+pub(crate) fn assignments(entry: &Entry, setup: &Setup) -> Vec<String> {
+    let numbers =
+        |values: &[f64]| values.iter().map(|value| format!("{value:?}")).collect::<Vec<_>>().join(",");
+    let mut assignments = Vec::new();
+    let description = &entry.description;
+    for (quantities, values) in
+        [(description.parameters, &setup.parameters), (description.state, &setup.state)]
+    {
+        let all = laid_out(quantities);
+        assignments
+            .extend(all.map(|(quantity, slots)| format!("{}={}", quantity.name, numbers(&values[slots]))));
+    }
+    for (quantity, slots) in laid_out(description.controls) {
+        for (component, held) in quantity.components.iter().zip(&setup.controls[slots]) {
+            assignments.extend(held.map(|held| format!("{}={held:?}", component_name(quantity, component))));
+        }
+    }
+    assignments
+}

@@ -1,0 +1,271 @@
+//! Runs described in a TOML file: `coadjoint init` writes one, `coadjoint run --config` reads it.
+
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::{Changes, Format, Method, Names, Order, Retraction};
+use crate::catalogue::Entry;
+use crate::catalogue::quantities::laid_out;
+use crate::error::{Error, FileError, SetupError};
+
+/// The content of a configuration file; what is missing has its default.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Config {
+    /// The system's name.
+    pub(crate) system: Option<String>,
+    /// How to run it.
+    #[serde(default)]
+    pub(crate) run: RunConfig,
+    /// Parameters by their names.
+    #[serde(default)]
+    pub(crate) parameters: Table,
+    /// Parts of the initial state by their names.
+    #[serde(default)]
+    pub(crate) state: Table,
+    /// Controls by their names, to be held in place of what the system's own law chooses.
+    #[serde(default)]
+    pub(crate) controls: Table,
+}
+
+/// How to run a system.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RunConfig {
+    /// The map that the step is built on.
+    pub(crate) retraction: Option<Retraction>,
+    /// The method.
+    pub(crate) method: Option<Method>,
+    /// The order.
+    pub(crate) order: Option<u32>,
+    /// The step, s.
+    pub(crate) step: Option<f64>,
+    /// How long to run, s.
+    pub(crate) duration: Option<f64>,
+    /// Write every so many steps.
+    pub(crate) every: Option<u64>,
+    /// The format of the trajectory.
+    pub(crate) format: Option<Format>,
+}
+
+impl Config {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// If it cannot be read, is no TOML, or says what no run has.
+    pub(crate) fn read(path: &Path) -> Result<Self, Error> {
+        let text = read_text(path).map_err(|source| FileError::read(path, source))?;
+        let wrong = |error: toml::de::Error| {
+            SetupError::new("config", path.display(), error.to_string().trim_end()).within(path.display())
+        };
+        Ok(toml::from_str(&text).map_err(wrong)?)
+    }
+
+    /// Sets the parameters and the initial state that the file gives.
+    ///
+    /// # Errors
+    /// If a name is unknown, or a value has another number of components than its quantity.
+    pub(crate) fn apply(&self, path: &Path, changes: &mut Changes<'_>) -> Result<(), SetupError> {
+        let tables = [
+            (Names::Parameters, "parameters", &self.parameters),
+            (Names::State, "state", &self.state),
+            (Names::Controls, "controls", &self.controls),
+        ];
+        for (which, section, table) in tables {
+            for (name, value) in table {
+                numbers(name, value)
+                    .and_then(|numbers| changes.assign(which, name, &numbers))
+                    .map_err(|error| error.within(format!("{}: [{section}]", path.display())))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The order, if the file gives one.
+    ///
+    /// # Errors
+    /// If there are no steps of this order.
+    pub(crate) fn order(&self, path: &Path) -> Result<Option<Order>, SetupError> {
+        let Some(number) = self.run.order else { return Ok(None) };
+        Order::of_number(number).map(Some).ok_or_else(|| {
+            let reason = format!("{}: [run]: order must be 2, 4, 6, 8 or 10, got {number}", path.display());
+            SetupError::new("order", number, reason)
+        })
+    }
+}
+
+/// Reads a text of at most a megabyte: what is given for a text by mistake may have no end.
+fn read_text(path: &Path) -> io::Result<String> {
+    const MOST: u64 = 1 << 20;
+    let mut text = String::new();
+    File::open(path)?.take(MOST + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MOST {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is longer than a megabyte"));
+    }
+    Ok(text)
+}
+
+/// Whole numbers up to here are those of f64.
+const EXACT: u64 = 1 << 53;
+
+/// A number, or a list of numbers.
+fn numbers(name: &str, value: &Value) -> Result<Vec<f64>, SetupError> {
+    let wrong = |reason: String| Err(SetupError::new(name, format!("{value:?}"), reason));
+    let number = |value: &Value| match value {
+        Value::Float(number) => Ok(*number),
+        Value::Integer(number) if number.unsigned_abs() <= EXACT => Ok(*number as f64),
+        Value::Integer(number) => wrong(format!(
+            "`{name}`: {number} is a whole number that would be rounded; write it with a point, as `{number}.0`"
+        )),
+        Value::String(text) => wrong(format!("`{name}` takes numbers, got string `{text:?}`")),
+        other => wrong(format!("`{name}` takes numbers, got {}", other.type_str())),
+    };
+    match value {
+        Value::Array(values) => values.iter().map(number).collect(),
+        value => Ok(vec![number(value)?]),
+    }
+}
+
+/// The file that describes a system's example, each quantity with what it means.
+pub(crate) fn example(entry: &Entry) -> String {
+    let mut text = String::new();
+    // writing to a string does not fail
+    let _ = write_example(&mut text, entry);
+    text
+}
+
+fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
+    let setup = entry.example.clone();
+    writeln!(text, "# {}: {}.", entry.name, entry.about)?;
+    writeln!(
+        text,
+        "# Run it with `coadjoint run --config <this file>`; options given there take precedence."
+    )?;
+    writeln!(text, "# What is left out has the value of the system's example.")?;
+    writeln!(text, "\nsystem = \"{}\"", entry.name)?;
+    writeln!(text, "\n[run]")?;
+    for (setting, doc) in [
+        (
+            "retraction = \"exponential\"".to_owned(),
+            "the map that the step is built on: exponential or cayley",
+        ),
+        (
+            "method = \"standard\"".to_owned(),
+            "standard, euler-a, euler-b, midpoint, verlet, …; rk4, …: `coadjoint run --help` lists all",
+        ),
+        ("order = 2".to_owned(), "2; 4, 6, 8 and 10 are composed of its steps"),
+        (format!("step = {:?}", entry.step), "s; negative to go back in time"),
+        (format!("duration = {:?}", entry.duration), "s"),
+        ("every = 1".to_owned(), "write the state after every so many steps"),
+        ("format = \"csv\"".to_owned(), "csv, json or parquet"),
+    ] {
+        writeln!(text, "{setting:28} # {doc}")?;
+    }
+    write_controls(text, entry)?;
+    for (section, quantities, values) in [
+        ("parameters", entry.description.parameters, &setup.parameters),
+        ("state", entry.description.state, &setup.state),
+    ] {
+        if quantities.is_empty() {
+            continue;
+        }
+        writeln!(text, "\n[{section}]")?;
+        for (quantity, slots) in laid_out(quantities) {
+            if !quantity.doc.is_empty() {
+                writeln!(text, "# {}", quantity.doc)?;
+            }
+            match &values[slots] {
+                [scalar] if quantity.components == [""] => writeln!(text, "{} = {scalar:?}", quantity.name)?,
+                components => {
+                    let list: Vec<String> = components.iter().map(|x| format!("{:?}", x + 0.0)).collect();
+                    writeln!(
+                        text,
+                        "{:28} # {}",
+                        format!("{} = [{}]", quantity.name, list.join(", ")),
+                        quantity.components.join(", ")
+                    )?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The controls, each as a remark: unless it is set, the system's own law chooses it.
+fn write_controls(text: &mut String, entry: &Entry) -> std::fmt::Result {
+    if !entry.description.controls.is_empty() {
+        writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
+    }
+    for (quantity, slots) in laid_out(entry.description.controls) {
+        let zeros = vec!["0.0"; slots.len()].join(", ");
+        match quantity.components {
+            [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,
+            components => writeln!(text, "# {} = [{zeros}] # {}", quantity.name, components.join(", "))?,
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    #[test]
+    fn the_example_says_what_the_system_says() {
+        for entry in catalogue().entries() {
+            let text = example(entry);
+            let config: Config = toml::from_str(&text).expect(&text);
+            assert_eq!(config.system.as_ref(), Some(&entry.name));
+            assert_eq!((config.run.step, config.run.duration), (Some(entry.step), Some(entry.duration)));
+            assert_eq!(config.run.method, Some(Method::Standard));
+            let path = Path::new("example.toml");
+            assert_eq!(config.order(path).expect("one of ours"), Some(Order::Two));
+            // from other numbers back to the example's
+            let expected = entry.example.clone();
+            let count =
+                entry.description.parameters.iter().map(|quantity| quantity.components.len()).sum::<usize>();
+            let mut other = entry.clone();
+            let example = &mut other.example;
+            example.parameters.iter_mut().take(count).chain(&mut example.state).for_each(|x| *x = 7.25);
+            let mut changes = Changes::of(&other);
+            config.apply(path, &mut changes).expect("its own names");
+            assert_eq!(changes.setup(), &expected, "{}", entry.name);
+            // the controls, which it only mentions
+            let asked = text.replace("# [controls] #", "[controls] #");
+            let mut lines = asked.lines().skip_while(|line| !line.starts_with("[controls]")).peekable();
+            let section: Vec<&str> = lines
+                .by_ref()
+                .take_while(|line| !line.is_empty())
+                .map(|line| line.trim_start_matches("# "))
+                .collect();
+            let config: Config = toml::from_str(&section.join("\n")).expect(&asked);
+            config.apply(path, &mut changes).expect("its own names");
+            assert!(changes.setup().controls.iter().all(|control| *control == Some(0.0)), "{}", entry.name);
+        }
+    }
+
+    #[test]
+    fn whole_numbers_are_not_rounded() {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let weight = |text: &str| {
+            let config: Config = toml::from_str(&format!("[parameters]\nweight = {text}")).expect(text);
+            let mut changes = Changes::of(top);
+            let applied = config.apply(Path::new("a.toml"), &mut changes).map_err(|error| error.to_string());
+            applied.map(|()| changes.setup().parameters[3])
+        };
+        assert_eq!(weight("9007199254740992"), Ok(9_007_199_254_740_992.0));
+        let message = weight("9007199254740993").expect_err("rounded");
+        assert!(
+            message
+                .contains("[parameters]: `weight`: 9007199254740993 is a whole number that would be rounded"),
+            "{message}"
+        );
+        assert!(weight("-9007199254740993").is_err());
+    }
+}

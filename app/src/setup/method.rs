@@ -1,0 +1,327 @@
+//! Methods by their names.
+
+use std::fmt;
+use std::str::FromStr;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParserFactory};
+use clap::error::ErrorKind;
+use serde::{Deserialize, Serialize};
+
+use coadjoint_classical::{Method as _, RungeKutta, Tableau};
+
+/// The integration method: of ours, built on a retraction, or a classical one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+#[non_exhaustive]
+pub enum Method {
+    /// The system's standard step of order 2: `euler-a` where nothing but momentum and advected parameters has a part
+    /// in the motion and the retraction is odd, else `verlet`.
+    #[default]
+    Standard,
+    /// The symplectic Euler step: the paper's reduced step, of order 2 where it is the standard, else of order 1.
+    EulerA,
+    /// The adjoint of `euler-a`.
+    EulerB,
+    /// The implicit midpoint step, of order 2.
+    Midpoint,
+    /// Störmer and Verlet: half a step of `euler-a`, then half a step of `euler-b`; of order 2.
+    Verlet,
+    /// Another member `s = numerator/denominator` of the family, in lowest terms, where it was generated.
+    Family(u32, u32),
+    /// `euler-a` carrying the momentum in space, where nothing acts on the system.
+    RightLift,
+    /// The tangent lift with `s = numerator/denominator`, in lowest terms, where it was generated: of order 1, with `s
+    /// = ½` of order 2, and not symplectic; explicit with `s = 0`.
+    TangentLift(u32, u32),
+    /// A classical method, for comparison.
+    Classical(Classical),
+}
+
+/// A method that knows nothing of the structure: a Runge–Kutta method for the numbers of the state as they are stored,
+/// or RKMK4.
+///
+/// Those for stored numbers take the motion for a vector field on a vector space. Rotations drift off their group, but
+/// with the methods that keep quadratic invariants: nothing is projected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Classical {
+    /// [`Tableau::explicit_euler`]
+    ExplicitEuler,
+    /// [`Tableau::rk2`]
+    Rk2,
+    /// [`Tableau::heun`]
+    Heun,
+    /// [`Tableau::ralston`]
+    Ralston,
+    /// [`Tableau::rk4`]
+    Rk4,
+    /// [`Tableau::three_eighths`]
+    ThreeEighths,
+    /// [`Tableau::implicit_euler`]
+    ImplicitEuler,
+    /// [`Tableau::implicit_midpoint`]
+    ImplicitMidpoint,
+    /// [`Tableau::gauss2`]
+    Gauss4,
+    /// [`Tableau::gauss3`]
+    Gauss6,
+    /// Runge, Kutta and Munthe-Kaas: RK4 in exponential coordinates about the start of each step.
+    Rkmk4,
+}
+
+impl Classical {
+    /// All of them.
+    pub const ALL: [Classical; 11] = [
+        Classical::ExplicitEuler,
+        Classical::Rk2,
+        Classical::Heun,
+        Classical::Ralston,
+        Classical::Rk4,
+        Classical::ThreeEighths,
+        Classical::ImplicitEuler,
+        Classical::ImplicitMidpoint,
+        Classical::Gauss4,
+        Classical::Gauss6,
+        Classical::Rkmk4,
+    ];
+
+    /// Its name on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Classical::ExplicitEuler => "explicit-euler",
+            Classical::Rk2 => "rk2",
+            Classical::Heun => "heun",
+            Classical::Ralston => "ralston",
+            Classical::Rk4 => "rk4",
+            Classical::ThreeEighths => "three-eighths",
+            Classical::ImplicitEuler => "implicit-euler",
+            Classical::ImplicitMidpoint => "implicit-midpoint",
+            Classical::Gauss4 => "gauss4",
+            Classical::Gauss6 => "gauss6",
+            Classical::Rkmk4 => "rkmk4",
+        }
+    }
+
+    /// Builds its Runge–Kutta method: of RKMK4, that in exponential coordinates.
+    pub fn runge_kutta(self) -> RungeKutta {
+        match self {
+            Classical::ExplicitEuler => Tableau::explicit_euler().into(),
+            Classical::Rk2 => Tableau::rk2().into(),
+            Classical::Heun => Tableau::heun().into(),
+            Classical::Ralston => Tableau::ralston().into(),
+            Classical::Rk4 | Classical::Rkmk4 => Tableau::rk4().into(),
+            Classical::ThreeEighths => Tableau::three_eighths().into(),
+            Classical::ImplicitEuler => Tableau::implicit_euler().into(),
+            Classical::ImplicitMidpoint => Tableau::implicit_midpoint().into(),
+            Classical::Gauss4 => Tableau::gauss2().into(),
+            Classical::Gauss6 => Tableau::gauss3().into(),
+        }
+    }
+
+    /// Its order.
+    pub fn order(self) -> u32 {
+        self.runge_kutta().order()
+    }
+
+    /// Describes it for people who choose one.
+    fn about(self) -> String {
+        let (method, order) = (self.runge_kutta(), self.order());
+        let name = method.name();
+        if self == Classical::Rkmk4 {
+            format!("{name} in exponential coordinates: stays on the group; order {order}")
+        } else if method.is_symplectic() {
+            format!(
+                "{name}, in stored numbers: keeps what is quadratic in them, such as lengths; order {order}"
+            )
+        } else {
+            format!("{name}, in stored numbers: rotations drift off their group; order {order}")
+        }
+    }
+}
+
+impl Method {
+    /// Those of ours that most systems have: `midpoint` where it was asked for.
+    pub const COMMON: [Method; 5] =
+        [Method::Standard, Method::EulerA, Method::EulerB, Method::Midpoint, Method::Verlet];
+
+    /// All that have a name of their own, without a number.
+    fn named() -> impl Iterator<Item = Method> {
+        let ours = Self::COMMON.into_iter().chain([Method::RightLift, Method::TangentLift(0, 1)]);
+        ours.chain(Classical::ALL.into_iter().map(Method::Classical))
+    }
+
+    /// The member `s = numerator/denominator` of the family, in lowest terms.
+    fn family(numerator: u32, denominator: u32) -> Self {
+        match (numerator, denominator) {
+            (0, 1) => Method::EulerA,
+            (1, 2) => Method::Midpoint,
+            (1, 1) => Method::EulerB,
+            (numerator, denominator) => Method::Family(numerator, denominator),
+        }
+    }
+
+    /// Whether it is symmetric and of order 2 for every system, so that steps of higher order can be composed of it.
+    pub fn is_symmetric(self) -> bool {
+        matches!(self, Method::Standard | Method::Midpoint | Method::Verlet | Method::TangentLift(1, 2))
+    }
+
+    /// The classical method, if it is one.
+    pub fn classical(self) -> Option<Classical> {
+        match self {
+            Method::Classical(classical) => Some(classical),
+            _ => None,
+        }
+    }
+
+    /// Its name where methods are listed.
+    fn listed(self) -> &'static str {
+        match self {
+            Method::Standard => "standard",
+            Method::EulerA => "euler-a",
+            Method::EulerB => "euler-b",
+            Method::Midpoint => "midpoint",
+            Method::Verlet => "verlet",
+            Method::Family(..) => "family=N/D",
+            Method::RightLift => "right-lift",
+            Method::TangentLift(0, _) => "tangent-lift",
+            Method::TangentLift(..) => "tangent-lift=N/D",
+            Method::Classical(classical) => classical.name(),
+        }
+    }
+
+    /// Its name as a part of file names: `family-1-4`.
+    pub fn stem(self) -> String {
+        self.to_string().replace(['=', '/'], "-")
+    }
+
+    /// Describes it for people who choose one.
+    fn about(self) -> String {
+        let about = match self {
+            Method::Standard => "the system's standard step of order 2: `euler-a` or `verlet`",
+            Method::EulerA => {
+                "symplectic Euler, the paper's reduced step: order 2 where it is the standard, else 1"
+            }
+            Method::EulerB => "the adjoint of `euler-a`",
+            Method::Midpoint => "the implicit midpoint step on the group, order 2",
+            Method::Verlet => "half a step of `euler-a`, then half a step of `euler-b`: order 2",
+            Method::Family(..) => "another member s of the family, from 0 to 1, where it was generated",
+            Method::RightLift => "`euler-a` carrying the momentum in space, where nothing acts",
+            Method::TangentLift(0, _) => {
+                "the tangent lift, where it was generated: explicit, order 1, not symplectic"
+            }
+            Method::TangentLift(..) => "the tangent lift with another s; order 2 with 1/2",
+            Method::Classical(classical) => return classical.about(),
+        };
+        about.to_owned()
+    }
+}
+
+/// A fraction from 0 to 1, in lowest terms: `1/4`, `1`.
+fn fraction(of: &str, text: &str) -> Result<(u32, u32), String> {
+    let (numerator, denominator) = text.split_once('/').unwrap_or((text, "1"));
+    let numbers: Option<(u32, u32)> = numerator.trim().parse().ok().zip(denominator.trim().parse().ok());
+    match numbers {
+        Some((numerator, denominator)) if denominator > 0 && numerator <= denominator => {
+            let divisor = greatest_common_divisor(numerator, denominator);
+            Ok((numerator / divisor, denominator / divisor))
+        }
+        _ => Err(format!("`{of}={text}`: `{text}` is not a fraction from 0 to 1, as in `{of}=1/4`")),
+    }
+}
+
+fn greatest_common_divisor(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
+}
+
+impl fmt::Display for Method {
+    /// As the command line takes it.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Method::Family(numerator, denominator) => write!(f, "family={numerator}/{denominator}"),
+            Method::TangentLift(numerator @ 1.., denominator) => {
+                write!(f, "tangent-lift={numerator}/{denominator}")
+            }
+            named => f.write_str(named.listed()),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name.split_once('=') {
+            Some((of @ "family", s)) => return fraction(of, s).map(|(n, d)| Self::family(n, d)),
+            Some((of @ "tangent-lift", s)) => return fraction(of, s).map(|(n, d)| Method::TangentLift(n, d)),
+            _ => {}
+        }
+        Self::named().find(|method| method.listed() == name).ok_or_else(|| {
+            let names: Vec<&str> = Self::named().map(Method::listed).collect();
+            format!("there is no method `{name}` (methods: {}, family=1/4)", names.join(", "))
+        })
+    }
+}
+
+impl TryFrom<String> for Method {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Self, String> {
+        name.parse()
+    }
+}
+
+impl From<Method> for String {
+    fn from(method: Method) -> Self {
+        method.to_string()
+    }
+}
+
+/// Reads a method from the command line.
+#[derive(Clone, Debug)]
+pub struct MethodParser;
+
+impl ValueParserFactory for Method {
+    type Parser = MethodParser;
+
+    fn value_parser() -> MethodParser {
+        MethodParser
+    }
+}
+
+/// All methods, as clap lists them.
+fn possible() -> Vec<PossibleValue> {
+    let listed = |method: Method| PossibleValue::new(method.listed()).help(method.about());
+    let mut values: Vec<PossibleValue> = Method::named().map(listed).collect();
+    // beside the first ones of their kinds
+    values.insert(Method::COMMON.len() + 2, listed(Method::TangentLift(1, 2)));
+    values.insert(Method::COMMON.len(), listed(Method::Family(1, 4)));
+    values
+}
+
+impl TypedValueParser for MethodParser {
+    type Value = Method;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&clap::Arg>,
+        value: &std::ffi::OsStr,
+    ) -> Result<Method, clap::Error> {
+        let name = value.to_string_lossy();
+        match name.parse() {
+            Ok(method) => Ok(method),
+            Err(message) if name.contains('=') => {
+                Err(clap::Error::raw(ErrorKind::ValueValidation, format!("{message}\n")).with_cmd(command))
+            }
+            // its message lists all, and says which was meant
+            Err(_) => Err(PossibleValuesParser::new(possible())
+                .parse_ref(command, argument, value)
+                .err()
+                .unwrap_or_else(|| clap::Error::new(ErrorKind::InvalidValue).with_cmd(command))),
+        }
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(possible().into_iter()))
+    }
+}

@@ -1,0 +1,228 @@
+//! Settings of a run: scheme, step, parameters, initial state, spreads and scans, by the names of a system's
+//! quantities.
+
+mod assign;
+pub(crate) mod config;
+mod method;
+mod names;
+pub mod random;
+mod rotation;
+mod scan;
+mod spread;
+mod transport;
+
+use coadjoint::erased::{self, Map};
+use coadjoint::{ParameterError, Scheme};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+
+pub(crate) use assign::{Changes, assignments};
+pub use method::{Classical, Method};
+pub(crate) use names::Names;
+pub(crate) use scan::Scan;
+pub use spread::{SampledRange, Variation};
+
+use crate::catalogue::Entry;
+pub use crate::catalogue::Setup;
+use crate::units::exact;
+
+/// The map from the Lie algebra to the group that a step is built on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Retraction {
+    /// The exponential map: the most accurate step of a given size.
+    #[value(alias = "exp")]
+    Exponential,
+    /// The Cayley map: rational, and defined for every angle.
+    #[value(alias = "cay")]
+    Cayley,
+    /// Canonical coordinates of the second kind: turns about the axes, one after the other. Not odd, to compare with;
+    /// there for some systems.
+    #[value(alias = "ccsk")]
+    SecondKind,
+}
+
+impl Retraction {
+    /// All of them.
+    pub const ALL: [Retraction; 3] = [Retraction::Exponential, Retraction::Cayley, Retraction::SecondKind];
+    /// The ones with which most systems have steps.
+    pub const COMMON: [Retraction; 2] = [Retraction::Exponential, Retraction::Cayley];
+
+    /// Lists those with which there are steps of this system.
+    pub fn of(entry: &Entry) -> Vec<Self> {
+        let system = entry.system(&entry.example.parameters);
+        let is_there = |retraction: &Self| {
+            let first = Scheme::member(retraction.map(), 0, 1);
+            erased::Stepper::new(system.clone(), &first, entry.step).is_ok()
+        };
+        Self::ALL.into_iter().filter(is_there).collect()
+    }
+
+    /// Its name on the command line and in file names.
+    pub fn name(self) -> &'static str {
+        match self {
+            Retraction::Exponential => "exponential",
+            Retraction::Cayley => "cayley",
+            Retraction::SecondKind => "second-kind",
+        }
+    }
+
+    pub(crate) fn map(self) -> Map {
+        match self {
+            Retraction::Exponential => Map::Exponential,
+            Retraction::Cayley => Map::Cayley,
+            Retraction::SecondKind => Map::SecondKind,
+        }
+    }
+}
+
+/// The order asked for: 2 for the method itself, higher ones composed of its steps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+pub enum Order {
+    /// The method itself.
+    #[default]
+    #[value(name = "2")]
+    Two,
+    /// Five steps in one.
+    #[value(name = "4")]
+    Four,
+    /// Nine steps in one.
+    #[value(name = "6")]
+    Six,
+    /// Seventeen steps in one.
+    #[value(name = "8")]
+    Eight,
+    /// Thirty-five steps in one.
+    #[value(name = "10")]
+    Ten,
+}
+
+impl Order {
+    /// All of them.
+    pub const ALL: [Order; 5] = [Order::Two, Order::Four, Order::Six, Order::Eight, Order::Ten];
+
+    /// Finds the order with this number.
+    pub(crate) fn of_number(number: u32) -> Option<Self> {
+        Self::ALL.into_iter().find(|order| order.number() == number)
+    }
+
+    /// As a number.
+    pub fn number(self) -> u32 {
+        match self {
+            Order::Two => 2,
+            Order::Four => 4,
+            Order::Six => 6,
+            Order::Eight => 8,
+            Order::Ten => 10,
+        }
+    }
+}
+
+/// The scheme, the step and the number of steps of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// The scheme's method.
+    pub method: Method,
+    /// The scheme's retraction; of no meaning to a classical method.
+    pub retraction: Retraction,
+    /// The scheme's order; that of the method itself where steps of it cannot be composed.
+    pub order: Order,
+    /// The step, s.
+    pub step: f64,
+    /// The number of steps.
+    pub steps: u64,
+}
+
+impl Job {
+    /// Tells the order of its step.
+    pub fn order_of_step(&self, entry: &Entry) -> u32 {
+        match self.method {
+            Method::Classical(classical) => classical.order(),
+            Method::RightLift => 2,
+            method if method.is_symmetric() => self.order.number(),
+            Method::TangentLift(..) => 1,
+            // of the family's other members it is 2 only where they are all symmetric
+            _ if standard(entry, self.retraction) == Method::EulerA => 2,
+            _ => 1,
+        }
+    }
+
+    /// Writes system and scheme: `heavy_top, midpoint, cayley, order 4, h = 0.01 s`.
+    pub fn title(&self, entry: &Entry) -> String {
+        let mut parts = vec![entry.name.clone()];
+        if self.method != Method::Standard {
+            parts.push(self.method.to_string());
+        }
+        if self.method.classical().is_none() {
+            parts.push(self.retraction.name().to_owned());
+        }
+        if self.order != Order::Two {
+            parts.push(format!("order {}", self.order.number()));
+        }
+        parts.push(format!("h = {} s", exact(self.step)));
+        parts.join(", ")
+    }
+}
+
+/// A format of trajectories.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// A header naming each column, then a line per sample.
+    Csv,
+    /// One object: system, parameters, columns, rows, invariants.
+    Json,
+    /// Columns of doubles, for tables of many millions of rows; in programs that are built with the feature `parquet`.
+    Parquet,
+}
+
+impl Format {
+    /// Names the extension of such files.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Format::Csv => "csv",
+            Format::Json => "json",
+            Format::Parquet => "parquet",
+        }
+    }
+
+    /// Finds the format of files with this extension.
+    pub(crate) fn of_extension(extension: &str) -> Option<Self> {
+        [Format::Csv, Format::Json, Format::Parquet]
+            .into_iter()
+            .find(|format| format.extension() == extension)
+    }
+}
+
+/// Finds the standard scheme of order 2 of a system with a retraction: `euler-a` or `verlet`.
+pub fn standard(entry: &Entry, retraction: Retraction) -> Method {
+    match Scheme::Standard(retraction.map()).resolved(entry.description.invariant) {
+        Scheme::StormerVerlet(_) => Method::Verlet,
+        _ => Method::EulerA,
+    }
+}
+
+/// Checks parameters; returns a note where valid ones are unphysical.
+///
+/// # Errors
+/// If no stepper can be built with them.
+pub fn check(entry: &Entry, setup: &Setup) -> Result<Option<String>, ParameterError> {
+    entry.system(&setup.parameters).validate()?;
+    Ok((entry.body_inertia)(&setup.parameters).and_then(|inertia| triangle_note(&inertia)))
+}
+
+/// The moments of a body of mass satisfy the triangle inequality: each is at most the sum of the other two.
+fn triangle_note(inertia: &Matrix3<f64>) -> Option<String> {
+    let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    let [small, middle, large] = moments;
+    (large > (small + middle) * (1.0 + 1e-12)).then(|| {
+        format!(
+            "no body of mass has principal moments of inertia {small}, {middle}, {large}: \
+             the largest exceeds the sum of the others"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests;

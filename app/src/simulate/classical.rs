@@ -1,0 +1,126 @@
+//! Classical methods for any system, by its vector field: for comparison, not for speed.
+
+use std::sync::Arc;
+
+use coadjoint::erased::{self, At};
+use coadjoint::system::Role;
+use coadjoint::{ParameterError, StepError};
+use coadjoint_classical::{Diverged, RungeKutta};
+
+use crate::catalogue::quantities::tangent_places;
+use crate::setup::Classical;
+
+/// Builds a stepper with this step.
+pub(super) fn stepper(
+    classical: Classical,
+    system: Arc<dyn erased::System>,
+    step: f64,
+) -> Result<erased::Stepper, ParameterError> {
+    let scheme = classical.runge_kutta();
+    match classical {
+        Classical::Rkmk4 => munthe_kaas(scheme, system, step),
+        _ => in_coordinates(scheme, system, step),
+    }
+}
+
+/// For the numbers of the state as they are stored.
+fn in_coordinates(
+    scheme: RungeKutta,
+    system: Arc<dyn erased::System>,
+    step: f64,
+) -> Result<erased::Stepper, ParameterError> {
+    erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
+        let mut field = |time: f64, x: &[f64], rate: &mut [f64]| {
+            rate.copy_from_slice(&system.vector_field(x, time, at.control));
+        };
+        let (end, iterations) = scheme.advance(&mut field, at.time, at.state, at.step).map_err(failure)?;
+        next.copy_from_slice(&end);
+        Ok(iterations)
+    })
+}
+
+/// In exponential coordinates about the start of the step, in which configurations stay on their groups: the unknown is
+/// the displacement `z` from there, with `z' = (dL exp_z)⁻¹ ξ` for configurations. Its series is cut off after the term
+/// of 1/12, which leaves an order of 4.
+fn munthe_kaas(
+    scheme: RungeKutta,
+    system: Arc<dyn erased::System>,
+    step: f64,
+) -> Result<erased::Stepper, ParameterError> {
+    let algebra = Algebra::of(&*system);
+    erased::Stepper::from_fn(system, step, move |system, at: &At<'_>, next| {
+        let moved = |z: &[f64]| system.displace(at.state, erased::Map::Exponential, z);
+        let mut field = |time: f64, z: &[f64], rate: &mut [f64]| {
+            rate.copy_from_slice(&system.motion(&moved(z), time, at.control));
+            algebra.correct(z, rate);
+        };
+        let start = vec![0.0; algebra.length];
+        let (end, iterations) = scheme.advance(&mut field, at.time, &start, at.step).map_err(failure)?;
+        next.copy_from_slice(&moved(&end));
+        Ok(iterations)
+    })
+}
+
+fn failure(error: Diverged) -> StepError {
+    match error {
+        Diverged::NoConvergence { iterations, correction } => {
+            StepError::NoConvergence { iterations, residual: correction }
+        }
+        _ => StepError::NotFinite,
+    }
+}
+
+/// The brackets of the configurations' algebras, in tangent vectors.
+struct Algebra {
+    /// `(i, j, k, c)`: the bracket of the directions `i` and `j` has `c` along `k`.
+    constants: Vec<(usize, usize, usize, f64)>,
+    /// The length of tangent vectors.
+    length: usize,
+}
+
+impl Algebra {
+    /// From the Poisson structure: `⟨ad*_ξ μ, η⟩ = ⟨μ, [ξ, η]⟩` where there is nothing but a momentum `μ`. Where
+    /// displacements are from the left (`invariance = right`) its sign, and that of the bracket, is the one that the
+    /// series wants there.
+    fn of(system: &dyn erased::System) -> Self {
+        let quantities = system.description().state;
+        let mut places: Vec<_> = tangent_places(quantities).collect();
+        let length = places.last().map_or(0, |(_, place)| place.end);
+        let mut constants = Vec::new();
+        // what is stored before the momentum
+        let mut stored = 0;
+        places.push((Role::Parameter, length..length));
+        for (pair, quantity) in places.windows(2).zip(quantities) {
+            stored += quantity.components.len();
+            let [(Role::Configuration, turns), (Role::Momentum, momenta)] = pair else { continue };
+            for (k, i) in turns.clone().enumerate().flat_map(|(k, _)| momenta.clone().map(move |i| (k, i))) {
+                let mut state =
+                    vec![0.0; system.description().state.iter().map(|q| q.components.len()).sum()];
+                state[stored + k] = 1.0;
+                let mut covector = vec![0.0; length];
+                covector[i] = 1.0;
+                let coadjoint = system.hamiltonian_vector(&state, &covector);
+                let i = i - momenta.start + turns.start;
+                for (j, c) in turns.clone().zip(&coadjoint[momenta.clone()]).filter(|(_, c)| **c != 0.0) {
+                    constants.push((i, j, turns.start + k, *c));
+                }
+            }
+        }
+        Self { constants, length }
+    }
+
+    /// Adds the bracket of two tangent vectors, times a number, to a third.
+    fn add_bracket(&self, xi: &[f64], eta: &[f64], times: f64, to: &mut [f64]) {
+        for &(i, j, k, c) in &self.constants {
+            to[k] += times * c * xi[i] * eta[j];
+        }
+    }
+
+    /// `ξ` becomes `ξ + ½ [z, ξ] + 1/12 [z, [z, ξ]]`.
+    fn correct(&self, z: &[f64], rate: &mut [f64]) {
+        let mut once = vec![0.0; self.length];
+        self.add_bracket(z, rate, 1.0, &mut once);
+        self.add_bracket(z, &once, 1.0 / 12.0, rate);
+        rate.iter_mut().zip(&once).for_each(|(rate, once)| *rate += 0.5 * once);
+    }
+}

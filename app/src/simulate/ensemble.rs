@@ -1,0 +1,279 @@
+//! Ensembles of any system of the catalogue, with parameters and states as flat lists of numbers.
+
+use std::ops::ControlFlow;
+
+use coadjoint::Run;
+use coadjoint::StepError;
+use coadjoint::ensemble::Spread;
+use coadjoint::erased::{self, Ensemble};
+use rayon::prelude::*;
+
+use super::stepper;
+use crate::catalogue::{ControlLaw, Entry, Setup};
+use crate::error::{RunError, SetupError};
+use crate::setup::{Job, Method, Order, Retraction};
+pub use crate::setup::{SampledRange, Variation};
+use crate::units::grouped;
+
+/// The specification of an ensemble of one system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnsembleSpec {
+    /// The number of members.
+    pub members: usize,
+    /// Their differences from the setup; controls do not vary.
+    pub variation: Variation,
+    /// The seed of the random members.
+    pub seed: u64,
+    /// The scheme, the step and how many of them.
+    pub job: Job,
+    /// Steps between two samples of the distribution; 0 counts as 1.
+    pub every: u64,
+}
+
+/// A quantity whose distribution is recorded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observable {
+    /// The energy.
+    Energy,
+    /// A component of the state, by its place.
+    State(usize),
+}
+
+/// Called now and then with the number of steps taken; may end the run.
+pub type ProgressFn<'a> = dyn FnMut(u64) -> ControlFlow<()> + 'a;
+
+/// A member that failed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("member {member} could not take step {step}: {cause}")]
+pub struct Failure {
+    /// Which, from 0.
+    pub member: usize,
+    /// The step that it could not take, counted from 1.
+    pub step: u64,
+    /// The cause.
+    pub cause: StepError,
+}
+
+/// The result of an ensemble run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnsembleSummary {
+    /// For each quantity its distribution at each sample.
+    pub spreads: Vec<Vec<Spread>>,
+    /// The ranges of what was drawn.
+    pub drawn: Vec<SampledRange>,
+    /// The members that failed.
+    pub failed: Vec<Failure>,
+    /// Steps of all members together.
+    pub member_steps: u64,
+    /// The number of members that are stepped side by side.
+    pub width: usize,
+    /// The time that the steps took, with the choice of controls, s.
+    pub seconds: f64,
+}
+
+impl EnsembleSpec {
+    /// Tells whether members are stepped side by side in the processor's registers: with the standard step of order 2
+    /// on the Cayley map.
+    pub fn is_side_by_side(&self) -> bool {
+        let Job { method, retraction, order, .. } = self.job;
+        (method, retraction, order) == (Method::Standard, Retraction::Cayley, Order::Two)
+    }
+
+    /// Checks that there is memory for the members.
+    ///
+    /// # Errors
+    /// If not so much can be had.
+    pub fn check_room(&self) -> Result<(), SetupError> {
+        Vec::<(Setup, Setup)>::new().try_reserve_exact(self.members).map_err(|_| {
+            let reason = format!("there is no memory for {} members", grouped(self.members as u64));
+            SetupError::new("members", self.members, reason)
+        })
+    }
+}
+
+/// Runs an ensemble with the controls of the setup. The callback may end the run.
+///
+/// # Errors
+/// If the parameters or the state of a member are not valid, or the step, or there is no such scheme.
+pub fn run(
+    entry: &Entry,
+    setup: &Setup,
+    spec: &EnsembleSpec,
+    observables: &[Observable],
+    progress: &mut ProgressFn<'_>,
+) -> Result<EnsembleSummary, RunError> {
+    spec.check_room()?;
+    let mut ranges = spec.variation.ranges(entry, setup);
+    let mut laws: Vec<ControlLaw> = Vec::new();
+    let members = (0..spec.members).map(|member| {
+        let own = ranges.member(spec.seed, member);
+        laws.extend(entry.law(&own));
+        (own.parameters, own.state)
+    });
+    let system = entry.system(&setup.parameters);
+    let mut moving = if spec.is_side_by_side() {
+        EnsembleBackend::SideBySide(Ensemble::new(&*system, members, spec.job.step)?)
+    } else {
+        EnsembleBackend::OneByOne(one_by_one(entry, &spec.job, members)?)
+    };
+    let mut spreads = vec![Vec::new(); observables.len()];
+    let every = spec.every.max(1);
+    let Job { step, steps, .. } = spec.job;
+    let (mut taken, mut member_steps, mut seconds) = (0, 0, 0.0);
+    // between two looks it is asked whether to go on, after about a million steps of all members
+    let at_once = ((1 << 20) / spec.members.max(1) as u64).max(1);
+    loop {
+        if taken == steps || taken.is_multiple_of(every) {
+            for (spreads, &observable) in spreads.iter_mut().zip(observables) {
+                spreads.push(moving.spread(observable, taken as f64 * step, (entry, &laws)));
+            }
+        }
+        if progress(taken).is_break() || taken == steps {
+            break;
+        }
+        // up to the next look
+        let count = (every - taken % every).min(steps - taken).min(at_once);
+        let start = std::time::Instant::now();
+        member_steps += moving.advance(count, &laws, entry);
+        seconds += start.elapsed().as_secs_f64();
+        taken += count;
+    }
+    let (failed, width) = (moving.failed(), moving.width());
+    drop(moving);
+    Ok(EnsembleSummary { spreads, drawn: ranges.finish(), failed, member_steps, width, seconds })
+}
+
+/// Members on their way.
+enum EnsembleBackend {
+    /// In registers.
+    SideBySide(Ensemble),
+    /// Each with a stepper of its own, on all processors.
+    OneByOne(Vec<Member>),
+}
+
+struct Member {
+    stepper: erased::Stepper,
+    state: Vec<f64>,
+    failure: Option<(u64, StepError)>,
+}
+
+fn one_by_one(
+    entry: &Entry,
+    job: &Job,
+    members: impl IntoIterator<Item = (Vec<f64>, Vec<f64>)>,
+) -> Result<Vec<Member>, RunError> {
+    let member = |(member, (parameters, state)): (usize, (Vec<f64>, Vec<f64>))| {
+        let stepper = stepper(entry, entry.system(&parameters), job)
+            .map_err(|source| RunError::Member { member, source: Box::new(source) })?;
+        Ok(Member { stepper, state, failure: None })
+    };
+    members.into_iter().enumerate().map(member).collect()
+}
+
+impl Member {
+    /// Takes steps, unless it failed before; returns their number.
+    fn advance(&mut self, steps: u64, law: Option<&ControlLaw>, entry: &Entry) -> u64 {
+        if self.failure.is_some() {
+            return 0;
+        }
+        let run = Run::new(&mut self.stepper, &mut self.state);
+        let ran = match law {
+            Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
+            None => run.steps(steps),
+        };
+        match ran {
+            Ok(report) => report.steps,
+            Err(error) => {
+                self.failure = Some((error.step, error.cause));
+                error.report.steps
+            }
+        }
+    }
+}
+
+impl EnsembleBackend {
+    /// Steps all members that have not failed; returns the number of all their steps.
+    fn advance(&mut self, steps: u64, laws: &[ControlLaw], entry: &Entry) -> u64 {
+        match self {
+            Self::SideBySide(ensemble) if laws.is_empty() => ensemble.run(steps),
+            Self::SideBySide(ensemble) => ensemble
+                .run_controlled(steps, &|member, state, time, control| laws[member](state, time, control)),
+            Self::OneByOne(members) => {
+                let advance =
+                    |(index, member): (usize, &mut Member)| member.advance(steps, laws.get(index), entry);
+                members.par_iter_mut().enumerate().map(advance).sum()
+            }
+        }
+    }
+
+    /// Measures how a quantity is distributed over the members now.
+    fn spread(&self, observable: Observable, time: f64, (entry, laws): (&Entry, &[ControlLaw])) -> Spread {
+        let value = |index: usize, system: &dyn erased::System, state: &[f64]| match observable {
+            Observable::Energy => entry.energy(system, laws.get(index), (state, time)),
+            Observable::State(place) => state.get(place).copied().unwrap_or(f64::NAN),
+        };
+        let mut values: Vec<f64> = match self {
+            Self::SideBySide(ensemble) => {
+                ensemble.members().map(|(index, system, state)| value(index, system, &state)).collect()
+            }
+            Self::OneByOne(members) => {
+                let alive = members.iter().enumerate().filter(|(_, member)| member.failure.is_none());
+                alive.map(|(index, member)| value(index, &**member.stepper.system(), &member.state)).collect()
+            }
+        };
+        values.retain(|value| !value.is_nan());
+        Spread::of(time, &mut values)
+    }
+
+    fn failed(&self) -> Vec<Failure> {
+        match self {
+            Self::SideBySide(ensemble) => {
+                let failure = |failed: &coadjoint::ensemble::Failed| Failure {
+                    member: failed.member,
+                    step: failed.step,
+                    cause: failed.source,
+                };
+                ensemble.failed().iter().map(failure).collect()
+            }
+            Self::OneByOne(members) => {
+                let failure = |(index, member): (usize, &Member)| {
+                    member.failure.map(|(step, cause)| Failure { member: index, step, cause })
+                };
+                members.iter().enumerate().filter_map(failure).collect()
+            }
+        }
+    }
+
+    fn width(&self) -> usize {
+        match self {
+            Self::SideBySide(ensemble) => ensemble.width(),
+            Self::OneByOne(_) => 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_systems::catalogue;
+
+    #[test]
+    fn ensembles_that_memory_cannot_hold_are_refused() {
+        let top = catalogue().find("heavy_top").expect("it is there");
+        let refused = |members: usize, order: Order| {
+            let variation = Variation::parse(top, &top.example, &[]).expect("nothing varies");
+            let (method, retraction) = (Method::Standard, Retraction::Cayley);
+            let job = Job { method, retraction, order, step: 0.01, steps: 100 };
+            let spec = EnsembleSpec { members, variation, seed: 1, job, every: 100 };
+            let ran = run(top, &top.example, &spec, &[], &mut |_| ControlFlow::Continue(()));
+            ran.map(|summary| summary.member_steps).map_err(|error| error.to_string())
+        };
+        assert_eq!(refused(10, Order::Two), Ok(1000));
+        for members in [100_000_000_000_000, usize::MAX] {
+            for order in [Order::Two, Order::Ten] {
+                let message = refused(members, order).expect_err("more than any computer has");
+                assert!(message.contains("there is no memory for"), "{message}");
+            }
+        }
+    }
+}

@@ -1,0 +1,240 @@
+//! Runs of any system, with parameters and states as flat lists of numbers.
+
+mod certify;
+mod classical;
+pub mod ensemble;
+pub(crate) mod threads;
+mod too_far;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::time::Instant;
+
+use coadjoint::RunReport;
+use coadjoint::composition::{KahanLi6, KahanLi8, SofroniouSpaletta10, Suzuki4};
+use coadjoint::erased::{self, StepperError};
+use coadjoint::observe::Observer;
+use coadjoint::prelude::*;
+use coadjoint::scheme::Rule;
+use coadjoint::{Run, Scheme, Tick};
+use serde::{Deserialize, Serialize};
+
+pub use certify::{certify, states_in_motion};
+
+use crate::catalogue::{ControlLaw, Entry, Setup};
+use crate::error::{RunError, SetupError};
+pub use crate::record::Sample;
+use crate::setup::{Classical, Job, Method, Order, Retraction};
+
+/// The state of a run from which it can be resumed, bit for bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint {
+    /// The state's components.
+    pub state: Vec<f64>,
+    /// The stepper's memory.
+    pub memory: Vec<f64>,
+}
+
+impl Checkpoint {
+    /// The checkpoint at a sample.
+    pub fn at(sample: &Sample<'_>) -> Self {
+        Self { state: sample.state.to_vec(), memory: (sample.snapshot)() }
+    }
+}
+
+/// Observes samples; may end the run.
+pub type SampleObserver<'a> = dyn FnMut(&Sample<'_>) -> ControlFlow<()> + 'a;
+
+/// Composes the scheme of a method with a retraction, of an order.
+///
+/// # Errors
+/// If an order above 2 is asked for of a method whose steps are not symmetric, or the method is no scheme.
+pub fn scheme(method: Method, retraction: Retraction, order: Order) -> Result<Scheme, SetupError> {
+    let map = retraction.map();
+    let base = match method {
+        Method::Standard => Scheme::Standard(map),
+        Method::EulerA => Scheme::member(map, 0, 1),
+        Method::EulerB => Scheme::member(map, 1, 1),
+        Method::Midpoint => Scheme::member(map, 1, 2),
+        Method::Verlet => Scheme::StormerVerlet(map),
+        Method::Family(numerator, denominator) => Scheme::member(map, numerator, denominator),
+        Method::TangentLift(numerator, denominator) => {
+            Scheme::Step(map, Rule::TangentLift(numerator, denominator))
+        }
+        Method::RightLift | Method::Classical(_) => return Err(not_certified(method)),
+    };
+    check_order(method, order)?;
+    Ok(match order {
+        Order::Two => base,
+        Order::Four => Scheme::composed::<Suzuki4>(base),
+        Order::Six => Scheme::composed::<KahanLi6>(base),
+        Order::Eight => Scheme::composed::<KahanLi8>(base),
+        Order::Ten => Scheme::composed::<SofroniouSpaletta10>(base),
+    })
+}
+
+/// Checks that steps of this order can be composed of the method's.
+fn check_order(method: Method, order: Order) -> Result<(), SetupError> {
+    if order == Order::Two || method.is_symmetric() {
+        return Ok(());
+    }
+    let symmetric = Method::COMMON.into_iter().filter(|method| method.is_symmetric());
+    let symmetric = symmetric.map(|method| method.to_string()).collect::<Vec<_>>().join(", ");
+    let reason = format!(
+        "order {} is composed of symmetric steps, which method {method} does not make for every system; take one of {symmetric}",
+        order.number()
+    );
+    Err(SetupError::new("order", order.number(), reason))
+}
+
+/// Says why no claims of a method can be measured.
+fn not_certified(method: Method) -> SetupError {
+    let why = match method {
+        Method::RightLift => "takes the steps of euler-a: certify these",
+        _ => "claims nothing that a certificate could measure",
+    };
+    SetupError::new("method", method, format!("method {method} {why}"))
+}
+
+/// Builds a stepper that takes the steps of a classical method of any system, by its vector field.
+///
+/// # Errors
+/// If the parameters are not valid, or the step is zero or not finite.
+pub fn classical_stepper(
+    system: Arc<dyn erased::System>,
+    method: Classical,
+    step: f64,
+) -> Result<erased::Stepper, ParameterError> {
+    classical::stepper(method, system, step)
+}
+
+/// Builds the stepper of a run.
+///
+/// # Errors
+/// If parameters or step are not valid, or there are no such steps.
+pub(crate) fn stepper(
+    entry: &Entry,
+    system: Arc<dyn erased::System>,
+    job: &Job,
+) -> Result<erased::Stepper, RunError> {
+    let &Job { method, retraction, order, step, .. } = job;
+    let stepper = match method {
+        Method::Classical(classical) => {
+            check_order(method, order)?;
+            classical_stepper(system, classical, step)
+        }
+        Method::RightLift => {
+            check_order(method, order)?;
+            let lifted = entry.right_lift.ok_or_else(|| {
+                let reason = format!(
+                    "`{}` has no steps with the method right-lift, which carries the momentum in space: something acts on it",
+                    entry.name
+                );
+                SetupError::new("method", method, reason)
+            })?;
+            let make = move |system: &Arc<dyn erased::System>, step| {
+                lifted(&system.parameters(), retraction.map(), step)
+            };
+            make(&system, step).ok_or_else(|| {
+                let reason = format!(
+                    "there are no steps of the method right-lift with the retraction {}; take one of exponential, cayley",
+                    retraction.name()
+                );
+                SetupError::new("retraction", retraction.name(), reason)
+            })?;
+            erased::Stepper::with_methods(system, step, make)
+        }
+        _ => return Ok(erased::Stepper::new(system, &scheme(method, retraction, order)?, step)?),
+    };
+    Ok(stepper.map_err(StepperError::from)?)
+}
+
+/// Makes a run, with the controls of the setup: from the setup's state at time 0, or on from a checkpoint. The observer
+/// sees the initial state, the samples whose indices `next` gives, and the last one.
+///
+/// # Errors
+/// If parameters or step are not valid, or a step cannot be taken.
+pub fn simulate(
+    entry: &Entry,
+    setup: &Setup,
+    job: &Job,
+    from: Option<&Checkpoint>,
+    next: &dyn Fn(u64) -> u64,
+    observer: &mut SampleObserver<'_>,
+) -> Result<RunReport, RunError> {
+    let system = entry.system(&setup.parameters);
+    let mut stepper = stepper(entry, system.clone(), job)?;
+    let mut state = setup.state.clone();
+    if let Some(from) = from {
+        state.clone_from(&from.state);
+        stepper.restore(&from.memory).map_err(StepperError::from)?;
+    }
+    let held: Option<Vec<f64>> = setup.controls.iter().copied().collect();
+    let law = if held.is_some() { None } else { entry.law(setup) };
+    let held = held.unwrap_or_default();
+    let steps = job.steps.saturating_sub(stepper.steps_taken());
+    let watched = Watched { entry, law: law.as_ref(), held: &held, next, observer };
+    let run = Run::new(&mut stepper, &mut state).observe(watched);
+    let ran = match &law {
+        Some(law) => run.controlled_by(|state, time| entry.chosen(law, (state, time))).steps(steps),
+        None => run.with_control(held.clone()).steps(steps),
+    };
+    ran.map_err(|error| too_far::explained(error, &*system, &state, job))
+}
+
+/// Shows the samples that are needed to an observer.
+struct Watched<'a, 'o> {
+    entry: &'a Entry,
+    law: Option<&'a ControlLaw>,
+    held: &'a [f64],
+    next: &'a dyn Fn(u64) -> u64,
+    observer: &'a mut SampleObserver<'o>,
+}
+
+impl Observer<dyn erased::System> for Watched<'_, '_> {
+    fn observe(&mut self, tick: &Tick<'_, dyn erased::System>) -> ControlFlow<()> {
+        let (index, time, state) = (tick.index, tick.time, &tick.state[..]);
+        let energy = match self.law {
+            Some(_) => self.entry.energy(tick.system, self.law, (state, time)),
+            None => tick.system.energy(state, time, self.held),
+        };
+        let (casimirs, snapshot) = (&tick.system.casimirs(state)[..], &|| tick.snapshot());
+        (self.observer)(&Sample { index, time, state, energy, casimirs, snapshot })
+    }
+
+    fn next(&self, index: u64) -> u64 {
+        (self.next)(index)
+    }
+}
+
+/// Measures the time that a step takes without an observer, ns: the best of three short runs; none without steps.
+///
+/// # Errors
+/// If parameters or step are not valid, or a step cannot be taken.
+pub fn time_per_step(entry: &Entry, setup: &Setup, job: &Job) -> Result<Option<f64>, RunError> {
+    /// Enough to tell nanoseconds, and still short; those of methods that are written to be right, not to be fast, take
+    /// longer.
+    const STEPS: [u64; 2] = [50_000, 500];
+    let most = STEPS[usize::from(job.method.classical().is_some())];
+    let job = Job { steps: job.steps.min(most), ..*job };
+    if job.steps == 0 {
+        return Ok(None);
+    }
+    let mut best = f64::INFINITY;
+    for _ in 0..3 {
+        let start = Instant::now();
+        simulate(entry, setup, &job, None, &|_| u64::MAX, &mut |_| ControlFlow::Continue(()))?;
+        best = best.min(start.elapsed().as_secs_f64());
+    }
+    Ok(Some(best / job.steps as f64 * 1e9))
+}
+
+/// Tells whether there are steps of a method on the exponential map or the Cayley map.
+pub(crate) fn has_method(entry: &Entry, method: Method) -> bool {
+    let system = entry.system(&entry.example.parameters);
+    let is_there = |retraction: Retraction| {
+        let job = Job { method, retraction, order: Order::Two, step: entry.step, steps: 0 };
+        stepper(entry, system.clone(), &job).is_ok()
+    };
+    Retraction::COMMON.into_iter().any(is_there)
+}
