@@ -1,55 +1,43 @@
-// ---- solids: facets in the solid's own axes, each { corners, tone }; a tone tells facets apart, so that spinning is seen
+// ---- solids: parts in the solid's own axes, each { geometry, colour, clear }
 
-const SECTORS = 40;
+const {
+  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, ColorManagement, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide,
+  EdgesGeometry, Group, LatheGeometry, LineBasicMaterial, LineSegments, LinearSRGBColorSpace, Matrix4, Mesh, MeshLambertMaterial,
+  NotEqualStencilFunc, PerspectiveCamera, PlaneGeometry, Quaternion, ReplaceStencilOp, Scene, ShaderMaterial, ShadowMaterial, SphereGeometry,
+  SVGRenderer, toCreasedNormals, Vector2, Vector3, WebGLRenderer,
+} = THREE;
 
-/** A facet around a regular polygon or, with a profile [radius, height] from below, a solid of revolution; sectors differ in tone. */
-function revolved(profile, stretch = [1, 1, 1]) {
-  const facets = [], at = ([r, z], k) => {
-    const angle = 2 * Math.PI * k / SECTORS;
-    return [r * Math.cos(angle) * stretch[0], r * Math.sin(angle) * stretch[1], z * stretch[2]];
-  };
-  for (let row = 1; row < profile.length; row++) {
-    for (let k = 0; k < SECTORS; k++) {
-      const [low, high] = [profile[row - 1], profile[row]];
-      const corners = [at(low, k), at(low, k + 1), at(high, k + 1), at(high, k)].filter((_, c) => (c < 2 ? low : high)[0] > 0 || c % 3 === 0);
-      facets.push({ corners, tone: Math.floor(4 * k / SECTORS) % 2 });
-    }
+const SECTORS = 48;
+
+/** A part with sharp edges; each facet has the tone of its middle. */
+function part(shape, { tone = () => 1, colour = null, clear = false } = {}) {
+  const geometry = toCreasedNormals(shape, 0.6), corners = geometry.attributes.position, tones = [];
+  for (let k = 0; k < corners.count; k += 3) {
+    const middle = axis => corners.array[3 * k + axis] + corners.array[3 * k + 3 + axis] + corners.array[3 * k + 6 + axis];
+    tones.push(...Array(9).fill(tone(middle(0), middle(1))));
   }
-  return facets;
+  return { geometry: geometry.setAttribute('color', new BufferAttribute(new Float32Array(tones), 3)), colour, clear };
 }
 
-const BALL = Array.from({ length: 21 }, (_, k) => Math.PI * (k / 20 - 0.5)).map((angle, k) => [k % 20 ? Math.cos(angle) : 0, Math.sin(angle)]);
+/** A solid of revolution by its profile, [radius, height] from below; its quarters differ in tone, so that spinning is seen. */
+function revolved(profile, stretch = [1, 1, 1]) {
+  const lathe = new LatheGeometry(profile.map(at => new Vector2(...at)), SECTORS).rotateX(Math.PI / 2).scale(...stretch);
+  return part(lathe, { tone: (x, y) => x * y < 0 ? 0.84 : 1 });
+}
+
+const BALL = Array.from({ length: 25 }, (_, k) => Math.PI * (k / 24 - 0.5)).map((angle, k) => [k % 24 ? Math.cos(angle) : 0, Math.sin(angle)]);
 const cylinder = (radius, low, high) => revolved([[0, low], [radius, low], [radius, high], [0, high]]);
 const capsule = (radius, half) => revolved(BALL.map(([r, z]) => [r * radius, z * radius + Math.sign(z + 1e-9) * half]));
 
-function box(size, centre = ORIGIN, tone = 0) {
-  const facets = [];
-  for (let k = 0; k < 3; k++) {
-    for (const side of [-1, 1]) {
-      const corner = (p, q) => {
-        const way = [0, 0, 0];
-        [way[k], way[(k + 1) % 3], way[(k + 2) % 3]] = [side, p * side, q];
-        return way.map((w, axis) => centre[axis] + w * size[axis] / 2);
-      };
-      facets.push({ corners: [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)], tone, edged: true });
-    }
-  }
-  return facets;
-}
-
 /** Crossed arms along the first two axes, a hub, and four rotors; the arm ahead, along the first axis, is marked. */
 function quadrotor(arm) {
-  const rotors = [[1, 0], [0, 1], [-1, 0], [0, -1]].map(([x, y]) => ({
-    corners: Array.from({ length: 24 }, (_, k) => Math.PI * k / 12)
-      .map(angle => [arm * (x + 0.42 * Math.cos(angle)), arm * (y + 0.42 * Math.sin(angle)), 0.13 * arm]),
-    tone: x === 1 ? 'c0' : 0, clear: true,
-  }));
-  const beams = [0, 1].flatMap(axis => [-1, 1].flatMap(side => {
-    const size = [0.09, 0.09, 0.07], centre = [0, 0, 0];
-    [size[axis], centre[axis]] = [0.9, 0.55 * side];
-    return box(scaled(size, arm), scaled(centre, arm), axis === 0 && side === 1 ? 'c0' : 0);
-  }));
-  return [...box(scaled([0.36, 0.36, 0.16], arm), ORIGIN, 1), ...beams, ...rotors];
+  const arms = [[1, 0], [0, 1], [-1, 0], [0, -1]].map(([x, y]) => {
+    const colour = x === 1 ? 'c0' : null, long = axis => axis ? 0.9 : 0.09;
+    const beam = new BoxGeometry(long(x), long(y), 0.07).translate(0.55 * x, 0.55 * y, 0);
+    const rotor = new CylinderGeometry(0.42, 0.42, 0.01, SECTORS).rotateX(Math.PI / 2).translate(x, y, 0.13);
+    return [part(beam.scale(arm, arm, arm), { colour }), part(rotor.scale(arm, arm, arm), { colour, clear: true })];
+  });
+  return [part(new BoxGeometry(0.36 * arm, 0.36 * arm, 0.16 * arm), { tone: () => 0.84 }), ...arms.flat()];
 }
 
 /** A cone that stands on its tip: a top, with a rim and a knob to spin it by. */
@@ -58,7 +46,7 @@ const spinningTop = (height, radius) => revolved([
 ].map(([r, z]) => [r * radius, z * height]));
 
 const SOLIDS = {
-  box: ({ size }) => box(size),
+  box: ({ size }) => part(new BoxGeometry(...size)),
   ellipsoid: ({ semi_axes }) => revolved(BALL, semi_axes),
   sphere: ({ radius }) => revolved(BALL, [radius, radius, radius]),
   rod: ({ length, radius }) => capsule(radius, Math.max(0, length / 2 - radius)),
@@ -67,14 +55,17 @@ const SOLIDS = {
   quadrotor: ({ arm }) => quadrotor(arm),
 };
 
-/** The facets of a body's shape in the body's axes, about the shape's own centre, with outward normals; null if it has none. */
+/** The parts of a body's shape in the body's axes, about the shape's own centre; null if it has none. */
 function meshOf(shape) {
-  const facets = SOLIDS[shape?.kind]?.(shape);
-  if (!facets) return null;
-  for (const facet of facets) {
-    if (shape.rotation) facet.corners = facet.corners.map(corner => turned(shape.rotation, corner));
-    const [a, b, c] = facet.corners, normal = cross(sum(b, scaled(a, -1)), sum(c, scaled(a, -1)));
-    facet.normal = scaled(normal, 1 / (length(normal) || 1));
+  const solid = SOLIDS[shape?.kind]?.(shape);
+  if (!solid) return null;
+  const parts = [solid].flat(), [w, x, y, z] = shape.rotation ?? [1, 0, 0, 0];
+  const corner = new Vector3();
+  let extent = 0;
+  for (const { geometry } of parts) {
+    geometry.applyQuaternion(new Quaternion(x, y, z, w));
+    const corners = geometry.attributes.position;
+    for (let k = 0; k < corners.count; k++) extent = Math.max(extent, corner.fromBufferAttribute(corners, k).length());
   }
-  return { facets, centre: shape.centre ?? ORIGIN, extent: Math.max(...facets.flatMap(facet => facet.corners.map(length))) };
+  return { parts, centre: shape.centre ?? ORIGIN, extent };
 }

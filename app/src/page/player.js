@@ -162,10 +162,10 @@ function sceneNow() {
   locate();
   const view = views[0];
   for (const drawn of views) if (drawn.width) drawn.draw();
-  const onScreen = point => point && view?.width ? view.project(point).slice(0, 2) : null;
+  const onScreen = point => point && view?.width ? view.project(point) : null;
   return {
     time: currentTime(), playing: clock.playing, speed: clock.speed, notice: byId('notice').hidden ? '' : byId('notice').textContent,
-    camera: view && { yaw: view.yaw, pitch: view.pitch, zoom: view.zoom },
+    camera: view && { yaw: view.yaw, pitch: view.pitch, zoom: view.zoom }, names: view?.names, webgl: view?.webgl, shadows: view?.shadows,
     runs: runs.map(run => ({
       name: run.name,
       bodies: run.bodies.map(body => {
@@ -176,8 +176,8 @@ function sceneNow() {
         };
       }),
       arrows: run.arrows.map(arrow => {
-        const ends = spaceScene.ends(arrow);
-        return { name: arrow.name, unit: arrow.unit ?? '', vector: run.vectorNow(arrow), from: ends?.from, to: ends?.to, screen: onScreen(ends?.to) };
+        const [from, to] = spaceScene.ends(arrow) ?? [];
+        return { name: arrow.name, unit: arrow.unit ?? '', vector: run.vectorNow(arrow), from, to, screen: onScreen(to) };
       }),
       links: run.links.map(({ from, to }) => [run.point(from ?? {}), run.point(to ?? {})]),
     })),
@@ -215,7 +215,7 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
   for (const plot of plots) plot.stale = true;
   redraw();
 });
-window.coadjoint = { scene: sceneNow, pixel, png, seek, play, pause, time: currentTime, errors, theme };
+window.coadjoint = { scene: sceneNow, pixel, png, seek, play, pause, time: currentTime, pictures: () => View.pictures, errors, theme };
 // `#t=12.5` shows that moment
 const asked = Number(/^#t=(.+)$/.exec(location.hash)?.[1] ?? NaN);
 if (Number.isFinite(asked)) seek(asked);

@@ -98,58 +98,43 @@ class SpaceScene {
   floor(view) {
     const { square, radius, centre } = this, z = space.ground ?? this.low[2];
     const [x, y] = centre.map(middle => Math.round(middle / square) * square);
-    const edge = Math.ceil(0.55 * radius / square) * square;
+    const edge = Math.ceil(0.55 * radius / square) * square, lines = [];
     for (let at = -edge; at <= edge * 1.01; at += square) {
-      view.stroke([[x - edge, y + at, z], [x + edge, y + at, z]], 'muted', 1, 0.18);
-      view.stroke([[x + at, y - edge, z], [x + at, y + edge, z]], 'muted', 1, 0.18);
+      lines.push([x - edge, y + at, z], [x + edge, y + at, z], null);
+      lines.push([x + at, y - edge, z], [x + at, y + edge, z], null);
     }
-  }
-
-  /** The way of a moving point until now; what is long past is faint, what is to come fainter. `shown` tells by their depth which parts. */
-  trace(view, path, run, head, colour, shown, alpha) {
-    const { index } = run.moment, tail = Math.ceil(run.samples / 6) + 2, parts = 12;
-    view.stroke(path, colour, 1, 0.13 * alpha, shown);
-    const recent = [...path.slice(Math.max(0, index + 1 - tail), index + 1), head];
-    for (let k = 0; k < parts; k++) {
-      const part = recent.slice(recent.length * k / parts, recent.length * (k + 1) / parts + 1);
-      view.stroke(part, colour, 1.2 + 1.2 * k / parts, alpha * 0.9 * ((k + 1) / parts) ** 1.5, shown);
-    }
-  }
-
-  /** All traces before or behind a depth. */
-  traces(view, shown) {
-    for (const body of bodies) {
-      if (!body.trailPath) continue;
-      const head = body.run.point({ body: body.order, at: body.trailPoint });
-      this.trace(view, body.trailPath, body.run, head, this.traceColour(body), shown, body.ghost ? 0.5 : 1);
-    }
-  }
-
-  /** The depth that divides traces into those behind the first solid and those before it; a trace that it leaves itself is behind it. */
-  division(view) {
-    const body = bodies.find(({ mesh }) => mesh), middle = body?.run.point({ body: body.order, at: body.middle });
-    return middle ? view.project(middle)[2] + (body.trailPoint === body.middle ? body.mesh.extent * body.magnification / this.radius : 0) : 0;
+    view.add(view.stroke(lines.map(at => at && view.local(at)), 'muted', { alpha: 0.18 }));
+    if (view.shadows) view.shade([x, y, z], 2 * edge);
   }
 
   traceColour(body) {
     return body.trail_colour ?? (body.rotation && !moving(body) && body.axes ? 'c2' : ['c2', 'c0', 'c1'][body.order % 3]);
   }
 
-  drawBody(view, body) {
-    const pose = body.run.pose(body), alpha = body.ghost ? 0.3 : 1, { mesh } = body;
-    if (!pose) return;
-    const { place, attitude } = pose;
+  buildBody(view, body) {
+    const { run, mesh } = body, pose = () => run.pose(body), place = () => pose()?.place, alpha = body.ghost ? 0.3 : 1;
     if (body.dots) view.dot(place, body.paint === 'solid' ? 'ink' : body.paint, 5, body.ghost ? 0.5 : 1);
-    if (mesh) view.solid(mesh.facets, sum(place, turned(attitude, body.middle)), attitude, body.magnification, body.paint, alpha);
-    if (body.axes) {
-      UNIT.forEach((axis, k) => {
-        const tip = sum(place, scaled(turned(attitude, axis), body.reach));
-        view.arrow(place, tip, 'c' + k, body.ghost || body.order ? 1.6 : 2.4, body.ghost || (this.free && !mesh) ? '' : k + 1 + '′'.repeat(body.order), body.ghost ? 0.45 : 1);
+    if (mesh) {
+      view.add(view.solid(mesh, body.paint, alpha), solid => {
+        const now = pose();
+        if (!now) return false;
+        const [w, ...axis] = now.attitude;
+        solid.position.copy(view.vector(sum(now.place, turned(now.attitude, body.middle))));
+        solid.quaternion.set(...axis, w);
+        solid.scale.setScalar(body.magnification / this.radius);
       });
     }
-    if (moving(body) && body.mesh && this.square && this.low[2] < place[2]) {
-      const below = [place[0], place[1], space.ground ?? this.low[2]];
-      view.line(place, below, 'muted', 1, 0.5, 24, true);
+    if (body.axes) {
+      UNIT.forEach((axis, k) => {
+        const ends = () => { const now = pose(); return now && [now.place, sum(now.place, turned(now.attitude, scaled(axis, body.reach)))]; };
+        const name = body.ghost || (this.free && !mesh) ? '' : k + 1 + '′'.repeat(body.order);
+        view.arrow(ends, 'c' + k, body.ghost || body.order ? 1.6 : 2.4, name, body.ghost ? 0.45 : 1);
+      });
+    }
+    if (moving(body) && mesh && this.square) {
+      const ground = space.ground ?? this.low[2], high = () => { const at = place(); return at && this.low[2] < at[2] ? at : null; };
+      const below = () => { const at = high(); return at && [at[0], at[1], ground]; };
+      view.add(view.stroke(DASHES, 'muted', { alpha: 0.5 }), line => { const at = high(); return Boolean(at) && view.span(line, at, below(), 1); });
       view.dot(below, 'muted', 3, 0.6);
     }
   }
@@ -157,33 +142,29 @@ class SpaceScene {
   /** Where an arrow starts and ends in space at the moment. */
   ends(arrow) {
     const from = arrow.run.point({ body: arrow.body, at: arrow.from ?? ORIGIN }), vector = arrow.run.vectorNow(arrow);
-    return from && vector && { from, to: sum(from, scaled(vector, arrow.scale)) };
+    return from && vector && [from, sum(from, scaled(vector, arrow.scale))];
   }
 
-  draw(view) {
+  build(view) {
     if (this.square) this.floor(view);
     else if (!this.wide) view.sphere(bodies.length === 1 && bodies[0].axes ? bodies[0].reach : this.size * 1.3, [2], this.centre);
     const frame = this.wide ? 0.25 * this.radius : 1.48 * this.size, names = space.axes ?? ['x', 'y', 'z'];
-    UNIT.forEach((axis, k) => { if (names[k]) view.arrow(ORIGIN, scaled(axis, frame), 'muted', 1, names[k], 0.6); });
-    const depth = this.division(view);
-    this.traces(view, near => near <= depth);
+    UNIT.forEach((axis, k) => { if (names[k]) view.arrow(() => [ORIGIN, scaled(axis, frame)], 'muted', 1, names[k], 0.6); });
+    for (const body of bodies) if (body.trailPath) view.trace(body.trailPath, body.run, this.traceColour(body), body.ghost ? 0.5 : 1);
     for (const run of runs) {
       for (const { from, to, spring } of run.links) {
-        const [a, b] = [run.point(from ?? {}), run.point(to ?? {})], alpha = run.ghost ? 0.35 : 1;
-        if (!a || !b) continue;
-        if (spring) view.spring(a, b, alpha); else view.line(a, b, 'ink', 2.5, alpha, 12);
+        const end = point => () => run.point(point ?? {}), [a, b] = [end(from), end(to)], alpha = run.ghost ? 0.35 : 1;
+        view.link(() => a() && b() && [a(), b()], spring, alpha);
         view.dot(a, 'ink', 3.5, alpha);
       }
     }
-    for (const body of bodies) this.drawBody(view, body);
-    for (const run of runs) {
-      for (const arrow of run.arrows) {
-        const ends = this.ends(arrow);
-        if (ends && arrow.scale > 0) view.arrow(ends.from, ends.to, arrow.colour, 2, run.ghost ? '' : arrow.symbol ?? arrow.name, run.ghost ? 0.45 : 1);
+    for (const body of bodies) this.buildBody(view, body);
+    for (const { arrows, ghost } of runs) {
+      for (const arrow of arrows) {
+        const ends = () => this.ends(arrow);
+        if (arrow.scale > 0) view.arrow(ends, arrow.colour, 2, ghost ? '' : arrow.symbol ?? arrow.name, ghost ? 0.45 : 1);
       }
     }
-    view.flush();
-    this.traces(view, near => near > depth);
   }
 }
 
@@ -200,15 +181,14 @@ class BodyScene {
     Object.assign(this, { centre: ORIGIN, radius: 1.6, look: [-0.95, 0.38] });
   }
 
-  draw(view) {
+  build(view) {
     view.sphere(1, [0, 1, 2]);
-    UNIT.forEach((axis, k) => view.arrow(ORIGIN, scaled(axis, 1.2), 'c' + k, 1.4, String(k + 1)));
+    UNIT.forEach((axis, k) => view.arrow(() => [ORIGIN, scaled(axis, 1.2)], 'c' + k, 1.4, String(k + 1)));
     for (const { run, vector, bodyPath, bodyUnit, colour } of this.vectors) {
-      const now = vector.now(), head = now && scaled(now, 1 / bodyUnit);
-      spaceScene.trace(view, bodyPath, run, head, colour, null, run.ghost ? 0.5 : 1);
-      if (head) view.arrow(ORIGIN, head, colour, 2, '', run.ghost ? 0.5 : 1);
+      const alpha = run.ghost ? 0.5 : 1;
+      view.trace(bodyPath, run, colour, alpha);
+      view.arrow(() => { const now = vector.now(); return now && [ORIGIN, scaled(now, 1 / bodyUnit)]; }, colour, 2, '', alpha);
     }
-    view.flush();
   }
 }
 
