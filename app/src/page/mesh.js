@@ -1,43 +1,26 @@
-// ---- solids: parts in the solid's own axes, each { geometry, colour, clear }
+// ---- solids: parts in the solid's own axes, each { geometry, edges, light, colour, clear }
 
-const {
-  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, ColorManagement, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide,
-  EdgesGeometry, Group, LatheGeometry, LineBasicMaterial, LineSegments, LinearSRGBColorSpace, Matrix4, Mesh, MeshLambertMaterial,
-  NotEqualStencilFunc, PerspectiveCamera, PlaneGeometry, Quaternion, ReplaceStencilOp, Scene, ShaderMaterial, ShadowMaterial, SphereGeometry,
-  SVGRenderer, toCreasedNormals, Vector2, Vector3, WebGLRenderer,
-} = THREE;
+/** A part with sharp edges. */
+const part = (shape, look) => ({ geometry: THREE.toCreasedNormals(shape, 0.6), edges: new THREE.EdgesGeometry(shape, 30), light: 1, ...look });
 
-const SECTORS = 48;
-
-/** A part with sharp edges; each facet has the tone of its middle. */
-function part(shape, { tone = () => 1, colour = null, clear = false } = {}) {
-  const geometry = toCreasedNormals(shape, 0.6), corners = geometry.attributes.position, tones = [];
-  for (let k = 0; k < corners.count; k += 3) {
-    const middle = axis => corners.array[3 * k + axis] + corners.array[3 * k + 3 + axis] + corners.array[3 * k + 6 + axis];
-    tones.push(...Array(9).fill(tone(middle(0), middle(1))));
-  }
-  return { geometry: geometry.setAttribute('color', new BufferAttribute(new Float32Array(tones), 3)), colour, clear };
-}
-
-/** A solid of revolution by its profile, [radius, height] from below; its quarters differ in tone, so that spinning is seen. */
+/** A solid of revolution by its profile, [radius, height] from below; its quarters differ in light, so that spinning is seen. */
 function revolved(profile, stretch = [1, 1, 1]) {
-  const lathe = new LatheGeometry(profile.map(at => new Vector2(...at)), SECTORS).rotateX(Math.PI / 2).scale(...stretch);
-  return part(lathe, { tone: (x, y) => x * y < 0 ? 0.84 : 1 });
+  const points = profile.map(at => new THREE.Vector2(...at));
+  const lathe = (sectors, ...turn) => new THREE.LatheGeometry(points, sectors, ...turn).rotateX(Math.PI / 2).scale(...stretch);
+  const edges = k => k ? null : new THREE.EdgesGeometry(lathe(48), 30);
+  return [0, 1, 2, 3].map(k => part(lathe(12, k * Math.PI / 2, Math.PI / 2), { light: k % 2 ? 0.84 : 1, edges: edges(k) }));
 }
 
 const BALL = Array.from({ length: 25 }, (_, k) => Math.PI * (k / 24 - 0.5)).map((angle, k) => [k % 24 ? Math.cos(angle) : 0, Math.sin(angle)]);
-const cylinder = (radius, low, high) => revolved([[0, low], [radius, low], [radius, high], [0, high]]);
-const capsule = (radius, half) => revolved(BALL.map(([r, z]) => [r * radius, z * radius + Math.sign(z + 1e-9) * half]));
 
 /** Crossed arms along the first two axes, a hub, and four rotors; the arm ahead, along the first axis, is marked. */
 function quadrotor(arm) {
-  const arms = [[1, 0], [0, 1], [-1, 0], [0, -1]].map(([x, y]) => {
-    const colour = x === 1 ? 'c0' : null, long = axis => axis ? 0.9 : 0.09;
-    const beam = new BoxGeometry(long(x), long(y), 0.07).translate(0.55 * x, 0.55 * y, 0);
-    const rotor = new CylinderGeometry(0.42, 0.42, 0.01, SECTORS).rotateX(Math.PI / 2).translate(x, y, 0.13);
-    return [part(beam.scale(arm, arm, arm), { colour }), part(rotor.scale(arm, arm, arm), { colour, clear: true })];
+  const arms = [[1, 0], [0, 1], [-1, 0], [0, -1]].flatMap(([x, y]) => {
+    const beam = new THREE.BoxGeometry(x ? 0.9 : 0.09, y ? 0.9 : 0.09, 0.07).translate(0.55 * x, 0.55 * y, 0);
+    const rotor = new THREE.CylinderGeometry(0.42, 0.42, 0.01, 48).rotateX(Math.PI / 2).translate(x, y, 0.13);
+    return [beam, rotor].map(shape => part(shape.scale(arm, arm, arm), { colour: x === 1 ? 'c0' : null, clear: shape === rotor }));
   });
-  return [part(new BoxGeometry(0.36 * arm, 0.36 * arm, 0.16 * arm), { tone: () => 0.84 }), ...arms.flat()];
+  return [part(new THREE.BoxGeometry(0.36 * arm, 0.36 * arm, 0.16 * arm), { light: 0.84 }), ...arms];
 }
 
 /** A cone that stands on its tip: a top, with a rim and a knob to spin it by. */
@@ -46,26 +29,19 @@ const spinningTop = (height, radius) => revolved([
 ].map(([r, z]) => [r * radius, z * height]));
 
 const SOLIDS = {
-  box: ({ size }) => part(new BoxGeometry(...size)),
+  box: ({ size }) => [part(new THREE.BoxGeometry(...size))],
   ellipsoid: ({ semi_axes }) => revolved(BALL, semi_axes),
   sphere: ({ radius }) => revolved(BALL, [radius, radius, radius]),
-  rod: ({ length, radius }) => capsule(radius, Math.max(0, length / 2 - radius)),
-  disc: ({ radius, thickness }) => cylinder(radius, -thickness / 2, thickness / 2),
+  rod: ({ length, radius }) => revolved(BALL.map(([r, z]) => [r * radius, z * radius + Math.sign(z + 1e-9) * Math.max(0, length / 2 - radius)])),
+  disc: ({ radius, thickness: t }) => revolved([[0, -t / 2], [radius, -t / 2], [radius, t / 2], [0, t / 2]]),
   cone: ({ height, radius }) => spinningTop(height, radius),
   quadrotor: ({ arm }) => quadrotor(arm),
 };
 
-/** The parts of a body's shape in the body's axes, about the shape's own centre; null if it has none. */
+/** The parts of a body's shape about the shape's own centre, and how that stands in the body's axes; null if it has none. */
 function meshOf(shape) {
-  const solid = SOLIDS[shape?.kind]?.(shape);
-  if (!solid) return null;
-  const parts = [solid].flat(), [w, x, y, z] = shape.rotation ?? [1, 0, 0, 0];
-  const corner = new Vector3();
-  let extent = 0;
-  for (const { geometry } of parts) {
-    geometry.applyQuaternion(new Quaternion(x, y, z, w));
-    const corners = geometry.attributes.position;
-    for (let k = 0; k < corners.count; k++) extent = Math.max(extent, corner.fromBufferAttribute(corners, k).length());
-  }
-  return { parts, centre: shape.centre ?? ORIGIN, extent };
+  const parts = SOLIDS[shape?.kind]?.(shape);
+  if (!parts) return null;
+  const far = ({ geometry: { attributes: { position } } }) => Array.from({ length: position.count }, (_, k) => Math.hypot(...position.array.slice(3 * k, 3 * k + 3)));
+  return { parts, centre: vector(shape.centre ?? [0, 0, 0]), rotation: rotation(shape.rotation ?? [1, 0, 0, 0]), extent: Math.max(...parts.flatMap(far)) };
 }

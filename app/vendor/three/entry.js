@@ -1,7 +1,7 @@
 // what the page uses of three.js
 export {
-  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, ColorManagement, ConeGeometry, CylinderGeometry, DirectionalLight,
-  DoubleSide, EdgesGeometry, Group, LatheGeometry, Line, LineBasicMaterial, LineSegments, LinearSRGBColorSpace, Matrix4, Mesh, MeshLambertMaterial,
+  AmbientLight, Box3, BoxGeometry, BufferAttribute, BufferGeometry, Color, ColorManagement, ConeGeometry, CylinderGeometry, DirectionalLight,
+  DoubleSide, EdgesGeometry, Group, LatheGeometry, LineBasicMaterial, LineSegments, LinearSRGBColorSpace, Matrix4, Mesh, MeshLambertMaterial,
   NotEqualStencilFunc, PerspectiveCamera, PlaneGeometry, Quaternion, ReplaceStencilOp, Scene, ShaderMaterial, ShadowMaterial, SphereGeometry,
   Vector2, Vector3, WebGLRenderer,
 } from 'three';
