@@ -7,6 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A browser, and a directory of pages for it.
+#[derive(Clone)]
 pub(super) struct Browser {
     program: PathBuf,
     directory: PathBuf,
@@ -84,6 +85,9 @@ impl Browser {
         let asked = self.path(&format!("asked-{name}"));
         // the page's own scripts run by their hashes, and this question by its nonce
         let page = page.replace("script-src ", "script-src 'nonce-ask' ").replace("</body>", &question);
+        // no frame of the screen comes by itself while time is virtual
+        let frames = "<script nonce=\"ask\">requestAnimationFrame = drawn => setTimeout(drawn, 50, performance.now());</script></head>";
+        let page = page.replace("</head>", frames);
         std::fs::write(&asked, page).expect("writable");
         let drawing: &[&str] = if self.webgl {
             &["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
