@@ -37,9 +37,9 @@ use crate::session::{Plan, title};
 /// The page; its parts go where their places stand.
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-/// The part of three.js that the page uses; `vendor/three/make.mjs` makes it.
-const THREE: &str = include_str!("../vendor/three/three-subset.min.js");
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
+    // the part of three.js that the others use
+    include_str!("../vendor/three/three-subset.min.js"),
     include_str!("page/data.js"),
     include_str!("page/mesh.js"),
     include_str!("page/view.js"),
@@ -55,13 +55,12 @@ impl Page {
     pub fn to_html(&self) -> String {
         // a `<` inside a script could end it
         let data = serde_json::to_string(self).unwrap_or_default().replace('<', "\\u003c");
-        let mut html = String::with_capacity(PAGE.len() + STYLE.len() + THREE.len() + data.len());
-        let mut rest = PAGE;
         let script = SCRIPTS.concat();
+        let mut html = String::with_capacity(PAGE.len() + STYLE.len() + data.len() + script.len());
+        let mut rest = PAGE;
         for (place, part) in [
             ("__COADJOINT_STYLE__", STYLE),
             ("__COADJOINT_DATA__", data.as_str()),
-            ("__COADJOINT_THREE__", THREE),
             ("__COADJOINT_SCRIPT__", script.as_str()),
         ] {
             let (before, after) = rest.split_once(place).unwrap_or((rest, ""));

@@ -1,5 +1,3 @@
-'use strict';
-
 const errors = [];
 window.onerror = message => { errors.push(String(message)); };
 

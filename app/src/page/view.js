@@ -79,11 +79,8 @@ function band(points) {
   return geometry.setIndex(order.flatMap(k => [2 * k - 2, 2 * k - 1, 2 * k, 2 * k, 2 * k - 1, 2 * k + 1]));
 }
 
-/** The same for SVG, of no more points than it can bear. */
-function segments(points) {
-  const stride = Math.ceil(points.length / 600), few = points.filter((_, k) => k % stride === 0);
-  return new THREE.BufferGeometry().setFromPoints(joined(few).flatMap(k => [few[k - 1], few[k]]));
-}
+/** The same for SVG. */
+const segments = points => new THREE.BufferGeometry().setFromPoints(joined(points).flatMap(k => [points[k - 1], points[k]]));
 
 const SHAFT = new THREE.CylinderGeometry(1, 1, 1, 12, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.5);
 const HEAD = new THREE.ConeGeometry(1, 1, 24).rotateX(Math.PI / 2).translate(0, 0, 0.5);
@@ -255,14 +252,15 @@ class View {
     return Object.assign(line, { frustumCulled: false });
   }
 
-  /** The way of a moving point; what is long past is faint, what is to come fainter. */
+  /** The way of a moving point, by no more points than can be drawn; what is long past is faint, what is to come fainter. */
   trace(path, run, colour, alpha) {
-    const points = path.map(point => point && this.local(point)), most = Math.ceil(run.samples / 6) + 2;
+    const stride = Math.ceil(run.samples / (this.webgl ? 20000 : 1000)), few = path.filter((_, k) => k % stride === 0);
+    const points = few.map(point => point && this.local(point)), most = Math.ceil(points.length / 6) + 2;
     const whole = this.stroke(points, colour, { alpha: 0.13 * alpha }), { attributes, index, userData: order } = whole.geometry;
     const recent = this.stroke(points, colour, { width: 2.4, alpha: 0.9 * alpha, geometry: Object.assign(new THREE.BufferGeometry(), { attributes, index }) });
     this.add(whole);
     this.add(recent, () => {
-      const now = run.moment.index + run.moment.fraction, tail = Math.min(most, now + 1);
+      const now = (run.moment.index + run.moment.fraction) / stride, tail = Math.min(most, now + 1);
       if (!this.webgl) return void (recent.geometry = segments(points.slice(Math.max(0, Math.round(now - tail / 2)), Math.floor(now) + 1)));
       Object.assign(recent.material.uniforms, { now: { value: now }, tail: { value: tail } });
       const [start, end] = [now + 1, now - tail].map(moment => order.filter(k => k > moment).length);
