@@ -29,7 +29,7 @@ const spinningTop = (height, radius) => revolved([
 ].map(([r, z]) => [r * radius, z * height]));
 
 const SOLIDS = {
-  box: ({ size }) => [part(new THREE.BoxGeometry(...size))],
+  box: ({ size }) => [part(new THREE.BoxGeometry(...size, 6, 6, 6))], // an SVG's facets are sorted: they are to be small
   ellipsoid: ({ semi_axes }) => revolved(BALL, semi_axes),
   sphere: ({ radius }) => revolved(BALL, [radius, radius, radius]),
   rod: ({ length, radius }) => revolved(BALL.map(([r, z]) => [r * radius, z * radius + Math.sign(z + 1e-9) * Math.max(0, length / 2 - radius)])),
