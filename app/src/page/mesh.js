@@ -7,11 +7,11 @@ const part = (shape, look) => ({ geometry: THREE.toCreasedNormals(shape, 0.6), e
 function revolved(profile, stretch = [1, 1, 1]) {
   const points = profile.map(at => new THREE.Vector2(...at));
   const lathe = (sectors, ...turn) => new THREE.LatheGeometry(points, sectors, ...turn).rotateX(Math.PI / 2).scale(...stretch);
-  const edges = k => k ? null : new THREE.EdgesGeometry(lathe(48), 30);
-  return [0, 1, 2, 3].map(k => part(lathe(12, k * Math.PI / 2, Math.PI / 2), { light: k % 2 ? 0.84 : 1, edges: edges(k) }));
+  const edges = k => k ? null : new THREE.EdgesGeometry(lathe(64), 30);
+  return [0, 1, 2, 3].map(k => part(lathe(16, k * Math.PI / 2, Math.PI / 2), { light: k % 2 ? 0.84 : 1, edges: edges(k) }));
 }
 
-const BALL = Array.from({ length: 25 }, (_, k) => Math.PI * (k / 24 - 0.5)).map((angle, k) => [k % 24 ? Math.cos(angle) : 0, Math.sin(angle)]);
+const BALL = Array.from({ length: 29 }, (_, k) => Math.PI * (k / 28 - 0.5)).map((angle, k) => [k % 28 ? Math.cos(angle) : 0, Math.sin(angle)]);
 
 /** Crossed arms along the first two axes, a hub, and four rotors; the arm ahead, along the first axis, is marked. */
 function quadrotor(arm) {

@@ -108,7 +108,7 @@ class SpaceScene {
 
   /** Where an arrow starts and ends in space at the moment. */
   ends(arrow) {
-    const from = arrow.run.point(arrow.from ? { body: arrow.body, at: arrow.from } : { body: arrow.body }), along = arrow.run.vectorNow(arrow);
+    const from = arrow.run.point({ body: arrow.body, at: arrow.from ?? undefined }), along = arrow.run.vectorNow(arrow);
     return from && along && [from, sum(from, scaled(along, arrow.scale))];
   }
 

@@ -91,6 +91,7 @@ const DASHES = Array.from({ length: 24 }, (_, k) => k % 3 === 2 ? null : vector(
 
 /** A scene in mild perspective that can be turned and zoomed, with names over it. Its middle is the origin for three.js, its radius 1. */
 class View {
+  /** How many pictures of all scenes were drawn. */
   static pictures = 0;
 
   constructor(parent, label, scene) {

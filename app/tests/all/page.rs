@@ -361,6 +361,35 @@ fn without_webgl_the_motion_is_drawn_as_svg() {
     }
 }
 
+/// How dark the picture is, all in all, and whether shadows are in it.
+const DARKNESS: &str = "(() => {
+  coadjoint.pause();
+  coadjoint.seek(0);
+  const { shadows } = coadjoint.scene(), { width, height } = document.querySelector('#space canvas');
+  const { data } = document.querySelector('#space canvas').getContext('2d').getImageData(0, 0, width, height);
+  return { shadows, darkness: data.reduce((total, level) => total + (255 - level) / 255, 0) };
+})()";
+
+#[test]
+fn bodies_throw_shadows_where_a_graphics_processor_draws() {
+    let Some(browser) = Browser::find("shadows") else { return };
+    let data = serde_json::json!({
+        "format": "coadjoint page 1", "time": [0.0, 1.0], "space": { "ground": 0.0, "look": [-0.9, 0.6] },
+        "runs": [{ "bodies": [{ "position": [[0, 0, 0.32], [0.5, 0, 0.32]], "shape": { "kind": "sphere", "radius": 0.3 }, "trail": false }] }],
+    });
+    let page = Page::from_json(&data.to_string()).expect("a page").to_html();
+    // the renderer by another name
+    let card = "<script nonce=\"ask\">{ const { prototype } = WebGL2RenderingContext, { getParameter } = prototype; \
+                prototype.getParameter = function (name) { return name === 0x9246 ? 'card' : getParameter.call(this, name); }; }</script></head>";
+    std::fs::write(browser.path("software.html"), &page).expect("writable");
+    std::fs::write(browser.path("card.html"), page.replace("</head>", card)).expect("writable");
+    let [software, shaded] =
+        ["software.html", "card.html"].map(|name| browser.ask(name, (1280, 800), DARKNESS));
+    assert_eq!((&software["shadows"], &shaded["shadows"]), (&Value::Bool(false), &Value::Bool(true)));
+    let [least, most] = [&software, &shaded].map(|shown| number(&shown["darkness"]));
+    assert!(most > least + 500.0, "{least}, with shadows {most}");
+}
+
 /// Counts the pictures that are drawn in six frames, at rest, after one change, and playing.
 const COUNTED: &str = "(async () => {
   const pictures = async change => {
