@@ -29,7 +29,9 @@ use crate::error::{Error, FileError, SetupError};
 /// The page; its parts go where their places stand.
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
+    // the part of three.js that the others use
+    include_str!("../vendor/three/three-subset.min.js"),
     include_str!("page/data.js"),
     include_str!("page/mesh.js"),
     include_str!("page/view.js"),
@@ -45,9 +47,9 @@ impl Page {
     pub fn to_html(&self) -> String {
         // a `<` inside a script could end it
         let data = serde_json::to_string(self).unwrap_or_default().replace('<', "\\u003c");
-        let mut html = String::with_capacity(PAGE.len() + STYLE.len() + data.len());
-        let mut rest = PAGE;
         let script = SCRIPTS.concat();
+        let mut html = String::with_capacity(PAGE.len() + STYLE.len() + data.len() + script.len());
+        let mut rest = PAGE;
         for (place, part) in [
             ("__COADJOINT_STYLE__", STYLE),
             ("__COADJOINT_DATA__", data.as_str()),

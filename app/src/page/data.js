@@ -1,5 +1,3 @@
-'use strict';
-
 const errors = [];
 window.onerror = message => { errors.push(String(message)); };
 
@@ -40,33 +38,14 @@ function ticks(low, high, count) {
   return Array.from({ length: clamp(last - first + 1, 0, 50) || 0 }, (_, k) => (first + k) * step);
 }
 
-// ---- vectors and rotations
+// ---- points, vectors and rotations, as three.js has them
 
-const scaled = (v, factor) => v.map(x => x * factor);
-const sum = (a, b) => a.map((x, k) => x + b[k]);
-const dot = (a, b) => a.reduce((total, x, k) => total + x * b[k], 0);
-const mix = (a, b, t) => a.map((x, k) => x + (b[k] - x) * t);
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const length = v => Math.hypot(...v);
-const ORIGIN = [0, 0, 0];
-const UNIT = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
-
-/** A vector turned by a unit quaternion (w, x, y, z). */
-function turned([w, ...axis], v) {
-  const twice = scaled(cross(axis, v), 2);
-  return sum(sum(v, scaled(twice, w)), cross(axis, twice));
-}
-
-/** From one rotation to another at constant speed, the shorter way. */
-function slerp(a, b, t) {
-  const cosine = dot(a, b), angle = Math.acos(Math.min(1, Math.abs(cosine)));
-  const [u, v] = angle < 1e-4 ? [1 - t, t] : [Math.sin((1 - t) * angle), Math.sin(t * angle)];
-  const blend = sum(scaled(a, u), scaled(b, cosine < 0 ? -v : v));
-  return scaled(blend, 1 / length(blend));
-}
-
-/** The angle between two rotations, rad. */
-const angleBetween = (a, b) => 2 * Math.acos(Math.min(1, Math.abs(dot(a, b))));
+const vector = components => new THREE.Vector3(...components);
+const rotation = ([w, x, y, z]) => new THREE.Quaternion(x, y, z, w);
+const scaled = (v, factor) => v.clone().multiplyScalar(factor);
+const sum = (a, b) => a.clone().add(b);
+const ORIGIN = vector([0, 0, 0]);
+const UNIT = [vector([1, 0, 0]), vector([0, 1, 0]), vector([0, 0, 1])];
 
 // ---- the data
 
@@ -75,12 +54,10 @@ const space = page.space ?? {};
 
 /** Something over the moments of a run: a path, or a value that is always the same. */
 class Track {
-  constructor(run, value, blend = mix) {
-    const whole = v => Array.isArray(v) && v.every(Number.isFinite) ? v : null;
+  constructor(run, value, read = vector) {
     this.run = run;
     this.constant = !Array.isArray(value[0]) && value[0] !== null;
-    this.list = this.constant ? [value] : value.map(whole);
-    this.blend = blend;
+    this.list = (this.constant ? [value] : value).map(v => Array.isArray(v) && v.every(Number.isFinite) ? read(v) : null);
   }
 
   at(k) { return this.list[this.constant ? 0 : k] ?? null; }
@@ -90,33 +67,30 @@ class Track {
     if (this.constant) return this.list[0];
     const { index, fraction } = this.run.moment, before = this.at(index), after = this.at(index + 1);
     if (before === null || after === null) return fraction > 0.5 ? after : before;
-    return this.blend(before, after, fraction);
+    return before.clone()[before.slerp ? 'slerp' : 'lerp'](after, fraction);
   }
 }
 
 /** One of the runs that are shown together, each with moments of its own. */
 class Run {
   constructor(data, order) {
-    this.name = data.name ?? '';
-    this.ghost = order > 0;
+    Object.assign(this, { name: data.name ?? '', ghost: order > 0, links: data.links ?? [], plots: data.plots ?? [] });
     this.times = (data.time ?? page.time ?? []).slice();
     if (!this.times.length) this.times.push(0);
     // a run may go back in time: what plays is the time since its start
     this.direction = this.times.at(-1) < this.times[0] ? -1 : 1;
     this.elapsed = this.times.map(t => (t - this.times[0]) * this.direction);
     this.moment = { index: 0, fraction: 0 };
-    const track = (value, blend) => value ? new Track(this, value, blend) : null;
+    const track = (value, read) => value ? new Track(this, value, read) : null;
     this.bodies = (data.bodies ?? []).map((body, k) => {
-      const rotation = track(body.rotation, slerp);
+      const turning = track(body.rotation, rotation);
       return {
-        ...body, name: spoken(body.name || `body ${k + 1}`), order: k, ghost: this.ghost, run: this, rotation,
-        position: track(body.position) ?? track(ORIGIN), axes: body.axes ?? Boolean(rotation),
+        ...body, name: spoken(body.name || `body ${k + 1}`), order: k, ghost: this.ghost, run: this, rotation: turning,
+        position: track(body.position ?? [0, 0, 0]), axes: body.axes ?? Boolean(turning),
       };
     });
     this.arrows = (data.arrows ?? []).map((arrow, k) => (
       { ...arrow, name: spoken(arrow.name), run: this, colour: arrow.colour ?? ['c3', 'c4', 'c5', 'c6'][k % 4], vector: track(arrow.vector) }));
-    this.links = data.links ?? [];
-    this.plots = data.plots ?? [];
     Object.assign(this, this.turning(data));
   }
 
@@ -130,8 +104,8 @@ class Run {
       for (let k = 1; rotation && !rotation.constant && k < this.samples; k++) {
         const [a, b] = [rotation.at(k - 1), rotation.at(k)];
         if (!a || !b) continue;
-        turn = Math.max(turn, angleBetween(a, b));
-        rate = Math.max(rate, angleBetween(a, b) / (this.elapsed[k] - this.elapsed[k - 1]) || 0);
+        turn = Math.max(turn, a.angleTo(b));
+        rate = Math.max(rate, a.angleTo(b) / (this.elapsed[k] - this.elapsed[k - 1]) || 0);
       }
     }
     return { turn, rate };
@@ -151,22 +125,20 @@ class Run {
   /** Where a body is and how it is turned, at a sample or at the moment. */
   pose(body, k = null) {
     const at = track => k === null ? track.now() : track.at(k);
-    const place = at(body.position), attitude = body.rotation ? at(body.rotation) : [1, 0, 0, 0];
+    const place = at(body.position), attitude = body.rotation ? at(body.rotation) : new THREE.Quaternion();
     return place && attitude && { place, attitude };
   }
 
   /** Where a point of a body is in space, at a sample or at the moment; without a body, a point of space. */
-  point({ body, at = ORIGIN }, k = null) {
-    const of = this.bodies[body];
-    if (!of) return at;
-    const pose = this.pose(of, k);
-    return pose && sum(pose.place, turned(pose.attitude, at));
+  point({ body, at = [0, 0, 0] }, k = null) {
+    const point = vector(at), of = this.bodies[body], pose = of && this.pose(of, k);
+    return pose ? point.applyQuaternion(pose.attitude).add(pose.place) : of ? null : point;
   }
 
   /** An arrow's vector in space at the moment. */
   vectorNow({ vector, frame, body }) {
     const now = vector.now(), pose = frame === 'body' && this.bodies[body] ? this.pose(this.bodies[body]) : null;
-    return now && pose ? turned(pose.attitude, now) : now;
+    return now && pose ? now.clone().applyQuaternion(pose.attitude) : now;
   }
 }
 

@@ -1,55 +1,26 @@
-// ---- solids: facets in the solid's own axes, each { corners, tone }; a tone tells facets apart, so that spinning is seen
+// ---- solids: parts in the solid's own axes, each { geometry, edges, light, colour, clear }
 
-const SECTORS = 40;
+/** A part with sharp edges. */
+const part = (shape, look) => ({ geometry: THREE.toCreasedNormals(shape, 0.6), edges: new THREE.EdgesGeometry(shape, 30), light: 1, ...look });
 
-/** A facet around a regular polygon or, with a profile [radius, height] from below, a solid of revolution; sectors differ in tone. */
+/** A solid of revolution by its profile, [radius, height] from below; its quarters differ in light, so that spinning is seen. */
 function revolved(profile, stretch = [1, 1, 1]) {
-  const facets = [], at = ([r, z], k) => {
-    const angle = 2 * Math.PI * k / SECTORS;
-    return [r * Math.cos(angle) * stretch[0], r * Math.sin(angle) * stretch[1], z * stretch[2]];
-  };
-  for (let row = 1; row < profile.length; row++) {
-    for (let k = 0; k < SECTORS; k++) {
-      const [low, high] = [profile[row - 1], profile[row]];
-      const corners = [at(low, k), at(low, k + 1), at(high, k + 1), at(high, k)].filter((_, c) => (c < 2 ? low : high)[0] > 0 || c % 3 === 0);
-      facets.push({ corners, tone: Math.floor(4 * k / SECTORS) % 2 });
-    }
-  }
-  return facets;
+  const points = profile.map(at => new THREE.Vector2(...at));
+  const lathe = (sectors, ...turn) => new THREE.LatheGeometry(points, sectors, ...turn).rotateX(Math.PI / 2).scale(...stretch);
+  const edges = k => k ? null : new THREE.EdgesGeometry(lathe(64), 30);
+  return [0, 1, 2, 3].map(k => part(lathe(16, k * Math.PI / 2, Math.PI / 2), { light: k % 2 ? 0.84 : 1, edges: edges(k) }));
 }
 
-const BALL = Array.from({ length: 21 }, (_, k) => Math.PI * (k / 20 - 0.5)).map((angle, k) => [k % 20 ? Math.cos(angle) : 0, Math.sin(angle)]);
-const cylinder = (radius, low, high) => revolved([[0, low], [radius, low], [radius, high], [0, high]]);
-const capsule = (radius, half) => revolved(BALL.map(([r, z]) => [r * radius, z * radius + Math.sign(z + 1e-9) * half]));
-
-function box(size, centre = ORIGIN, tone = 0) {
-  const facets = [];
-  for (let k = 0; k < 3; k++) {
-    for (const side of [-1, 1]) {
-      const corner = (p, q) => {
-        const way = [0, 0, 0];
-        [way[k], way[(k + 1) % 3], way[(k + 2) % 3]] = [side, p * side, q];
-        return way.map((w, axis) => centre[axis] + w * size[axis] / 2);
-      };
-      facets.push({ corners: [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)], tone, edged: true });
-    }
-  }
-  return facets;
-}
+const BALL = Array.from({ length: 29 }, (_, k) => Math.PI * (k / 28 - 0.5)).map((angle, k) => [k % 28 ? Math.cos(angle) : 0, Math.sin(angle)]);
 
 /** Crossed arms along the first two axes, a hub, and four rotors; the arm ahead, along the first axis, is marked. */
 function quadrotor(arm) {
-  const rotors = [[1, 0], [0, 1], [-1, 0], [0, -1]].map(([x, y]) => ({
-    corners: Array.from({ length: 24 }, (_, k) => Math.PI * k / 12)
-      .map(angle => [arm * (x + 0.42 * Math.cos(angle)), arm * (y + 0.42 * Math.sin(angle)), 0.13 * arm]),
-    tone: x === 1 ? 'c0' : 0, clear: true,
-  }));
-  const beams = [0, 1].flatMap(axis => [-1, 1].flatMap(side => {
-    const size = [0.09, 0.09, 0.07], centre = [0, 0, 0];
-    [size[axis], centre[axis]] = [0.9, 0.55 * side];
-    return box(scaled(size, arm), scaled(centre, arm), axis === 0 && side === 1 ? 'c0' : 0);
-  }));
-  return [...box(scaled([0.36, 0.36, 0.16], arm), ORIGIN, 1), ...beams, ...rotors];
+  const arms = [[1, 0], [0, 1], [-1, 0], [0, -1]].flatMap(([x, y]) => {
+    const beam = new THREE.BoxGeometry(x ? 0.9 : 0.09, y ? 0.9 : 0.09, 0.07).translate(0.55 * x, 0.55 * y, 0);
+    const rotor = new THREE.CylinderGeometry(0.42, 0.42, 0.01, 48).rotateX(Math.PI / 2).translate(x, y, 0.13);
+    return [beam, rotor].map(shape => part(shape.scale(arm, arm, arm), { colour: x === 1 ? 'c0' : null, clear: shape === rotor }));
+  });
+  return [part(new THREE.BoxGeometry(0.36 * arm, 0.36 * arm, 0.16 * arm), { light: 0.84 }), ...arms];
 }
 
 /** A cone that stands on its tip: a top, with a rim and a knob to spin it by. */
@@ -58,23 +29,19 @@ const spinningTop = (height, radius) => revolved([
 ].map(([r, z]) => [r * radius, z * height]));
 
 const SOLIDS = {
-  box: ({ size }) => box(size),
+  box: ({ size }) => [part(new THREE.BoxGeometry(...size, 6, 6, 6))], // an SVG's facets are sorted: they are to be small
   ellipsoid: ({ semi_axes }) => revolved(BALL, semi_axes),
   sphere: ({ radius }) => revolved(BALL, [radius, radius, radius]),
-  rod: ({ length, radius }) => capsule(radius, Math.max(0, length / 2 - radius)),
-  disc: ({ radius, thickness }) => cylinder(radius, -thickness / 2, thickness / 2),
+  rod: ({ length, radius }) => revolved(BALL.map(([r, z]) => [r * radius, z * radius + Math.sign(z + 1e-9) * Math.max(0, length / 2 - radius)])),
+  disc: ({ radius, thickness: t }) => revolved([[0, -t / 2], [radius, -t / 2], [radius, t / 2], [0, t / 2]]),
   cone: ({ height, radius }) => spinningTop(height, radius),
   quadrotor: ({ arm }) => quadrotor(arm),
 };
 
-/** The facets of a body's shape in the body's axes, about the shape's own centre, with outward normals; null if it has none. */
+/** The parts of a body's shape about the shape's own centre, and how that stands in the body's axes; null if it has none. */
 function meshOf(shape) {
-  const facets = SOLIDS[shape?.kind]?.(shape);
-  if (!facets) return null;
-  for (const facet of facets) {
-    if (shape.rotation) facet.corners = facet.corners.map(corner => turned(shape.rotation, corner));
-    const [a, b, c] = facet.corners, normal = cross(sum(b, scaled(a, -1)), sum(c, scaled(a, -1)));
-    facet.normal = scaled(normal, 1 / (length(normal) || 1));
-  }
-  return { facets, centre: shape.centre ?? ORIGIN, extent: Math.max(...facets.flatMap(facet => facet.corners.map(length))) };
+  const parts = SOLIDS[shape?.kind]?.(shape);
+  if (!parts) return null;
+  const far = ({ geometry: { attributes: { position } } }) => Array.from({ length: position.count }, (_, k) => Math.hypot(...position.array.slice(3 * k, 3 * k + 3)));
+  return { parts, centre: vector(shape.centre ?? [0, 0, 0]), rotation: rotation(shape.rotation ?? [1, 0, 0, 0]), extent: Math.max(...parts.flatMap(far)) };
 }

@@ -51,10 +51,9 @@ function step(count) {
 }
 
 function play() {
-  if (!(duration > 0)) return;
   if (clock.elapsed >= duration) clock.elapsed = 0;
   lastFrame = null;
-  setPlaying(true);
+  setPlaying(duration > 0);
 }
 
 function pause() { setPlaying(false); }
@@ -81,14 +80,11 @@ function setSpeed(option) {
 
 /** Says so where the turning that is shown may not be the true one. */
 function notice() {
-  const perFrame = rate * clock.speed / 60, words = [];
-  if (turn > SEEN)
-    words.push(`This page keeps ${first.samples} moments, and between two of them a body turns by up to ${short(turn, 2)} rad: faster than can be shown. `
-      + 'The turning on the screen is not the true one; a shorter duration shows it.');
-  else if (perFrame > 1.5 * SEEN)
-    words.push(`At this speed a body turns by up to ${short(perFrame, 2)} rad from one frame to the next: play it slower to see how it turns.`);
-  byId('notice').textContent = words.join('');
-  byId('notice').hidden = !words.length;
+  const perFrame = rate * clock.speed / 60;
+  const words = turn > SEEN ? `This page keeps ${first.samples} moments, and between two of them a body turns by up to ${short(turn, 2)} rad: faster than can be `
+    + 'shown. The turning on the screen is not the true one; a shorter duration shows it.'
+    : perFrame > 1.5 * SEEN ? `At this speed a body turns by up to ${short(perFrame, 2)} rad from one frame to the next: play it slower to see how it turns.` : '';
+  Object.assign(byId('notice'), { textContent: words, hidden: !words });
 }
 
 function setUpSpeed() {
@@ -99,8 +95,7 @@ function setUpSpeed() {
   for (let power = least; power <= most; power++) {
     for (const digit of [1, 2, 5]) add(speed, 'option', `${short(digit * 10 ** power)}× real time`, { value: `${digit}e${power}` });
   }
-  const slowEnough = [...speed.options].map(option => Number(option.value) <= natural * 1.001).lastIndexOf(true);
-  setSpeed(slowEnough);
+  setSpeed([...speed.options].map(option => Number(option.value) <= natural * 1.001).lastIndexOf(true));
   speed.addEventListener('change', () => setSpeed(speed.selectedIndex));
 }
 
@@ -130,28 +125,23 @@ const KEYS = {
   e: () => turnView(0, 0, CLOSER), q: () => turnView(0, 0, 1 / CLOSER), 0: () => views.forEach(view => view.reset()),
   p: savePicture, '?': () => byId('help').showModal(),
 };
-const SHIFTED = {
-  ArrowLeft: KEYS.a, ArrowRight: KEYS.d, ArrowUp: KEYS.w, ArrowDown: KEYS.s,
-};
+const SHIFTED = { ArrowLeft: KEYS.a, ArrowRight: KEYS.d, ArrowUp: KEYS.w, ArrowDown: KEYS.s };
 
 function setUpPlayback() {
   const slider = byId('slider');
   slider.max = duration || 1;
   slider.disabled = byId('play').disabled = !(duration > 0);
   slider.addEventListener('input', () => seek(first.times[0] + first.direction * slider.valueAsNumber));
-  byId('play').addEventListener('click', toggle);
-  byId('save').addEventListener('click', savePicture);
+  for (const [id, act] of [['play', toggle], ['save', savePicture], ['ask', KEYS['?']]]) byId(id).addEventListener('click', act);
   byId('save').hidden = !views.length;
-  byId('ask').addEventListener('click', KEYS['?']);
   setUpSpeed();
   document.addEventListener('keydown', event => {
     const { key, target, shiftKey } = event;
     if (event.ctrlKey || event.altKey || event.metaKey || byId('help').open || target === byId('speed')) return;
     if (key === ' ' && target.matches?.('button, summary, [type=checkbox]')) return; // those have their own use of it
     const action = (shiftKey && SHIFTED[key]) || KEYS[key] || KEYS[key.toLowerCase()];
-    if (!action) return;
-    action();
-    event.preventDefault();
+    action?.();
+    if (action) event.preventDefault();
   });
 }
 
@@ -162,24 +152,24 @@ function sceneNow() {
   locate();
   const view = views[0];
   for (const drawn of views) if (drawn.width) drawn.draw();
-  const onScreen = point => point && view?.width ? view.project(point).slice(0, 2) : null;
+  const list = point => point?.toArray(), onScreen = point => point && view?.width ? view.project(point) : null;
   return {
     time: currentTime(), playing: clock.playing, speed: clock.speed, notice: byId('notice').hidden ? '' : byId('notice').textContent,
-    camera: view && { yaw: view.yaw, pitch: view.pitch, zoom: view.zoom },
+    camera: view && { yaw: view.yaw, pitch: view.pitch, zoom: view.zoom }, names: view?.names, webgl: view?.webgl, shadows: view?.shadows,
     runs: runs.map(run => ({
       name: run.name,
       bodies: run.bodies.map(body => {
         const pose = run.pose(body), centre = run.point({ body: body.order, at: body.middle });
         return {
-          name: body.name, shape: body.shape?.kind ?? null, magnification: body.magnification, centre, screen: onScreen(centre),
-          origin: pose?.place, axes: pose && UNIT.map(axis => turned(pose.attitude, axis)),
+          name: body.name, shape: body.shape?.kind ?? null, magnification: body.magnification, centre: list(centre), screen: onScreen(centre),
+          origin: list(pose?.place), axes: pose && UNIT.map(axis => list(axis.clone().applyQuaternion(pose.attitude))),
         };
       }),
       arrows: run.arrows.map(arrow => {
-        const ends = spaceScene.ends(arrow);
-        return { name: arrow.name, unit: arrow.unit ?? '', vector: run.vectorNow(arrow), from: ends?.from, to: ends?.to, screen: onScreen(ends?.to) };
+        const [from, to] = spaceScene.ends(arrow) ?? [];
+        return { name: arrow.name, unit: arrow.unit ?? '', vector: list(run.vectorNow(arrow)), from: list(from), to: list(to), screen: onScreen(to) };
       }),
-      links: run.links.map(({ from, to }) => [run.point(from ?? {}), run.point(to ?? {})]),
+      links: run.links.map(({ from, to }) => [list(run.point(from ?? {})), list(run.point(to ?? {}))]),
     })),
   };
 }
@@ -215,7 +205,7 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
   for (const plot of plots) plot.stale = true;
   redraw();
 });
-window.coadjoint = { scene: sceneNow, pixel, png, seek, play, pause, time: currentTime, errors, theme };
+window.coadjoint = { scene: sceneNow, pixel, png, seek, play, pause, time: currentTime, pictures: () => View.pictures, errors, theme };
 // `#t=12.5` shows that moment
 const asked = Number(/^#t=(.+)$/.exec(location.hash)?.[1] ?? NaN);
 if (Number.isFinite(asked)) seek(asked);

@@ -65,16 +65,12 @@ class Plot {
   }
 
   drawStill() {
-    this.still.width = this.canvas.width;
-    this.still.height = this.canvas.height;
+    Object.assign(this.still, { width: this.canvas.width, height: this.canvas.height });
     const pen = this.still.getContext('2d');
     pen.scale(this.ratio, this.ratio);
     const curves = this.series.map(series => this.curve(series));
     this.measure(curves);
-    pen.font = '11px system-ui, sans-serif';
-    pen.fillStyle = theme.muted;
-    pen.strokeStyle = theme.line;
-    pen.textAlign = 'right';
+    Object.assign(pen, { font: '11px system-ui, sans-serif', fillStyle: theme.muted, strokeStyle: theme.line, textAlign: 'right' });
     for (const [value, text] of this.levels()) {
       const y = Math.round(this.y(value)) + 0.5;
       pen.moveTo(LEFT, y);
@@ -91,8 +87,7 @@ class Plot {
       if (this.last) pen.fillText(text, Math.min(x, this.width - pen.measureText(text).width / 2), this.height - 8);
     });
     pen.stroke();
-    pen.lineWidth = 1.4;
-    pen.lineJoin = 'round';
+    Object.assign(pen, { lineWidth: 1.4, lineJoin: 'round' });
     curves.forEach((curve, k) => {
       pen.strokeStyle = theme[this.series[k].colour];
       pen.setLineDash(this.series[k].run.ghost ? [5, 4] : []);
@@ -120,7 +115,12 @@ class Plot {
       const { index, fraction } = run.moment, before = values[index] ?? null, after = values[index + 1] ?? null;
       const value = this.logarithmic || before === null || after === null ? before : before + (after - before) * fraction;
       output.textContent = short(value);
-      if (value !== null) disc(pen, [x, this.y(value)], run.ghost ? 2.5 : 3.5, colour);
+      if (value === null) continue;
+      pen.beginPath();
+      pen.arc(x, this.y(value), run.ghost ? 2.5 : 3.5, 0, 2 * Math.PI);
+      Object.assign(pen, { lineWidth: 1.5, fillStyle: theme[colour], strokeStyle: theme.panel });
+      pen.fill();
+      pen.stroke();
     }
   }
 }

@@ -1,15 +1,12 @@
 // ---- what is drawn
 
-/** About so many points of a path, for measuring. */
-const thinned = (run, most = 400) => {
-  const stride = Math.ceil(run.samples / most);
-  return Array.from({ length: Math.ceil(run.samples / stride) }, (_, k) => k * stride);
-};
-
 const bodies = runs.flatMap(run => run.bodies);
 const moving = body => !body.position.constant;
 /** From a body's origin to the farthest point of its shape, and a little more. */
-const sizeOf = ({ mesh }) => (mesh?.extent || 1) + length(mesh?.centre ?? ORIGIN);
+const sizeOf = ({ mesh }) => (mesh?.extent || 1) + (mesh?.centre ?? ORIGIN).length();
+
+/** The greatest length of a vector that moves. */
+const greatest = ({ vector }) => vector.list.reduce((most, v) => Math.max(most, v?.length() ?? 0), 0);
 
 /** How the motion looks in space. */
 class SpaceScene {
@@ -19,40 +16,35 @@ class SpaceScene {
     this.measure();
     for (const body of bodies) this.equip(body);
     this.scaleArrows();
-    this.flat = this.width.map(x => x < 1e-6 * this.reach);
+    this.flat = this.width.toArray().map(x => x < 1e-6 * this.reach);
     this.square = (this.free && !this.flat[1]) || Number.isFinite(space.ground) ? niceBelow(this.radius / 2) : null;
-    this.look = this.chooseLook();
+    // a motion in a plane is seen best from before it
+    this.look = space.look ?? (this.wide && this.flat[1] ? [-1.42, 0.12] : this.wide && this.flat[2] ? [-1.2, 0.95] : [-0.95, 0.32]);
   }
 
   /** Finds the middle and the radius of all that moves, and the size at which bodies without a length are drawn. */
   measure() {
-    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-    const include = point => point?.forEach((x, k) => {
-      low[k] = Math.min(low[k], x);
-      high[k] = Math.max(high[k], x);
-    });
+    const box = new THREE.Box3(), include = point => { if (point) box.expandByPoint(point); };
     const sized = body => body.mesh && !body.shape.relative, real = body => sized(body) ? body.mesh.extent : 0;
     const middle = body => sized(body) ? body.mesh.centre : ORIGIN;
     for (const run of runs) {
-      for (const k of thinned(run)) {
+      for (let k = 0; k < run.samples; k += Math.ceil(run.samples / 400)) {
         run.bodies.forEach((body, order) => include(run.point({ body: order, at: middle(body) }, k)));
         for (const { from, to } of run.links) [from, to].forEach(end => include(run.point(end ?? {}, k)));
       }
     }
-    if (low[0] > high[0]) include(ORIGIN);
-    this.width = sum(high, scaled(low, -1));
-    const reach = length(this.width) / 2;
+    if (box.isEmpty()) include(ORIGIN);
+    this.width = box.getSize(new THREE.Vector3());
+    const reach = this.reach = this.width.length() / 2;
     // bodies that turn about a fixed point are drawn large; moving ones small, so that their way is seen
-    const still = bodies.filter(body => !moving(body)).map(real);
-    this.reach = reach;
-    const largest = Math.max(...still, 0);
+    const largest = Math.max(...bodies.filter(body => !moving(body)).map(real), 0);
     this.wide = this.free || reach > 2 * (largest || Infinity); // what moves goes farther than bodies are large
-    const offset = this.wide ? 0 : Math.max(...bodies.map(body => length(middle(body))), 0);
+    const offset = this.wide ? 0 : Math.max(...bodies.map(body => middle(body).length()), 0);
     this.size = this.free ? 0.16 * reach || Math.max(...bodies.map(real)) || 1 : largest + offset || 1;
-    this.centre = this.wide ? scaled(sum(low, high), 0.5) : first.point({ body: 0 }, 0) ?? ORIGIN;
+    this.centre = this.wide ? box.getCenter(new THREE.Vector3()) : first.point({ body: 0 }, 0) ?? ORIGIN;
     const margin = Math.max(0.5 * this.size, ...bodies.filter(moving).map(real));
     this.radius = this.wide ? 1.02 * reach + Math.min(this.free ? margin : this.size, reach || Infinity) : 1.62 * this.size;
-    this.low = low;
+    [this.low, this.ground] = [box.min.z, space.ground ?? box.min.z];
     // where even the largest could hardly be seen, all that move are drawn larger
     const seen = Math.max(...bodies.filter(body => moving(body) && sized(body)).map(sizeOf), 0);
     this.enlargement = seen > 0 && seen < 0.08 * this.radius ? 0.17 * this.radius / seen : 1;
@@ -61,15 +53,14 @@ class SpaceScene {
   /** Chooses how large a body is drawn, how long its axes are, and which of its points leaves a trace. */
   equip(body) {
     const { mesh, shape } = body, extent = sizeOf(body);
-    body.magnification = shape?.relative ? this.size / extent : moving(body) ? this.enlargement : 1;
     // where bodies share a place, the later ones are slimmer
-    const under = body.run.bodies.slice(0, body.order).some(other => other.mesh && !moving(other) && !moving(body) && shape?.relative);
-    if (under) body.magnification *= 0.72;
+    const under = body.run.bodies.slice(0, body.order).some(other => other.mesh && !moving(other) && !moving(body));
+    body.magnification = shape?.relative ? this.size / extent * (under ? 0.72 : 1) : moving(body) ? this.enlargement : 1;
     body.middle = scaled(mesh?.centre ?? ORIGIN, shape?.relative ? body.magnification : 1);
     body.extent = extent * body.magnification;
     body.reach = mesh ? 1.3 * body.extent : (this.free ? 0.5 : 1.3) * this.size;
     body.dots = !mesh && !body.axes;
-    const tracer = moving(body) || !body.axes ? body.middle : [0, 0, body.reach];
+    const tracer = moving(body) || !body.axes ? body.middle : vector([0, 0, body.reach]);
     body.trailPoint = body.trail === false ? null : Array.isArray(body.trail) ? body.trail : body.rotation || moving(body) ? tracer : null;
     body.trailPath = body.trailPoint && Array.from({ length: body.run.samples }, (_, k) => body.run.point({ body: body.order, at: body.trailPoint }, k));
     body.paint = body.colour ?? ['solid', 'second'][body.order % 2];
@@ -77,113 +68,71 @@ class SpaceScene {
 
   /** Arrows of one unit are drawn on one scale, the longest a little longer than the bodies; those of a length to be true are left as they are. */
   scaleArrows() {
-    const longest = new Map(), arrows = runs.flatMap(run => run.arrows);
-    const most = ({ vector }) => vector.list.reduce((most, v) => Math.max(most, v ? length(v) : 0), 0);
-    for (const arrow of arrows) {
-      arrow.kind = arrow.unit || arrow.name;
-      longest.set(arrow.kind, Math.max(longest.get(arrow.kind) ?? 0, most(arrow)));
-    }
-    const reach = this.wide ? 0.27 * this.radius : 1.2 * this.size;
-    for (const arrow of arrows) arrow.scale = arrow.true_length ? 1 : reach / longest.get(arrow.kind) || 0;
-  }
-
-  /** A motion in a plane is seen best from before it. */
-  chooseLook() {
-    if (Array.isArray(space.look)) return space.look;
-    if (this.wide && this.flat[1]) return [-1.42, 0.12];
-    if (this.wide && this.flat[2]) return [-1.2, 0.95];
-    return [-0.95, 0.32];
+    const arrows = runs.flatMap(run => run.arrows), kind = ({ unit, name }) => unit || name, reach = this.wide ? 0.27 * this.radius : 1.2 * this.size;
+    const longest = arrow => Math.max(...arrows.filter(other => kind(other) === kind(arrow)).map(greatest));
+    for (const arrow of arrows) arrow.scale = arrow.true_length ? 1 : reach / longest(arrow) || 0;
   }
 
   floor(view) {
-    const { square, radius, centre } = this, z = space.ground ?? this.low[2];
-    const [x, y] = centre.map(middle => Math.round(middle / square) * square);
-    const edge = Math.ceil(0.55 * radius / square) * square;
-    for (let at = -edge; at <= edge * 1.01; at += square) {
-      view.stroke([[x - edge, y + at, z], [x + edge, y + at, z]], 'muted', 1, 0.18);
-      view.stroke([[x + at, y - edge, z], [x + at, y + edge, z]], 'muted', 1, 0.18);
-    }
-  }
-
-  /** The way of a moving point until now; what is long past is faint, what is to come fainter. `shown` tells by their depth which parts. */
-  trace(view, path, run, head, colour, shown, alpha) {
-    const { index } = run.moment, tail = Math.ceil(run.samples / 6) + 2, parts = 12;
-    view.stroke(path, colour, 1, 0.13 * alpha, shown);
-    const recent = [...path.slice(Math.max(0, index + 1 - tail), index + 1), head];
-    for (let k = 0; k < parts; k++) {
-      const part = recent.slice(recent.length * k / parts, recent.length * (k + 1) / parts + 1);
-      view.stroke(part, colour, 1.2 + 1.2 * k / parts, alpha * 0.9 * ((k + 1) / parts) ** 1.5, shown);
-    }
-  }
-
-  /** All traces before or behind a depth. */
-  traces(view, shown) {
-    for (const body of bodies) {
-      if (!body.trailPath) continue;
-      const head = body.run.point({ body: body.order, at: body.trailPoint });
-      this.trace(view, body.trailPath, body.run, head, this.traceColour(body), shown, body.ghost ? 0.5 : 1);
-    }
-  }
-
-  /** The depth that divides traces into those behind the first solid and those before it; a trace that it leaves itself is behind it. */
-  division(view) {
-    const body = bodies.find(({ mesh }) => mesh), middle = body?.run.point({ body: body.order, at: body.middle });
-    return middle ? view.project(middle)[2] + (body.trailPoint === body.middle ? body.mesh.extent * body.magnification / this.radius : 0) : 0;
+    const { square, radius, centre, ground } = this, [x, y] = [centre.x, centre.y].map(middle => Math.round(middle / square) * square);
+    const edge = Math.ceil(0.55 * radius / square) * square, lines = [], at = (dx, dy) => view.local(vector([x + dx, y + dy, ground]));
+    for (let k = -edge; k <= edge * 1.01; k += square) lines.push(at(-edge, k), at(edge, k), null, at(k, -edge), at(k, edge), null);
+    view.add(view.stroke(lines, 'muted', { alpha: 0.18 }));
+    if (!view.shadows) return;
+    const shade = new THREE.Mesh(new THREE.PlaneGeometry(2 * edge / radius, 2 * edge / radius), new THREE.ShadowMaterial({ opacity: 0.2 }));
+    shade.position.copy(at(0, 0));
+    view.add(Object.assign(shade, { receiveShadow: true }));
   }
 
   traceColour(body) {
     return body.trail_colour ?? (body.rotation && !moving(body) && body.axes ? 'c2' : ['c2', 'c0', 'c1'][body.order % 3]);
   }
 
-  drawBody(view, body) {
-    const pose = body.run.pose(body), alpha = body.ghost ? 0.3 : 1, { mesh } = body;
-    if (!pose) return;
-    const { place, attitude } = pose;
-    if (body.dots) view.dot(place, body.paint === 'solid' ? 'ink' : body.paint, 5, body.ghost ? 0.5 : 1);
-    if (mesh) view.solid(mesh.facets, sum(place, turned(attitude, body.middle)), attitude, body.magnification, body.paint, alpha);
-    if (body.axes) {
-      UNIT.forEach((axis, k) => {
-        const tip = sum(place, scaled(turned(attitude, axis), body.reach));
-        view.arrow(place, tip, 'c' + k, body.ghost || body.order ? 1.6 : 2.4, body.ghost || (this.free && !mesh) ? '' : k + 1 + '′'.repeat(body.order), body.ghost ? 0.45 : 1);
-      });
+  buildBody(view, body) {
+    const { run, mesh, ghost } = body, pose = () => run.pose(body), place = () => pose()?.place;
+    if (body.dots) view.dot(place, body.paint === 'solid' ? 'ink' : body.paint, 5, ghost ? 0.5 : 1);
+    if (mesh) {
+      const middle = () => run.point({ body: body.order, at: body.middle }), size = body.magnification / this.radius;
+      view.add(view.solid(mesh, body.paint, ghost ? 0.3 : 1), solid => view.put(solid, middle(), size, pose()?.attitude.clone().multiply(mesh.rotation)));
     }
-    if (moving(body) && body.mesh && this.square && this.low[2] < place[2]) {
-      const below = [place[0], place[1], space.ground ?? this.low[2]];
-      view.line(place, below, 'muted', 1, 0.5, 24, true);
-      view.dot(below, 'muted', 3, 0.6);
-    }
+    UNIT.forEach((axis, k) => {
+      const ends = () => { const now = pose(); return now && [now.place, run.point({ body: body.order, at: scaled(axis, body.reach) })]; };
+      const name = ghost || (this.free && !mesh) ? '' : k + 1 + '′'.repeat(body.order);
+      if (body.axes) view.arrow(ends, 'c' + k, ghost || body.order ? 1.6 : 2, name, ghost ? 0.45 : 1);
+    });
+    if (!moving(body) || !mesh || !this.square) return;
+    const drop = () => { const at = place(); return at && this.low < at.z ? [at, vector([at.x, at.y, this.ground])] : null; };
+    view.add(view.stroke(DASHES, 'muted', { alpha: 0.5 }), line => { const ends = drop(); return Boolean(ends) && view.span(line, ends, 1); });
+    view.dot(() => drop()?.[1], 'muted', 3, 0.6);
   }
 
   /** Where an arrow starts and ends in space at the moment. */
   ends(arrow) {
-    const from = arrow.run.point({ body: arrow.body, at: arrow.from ?? ORIGIN }), vector = arrow.run.vectorNow(arrow);
-    return from && vector && { from, to: sum(from, scaled(vector, arrow.scale)) };
+    const from = arrow.run.point({ body: arrow.body, at: arrow.from ?? undefined }), along = arrow.run.vectorNow(arrow);
+    return from && along && [from, sum(from, scaled(along, arrow.scale))];
   }
 
-  draw(view) {
+  /** A rod or a spring, and a dot where it starts. */
+  buildLink(view, { ghost }, ends, spring) {
+    const alpha = ghost ? 0.35 : 1, link = spring ? view.stroke(COIL, 'muted', { width: 1.6, alpha }) : view.surface(SHAFT, 'ink', alpha);
+    view.add(link, () => { const at = ends(); return at.every(Boolean) && view.span(link, at, spring ? 6 : 1.25); });
+    view.dot(() => ends()[0], 'ink', 3.5, alpha);
+  }
+
+  build(view) {
     if (this.square) this.floor(view);
     else if (!this.wide) view.sphere(bodies.length === 1 && bodies[0].axes ? bodies[0].reach : this.size * 1.3, [2], this.centre);
     const frame = this.wide ? 0.25 * this.radius : 1.48 * this.size, names = space.axes ?? ['x', 'y', 'z'];
-    UNIT.forEach((axis, k) => { if (names[k]) view.arrow(ORIGIN, scaled(axis, frame), 'muted', 1, names[k], 0.6); });
-    const depth = this.division(view);
-    this.traces(view, near => near <= depth);
-    for (const run of runs) {
-      for (const { from, to, spring } of run.links) {
-        const [a, b] = [run.point(from ?? {}), run.point(to ?? {})], alpha = run.ghost ? 0.35 : 1;
-        if (!a || !b) continue;
-        if (spring) view.spring(a, b, alpha); else view.line(a, b, 'ink', 2.5, alpha, 12);
-        view.dot(a, 'ink', 3.5, alpha);
-      }
+    UNIT.forEach((axis, k) => { if (names[k]) view.arrow(() => [ORIGIN, scaled(axis, frame)], 'muted', 1, names[k], 0.6); });
+    for (const body of bodies) {
+      if (body.trailPath) view.trace(body.trailPath, body.run, this.traceColour(body), body.ghost ? 0.5 : 1);
+      this.buildBody(view, body);
     }
-    for (const body of bodies) this.drawBody(view, body);
     for (const run of runs) {
-      for (const arrow of run.arrows) {
-        const ends = this.ends(arrow);
-        if (ends && arrow.scale > 0) view.arrow(ends.from, ends.to, arrow.colour, 2, run.ghost ? '' : arrow.symbol ?? arrow.name, run.ghost ? 0.45 : 1);
-      }
+      for (const { from, to, spring } of run.links) this.buildLink(view, run, () => [run.point(from ?? {}), run.point(to ?? {})], spring);
+      for (const arrow of run.arrows.filter(({ scale }) => scale > 0))
+        view.arrow(() => this.ends(arrow), arrow.colour, 2.4, run.ghost ? '' : arrow.symbol ?? arrow.name, run.ghost ? 0.45 : 1);
     }
-    view.flush();
-    this.traces(view, near => near > depth);
   }
 }
 
@@ -192,28 +141,22 @@ class BodyScene {
   constructor() {
     this.vectors = runs.flatMap(run => run.arrows).filter(({ frame, vector }) => frame === 'body' && !vector.constant);
     // vectors of different kinds are compared by direction: each in units of its greatest length
-    for (const arrow of this.vectors) {
-      const unit = arrow.vector.list.reduce((most, v) => Math.max(most, v ? length(v) : 0), 0) || 1;
-      arrow.bodyPath = arrow.vector.list.map(v => v && scaled(v, 1 / unit));
-      arrow.bodyUnit = unit;
-    }
+    for (const arrow of this.vectors) arrow.bodyUnit = greatest(arrow) || 1;
     Object.assign(this, { centre: ORIGIN, radius: 1.6, look: [-0.95, 0.38] });
   }
 
-  draw(view) {
+  build(view) {
     view.sphere(1, [0, 1, 2]);
-    UNIT.forEach((axis, k) => view.arrow(ORIGIN, scaled(axis, 1.2), 'c' + k, 1.4, String(k + 1)));
-    for (const { run, vector, bodyPath, bodyUnit, colour } of this.vectors) {
-      const now = vector.now(), head = now && scaled(now, 1 / bodyUnit);
-      spaceScene.trace(view, bodyPath, run, head, colour, null, run.ghost ? 0.5 : 1);
-      if (head) view.arrow(ORIGIN, head, colour, 2, '', run.ghost ? 0.5 : 1);
+    UNIT.forEach((axis, k) => view.arrow(() => [ORIGIN, scaled(axis, 1.2)], 'c' + k, 1.4, String(k + 1)));
+    for (const { run, vector, bodyUnit, colour } of this.vectors) {
+      const alpha = run.ghost ? 0.5 : 1, one = v => v && scaled(v, 1 / bodyUnit);
+      view.trace(vector.list.map(one), run, colour, alpha);
+      view.arrow(() => { const now = vector.now(); return now && [ORIGIN, one(now)]; }, colour, 2, '', alpha);
     }
-    view.flush();
   }
 }
 
-const views = [];
-let spaceScene = null;
+const views = [], spaceScene = new SpaceScene(), bodyScene = new BodyScene();
 
 /** Headed entries below the views, each a text and its colours. */
 function explain(heading, entries) {
@@ -239,8 +182,7 @@ function remarks(body) {
 }
 
 function setUpViews() {
-  spaceScene = new SpaceScene();
-  const inSpace = bodies.length > 0, bodyScene = new BodyScene(), inBody = bodyScene.vectors.length > 0;
+  const inSpace = bodies.length > 0, inBody = bodyScene.vectors.length > 0;
   byId('motion').hidden = !inSpace;
   byId('body').hidden = !inBody;
   if (inSpace) {

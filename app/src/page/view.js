@@ -1,11 +1,20 @@
-// ---- drawing in three dimensions
+// ---- drawing in three dimensions, by three.js
 
-const theme = {};
-const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16));
+THREE.ColorManagement.enabled = false; // colours are mixed and lit as they are written
+
+const theme = {}, hues = new Map();
 function readTheme() {
   const style = getComputedStyle(document.documentElement);
   for (const name of ['panel', 'ink', 'muted', 'line', 'solid', 'second', 'planet', 'c0', 'c1', 'c2', 'c3', 'c4', 'c5', 'c6'])
     theme[name] = style.getPropertyValue('--' + name).trim();
+  for (const { colour, name, light } of hues.values()) colour.set(theme[name]).multiplyScalar(light);
+}
+
+/** A colour of the theme, more or less light; it changes with the theme. */
+function hue(name, light = 1) {
+  const key = name + light;
+  if (!hues.has(key)) hues.set(key, { colour: new THREE.Color(theme[name]).multiplyScalar(light), name, light });
+  return hues.get(key).colour;
 }
 
 /** Gives its owner a canvas as sharp as the screen, and keeps the owner told of its size. */
@@ -31,25 +40,67 @@ function onDrag(element, moved) {
   element.addEventListener('pointermove', event => { if (event.buttons === 1) moved(event); });
 }
 
-function disc(pen, [x, y], size, colour, alpha = 1) {
-  pen.beginPath();
-  pen.arc(x, y, size, 0, 2 * Math.PI);
-  pen.globalAlpha = alpha;
-  pen.lineWidth = 1.5;
-  pen.fillStyle = theme[colour];
-  pen.strokeStyle = theme.panel;
-  pen.fill();
-  pen.stroke();
+/** Lines as wide as they are to be in pixels. Those with a tail are what a moving point left: the tail ends `now`, and fades. */
+const STROKE = {
+  vertexShader: `
+    attribute vec3 before, after; attribute float side, moment;
+    uniform float width, now, tail; uniform vec2 half_size;
+    varying float fresh, late;
+    vec2 on_screen(vec3 point) { vec4 at = projectionMatrix * modelViewMatrix * vec4(point, 1.0); return at.xy / at.w * half_size; }
+    void main() {
+      vec2 way = on_screen(after) - on_screen(before), across = length(way) > 1e-9 ? normalize(vec2(-way.y, way.x)) : vec2(0.0, 1.0);
+      late = moment - now;
+      fresh = tail > 0.0 ? 1.0 + late / tail : 1.0;
+      gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+      gl_Position.xy += across / half_size * side * width * (1.0 + clamp(fresh, 0.0, 1.0)) / 4.0 * gl_Position.w;
+    }`,
+  fragmentShader: `
+    uniform vec3 colour; uniform float alpha;
+    varying float fresh, late;
+    void main() {
+      if (late > 0.0 || fresh <= 0.0) discard;
+      gl_FragColor = vec4(colour, alpha * pow(fresh, 1.5));
+    }`,
+};
+
+/** Where a list of points with gaps has two beside each other: the places of the second. */
+const joined = points => [...points.keys()].filter(k => k > 0 && points[k] && points[k - 1]);
+
+/** The band of a line through points, for `STROKE`. What came last is drawn first: where a line crosses itself, the first stays. */
+function band(points) {
+  const geometry = new THREE.BufferGeometry(), order = joined(points).reverse();
+  const set = (name, size, value) => geometry.setAttribute(name, new THREE.BufferAttribute(
+    new Float32Array(points.flatMap((_, k) => [-1, 1].flatMap(side => value(k, side)))), size));
+  const at = (way = 0) => k => [...points[k + way] ?? points[k] ?? ORIGIN];
+  for (const [name, value] of [['position', at()], ['before', at(-1)], ['after', at(1)]]) set(name, 3, value);
+  set('moment', 1, k => k);
+  set('side', 1, (_, side) => side);
+  geometry.userData = order;
+  return geometry.setIndex(order.flatMap(k => [2 * k - 2, 2 * k - 1, 2 * k, 2 * k, 2 * k - 1, 2 * k + 1]));
 }
 
-/** A scene in mild perspective that can be turned and zoomed. What may hide other things is collected, and drawn from far to near. */
+/** The same for SVG. */
+const segments = points => new THREE.BufferGeometry().setFromPoints(joined(points).flatMap(k => [points[k - 1], points[k]]));
+
+const SHAFT = new THREE.CylinderGeometry(1, 1, 1, 12, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+const HEAD = new THREE.ConeGeometry(1, 1, 24).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+const DISC = new THREE.SphereGeometry(1, 24, 16);
+const CIRCLE = Array.from({ length: 97 }, (_, k) => vector([Math.cos(k * Math.PI / 48), Math.sin(k * Math.PI / 48), 0]));
+const COIL = [[0, 0, 0], ...Array.from({ length: 193 }, (_, k) => [Math.sin(k * Math.PI / 8), Math.cos(k * Math.PI / 8), 0.12 + 0.76 * k / 192]), [0, 0, 1]].map(vector);
+const DASHES = Array.from({ length: 24 }, (_, k) => k % 3 === 2 ? null : vector([0, 0, k / 23]));
+
+/** A scene in mild perspective that can be turned and zoomed, with names over it. Its middle is the origin for three.js, its radius 1. */
 class View {
+  /** How many pictures of all scenes were drawn. */
+  static pictures = 0;
+
   constructor(parent, label, scene) {
-    this.scene = scene;
-    this.pieces = [];
-    this.names = [];
-    this.fingers = new Map();
+    Object.assign(this, { scene, things: [], strokes: 0, fingers: new Map(), halfSize: { value: new THREE.Vector2() } });
+    Object.assign(this, { space: new THREE.Scene(), camera: new THREE.PerspectiveCamera() });
     const canvas = sharpCanvas(this, parent, label);
+    this.setUpRenderer();
+    this.light();
+    scene.build(this);
     this.reset();
     canvas.addEventListener('pointerdown', event => {
       canvas.setPointerCapture(event.pointerId);
@@ -62,6 +113,30 @@ class View {
       event.preventDefault();
       this.turn(0, 0, Math.exp(-clamp(event.deltaY, -200, 200) * 0.0015));
     }, { passive: false });
+  }
+
+  /** Draws by WebGL where there is one, without shadows where the processor has to do it; else as SVG. */
+  setUpRenderer() {
+    const canvas = document.createElement('canvas'), context = canvas.getContext('webgl2', { antialias: true, stencil: true });
+    this.webgl = Boolean(context);
+    this.renderer = context ? new THREE.WebGLRenderer({ canvas, context }) : new THREE.SVGRenderer();
+    if (!context) return;
+    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // colours are those that the page names
+    const card = context.getParameter(context.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? context.RENDERER);
+    this.shadows = this.renderer.shadowMap.enabled = !/swiftshader|llvmpipe|softpipe|software|basic render/i.test(card);
+    canvas.addEventListener('webglcontextrestored', redraw);
+  }
+
+  /** Light from everywhere, from above, and from the eye. */
+  light() {
+    const unit = this.webgl ? Math.PI : 1, [yaw] = this.scene.look, sun = new THREE.DirectionalLight(0xffffff, 0.28 * unit);
+    sun.position.set(1.3 * Math.cos(yaw - 0.7), 1.3 * Math.sin(yaw - 0.7), 3.5);
+    sun.castShadow = Boolean(this.shadows);
+    sun.shadow.mapSize.set(2048, 2048);
+    Object.assign(sun.shadow.camera, { left: -2, right: 2, top: 2, bottom: -2, near: 0.5, far: 8 });
+    this.lamp = new THREE.DirectionalLight(0xffffff, 0.22 * unit);
+    this.space.add(new THREE.AmbientLight(new THREE.Color().setScalar(0.56 * unit)), sun, this.lamp);
+    this.space.background = hue('panel');
   }
 
   /** One finger or the mouse turns, two zoom as they part. */
@@ -87,166 +162,151 @@ class View {
     redraw();
   }
 
+  /** A point of the scene as three.js has it. */
+  local(point) { return point.clone().sub(this.scene.centre).divideScalar(this.scene.radius); }
+
+  /** Where a point of the scene is on the canvas. */
+  project(point) {
+    const { x, y } = this.local(point).project(this.camera);
+    return [(1 + x) / 2 * this.width, (1 - y) / 2 * this.height];
+  }
+
   draw() {
-    const [c, s, cp, sp] = [Math.cos(this.yaw), Math.sin(this.yaw), Math.cos(this.pitch), Math.sin(this.pitch)];
-    this.axes = [[-s, c, 0], [-sp * c, -sp * s, cp], [cp * c, cp * s, sp]]; // to the right, up, and to the eye
-    const { centre, radius } = this.scene;
-    this.lens = this.axes.map(axis => [...axis, -dot(axis, centre)].map(x => x / radius));
-    this.light = [0, 1, 2].map(k => -0.35 * this.axes[0][k] + 0.6 * this.axes[1][k] + 0.72 * this.axes[2][k]);
-    this.scale = Math.min(this.width * 0.47, this.height * (this.scene.free ? 0.6 : 0.47)) * this.zoom;
-    this.pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    this.pen.globalAlpha = 1;
-    this.pen.fillStyle = theme.panel;
-    this.pen.fillRect(0, 0, this.width, this.height);
-    this.pen.lineJoin = 'round';
-    this.scene.draw(this);
+    const { camera, renderer, yaw, pitch, width, height } = this, right = vector([-Math.sin(yaw), Math.cos(yaw), 0]);
+    const eye = vector([Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)]);
+    this.pixel = 1 / (Math.min(width * 0.47, height * (this.scene.free ? 0.6 : 0.47)) * this.zoom);
+    this.halfSize.value.set(width / 2, height / 2);
+    Object.assign(camera, { fov: 360 / Math.PI * Math.atan(this.pixel * height / 12), aspect: width / height, near: 0.5, far: 50 });
+    camera.position.copy(eye).multiplyScalar(6); // the eye is 6 radii away
+    camera.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(right, eye.clone().cross(right), eye));
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+    this.lamp.position.set(-0.4, 0.5, 0.8).applyQuaternion(camera.quaternion);
+    const names = this.names = [];
+    for (const { object, place } of this.things) object.visible = place(object) !== false;
+    View.pictures++;
+    if (this.webgl) renderer.setSize(this.canvas.width, this.canvas.height, false); else renderer.setSize(width, height);
+    renderer.render(this.space, camera);
+    if (this.webgl) return this.paint(renderer.domElement, names);
+    const image = new Image();
+    image.onload = () => this.paint(image, names);
+    image.src = 'data:image/svg+xml,' + encodeURIComponent(new XMLSerializer().serializeToString(renderer.domElement));
   }
 
-  /** Where a point of the scene is on the canvas, and how near; written out, as it is done for every point of every trace. */
-  project([x, y, z]) {
-    const [right, up, near] = this.lens, depth = near[0] * x + near[1] * y + near[2] * z + near[3];
-    const scale = this.scale / Math.max(0.2, 1 - depth / 6); // the eye is 6 radii away
-    return [
-      this.width / 2 + (right[0] * x + right[1] * y + right[2] * z + right[3]) * scale,
-      this.height / 2 - (up[0] * x + up[1] * y + up[2] * z + up[3]) * scale,
-      depth,
-    ];
-  }
-
-  /** A line through points at once, with gaps where they are null or `shown` does not hold. */
-  stroke(list, colour, width, alpha = 1, shown = null) {
-    const pen = this.pen;
-    let before = null, joined = false;
-    pen.beginPath();
-    for (const point of list) {
-      const at = point && this.project(point), drawn = at && before && (!shown || shown(at[2]) || shown(before[2]));
-      if (drawn && !joined) pen.moveTo(before[0], before[1]);
-      if (drawn) pen.lineTo(at[0], at[1]);
-      joined = drawn;
-      before = at;
-    }
-    pen.strokeStyle = theme[colour];
-    pen.lineWidth = width;
-    pen.globalAlpha = alpha;
-    pen.stroke();
-  }
-
-  /** A line to be drawn among the other pieces, in so many parts that each is before or behind what it passes. */
-  line(from, to, colour, width, alpha = 1, parts = 8, dashed = false) {
-    let before = this.project(from);
-    for (let k = 1; k <= parts; k++) {
-      const start = before, end = before = this.project(mix(from, to, k / parts));
-      if (dashed && k % 2) continue;
-      this.pieces.push({ depth: (start[2] + end[2]) / 2, draw: pen => {
-        pen.beginPath();
-        pen.moveTo(start[0], start[1]);
-        pen.lineTo(end[0], end[1]);
-        pen.globalAlpha = alpha;
-        pen.strokeStyle = theme[colour];
-        pen.lineWidth = width;
-        pen.stroke();
-      } });
-    }
-  }
-
-  /** An arrow among the other pieces, and beyond its head a name. */
-  arrow(from, to, colour, width, name = '', alpha = 1) {
-    const [x0, y0] = this.project(from), [x, y, depth] = this.project(to);
-    const long = Math.hypot(x - x0, y - y0) || 1, size = Math.min(4 + 2.2 * width, long);
-    const [u, v] = [(x - x0) / long, (y - y0) / long];
-    this.line(from, to, colour, width, alpha);
-    this.pieces.push({ depth: depth + 1e-6, draw: pen => {
-      pen.beginPath();
-      pen.moveTo(x + u * size * 0.4, y + v * size * 0.4);
-      for (const side of [-0.42, 0.42]) pen.lineTo(x - (u * 0.7 + v * side) * size, y - (v * 0.7 - u * side) * size);
-      pen.globalAlpha = alpha;
-      pen.fillStyle = theme[colour];
-      pen.fill();
-    } });
-    if (name) this.names.push({ name, x: x + u * 14, y: y + v * 14, colour, bold: width > 1.5 });
-  }
-
-  /** A zigzag, as springs are drawn. */
-  spring(from, to, alpha) {
-    const [x0, y0] = this.project(from), [x, y] = this.project(to);
-    const long = Math.hypot(x - x0, y - y0) || 1, wide = 6, turns = 12;
-    const [u, v] = [(y - y0) / long * wide, -(x - x0) / long * wide];
-    this.pieces.push({ depth: (this.project(from)[2] + this.project(to)[2]) / 2, draw: pen => {
-      pen.beginPath();
-      pen.moveTo(x0, y0);
-      for (let k = 0; k <= turns; k++) {
-        const part = 0.12 + 0.76 * k / turns, side = k === 0 || k === turns ? 0 : k % 2 ? 1 : -1;
-        pen.lineTo(x0 + (x - x0) * part + u * side, y0 + (y - y0) * part + v * side);
-      }
-      pen.lineTo(x, y);
-      pen.globalAlpha = alpha;
-      pen.strokeStyle = theme.muted;
-      pen.lineWidth = 1.6;
-      pen.stroke();
-    } });
-  }
-
-  dot(point, colour, size, alpha = 1) {
-    const at = this.project(point);
-    this.pieces.push({ depth: at[2], draw: pen => disc(pen, at, size, colour, alpha) });
-  }
-
-  /** The facets of a solid about its middle that are turned to the eye, shaded. */
-  solid(facets, middle, attitude, magnification, colour, alpha) {
-    const [along, across, beyond] = UNIT.map(axis => turned(attitude, axis));
-    const carry = ([x, y, z]) => [0, 1, 2].map(k => x * along[k] + y * across[k] + z * beyond[k]);
-    const distance = 6 * this.scene.radius, eye = sum(this.scene.centre, scaled(this.axes[2], distance));
-    for (const facet of facets) {
-      const corners = facet.corners.map(corner => sum(middle, scaled(carry(corner), magnification)));
-      const normal = carry(facet.normal), facing = dot(normal, sum(eye, scaled(corners[0], -1))) > 0;
-      if (!facing && !facet.clear) continue;
-      const points = corners.map(corner => this.project(corner));
-      const shine = facet.clear ? 0.85 : 0.66 + 0.36 * Math.max(-0.4, dot(normal, this.light));
-      const base = rgb(theme[typeof facet.tone === 'string' ? facet.tone : colour]);
-      const paint = base.map(x => Math.round(Math.min(255, x * shine * (facet.tone === 1 ? 0.84 : 1))));
-      this.pieces.push({
-        depth: points.reduce((total, point) => total + point[2], 0) / points.length,
-        draw: pen => {
-          pen.beginPath();
-          points.forEach(([x, y], k) => { if (k) pen.lineTo(x, y); else pen.moveTo(x, y); });
-          pen.closePath();
-          pen.globalAlpha = facet.clear ? 0.35 * alpha : alpha;
-          pen.fillStyle = pen.strokeStyle = `rgb(${paint})`;
-          pen.lineWidth = facet.clear || facet.edged ? 1 : 0.8;
-          pen.fill();
-          if (facet.edged || facet.clear) pen.strokeStyle = `rgb(${paint.map(x => Math.round(x * 0.75))})`;
-          if (alpha === 1) pen.stroke();
-        },
-      });
-    }
-  }
-
-  /** Draws what was collected, from far to near, and the names over it, with a rim, so that lines beneath do not cut them. */
-  flush() {
-    const pen = this.pen;
-    for (const piece of this.pieces.sort((a, b) => a.depth - b.depth)) piece.draw(pen);
-    pen.globalAlpha = 1;
-    pen.textAlign = 'center';
-    pen.textBaseline = 'middle';
-    for (const { name, x, y, colour, bold } of this.names) {
+  /** Shows a picture, and names over it, with a rim, so that lines beneath do not cut them. */
+  paint(picture, names) {
+    const { pen } = this;
+    pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    pen.drawImage(picture, 0, 0, this.width, this.height);
+    Object.assign(pen, { lineJoin: 'round', textAlign: 'center', textBaseline: 'middle', lineWidth: 3.5, strokeStyle: theme.panel });
+    for (const { name, x, y, colour, bold } of names) {
       pen.font = `${bold ? 600 : 400} 13px system-ui, sans-serif`;
-      const half = pen.measureText(name).width / 2 + 4, at = clamp(x, half, this.width - half);
-      pen.lineWidth = 3.5;
-      pen.strokeStyle = theme.panel;
-      pen.strokeText(name, at, y);
       pen.fillStyle = theme[colour];
+      const half = pen.measureText(name).width / 2 + 4, at = clamp(x, half, this.width - half);
+      pen.strokeText(name, at, y);
       pen.fillText(name, at, y);
     }
-    [this.pieces, this.names] = [[], []];
   }
 
-  /** The outline of a sphere about the origin, and where it meets the planes across some axes. */
-  sphere(radius, normals, centre = ORIGIN) {
-    const [right, up] = this.axes;
-    for (const [u, v] of [[right, up], ...normals.map(k => [UNIT[(k + 1) % 3], UNIT[(k + 2) % 3]])]) {
-      const circle = Array.from({ length: 73 }, (_, k) => k * Math.PI / 36)
-        .map(angle => sum(centre, scaled(sum(scaled(u, Math.cos(angle)), scaled(v, Math.sin(angle))), radius)));
-      this.stroke(circle, 'muted', 1, 0.25);
+  /** Adds what `place` puts in its place before each picture, unless it says `false`: then it is not there. */
+  add(object, place = () => true) {
+    this.space.add(object);
+    this.things.push({ object, place });
+  }
+
+  /** Puts something at a point of the scene; without a point it is not there. */
+  put(object, at, size, attitude = object.quaternion) {
+    if (at) object.position.copy(this.local(at));
+    object.quaternion.copy(attitude);
+    object.scale.setScalar(size);
+    return Boolean(at);
+  }
+
+  /** Puts what stands along the third axis, one long, between two points, so many pixels thick. */
+  span(object, [from, to], thickness) {
+    const way = this.local(to).sub(object.position.copy(this.local(from))), long = way.length();
+    object.quaternion.setFromUnitVectors(UNIT[2], way.normalize());
+    object.scale.set(thickness * this.pixel, thickness * this.pixel, long);
+    return long > 0;
+  }
+
+  /** A surface in the light. What is thin glows, so that it shows its colour from all sides. */
+  surface(geometry, colour, alpha = 1, { light = 0.5, glow = 0.53 } = {}) {
+    const material = new THREE.MeshLambertMaterial({ transparent: alpha < 1, opacity: alpha, depthWrite: alpha === 1 });
+    Object.assign(material, { color: hue(colour, light), emissive: hue(colour, glow), polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    return Object.assign(new THREE.Mesh(geometry, material), { castShadow: alpha === 1, receiveShadow: alpha === 1 });
+  }
+
+  /** A line through points as three.js has them, with gaps where they are null; its width is in pixels. */
+  stroke(points, colour, { width = 1, alpha = 1, light = 1, geometry = null } = {}) {
+    if (!this.webgl) {
+      const material = new THREE.LineBasicMaterial({ opacity: alpha, linewidth: width, linecap: 'butt' });
+      return new THREE.LineSegments(segments(points), Object.assign(material, { color: hue(colour, light) }));
     }
+    const uniforms = { half_size: this.halfSize, colour: { value: hue(colour, light) } };
+    for (const [name, value] of Object.entries({ width, alpha, now: 1e9, tail: 0 })) uniforms[name] = { value };
+    const line = new THREE.Mesh(geometry ?? band(points), new THREE.ShaderMaterial({
+      ...STROKE, uniforms, transparent: true, depthWrite: false, side: THREE.DoubleSide,
+      // each pixel is painted once, however often the line comes by
+      stencilWrite: true, stencilFunc: THREE.NotEqualStencilFunc, stencilRef: ++this.strokes % 255 + 1, stencilZPass: THREE.ReplaceStencilOp,
+    }));
+    return Object.assign(line, { frustumCulled: false });
+  }
+
+  /** The way of a moving point, by no more points than can be drawn; what is long past is faint, what is to come fainter. */
+  trace(path, run, colour, alpha) {
+    const stride = Math.ceil(run.samples / (this.webgl ? 20000 : 1000)), few = path.filter((_, k) => k % stride === 0);
+    const points = few.map(point => point && this.local(point)), most = Math.ceil(points.length / 6) + 2;
+    const whole = this.stroke(points, colour, { alpha: 0.13 * alpha }), { attributes, index, userData: order } = whole.geometry;
+    const recent = this.stroke(points, colour, { width: 2.4, alpha: 0.9 * alpha, geometry: Object.assign(new THREE.BufferGeometry(), { attributes, index }) });
+    this.add(whole);
+    this.add(recent, () => {
+      const now = (run.moment.index + run.moment.fraction) / stride, tail = Math.min(most, now + 1);
+      if (!this.webgl) return void (recent.geometry = segments(points.slice(Math.max(0, Math.round(now - tail / 2)), Math.floor(now) + 1)));
+      Object.assign(recent.material.uniforms, { now: { value: now }, tail: { value: tail } });
+      const [start, end] = [now + 1, now - tail].map(moment => order.filter(k => k > moment).length);
+      recent.geometry.setDrawRange(6 * start, 6 * (end - start));
+    });
+  }
+
+  /** An arrow and beyond its head a name; `ends` tells where it is at the moment. */
+  arrow(ends, colour, width, name = '', alpha = 1) {
+    const arrow = new THREE.Group(), shaft = this.surface(SHAFT, colour, alpha), head = this.surface(HEAD, colour, alpha);
+    this.add(arrow.add(shaft, head), () => {
+      const at = ends();
+      if (!at || !this.span(arrow, at, 1)) return false;
+      const { pixel } = this, long = arrow.scale.z, size = Math.min((5 + 3 * width) * pixel, long);
+      arrow.scale.setScalar(1);
+      shaft.scale.set(0.6 * width * pixel, 0.6 * width * pixel, long - size);
+      head.scale.set(0.36 * size, 0.36 * size, size);
+      head.position.z = long - size;
+      if (!name) return;
+      const [[x0, y0], [x, y]] = at.map(end => this.project(end)), apart = Math.hypot(x - x0, y - y0) || 1;
+      this.names.push({ name, x: x + (x - x0) / apart * 12, y: y + (y - y0) / apart * 12, colour, bold: width > 1.5 });
+    });
+  }
+
+  /** A dot so many pixels large. */
+  dot(place, colour, size, alpha = 1) {
+    this.add(this.surface(DISC, colour, alpha), dot => this.put(dot, place(), size * this.pixel));
+  }
+
+  /** A body's solid. */
+  solid({ parts }, paint, alpha) {
+    const solid = new THREE.Group();
+    for (const { geometry, edges, light, colour, clear } of parts) {
+      solid.add(this.surface(geometry, colour ?? paint, clear ? 0.45 * alpha : alpha, { light, glow: 0 }));
+      const { array = [] } = edges?.attributes.position ?? {}, ends = k => [vector(array.slice(k, k + 3)), vector(array.slice(k + 3, k + 6)), null];
+      const points = Array.from({ length: array.length / 6 }, (_, k) => ends(6 * k)).flat();
+      if (points.length) solid.add(this.stroke(points, colour ?? paint, { light: 0.7, alpha: clear ? 0.5 * alpha : alpha }));
+    }
+    return solid;
+  }
+
+  /** The outline of a sphere about a point, and where it meets the planes across some axes. */
+  sphere(radius, normals, centre = ORIGIN) {
+    const attitudes = normals.map(k => new THREE.Quaternion().setFromUnitVectors(UNIT[2], UNIT[k]));
+    for (const attitude of [this.camera.quaternion, ...attitudes])
+      this.add(this.stroke(CIRCLE, 'muted', { alpha: 0.25 }), circle => this.put(circle, centre, radius / this.scene.radius, attitude));
   }
 }

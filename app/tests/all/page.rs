@@ -271,3 +271,176 @@ fn nothing_overflows_on_a_phone() {
     let [window, page, space] = [0, 1, 2].map(|k| number(&shown[k]));
     assert!(window <= 500.0 && page <= window && space > 0.8 * window, "{shown}");
 }
+
+/// Two bodies that are seen along the first axis, at one moment after the other.
+fn seen_along_the_first_axis(bodies: &Value) -> Page {
+    let data = serde_json::json!({
+        "format": "coadjoint page 1", "time": [0.0, 1.0],
+        "space": { "axes": ["", "", ""], "look": [0.0, 0.0] }, "runs": [{ "bodies": bodies }],
+    });
+    Page::from_json(&data.to_string()).expect("a page")
+}
+
+/// The colours of the picture at both moments, at the middle and beside it.
+const SEEN: &str = "(async () => {
+  coadjoint.pause();
+  const at = async time => {
+    coadjoint.seek(time);
+    const [x, y] = coadjoint.scene().runs[0].bodies[0].screen;
+    await new Promise(done => setTimeout(done, 200)); // an SVG is decoded apart
+    return [-60, 0, 60].map(right => coadjoint.pixel([x + right, y - 3]));
+  };
+  const shown = { first: await at(0), last: await at(1), theme: coadjoint.theme };
+  const { webgl, shadows } = coadjoint.scene();
+  return { ...shown, webgl, shadows };
+})()";
+
+/// Two balls that change places, the nearer before the farther.
+fn balls() -> Page {
+    let ball = |from: f64, colour: &str| {
+        serde_json::json!({
+            "position": [[from, 0, 0], [-from, 0, 0]], "shape": { "kind": "sphere", "radius": 0.6 },
+            "axes": false, "trail": false, "colour": colour,
+        })
+    };
+    seen_along_the_first_axis(&Value::Array(vec![ball(1.0, "solid"), ball(-1.0, "second")]))
+}
+
+#[test]
+fn what_is_behind_a_body_is_hidden() {
+    let Some(browser) = Browser::find("behind") else { return };
+    balls().write(&browser.path("balls.html")).expect("writable");
+    let shown = browser.ask("balls.html", (1280, 800), SEEN);
+    assert_eq!(
+        (&shown["webgl"], &shown["shadows"]),
+        (&Value::Bool(true), &Value::Bool(false)),
+        "a software renderer"
+    );
+    let colours = colours(&shown["theme"]);
+    for (moment, nearer, farther) in [("first", "solid", "second"), ("last", "second", "solid")] {
+        let middle = rgb(&shown[moment][1]);
+        assert!(
+            is_shade(&middle, &colours[nearer]) && !is_shade(&middle, &colours[farther]),
+            "{moment}: {middle:?}"
+        );
+    }
+}
+
+#[test]
+fn of_bodies_that_cross_each_shows_where_it_is_nearer() {
+    let Some(browser) = Browser::find("crossing") else { return };
+    // to the right the first is nearer at the first moment, and the second at the last
+    let plate = |angle: f64, colour: &str| {
+        let [c, s] = [(angle / 2.0).cos(), (angle / 2.0).sin()];
+        serde_json::json!({
+            "rotation": [[c, 0.0, 0.0, s], [c, 0.0, 0.0, -s]], "axes": false, "trail": false, "colour": colour,
+            "shape": { "kind": "box", "size": [0.02, 2.0, 1.0] },
+        })
+    };
+    let plates = Value::Array(vec![plate(-0.5, "solid"), plate(0.5, "second")]);
+    seen_along_the_first_axis(&plates).write(&browser.path("plates.html")).expect("writable");
+    let shown = browser.ask("plates.html", (1280, 800), SEEN);
+    let colours = colours(&shown["theme"]);
+    for (moment, left, right) in [("first", "second", "solid"), ("last", "solid", "second")] {
+        for (place, nearer) in [(0, left), (2, right)] {
+            let found = rgb(&shown[moment][place]);
+            assert!(is_shade(&found, &colours[nearer]), "{moment}, {place}: {found:?} is no {nearer}");
+        }
+    }
+}
+
+#[test]
+fn without_webgl_the_motion_is_drawn_as_svg() {
+    let Some(browser) = Browser::find("svg") else { return };
+    balls().write(&browser.path("balls.html")).expect("writable");
+    let shown = browser.without_webgl().ask("balls.html", (1280, 800), SEEN);
+    assert_eq!(shown["webgl"], false);
+    let colours = colours(&shown["theme"]);
+    for (moment, nearer) in [("first", "solid"), ("last", "second")] {
+        assert!(is_shade(&rgb(&shown[moment][1]), &colours[nearer]), "{moment}: {}", shown[moment]);
+    }
+}
+
+/// How dark the picture is, all in all, and whether shadows are in it.
+const DARKNESS: &str = "(() => {
+  coadjoint.pause();
+  coadjoint.seek(0);
+  const { shadows } = coadjoint.scene(), { width, height } = document.querySelector('#space canvas');
+  const { data } = document.querySelector('#space canvas').getContext('2d').getImageData(0, 0, width, height);
+  return { shadows, darkness: data.reduce((total, level) => total + (255 - level) / 255, 0) };
+})()";
+
+#[test]
+fn bodies_throw_shadows_where_a_graphics_processor_draws() {
+    let Some(browser) = Browser::find("shadows") else { return };
+    let data = serde_json::json!({
+        "format": "coadjoint page 1", "time": [0.0, 1.0], "space": { "ground": 0.0, "look": [-0.9, 0.6] },
+        "runs": [{ "bodies": [{ "position": [[0, 0, 0.32], [0.5, 0, 0.32]], "shape": { "kind": "sphere", "radius": 0.3 }, "trail": false }] }],
+    });
+    let page = Page::from_json(&data.to_string()).expect("a page").to_html();
+    // the renderer by another name
+    let card = "<script nonce=\"ask\">{ const { prototype } = WebGL2RenderingContext, { getParameter } = prototype; \
+                prototype.getParameter = function (name) { return name === 0x9246 ? 'card' : getParameter.call(this, name); }; }</script></head>";
+    std::fs::write(browser.path("software.html"), &page).expect("writable");
+    std::fs::write(browser.path("card.html"), page.replace("</head>", card)).expect("writable");
+    let [software, shaded] =
+        ["software.html", "card.html"].map(|name| browser.ask(name, (1280, 800), DARKNESS));
+    assert_eq!((&software["shadows"], &shaded["shadows"]), (&Value::Bool(false), &Value::Bool(true)));
+    let [least, most] = [&software, &shaded].map(|shown| number(&shown["darkness"]));
+    assert!(most > least + 500.0, "{least}, with shadows {most}");
+}
+
+/// Counts the pictures that are drawn in six frames, at rest, after one change, and playing.
+const COUNTED: &str = "(async () => {
+  const pictures = async change => {
+    change();
+    const before = coadjoint.pictures();
+    await new Promise(done => setTimeout(done, 300));
+    return coadjoint.pictures() - before;
+  };
+  await pictures(coadjoint.pause);
+  return { resting: await pictures(() => {}), sought: await pictures(() => coadjoint.seek(3)), playing: await pictures(coadjoint.play) };
+})()";
+
+#[test]
+fn nothing_is_drawn_while_nothing_changes() {
+    let Some(browser) = Browser::find("resting") else { return };
+    turning(0.2, 0.0).write(&browser.path("resting.html")).expect("writable");
+    let shown = browser.ask("resting.html", (1280, 800), COUNTED);
+    assert_eq!((number(&shown["resting"]), number(&shown["sought"])), (0.0, 1.0), "{shown}");
+    assert!(number(&shown["playing"]) > 3.0, "{shown}");
+}
+
+/// How many pixels of the saved picture, about the place of each name, have the name's colour.
+const NAMED: &str = "(async () => {
+  coadjoint.pause();
+  const { names } = coadjoint.scene(), image = new Image();
+  await new Promise(done => setTimeout(done, 200));
+  await new Promise(done => { image.onload = done; image.src = coadjoint.png(); });
+  const pen = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+  return names.map(({ name, x, y, colour }) => {
+    pen.drawImage(image, 6 - x, 6 - y);
+    const { data } = pen.getImageData(0, 0, 12, 12), hex = coadjoint.theme[colour];
+    const of = [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16));
+    const pixels = Array.from({ length: 144 }, (_, k) => [...data.slice(4 * k, 4 * k + 3)]);
+    return { name, pixels: pixels.filter(pixel => pixel.every((x, k) => Math.abs(x - of[k]) < 70)).length };
+  });
+})()";
+
+#[test]
+fn the_saved_picture_has_the_names() {
+    let Some(browser) = Browser::find("names") else { return };
+    let page = turning(0.2, 0.0);
+    page.write(&browser.path("names.html")).expect("writable");
+    for browser in
+        [Browser::find("names"), Browser::find("names").map(Browser::without_webgl)].into_iter().flatten()
+    {
+        let shown = browser.ask("names.html", (1280, 800), NAMED);
+        let names: Vec<&Value> = shown.as_array().expect("a list").iter().collect();
+        assert_eq!(
+            names.iter().map(|name| name["name"].as_str().expect("a text")).collect::<Vec<_>>(),
+            ["x", "y", "z"]
+        );
+        assert!(names.iter().all(|name| number(&name["pixels"]) >= 3.0), "{shown}");
+    }
+}

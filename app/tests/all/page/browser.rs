@@ -7,9 +7,11 @@ use std::process::Command;
 use serde_json::Value;
 
 /// A browser, and a directory of pages for it.
+#[derive(Clone)]
 pub(super) struct Browser {
     program: PathBuf,
     directory: PathBuf,
+    webgl: bool,
 }
 
 impl Browser {
@@ -33,7 +35,12 @@ impl Browser {
         };
         let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("page-{test}"));
         std::fs::create_dir_all(&directory).expect("writable");
-        Some(Self { program, directory })
+        Some(Self { program, directory, webgl: true })
+    }
+
+    /// The same browser without WebGL.
+    pub(super) fn without_webgl(self) -> Self {
+        Self { webgl: false, ..self }
     }
 
     /// Where a page of this name is.
@@ -41,7 +48,7 @@ impl Browser {
         self.directory.join(name)
     }
 
-    /// The value of an expression once a page is shown in a window of this size, after checking that nothing went wrong.
+    /// The value of an expression, or of its promise, once a page is shown in a window of this size, after checking that nothing went wrong.
     pub(super) fn ask(&self, name: &str, size: (u32, u32), expression: &str) -> Value {
         // a machine that is busy may be asked before the page is drawn
         let mut answer = self.ask_once(name, size, expression);
@@ -59,7 +66,7 @@ impl Browser {
         assert!(page.contains("</body>") && page.contains("default-src 'none'"), "{name}");
         // a canvas has its size only after the first layout, and shows nothing that could be asked about before
         let question = format!(
-            "<script>(function ask(tries) {{
+            "<script nonce=\"ask\">(async function ask(tries) {{
                const sized = [...document.querySelectorAll('canvas')].every(canvas =>
                  canvas.width === Math.max(1, Math.round(canvas.clientWidth * devicePixelRatio)));
                const drawn = sized
@@ -68,7 +75,7 @@ impl Browser {
                let answer;
                try {{
                  if (!drawn) throw new Error('the page is not drawn yet');
-                 answer = {{ value: {expression}, errors: coadjoint.errors }};
+                 answer = {{ value: await ({expression}), errors: coadjoint.errors }};
                }}
                catch (error) {{ answer = {{ errors: [String(error.stack)] }}; }}
                const text = JSON.stringify(answer).replace(/[<>&]/g, c => '\\\\u00' + c.charCodeAt().toString(16));
@@ -76,15 +83,20 @@ impl Browser {
              }})(20);</script></body>"
         );
         let asked = self.path(&format!("asked-{name}"));
-        std::fs::write(&asked, page.replace("</body>", &question)).expect("writable");
+        // the page's own scripts run by their hashes, and this question by its nonce
+        let page = page.replace("script-src ", "script-src 'nonce-ask' ").replace("</body>", &question);
+        // no frame of the screen comes by itself while time is virtual
+        let frames = "<script nonce=\"ask\">requestAnimationFrame = drawn => setTimeout(drawn, 50, performance.now());</script></head>";
+        let page = page.replace("</head>", frames);
+        std::fs::write(&asked, page).expect("writable");
+        let drawing: &[&str] = if self.webgl {
+            &["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        } else {
+            &["--disable-gpu", "--disable-3d-apis"]
+        };
         let output = Command::new(&self.program)
-            .args([
-                "--headless",
-                "--no-sandbox",
-                "--disable-gpu",
-                "--disable-background-networking",
-                "--hide-scrollbars",
-            ])
+            .args(["--headless", "--no-sandbox", "--disable-background-networking", "--hide-scrollbars"])
+            .args(drawing)
             .args(["--enable-logging=stderr", "--virtual-time-budget=1500", "--dump-dom"])
             .arg(format!("--user-data-dir={}", self.directory.join("profile").display()))
             .arg(format!("--window-size={width},{height}"))
