@@ -14,7 +14,8 @@ use crate::tick::Tick;
 pub trait Observer<S: Dynamics + ?Sized> {
     /// Looks at one tick. [`ControlFlow::Break`] ends the run there.
     fn observe(&mut self, tick: &Tick<'_, S>) -> ControlFlow<()>;
-    /// The index of the next tick after `index` that it needs; it may be shown others, too. Steps that no observer needs are taken [together](crate::stepper::Stepper::steps_with).
+    /// Returns the index of the next tick after `index` that it needs; it may be shown others, too. Ticks that no observer needs are not shown, but
+    /// the last one of a run, and steps to them are taken [together](crate::stepper::Stepper::steps_with) where the control is constant.
     #[inline]
     fn next(&self, index: u64) -> u64 {
         index + 1

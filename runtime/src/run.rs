@@ -284,39 +284,34 @@ where
             if taken >= count {
                 return Ok(last);
             }
-            let control = self.law.control(self.state, self.stepper.time());
-            let unseen = self.unseen(count - taken);
-            if unseen > 0 {
-                match self.stepper.steps_with(self.state, &control, unseen) {
-                    Ok(steps) => report.add(&steps),
-                    Err(error) => {
-                        report.add(&error.report);
-                        return Err(RunError { report: *report, ..error });
+            let index = self.stepper.steps_taken();
+            let mut unseen = self.observer.next(index).saturating_sub(index).clamp(1, count - taken);
+            while unseen > 0 {
+                let control = self.law.control(self.state, self.stepper.time());
+                if const { C::IS_CONSTANT } && unseen > 1 {
+                    match self.stepper.steps_with(self.state, &control, unseen - 1) {
+                        Ok(steps) => report.add(&steps),
+                        Err(error) => {
+                            report.add(&error.report);
+                            return Err(RunError { report: *report, ..error });
+                        }
+                    }
+                    unseen = 1;
+                }
+                let time = self.stepper.time();
+                match self.stepper.step_with(self.state, &control) {
+                    Ok(step) => {
+                        report.count(&step);
+                        last = Some((step, control));
+                    }
+                    Err(cause) => {
+                        let step = self.stepper.steps_taken() + 1;
+                        return Err(RunError { step, time, report: *report, cause });
                     }
                 }
-            }
-            let time = self.stepper.time();
-            match self.stepper.step_with(self.state, &control) {
-                Ok(step) => {
-                    report.count(&step);
-                    last = Some((step, control));
-                }
-                Err(cause) => {
-                    let step = self.stepper.steps_taken() + 1;
-                    return Err(RunError { step, time, report: *report, cause });
-                }
+                unseen -= 1;
             }
         }
-    }
-
-    /// How many of the next steps, at most so many, are all the same to those who watch and control; the one after these is not.
-    #[inline]
-    fn unseen(&self, most: u64) -> u64 {
-        if const { !C::IS_CONSTANT } {
-            return 0;
-        }
-        let index = self.stepper.steps_taken();
-        self.observer.next(index).saturating_sub(index).min(most).saturating_sub(1)
     }
 
     #[inline]
