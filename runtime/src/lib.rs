@@ -193,7 +193,9 @@ pub use system::{Control, Discretized, Kind, NoControl, Quantity, Role, Side, St
 pub mod __private {
     pub use crate::__copied as copied;
     pub use crate::__serialization as serialization;
-    pub use crate::derivative::{Derives, Differentiable, Entry, Linearized, add_product};
+    pub use crate::derivative::{
+        Derives, Differentiable, Entry, Linearized, LinearizedSchemes, LinearizedVisitor, add_product,
+    };
     pub use crate::error::ParameterError;
     #[cfg(feature = "std")]
     pub use crate::fused::FusedScalar;

@@ -44,18 +44,52 @@ pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
             }
         }
     });
-    let arms = steps.iter().map(|step| {
-        let names_of = named(step).into_iter().map(|scheme| {
+    let patterns = |step: &StepProgram| {
+        let patterns = named(step).into_iter().map(|scheme| {
             let Scheme { retraction, rule } = scheme;
             let [map, named] = [retraction.name(), rule.method.rule].map(|name| format_ident!("{name}"));
             let s = fraction(rule.member);
             quote! { (#private::Map::#map, #private::Rule::#named(#s)) }
         });
+        quote! { #(#patterns)|* }
+    };
+    let arms = steps.iter().map(|step| {
+        let (patterns, marker) = (patterns(step), marker(names, step.scheme));
+        quote! { #patterns => #private::Visitor::visit::<#marker>(visitor) }
+    });
+    let linearized = steps.iter().filter(|step| step.derivative.is_some()).map(|step| {
         let marker = marker(names, step.scheme);
-        quote! { #(#names_of)|* => #private::Visitor::visit::<#marker>(visitor) }
+        let patterns = patterns(step);
+        quote! {
+            #patterns => #private::LinearizedVisitor::visit::<
+                <Self as #private::Generated<#marker>>::Kernel<<Self as #private::System>::Scalar>
+            >(visitor)
+        }
+    });
+    let linearized: Vec<_> = linearized.collect();
+    // by default there are none
+    let linearized = (!linearized.is_empty()).then(|| {
+        quote! {
+            #[inline]
+            fn visit_linearized<V: #private::LinearizedVisitor<Self>>(
+                map: #private::Map,
+                rule: #private::Rule,
+                visitor: V,
+            ) -> ::core::option::Option<V::Output> {
+                ::core::option::Option::Some(match (map, rule) {
+                    #(#linearized,)*
+                    _ => return ::core::option::Option::None,
+                })
+            }
+        }
     });
     let schemes = quote! {
         #(#retracted)*
+
+        #[automatically_derived]
+        impl #private::LinearizedSchemes for #system {
+            #linearized
+        }
 
         #[automatically_derived]
         impl #private::Schemes for #system {

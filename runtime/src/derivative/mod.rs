@@ -53,6 +53,7 @@
 //! whole run these are those of a `CheckpointedTape`, which keeps few states and takes the steps between them a second time.
 
 mod blocks;
+mod choice;
 mod method;
 #[cfg(feature = "std")]
 mod run;
@@ -64,6 +65,8 @@ pub use blocks::{
     Block, Dense, IndexRange, JacobianBlocks, JacobianBlocksOf, StepJacobian, WrtControl, WrtParameters,
     WrtState,
 };
+#[doc(hidden)]
+pub use choice::{LinearizedSchemes, LinearizedVisitor};
 #[doc(hidden)]
 pub use method::{AllColumns, DerivativeSelection};
 pub use method::{HasDerivative, Linearizable};

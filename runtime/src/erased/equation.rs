@@ -149,6 +149,6 @@ impl<K: Kernel<f64>> Equation for ([K; 0], KernelEquation<K>) {
 
     fn solution(&self) -> Option<Vec<f64>> {
         let (_, KernelEquation { kernel, state, begun }) = self;
-        solve::cold(&AtState { kernel, state, step: begun }).map(|unknown| unknown.as_ref().to_vec())
+        solve::cold(&AtState { kernel, state, step: begun }).ok().map(|unknown| unknown.as_ref().to_vec())
     }
 }

@@ -32,6 +32,7 @@ mod composition;
 mod ensemble;
 mod equation;
 mod field;
+mod jacobian;
 mod stepper;
 mod system;
 mod trial;
@@ -45,6 +46,9 @@ pub use crate::system::Description;
 pub use ensemble::Ensemble;
 #[doc(hidden)]
 pub use equation::Equation;
+#[doc(hidden)]
+pub use jacobian::Linearization;
+pub use jacobian::{Jacobian, JacobianError};
 pub use stepper::{Stepper, StepperError};
 pub use system::{At, EnsembleSystem, System};
 #[doc(hidden)]

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::composition;
 use super::field::ByFunction;
+use super::jacobian::{self, Jacobian, JacobianError};
 use super::system::{At, System, check_length, length};
 use crate::error::{ParameterError, StepError};
 use crate::flat::{Method, NotGenerated, of_only_lane};
@@ -22,6 +23,8 @@ use crate::stepper::{StepReport, Stepping, check_deviation, check_step, trajecto
 #[derive(Clone)]
 pub struct Stepper {
     system: Arc<dyn System>,
+    /// None of a method of one's own.
+    scheme: Option<Scheme>,
     make: Arc<MakeMethod>,
     method: AnyMethod,
     step: f64,
@@ -71,11 +74,11 @@ impl Stepper {
         system.validate()?;
         check_step(step)?;
         let method = composition::method(scheme, &*system, step)?;
-        let scheme = scheme.clone();
+        let (own, scheme) = (scheme.clone(), scheme.clone());
         let make = Arc::new(move |system: &Arc<dyn System>, step| {
             composition::method(&scheme, &**system, step).ok()
         });
-        Ok(Self::assembled(system, make, method, step))
+        Ok(Self { scheme: Some(own), ..Self::assembled(system, make, method, step) })
     }
 
     /// Builds a stepper whose steps were not generated: those of a method of one's own.
@@ -143,7 +146,8 @@ impl Stepper {
     ) -> Self {
         let left = std::vec![0.0; length(system.description().state)];
         let (method, next) = (AnyMethod(method), left.clone());
-        Self { system, make, method, step, start: 0.0, taken: 0, before: 0, has_left: false, left, next }
+        let (start, taken, before, has_left) = (0.0, 0, 0, false);
+        Self { system, scheme: None, make, method, step, start, taken, before, has_left, left, next }
     }
 
     /// The system.
@@ -246,6 +250,46 @@ impl Stepper {
         };
         state.copy_from_slice(&self.left);
         Ok(report)
+    }
+
+    /// Takes one step, and gives the derivatives of the next state: see
+    /// [`Stepper::step_with_jacobian`](crate::Stepper::step_with_jacobian).
+    ///
+    /// ```
+    /// use coadjoint::erased;
+    /// use coadjoint::prelude::*;
+    /// use std::sync::Arc;
+    ///
+    /// #[lie_poisson_system(group = SO3, derivatives)]
+    /// struct Body {
+    ///     #[inertia]
+    ///     inertia: Vector3<f64>,
+    /// }
+    ///
+    /// let body = Arc::new(Body { inertia: vector![1.0, 2.0, 2.5] });
+    /// let mut stepper = erased::Stepper::new(body, &"Order4<Cayley>".parse()?, 0.01)?;
+    /// let mut state = [1.0, 0.0, 0.0, 0.0, 0.4, -0.8, 1.5];
+    /// let (jacobian, _) = stepper.step_with_jacobian(&mut state, &[])?;
+    /// assert_eq!(jacobian.state.shape(), (6, 6));
+    /// // more momentum, more turn: about h / inertia
+    /// assert!((jacobian.state[(0, 3)] - 0.01).abs() < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), or if the step has [no derivative](StepError::NoDerivative), or none was generated. State and time are then as before.
+    pub fn step_with_jacobian(
+        &mut self,
+        state: &mut [f64],
+        control: &[f64],
+    ) -> Result<(Jacobian, StepReport), JacobianError> {
+        self.check(state)?;
+        let missing = |scheme| JacobianError::NotGenerated { scheme, system: self.system.description().name };
+        let Some(scheme) = &self.scheme else { return Err(missing("a method of one's own".into())) };
+        let at = At { step: self.step, state, time: self.time(), control };
+        let jacobian = jacobian::jacobian(&*self.system, scheme, &at)?;
+        let report = self.step(state, control)?;
+        Ok((jacobian, report))
     }
 
     /// Whether steps can start from a state from elsewhere.

@@ -7,6 +7,8 @@ use std::vec::Vec;
 
 use super::composition::composed;
 use super::equation::{Equation, equation};
+use super::jacobian::{Linearization, OfDerivatives};
+use crate::derivative::LinearizedSchemes;
 use crate::ensemble::Instructions;
 use crate::ensemble::members::{Builder, Member, Members};
 use crate::error::{ParameterError, StepError};
@@ -141,6 +143,10 @@ pub trait System: Geometry + Send + Sync + 'static {
     #[doc(hidden)]
     fn method(&self, map: Map, rule: Rule, step: f64) -> Option<Box<dyn Method<f64>>>;
 
+    /// The derivative of a generated step, and where the step leads to; none if it was not generated.
+    #[doc(hidden)]
+    fn linearization(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Result<Linearization, StepError>>;
+
     /// The equation of a generated step; none if it was not generated.
     #[doc(hidden)]
     fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>>;
@@ -178,7 +184,7 @@ impl<'a> At<'a> {
 
 impl<S> System for S
 where
-    S: Schemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
+    S: Schemes + LinearizedSchemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
 {
     fn with_parameters(&self, parameters: &[f64]) -> Arc<dyn System> {
         let mut own = self.to_parameters();
@@ -190,6 +196,10 @@ where
         S::visit(map, rule, OfNumbers { parameters: self.to_parameters().as_ref(), step })
     }
 
+    fn linearization(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Result<Linearization, StepError>> {
+        S::visit_linearized(map, rule, OfDerivatives { parameters: self.to_parameters().as_ref(), at })
+    }
+
     fn equation(&self, map: Map, rule: Rule, at: &At<'_>) -> Option<Box<dyn Equation>> {
         S::visit(map, rule, OfEquations { parameters: self.to_parameters().as_ref(), at })
     }
@@ -197,7 +207,7 @@ where
 
 impl<S> EnsembleSystem for S
 where
-    S: Schemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
+    S: Schemes + LinearizedSchemes + system::Geometry<Scalar = f64> + Send + Sync + 'static,
 {
     fn members(&self, members: &[Member], step: f64, instructions: Instructions) -> Option<Members> {
         Members::new::<f64, _>(instructions, members, step, &Standard::<S>(PhantomData)).ok()

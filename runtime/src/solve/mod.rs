@@ -22,6 +22,8 @@ mod predictor;
 mod rescue;
 pub(crate) mod step;
 
+#[cfg(feature = "std")]
+use crate::error::StepError;
 use crate::kernel::{AtState, Evaluation, Kernel};
 use crate::scalar::blocks::select;
 use crate::scalar::{Batch, Components, Mask};
@@ -59,16 +61,19 @@ impl<T: Batch, U: Copy, I: Copy> Solution<T, U, I> {
     }
 }
 
-/// The solution of a step's equation from nothing that is remembered. None if it is not found.
+/// Solves a step's equation from nothing that is remembered.
+///
+/// # Errors
+/// If no solution is found.
 #[cfg(feature = "std")]
-pub(crate) fn cold<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>) -> Option<K::Unknown> {
+pub(crate) fn cold<T: Batch, K: Kernel<T>>(equation: &AtState<'_, T, K>) -> Result<K::Unknown, StepError> {
     use crate::scalar::Work;
     let start = &equation.start();
     if const { <K::Unknown as Components<T>>::LENGTH == 0 } {
-        return Some(*start);
+        return Ok(*start);
     }
     let work = rescue::Rescue { equation, blocks: K::BLOCKS, start, lane: 0 };
-    work.done().ok().map(|rescued| rescued.unknown)
+    work.done().map(|rescued| rescued.unknown)
 }
 
 /// The next iterate, in the lanes that go on. One number alone goes on, or there is no next iterate: it is not to wait for what decides that.

@@ -13,6 +13,7 @@ use coadjoint::certify;
 use coadjoint::certify::{
     Certification, CertifyError, Claimed, KernelProbe, Report, Verdict, certify_erased,
 };
+use coadjoint::derivative::LinearizedSchemes;
 use coadjoint::erased::{self, Description};
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
@@ -619,6 +620,8 @@ static LEFT: AtomicUsize = AtomicUsize::new(0);
 impl Generated<Midpoint> for Bent {
     type Kernel<T: Scalar> = <Body as Generated<Midpoint>>::Kernel<T>;
 }
+
+impl LinearizedSchemes for Bent {}
 
 impl Schemes for Bent {
     fn visit<V: Visitor<Self>>(_: Map, _: Rule, visitor: V) -> Option<V::Output> {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use coadjoint::__private::{Geometry, Map};
 use coadjoint::certify::{Certification, CertifyError, Report, certify_erased};
 use coadjoint::composition::{Coefficients, Composed, KahanLi6, Suzuki4};
+use coadjoint::derivative::{HasDerivative, Linearizable, WrtControl, WrtParameters, WrtState};
 use coadjoint::ensemble::EnsembleError;
 use coadjoint::erased::{self, StepperError};
 use coadjoint::prelude::*;
@@ -37,6 +38,22 @@ struct Satellite {
     methods(Midpoint),
 )]
 struct Craft {
+    #[inertia(attitude)]
+    inertia: Vector3<f64>,
+    #[inertia(position)]
+    mass: f64,
+}
+
+/// Steered, with the derivatives of its steps.
+#[lie_poisson_system(
+    group(attitude: SO3, position: R3),
+    control(thrust: f64),
+    potential = mass * 9.81 * position.z,
+    force(position = attitude * (thrust * Vector3::z())),
+    methods(Midpoint),
+    derivatives,
+)]
+struct Drone {
     #[inertia(attitude)]
     inertia: Vector3<f64>,
     #[inertia(position)]
@@ -120,6 +137,58 @@ fn steps_are_those_of_the_typed_stepper() {
     agree::<Midpoint<Exponential>, _>(craft(), &Scheme::member(Map::Exponential, 1, 2), &thrust);
     let order6 = Scheme::composed::<KahanLi6>(Scheme::Standard(Map::Exponential));
     agree::<Order6<Exponential>, _>(craft(), &order6, &thrust);
+}
+
+/// The same derivatives as of typed steppers, but for rounding, and the same steps.
+#[test]
+fn derivatives_are_those_of_the_typed_stepper() {
+    fn agree<M>(text: &str)
+    where
+        Drone: Discretized<M>,
+        <Drone as Discretized<M>>::Method<f64>: HasDerivative<Drone> + Linearizable<Drone>,
+    {
+        let drone = Drone { inertia: vector![0.03, 0.05, 0.04], mass: 1.3 };
+        let mut state = DroneState {
+            attitude: UnitQuaternion::from_euler_angles(0.3, -0.7, 1.1),
+            attitude_momentum: vector![0.01, -0.03, 0.02],
+            position: vector![0.1, 0.2, 0.3],
+            position_momentum: vector![-1.0, 0.5, 0.2],
+        };
+        let mut typed = drone.stepper::<M>(0.02).unwrap();
+        let mut other = erased::Stepper::new(shared(&drone), &text.parse().unwrap(), 0.02).unwrap();
+        let (mut numbers, control) = (state.to_components().to_vec(), DroneControl { thrust: 12.0 });
+        for _ in 0..3 {
+            let blocks = (WrtState, WrtControl, WrtParameters);
+            let step = typed.step_with_jacobian(&mut state, &control, blocks).unwrap();
+            let (jacobian, report) = other.step_with_jacobian(&mut numbers, &[12.0]).unwrap();
+            assert_eq!((report, &numbers[..]), (step.report, &state.to_components()[..]), "{text}");
+            let (a, b, p) = step.jacobian;
+            for (is, should_be) in [
+                (jacobian.state.as_slice(), a.as_slice()),
+                (jacobian.control.as_slice(), b.as_slice()),
+                (jacobian.parameters.as_slice(), p.as_slice()),
+            ] {
+                assert_eq!(is.len(), should_be.len(), "{text}");
+                let off = is.iter().zip(should_be).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-12 && should_be.iter().any(|x| *x != 0.0), "{text}: {off:e}");
+            }
+        }
+        assert_eq!(other.steps_taken(), 3);
+    }
+    agree::<Cayley>("Cayley");
+    agree::<Midpoint<Exponential>>("Midpoint");
+    agree::<Order4<Exponential>>("Order4<Exponential>");
+
+    // of a system whose description does not ask for them
+    let (system, state) = top();
+    let mut stepper = erased::Stepper::new(shared(&system), &Scheme::Standard(Map::Cayley), 0.1).unwrap();
+    let (mut numbers, before) = (state.to_components().to_vec(), state.to_components().to_vec());
+    let error = stepper.step_with_jacobian(&mut numbers, &[]).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "no derivatives of the scheme `Cayley` were generated for `Top`; `derivatives` in its description asks for them"
+    );
+    assert_eq!((numbers, stepper.steps_taken()), (before, 0));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 use coadjoint::__private::{Geometry, Map, Scalar};
 use coadjoint::certify::{CertifyError, Verdict, group_laws};
+use coadjoint::derivative::LinearizedSchemes;
 use coadjoint::prelude::*;
 use coadjoint::scheme::Rule;
 use coadjoint::system::{Generated, Schemes, Visitor};
@@ -62,6 +63,8 @@ impl<F: Fault> Generated<SymplecticEulerA<Exponential>> for Faulty<Drop, F> {
 impl<F: Fault> Generated<SymplecticEulerA<Cayley>> for Faulty<Drop, F> {
     type Kernel<T: Scalar> = FaultyKernel<<Drop as Generated<SymplecticEulerA<Cayley>>>::Kernel<T>, F>;
 }
+
+impl<F: Fault> LinearizedSchemes for Faulty<Drop, F> {}
 
 impl<F: Fault> Schemes for Faulty<Drop, F> {
     fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output> {
@@ -138,6 +141,8 @@ struct Turning {
 impl<F: Fault> Generated<SymplecticEulerA<SecondKind>> for Faulty<Turning, F> {
     type Kernel<T: Scalar> = FaultyKernel<<Turning as Generated<SymplecticEulerA<SecondKind>>>::Kernel<T>, F>;
 }
+
+impl<F: Fault> LinearizedSchemes for Faulty<Turning, F> {}
 
 impl<F: Fault> Schemes for Faulty<Turning, F> {
     fn visit<V: Visitor<Self>>(map: Map, rule: Rule, visitor: V) -> Option<V::Output> {

@@ -1,0 +1,131 @@
+//! Derivatives of steps of any system and scheme.
+
+use nalgebra::DMatrix;
+use std::string::String;
+use std::vec::Vec;
+
+use thiserror::Error;
+
+use super::system::{At, System};
+use crate::derivative::{Differentiable, Linearized, LinearizedVisitor};
+use crate::error::StepError;
+use crate::flat::array;
+use crate::kernel::{self, AtState, Kernel};
+use crate::scalar::Components;
+use crate::schemes::Scheme;
+use crate::solve;
+use crate::system;
+
+/// The derivatives of the state after a step, in [left-trivialized coordinates](crate::derivative#coordinates); zeros in the place of those that the
+/// description does not ask for.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Jacobian {
+    /// With respect to the state before the step.
+    pub state: DMatrix<f64>,
+    /// With respect to the controls.
+    pub control: DMatrix<f64>,
+    /// With respect to the parameters, without the description's constants.
+    pub parameters: DMatrix<f64>,
+}
+
+/// A step that could not be taken with its derivatives.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum JacobianError {
+    /// The step itself could not be taken, or has no derivative.
+    #[error(transparent)]
+    Step(#[from] StepError),
+    /// No derivatives of a step that the scheme is made of were generated.
+    #[error(
+        "no derivatives of the scheme `{scheme}` were generated for `{system}`; `derivatives` in its description asks for them"
+    )]
+    NotGenerated {
+        /// The scheme.
+        scheme: String,
+        /// The system's name.
+        system: &'static str,
+    },
+}
+
+/// A generated step with its derivatives.
+pub struct Linearization {
+    next: Vec<f64>,
+    jacobian: Jacobian,
+}
+
+/// Differentiates a generated step.
+pub(super) struct OfDerivatives<'a> {
+    pub(super) parameters: &'a [f64],
+    pub(super) at: &'a At<'a>,
+}
+
+impl<S: system::System<Scalar = f64>> LinearizedVisitor<S> for OfDerivatives<'_> {
+    type Output = Result<Linearization, StepError>;
+
+    fn visit<K>(self) -> Self::Output
+    where
+        S: Differentiable,
+        K: Linearized<f64, S>
+            + Kernel<
+                f64,
+                Parameters = S::Parameters<f64>,
+                State = S::StateComponents<f64>,
+                Control = S::ControlComponents<f64>,
+            >,
+    {
+        let At { step, time, .. } = *self.at;
+        let (parameters, state, control) =
+            (array(self.parameters), array(self.at.state), array(self.at.control));
+        let kernel: K = kernel::new(&parameters, step);
+        let begun = kernel.begin(&state, time, &control);
+        let equation = AtState { kernel: &kernel, state: &state, step: &begun };
+        let unknown = solve::cold(&equation)?;
+        let evaluation = kernel.evaluate(&state, &begun, &unknown);
+        let next = kernel.finish(&state, &begun, &unknown, &evaluation).as_ref().to_vec();
+        let point = K::point(&parameters, step, &state, time, &control, &unknown);
+        let through = K::through(&point);
+        let rows = S::StatePerturbation::<f64>::LENGTH;
+        let jacobian = Jacobian {
+            state: dense(rows, K::wrt_state(&point, &through).as_ref()),
+            control: dense(rows, K::wrt_control(&point, &through).as_ref()),
+            parameters: dense(rows, K::wrt_parameters(&point, &through).as_ref()),
+        };
+        Ok(Linearization { next, jacobian })
+    }
+}
+
+/// The matrix of these columns.
+fn dense<C: AsRef<[f64]>>(rows: usize, columns: &[C]) -> DMatrix<f64> {
+    let entries = columns.iter().flat_map(|column| column.as_ref().iter().copied());
+    DMatrix::from_iterator(rows, columns.len(), entries)
+}
+
+/// Differentiates a step of a scheme, by the chain rule.
+pub(super) fn jacobian(system: &dyn System, scheme: &Scheme, at: &At<'_>) -> Result<Jacobian, JacobianError> {
+    let description = system.description();
+    let (mut state, mut time) = (at.state.to_vec(), at.time);
+    let mut whole: Option<Jacobian> = None;
+    for (map, rule, step) in scheme.parts(description.invariant, at.step) {
+        let part = At { step, state: &state, time, control: at.control };
+        let missing =
+            || JacobianError::NotGenerated { scheme: std::format!("{scheme}"), system: description.name };
+        let Linearization { next, jacobian } =
+            system.linearization(map, rule, &part).ok_or_else(missing)??;
+        whole = Some(match whole {
+            None => jacobian,
+            Some(before) => Jacobian {
+                control: &jacobian.state * before.control + jacobian.control,
+                parameters: &jacobian.state * before.parameters + jacobian.parameters,
+                state: jacobian.state * before.state,
+            },
+        });
+        (state, time) = (next, time + step);
+    }
+    let jacobian = whole.ok_or(StepError::NoDerivative)?;
+    let parts = [&jacobian.state, &jacobian.control, &jacobian.parameters];
+    match parts.iter().all(|part| part.iter().all(|x| x.is_finite())) {
+        true => Ok(jacobian),
+        false => Err(StepError::NoDerivative.into()),
+    }
+}
