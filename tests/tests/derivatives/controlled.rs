@@ -2,6 +2,7 @@
 
 use coadjoint::SchemeType;
 use coadjoint::certify::Certification;
+use coadjoint::derivative::LinearizedSchemes;
 use coadjoint::derivative::{WrtControl, WrtParameters};
 use coadjoint::erased;
 use coadjoint::nalgebra::SVector;
@@ -90,11 +91,19 @@ twins! {
 
 /// A system with controls in its energy, and the one whose parameters they are.
 trait Controlled<const D: usize>:
-    System<Scalar = f64, Momentum = SVector<f64, D>> + Geometry + Schemes + Clone + Send + Sync + 'static
+    System<Scalar = f64, Momentum = SVector<f64, D>>
+    + Geometry
+    + Schemes
+    + LinearizedSchemes
+    + Clone
+    + Send
+    + Sync
+    + 'static
 {
     type Known: System<Scalar = f64, Momentum = SVector<f64, D>, Control = NoControl<f64>>
         + Geometry
         + Schemes
+        + LinearizedSchemes
         + Clone
         + Send
         + Sync
