@@ -80,7 +80,7 @@ pub(crate) fn ensemble(
     let every = arguments.every.unwrap_or(Members::every(job.steps));
     let (spread, quantity) = (spread.clone(), quantity.clone());
     let asked = Members { members: *members, spread, seed: *seed, quantity };
-    made(&Motion { entry, changes, setup, job }, asked, every, motion, &mut console)
+    execute(&Motion { entry, changes, setup, job }, asked, every, motion, &mut console)
 }
 
 /// Makes an ensemble again, from what made a file.
@@ -91,11 +91,11 @@ pub(crate) fn again(
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
     let Some(asked) = made_by.ensemble.clone() else { return Ok(()) };
-    made(motion, asked, made_by.every, &run.chosen.motion, console)
+    execute(motion, asked, made_by.every, &run.chosen.motion, console)
 }
 
 /// Makes an ensemble about a run, and reports it.
-fn made(
+fn execute(
     motion: &Motion<'_>,
     asked: Members,
     every: u64,

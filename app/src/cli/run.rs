@@ -129,7 +129,7 @@ pub(crate) fn run(
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
     let inputs = arguments.chosen.config.iter().cloned().collect();
     let plan = Plan { every, format, inputs, ..planned(&motion, arguments) };
-    made(motion.entry, plan, arguments, &mut console)
+    execute(motion.entry, plan, arguments, &mut console)
 }
 
 /// Plans a run of which nothing is written yet.
@@ -149,20 +149,32 @@ fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
     }
 }
 
-/// Makes a run, and reports it.
-fn made(entry: &Entry, plan: Plan, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Error> {
+/// Makes a run: claims its files, prepares its recorders, takes its steps, writes its files and reports it.
+fn execute(
+    entry: &Entry,
+    plan: Plan,
+    arguments: &RunArguments,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
     let checkpoint = arguments.checkpoint.as_deref();
     let page = plan.html.clone().filter(|_| arguments.open);
     let session = Session::begin(entry, plan, checkpoint)?;
-    let done = finished(session, console)?;
-    report(done, checkpoint, console)?;
+    go_on(session, checkpoint, console)?;
     page.map_or(Ok(()), |page| play::show(&page, console))
 }
 
-fn finished<'e>(session: Session<'e>, console: &mut Console<'_>) -> Result<FinishedRun<'e>, Error> {
+/// Takes the steps of a run that was begun, writes its files and reports it.
+fn go_on(
+    mut session: Session<'_>,
+    checkpoint: Option<&Path>,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
     let (name, steps) = session.size();
     let mut progress = console.progress(name, steps, "step");
-    session.run(&mut |index| progress.show(index))
+    let taken = session.simulate(&mut |index| progress.show(index))?;
+    drop(progress);
+    let done = session.write(taken)?;
+    report(done, checkpoint, console)
 }
 
 pub(crate) fn resume(
@@ -173,8 +185,7 @@ pub(crate) fn resume(
     let path = &arguments.checkpoint;
     let session = Session::resume(catalogue, path)?;
     let mut console = arguments.output.on(stdout, session.is_for_stdout())?;
-    let done = finished(session, &mut console)?;
-    report(done, Some(path), &mut console)
+    go_on(session, Some(path), &mut console)
 }
 
 /// Makes a run of which nothing is written but the page.
@@ -206,7 +217,7 @@ pub(crate) fn view(
     let inputs = chosen.config.iter().cloned().collect();
     let mut plan = Plan { inputs, ..planned(&motion, &arguments) };
     plan.html = Some(html.clone().unwrap_or_else(|| page_of(motion.entry, &plan)));
-    made(motion.entry, plan, &arguments, &mut console)
+    execute(motion.entry, plan, &arguments, &mut console)
 }
 
 /// Names the page of a run, unless its name is given.
@@ -252,7 +263,7 @@ fn again(
     if plan.format.is_none() && !plan.plot && plan.html.is_none() {
         return Err(wrong(format!("{name} has an extension of no kind of output")).into());
     }
-    made(motion.entry, plan, arguments, console)
+    execute(motion.entry, plan, arguments, console)
 }
 
 /// Reads the run that made a file.
