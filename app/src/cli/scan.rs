@@ -38,7 +38,7 @@ pub(super) fn scan(
     let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let run = Provenance { scan: asked.to_owned(), ..Provenance::of_run(entry, setup, job, 1) };
     let file = file_in(out, &format!("{}.csv", run.stem(entry, job)));
-    let guard = OverwriteGuard::new(run.origin(entry), *force);
+    let guard = OverwriteGuard::new(run.origin(), *force);
     guard.check_all(&[PlannedFile { what: "the table", path: file.clone(), written: true }])?;
     interrupt::listen();
     let start = Instant::now();

@@ -373,7 +373,7 @@ fn claimed(
     checkpoint: Option<&Path>,
 ) -> Result<(RunFiles, OverwriteGuard), Error> {
     let files = RunFiles::of(entry, plan)?;
-    let guard = OverwriteGuard::new(plan.provenance(entry).origin(entry), plan.force);
+    let guard = OverwriteGuard::new(plan.provenance(entry).origin(), plan.force);
     guard.check_all(&files.planned(plan, checkpoint))?;
     Ok((files, guard))
 }
