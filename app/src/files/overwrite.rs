@@ -86,6 +86,11 @@ impl OverwriteGuard {
             }
         }
         let written = || files.iter().filter(|file| file.written).map(|file| &file.path);
+        let beside: Vec<PathBuf> = written().map(|path| resolved(path).with_extension("run.json")).collect();
+        if let Some((file, _)) = files.iter().zip(&places).find(|(_, place)| beside.contains(place)) {
+            let source = FileProblem::Shared([file.what, "what says how it was made"]);
+            return Err(FileError { path: file.path.clone(), source });
+        }
         written().try_for_each(|path| self.check(path))?;
         for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {
             make_directory_of(

@@ -164,6 +164,8 @@ fn no_two_files_of_a_command_are_one() {
         &["--html", "out/driven_pendulum-exponential.csv"],
         &["--html", "sub/../out/driven_pendulum-exponential.csv"],
         &["--html", "new/../out/./driven_pendulum-exponential.csv"],
+        &["--html", "out/driven_pendulum-exponential.run.json"],
+        &["--checkpoint", "out/driven_pendulum-exponential.run.json"],
         &["--html", "c", "--checkpoint", "c"],
         &["--html", "c.rows", "--checkpoint", "c"],
         &["--checkpoint", "out/driven_pendulum-exponential.csv"],
