@@ -57,8 +57,8 @@ pub(crate) struct RunArguments {
     pub(crate) checkpoint_every: f64,
     /// One run for each value, in parallel: `weight=1:10:20`, `weight=1,2,5`
     ///
-    /// `weight=1:10:20` are twenty values from 1 to 10. Two of them make a grid. Of each run a row is printed and written, with its largest
-    /// errors and its end state; no trajectories.
+    /// `weight=1:10:20` are twenty values from 1 to 10. Two of them make a grid. Of each run a row is printed and
+    /// written, with its largest errors and its end state; no trajectories.
     #[arg(
         long,
         value_name = "NAME=VALUES",

@@ -34,8 +34,8 @@ impl Outcome {
     }
 }
 
-/// Makes the runs, in the order of the points. The callback gets the number of finished ones; it may be asked whether to
-/// stop.
+/// Makes the runs, in the order of the points. The callback gets the number of finished ones; it may be asked whether
+/// to stop.
 pub(crate) fn scan(
     (entry, changes, job): (&Entry, &Changes<'_>, &Job),
     scans: &[Scan],
