@@ -1,7 +1,7 @@
 //! The HTML page that shows motions in three dimensions: one self-contained file, and its data format.
 //!
-//! `coadjoint view SYSTEM` writes such a page; `coadjoint play DATA.json` makes one of data that any program wrote. The least data are the moments
-//! and one body's attitudes, as quaternions `[w, x, y, z]`:
+//! `coadjoint view SYSTEM` writes such a page; `coadjoint play DATA.json` makes one of data that any program wrote. The
+//! least data are the moments and one body's attitudes, as quaternions `[w, x, y, z]`:
 //!
 //! ```json
 //! { "format": "coadjoint page 1",
@@ -9,8 +9,8 @@
 //!   "runs": [{ "bodies": [{ "rotation": [[1, 0, 0, 0], [0.995, 0, 0, 0.0998], [0.980, 0, 0, 0.199]] }] }] }
 //! ```
 //!
-//! `PAGE_FORMAT.md` beside this crate's manifest describes the whole format; [`Page`] is the same as Rust types. [`Page::from_json`] reads and
-//! checks data, [`Page::write`] writes the page.
+//! `PAGE_FORMAT.md` beside this crate's manifest describes the whole format; [`Page`] is the same as Rust types.
+//! [`Page::from_json`] reads and checks data, [`Page::write`] writes the page.
 //!
 //! In a browser's console, `coadjoint.scene()` tells what the page shows, in numbers, and `coadjoint.seek(t)` goes to a
 //! moment; so does `#t=…` after the page's address.

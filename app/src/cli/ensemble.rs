@@ -12,13 +12,12 @@ use serde_json::{Value, json};
 use super::console::{Console, OutputMode};
 use super::interrupt;
 use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme, job};
-use super::run::RunArguments;
 use crate::catalogue::quantities::laid_out;
 use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Catalogue, Entry, component_name};
 use crate::error::{Error, RunError, SetupError};
 use crate::files::{
-    Members, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, file_in, is_stdout, table,
+    FileOrigin, Members, NewFile, OverwriteGuard, PlannedFile, Provenance, Status, file_in, is_stdout, table,
 };
 use crate::picture::{Kind, ensemble_figure};
 use crate::setup::{Changes, Job, Retraction, Setup};
@@ -68,34 +67,34 @@ pub(crate) fn ensemble(
     arguments: &EnsembleArguments,
     stdout: &mut dyn Write,
 ) -> Result<(), Error> {
+    let mut console = arguments.output.on(stdout, is_stdout(&arguments.motion.out))?;
+    described(catalogue, arguments, None, &mut console)
+}
+
+/// Makes the ensemble that the arguments describe; again, if it made files of this origin.
+pub(crate) fn described(
+    catalogue: &Catalogue,
+    arguments: &EnsembleArguments,
+    again: Option<&FileOrigin>,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
     let EnsembleArguments { scheme, motion, members, spread, seed, quantity, .. } = arguments;
-    let mut console = arguments.output.on(stdout, is_stdout(&motion.out))?;
     let entry = catalogue.system(&arguments.system)?;
     check_scheme(scheme.method, scheme.order, scheme.retraction)?;
     let mut changes = Changes::of(entry);
     changes.apply(&motion.set)?;
     let (setup, notes) = changes.clone().finish()?;
     notes.into_iter().try_for_each(|note| console.note(note))?;
-    let job = job(entry, scheme, Retraction::Cayley, (motion.step, motion.duration), &mut console)?;
+    let job = job(entry, scheme, Retraction::Cayley, (motion.step, motion.duration), console)?;
+    again.map_or(Ok(()), |made| made.check_digits(entry, &setup, &job))?;
     let every = arguments.every.unwrap_or(Members::every(job.steps));
     let (spread, quantity) = (spread.clone(), quantity.clone());
     let asked = Members { members: *members, spread, seed: *seed, quantity };
-    made(&Motion { entry, changes, setup, job }, asked, every, motion, &mut console)
-}
-
-/// Makes an ensemble again, from what made a file.
-pub(crate) fn again(
-    motion: &Motion<'_>,
-    made_by: &Provenance,
-    run: &RunArguments,
-    console: &mut Console<'_>,
-) -> Result<(), Error> {
-    let Some(asked) = made_by.ensemble.clone() else { return Ok(()) };
-    made(motion, asked, made_by.every, &run.chosen.motion, console)
+    execute(&Motion { entry, changes, setup, job }, asked, every, motion, console)
 }
 
 /// Makes an ensemble about a run, and reports it.
-fn made(
+fn execute(
     motion: &Motion<'_>,
     asked: Members,
     every: u64,
@@ -110,7 +109,7 @@ fn made(
     threads::start()?;
     let run = Provenance { ensemble: Some(asked), ..Provenance::of_run(entry, setup, job, every) };
     let stem = run.stem(entry, job);
-    let guard = OverwriteGuard::new(run.origin(entry), to.force);
+    let guard = OverwriteGuard::new(run.origin(), to.force);
     let paths: Vec<PathBuf> = match is_stdout(&to.out) {
         true => vec![to.out.clone()],
         false => {

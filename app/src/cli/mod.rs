@@ -224,6 +224,12 @@ impl TypedValueParser for SystemParser {
     }
 }
 
+/// Reads a command line of the program's own, without the program's name.
+fn parsed(words: Vec<String>) -> Result<Command, clap::Error> {
+    let line = std::iter::once(program()).chain(words);
+    CommandLine::try_parse_from(line).map(|line| line.command)
+}
+
 /// Tells the exit code of an error, as [`EXIT_CODES`] lists them.
 fn exit_code(error: &Error) -> u8 {
     match error {

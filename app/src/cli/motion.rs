@@ -47,8 +47,8 @@ pub(crate) struct SchemeArguments {
 pub(crate) struct MotionArguments {
     /// A parameter, a part of the initial state, or a control to be held
     ///
-    /// `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`; a control is held in place of what the system's own law chooses: `thrust=9`. Where the
-    /// configuration is set, advected vectors turn along unless they are set too.
+    /// `weight=9.81`, `chi=0,0,0.3`, `momentum_z=5`; a control is held in place of what the system's own law chooses:
+    /// `thrust=9`. Where the configuration is set, advected vectors turn along unless they are set too.
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
     /// The step, s; negative to go back in time [default: its own]

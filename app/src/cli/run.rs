@@ -6,15 +6,15 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::console::{Console, OutputMode};
-use super::motion::{ChosenRun, Motion};
+use super::motion::{ChosenRun, Motion, MotionArguments};
 use super::program;
 use super::report::{RunSummary, Table};
 use super::session::{FinishedRun, Plan, Session};
-use super::{ensemble, play, scan};
+use super::{Command, ensemble, play, scan};
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::{Error, SetupError};
-use crate::files::{self, Provenance, is_stdout};
-use crate::setup::{Changes, Format, assignments};
+use crate::files::{self, FileOrigin, is_stdout};
+use crate::setup::Format;
 use crate::simulate::time_per_step;
 use crate::units::wrapped;
 
@@ -57,8 +57,8 @@ pub(crate) struct RunArguments {
     pub(crate) checkpoint_every: f64,
     /// One run for each value, in parallel: `weight=1:10:20`, `weight=1,2,5`
     ///
-    /// `weight=1:10:20` are twenty values from 1 to 10. Two of them make a grid. Of each run a row is printed and written, with its largest
-    /// errors and its end state; no trajectories.
+    /// `weight=1:10:20` are twenty values from 1 to 10. Two of them make a grid. Of each run a row is printed and
+    /// written, with its largest errors and its end state; no trajectories.
     #[arg(
         long,
         value_name = "NAME=VALUES",
@@ -118,9 +118,20 @@ pub(crate) fn run(
     if let Some(file) = &arguments.again {
         return again(catalogue, file, arguments, &mut console);
     }
-    let (motion, config) = arguments.chosen.motion(catalogue, &mut console)?;
+    described(catalogue, arguments, None, &mut console)
+}
+
+/// Makes the run that the arguments describe; again, if it made files of this origin.
+fn described(
+    catalogue: &Catalogue,
+    arguments: &RunArguments,
+    again: Option<&FileOrigin>,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
+    let (motion, config) = arguments.chosen.motion(catalogue, console)?;
+    again.map_or(Ok(()), |made| made.check_digits(motion.entry, &motion.setup, &motion.job))?;
     if !arguments.scan.is_empty() {
-        return scan::scan(&motion, &arguments.scan, arguments, &mut console);
+        return scan::scan(&motion, &arguments.scan, arguments, console);
     }
     let every = arguments.every.or(config.every).unwrap_or(1);
     if every == 0 {
@@ -129,7 +140,7 @@ pub(crate) fn run(
     let format = Some(arguments.format.or(config.format).unwrap_or(Format::Csv));
     let inputs = arguments.chosen.config.iter().cloned().collect();
     let plan = Plan { every, format, inputs, ..planned(&motion, arguments) };
-    made(motion.entry, plan, arguments, &mut console)
+    execute(motion.entry, plan, arguments, console)
 }
 
 /// Plans a run of which nothing is written yet.
@@ -149,20 +160,32 @@ fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
     }
 }
 
-/// Makes a run, and reports it.
-fn made(entry: &Entry, plan: Plan, arguments: &RunArguments, console: &mut Console<'_>) -> Result<(), Error> {
+/// Makes a run: claims its files, prepares its recorders, takes its steps, writes its files and reports it.
+fn execute(
+    entry: &Entry,
+    plan: Plan,
+    arguments: &RunArguments,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
     let checkpoint = arguments.checkpoint.as_deref();
     let page = plan.html.clone().filter(|_| arguments.open);
     let session = Session::begin(entry, plan, checkpoint)?;
-    let done = finished(session, console)?;
-    report(done, checkpoint, console)?;
+    go_on(session, checkpoint, console)?;
     page.map_or(Ok(()), |page| play::show(&page, console))
 }
 
-fn finished<'e>(session: Session<'e>, console: &mut Console<'_>) -> Result<FinishedRun<'e>, Error> {
+/// Takes the steps of a run that was begun, writes its files and reports it.
+fn go_on(
+    mut session: Session<'_>,
+    checkpoint: Option<&Path>,
+    console: &mut Console<'_>,
+) -> Result<(), Error> {
     let (name, steps) = session.size();
     let mut progress = console.progress(name, steps, "step");
-    session.run(&mut |index| progress.show(index))
+    let taken = session.simulate(&mut |index| progress.show(index))?;
+    drop(progress);
+    let done = session.write(taken)?;
+    report(done, checkpoint, console)
 }
 
 pub(crate) fn resume(
@@ -173,8 +196,7 @@ pub(crate) fn resume(
     let path = &arguments.checkpoint;
     let session = Session::resume(catalogue, path)?;
     let mut console = arguments.output.on(stdout, session.is_for_stdout())?;
-    let done = finished(session, &mut console)?;
-    report(done, Some(path), &mut console)
+    go_on(session, Some(path), &mut console)
 }
 
 /// Makes a run of which nothing is written but the page.
@@ -205,63 +227,50 @@ pub(crate) fn view(
     };
     let inputs = chosen.config.iter().cloned().collect();
     let mut plan = Plan { inputs, ..planned(&motion, &arguments) };
-    plan.html = Some(html.clone().unwrap_or_else(|| page_of(motion.entry, &plan)));
-    made(motion.entry, plan, &arguments, &mut console)
+    let stem = plan.provenance(motion.entry).stem(motion.entry, &plan.job);
+    plan.html = Some(html.clone().unwrap_or_else(|| plan.out.join(format!("{stem}.html"))));
+    execute(motion.entry, plan, &arguments, &mut console)
 }
 
-/// Names the page of a run, unless its name is given.
-fn page_of(entry: &Entry, plan: &Plan) -> PathBuf {
-    plan.out.join(format!("{}.html", plan.provenance(entry).stem(entry, &plan.job)))
-}
-
-/// Makes the run again that made a file, for a file of the same kind.
+/// Makes the run again that made a file, with a file of the same kind: by the command that stands beside it.
 fn again(
     catalogue: &Catalogue,
     file: &Path,
     arguments: &RunArguments,
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
-    let name = file.display();
+    let name = file.display().to_string();
     let wrong = |reason: String| SetupError::new("again", &name, reason);
     let (origin, interrupted) =
         files::read(file)?.ok_or_else(|| wrong(format!("nothing beside {name} says what made it")))?;
-    let made_by = origin.run().ok_or_else(|| {
-        wrong(format!("{name} is of no run: `{} {}` makes it again", program(), origin.command()))
-    })?;
+    if !origin.is_run() {
+        let command = origin.command();
+        return Err(wrong(format!("{name} is of no run: `{} {command}` makes it again", program())).into());
+    }
     if interrupted {
         console.note(format!("the run of {name} was interrupted; now it goes to its end"))?;
     }
-    let motion = motion_of(catalogue, &made_by)?;
-    if !made_by.scan.is_empty() {
-        return scan::scan(&motion, &made_by.scan, arguments, console);
-    }
-    if made_by.ensemble.is_some() {
-        return ensemble::again(&motion, &made_by, arguments, console);
-    }
+    let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let extension = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let is_run_json = name.to_string().ends_with(".run.json");
-    let mut plan = Plan {
-        every: made_by.every,
-        format: if is_run_json { Some(Format::Csv) } else { Format::of_extension(&extension) },
-        plot: matches!(extension.as_str(), "svg" | "png"),
-        ..planned(&motion, arguments)
-    };
-    if plan.html.is_none() && matches!(extension.as_str(), "html" | "htm") {
-        plan.html = Some(page_of(motion.entry, &plan));
+    match super::parsed(origin.words()).map_err(|error| wrong(error.to_string()))? {
+        Command::Run(mut made) => {
+            (made.chosen.motion.out, made.chosen.motion.force) = (out.clone(), *force);
+            (made.checkpoint, made.checkpoint_every) =
+                (arguments.checkpoint.clone(), arguments.checkpoint_every);
+            made.format = Format::of_extension(&extension).filter(|_| !name.ends_with(".run.json"));
+            made.plot = matches!(extension.as_str(), "svg" | "png");
+            made.open = arguments.open;
+            let is_page = matches!(extension.as_str(), "html" | "htm");
+            let page = is_page.then(|| out.join(file.file_name().unwrap_or_default()));
+            made.html = arguments.html.clone().or(page);
+            described(catalogue, &made, Some(&origin), console)
+        }
+        Command::Ensemble(mut made) => {
+            (made.motion.out, made.motion.force) = (out.clone(), *force);
+            ensemble::described(catalogue, &made, Some(&origin), console)
+        }
+        _ => Err(wrong(format!("{name} is of no run")).into()),
     }
-    if plan.format.is_none() && !plan.plot && plan.html.is_none() {
-        return Err(wrong(format!("{name} has an extension of no kind of output")).into());
-    }
-    made(motion.entry, plan, arguments, console)
-}
-
-/// Reads the run that made a file.
-fn motion_of<'c>(catalogue: &'c Catalogue, made: &Provenance) -> Result<Motion<'c>, Error> {
-    let entry = made.entry(catalogue)?;
-    let setup = made.setup(entry)?;
-    let mut changes = Changes::of(entry);
-    changes.apply(&assignments(entry, &setup))?;
-    Ok(Motion { entry, changes, setup, job: made.job()? })
 }
 
 /// Reports a run.

@@ -1,43 +1,26 @@
 //! `coadjoint run --scan`: one run for each value of a parameter or two, in parallel.
 
-use std::ops::ControlFlow;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use comfy_table::CellAlignment;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::console::Console;
 use super::interrupt;
 use super::motion::{Motion, MotionArguments};
-use super::progress::Progress;
 use super::report::laid_out;
 use super::run::RunArguments;
 use crate::catalogue::Entry;
-use crate::error::{Error, RunError};
+use crate::error::Error;
 use crate::files::{OverwriteGuard, PlannedFile, Provenance, by_name, file_in, invariants, is_stdout, table};
-use crate::record::ConservationReport;
-use crate::setup::{Names, Scan};
-use crate::simulate::{simulate, stepper, threads};
+use crate::setup::Scan;
+use crate::simulate::scan::{self, Outcome, ScanRow};
+use crate::simulate::{stepper, threads};
 use crate::units::{grouped, magnitude, short, with_unit, wrapped};
 
 /// Columns that a terminal has.
 const WIDTH: usize = 80;
-
-/// The result of one run.
-struct Row {
-    values: Vec<f64>,
-    outcome: Result<Outcome, String>,
-}
-
-struct Outcome {
-    conservation: ConservationReport,
-    iterations: f64,
-    ns_per_step: f64,
-    end: Vec<f64>,
-}
 
 /// Makes all runs; prints a table and writes it.
 pub(super) fn scan(
@@ -46,7 +29,7 @@ pub(super) fn scan(
     arguments: &RunArguments,
     console: &mut Console<'_>,
 ) -> Result<(), Error> {
-    let Motion { entry, job, setup, .. } = motion;
+    let Motion { entry, changes, job, setup } = motion;
     let scans = asked.iter().map(|text| Scan::parse(entry, text)).collect::<Result<Vec<_>, _>>()?;
     let points = Scan::grid(&scans)?;
     // else all of them would fail in the same way
@@ -55,12 +38,16 @@ pub(super) fn scan(
     let MotionArguments { out, force, .. } = &arguments.chosen.motion;
     let run = Provenance { scan: asked.to_owned(), ..Provenance::of_run(entry, setup, job, 1) };
     let file = file_in(out, &format!("{}.csv", run.stem(entry, job)));
-    let guard = OverwriteGuard::new(run.origin(entry), *force);
+    let guard = OverwriteGuard::new(run.origin(), *force);
     guard.check_all(&[PlannedFile { what: "the table", path: file.clone(), written: true }])?;
     interrupt::listen();
     let start = Instant::now();
     let count = points.len() as u64;
-    let rows = rows(motion, &scans, points, console.progress(&entry.name, count, "run"));
+    let progress = Mutex::new(console.progress(&entry.name, count, "run"));
+    // whoever shows it now, shows enough
+    let show = |count| progress.try_lock().into_iter().for_each(|mut progress| progress.show(count));
+    let rows = scan::scan((entry, changes, job), &scans, points, &show, &interrupt::requested);
+    drop(progress);
     let seconds = start.elapsed().as_secs_f64();
     if interrupt::requested() {
         return Err(Error::Interrupted);
@@ -69,7 +56,7 @@ pub(super) fn scan(
     let written = Some(file).filter(|file| !is_stdout(file));
     let notes = console.notes().to_vec();
     console.object(|| {
-        let described = |row: &Row| object(entry, &scans, row);
+        let described = |row: &ScanRow| object(entry, &scans, row);
         let mut object = Value::Object(run.fields());
         object["steps"] = motion.job.steps.into();
         object["runs"] = rows.iter().map(described).collect();
@@ -88,58 +75,7 @@ pub(super) fn scan(
     if let Some(path) = &written {
         writeln!(words, "wrote {}", path.display())?;
     }
-    match rows.iter().find_map(|row| row.outcome.as_ref().err()) {
-        Some(first) if rows.iter().all(|row| row.outcome.is_err()) => {
-            Err(RunError::NoneLeft { count: rows.len(), what: "runs", first: first.clone() }.into())
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Makes the runs, in the order of the points.
-fn rows(motion: &Motion<'_>, scans: &[Scan], points: Vec<Vec<f64>>, progress: Progress) -> Vec<Row> {
-    let progress = Mutex::new(progress);
-    let finished = AtomicU64::new(0);
-    let row = |values: Vec<f64>| {
-        let outcome = one(motion, scans, &values).map_err(|error| error.to_string());
-        let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-        // whoever shows it now, shows enough
-        if let Ok(mut progress) = progress.try_lock() {
-            progress.show(count);
-        }
-        Row { values, outcome }
-    };
-    points.into_par_iter().map(row).collect()
-}
-
-/// Makes one run.
-fn one(motion: &Motion<'_>, scans: &[Scan], values: &[f64]) -> Result<Outcome, Error> {
-    let Motion { entry, changes, job, .. } = motion;
-    let mut changes = changes.clone();
-    for (scan, value) in scans.iter().zip(values) {
-        changes.assign(Names::All, &scan.name, &[*value])?;
-    }
-    let (setup, _) = changes.finish()?;
-    let (mut conservation, mut end) = (None, Vec::new());
-    let start = Instant::now();
-    let report = simulate(entry, &setup, job, None, &|index| index + 1, &mut |sample| {
-        conservation.get_or_insert_with(|| ConservationReport::new(sample)).push(sample);
-        if sample.index == job.steps {
-            end = sample.state.to_vec();
-        }
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })?;
-    let ns_per_step = start.elapsed().as_secs_f64() * 1e9 / job.steps.max(1) as f64;
-    let conservation = conservation.ok_or(Error::Interrupted)?;
-    Ok(Outcome { conservation, iterations: report.iterations_per_step(), ns_per_step, end })
-}
-
-impl Outcome {
-    /// Lists the errors of energy and Casimirs.
-    fn errors(&self) -> impl Iterator<Item = f64> + '_ {
-        let Self { conservation, .. } = self;
-        std::iter::once(&conservation.energy).chain(&conservation.casimirs).map(|stats| stats.error)
-    }
+    Ok(scan::none_left(&rows)?)
 }
 
 /// The names and units of the errors.
@@ -148,7 +84,7 @@ fn conserved(entry: &Entry) -> Vec<(&'static str, &'static str)> {
 }
 
 /// Lays out the table for the terminal: the columns that fit.
-fn shown(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
+fn shown(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> String {
     let mut columns: Vec<(String, Vec<String>)> = Vec::new();
     for (i, scan) in scans.iter().enumerate() {
         let cells = rows.iter().map(|row| short(row.values[i])).collect();
@@ -183,7 +119,7 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
     // below the header and its line
     for (i, line) in table.lines().enumerate() {
         text += &format!("{line}\n");
-        if let Some(Row { outcome: Err(reason), .. }) = i.checked_sub(2).and_then(|i| rows.get(i)) {
+        if let Some(ScanRow { outcome: Err(reason), .. }) = i.checked_sub(2).and_then(|i| rows.get(i)) {
             text += &format!("    {}\n", wrapped(reason, 74).join("\n    "));
         }
     }
@@ -191,7 +127,7 @@ fn shown(entry: &Entry, scans: &[Scan], rows: &[Row]) -> String {
 }
 
 /// All of it: values, errors, iterations, times, the end state, the reason of a failure.
-fn records(entry: &Entry, scans: &[Scan], rows: &[Row]) -> Vec<Vec<String>> {
+fn records(entry: &Entry, scans: &[Scan], rows: &[ScanRow]) -> Vec<Vec<String>> {
     let mut header: Vec<String> = scans.iter().map(|scan| scan.name.clone()).collect();
     header.extend(conserved(entry).into_iter().map(|(name, _)| format!("error of {name}")));
     header.extend(["iterations per step", "ns per step"].map(str::to_owned));
@@ -199,7 +135,7 @@ fn records(entry: &Entry, scans: &[Scan], rows: &[Row]) -> Vec<Vec<String>> {
     let ends = &columns[1..columns.len() - 1];
     header.extend(ends.iter().map(|column| format!("end {column}")));
     header.push("failure".to_owned());
-    let record = |row: &Row| {
+    let record = |row: &ScanRow| {
         let mut record: Vec<String> = row.values.iter().map(|value| format!("{value:?}")).collect();
         match &row.outcome {
             Ok(outcome) => {
@@ -218,7 +154,7 @@ fn records(entry: &Entry, scans: &[Scan], rows: &[Row]) -> Vec<Vec<String>> {
 }
 
 /// A run of the scan as a JSON object.
-fn object(entry: &Entry, scans: &[Scan], row: &Row) -> Value {
+fn object(entry: &Entry, scans: &[Scan], row: &ScanRow) -> Value {
     let mut object = json!({});
     for (scan, value) in scans.iter().zip(&row.values) {
         object["values"][&scan.name] = json!(value);

@@ -246,28 +246,18 @@ impl<'e> Session<'e> {
         (&self.entry.name, self.plan.job.steps)
     }
 
-    /// Makes the run, with a word on its progress now and then, and writes its files.
+    /// Makes the run, and writes its files.
     ///
     /// # Errors
     /// If a step cannot be taken, or a file not be written.
     pub fn run(mut self, progress: &mut dyn FnMut(u64)) -> Result<FinishedRun<'e>, Error> {
-        interrupt::listen();
-        let simulated = self.simulate(progress);
-        match simulated {
-            Ok(report) => self.write(report),
-            Err(Error::Run(failure)) => {
-                // resumed, it would fail again
-                if let Rows::Checkpoint(store) = self.rows {
-                    store.remove();
-                }
-                Err(failure.into())
-            }
-            Err(failure) => Err(failure),
-        }
+        let report = self.simulate(progress)?;
+        self.write(report)
     }
 
-    /// Takes the steps, and records them.
-    fn simulate(&mut self, progress: &mut dyn FnMut(u64)) -> Result<RunReport, Error> {
+    /// Takes the steps and records them, with a word on the progress now and then. Ctrl-C ends it.
+    pub(crate) fn simulate(&mut self, progress: &mut dyn FnMut(u64)) -> Result<RunReport, Error> {
+        interrupt::listen();
         let (entry, from) = (self.entry, self.from.take());
         let (setup, job) = (self.plan.setup.clone(), self.plan.job);
         let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();
@@ -275,7 +265,8 @@ impl<'e> Session<'e> {
         // a resumed run has recorded its first sample before
         let mut is_new = from.is_none();
         let mut failure = None;
-        // `every` thins what is written and nothing else: an error's peak may be as short as one step, so every step is recorded
+        // `every` thins what is written and nothing else: an error's peak may be as short as one step, so every step is
+        // recorded
         let next = |index: u64| index + 1;
         let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
             let is_due = sample.index.is_multiple_of(INTERVAL);
@@ -295,7 +286,16 @@ impl<'e> Session<'e> {
             failure = result.err();
             if stop || failure.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        failure.map_or_else(|| Ok(simulated?), Err)
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        if simulated.is_err()
+            && let Rows::Checkpoint(store) = std::mem::replace(&mut self.rows, Rows::Discarded)
+        {
+            // resumed, it would fail again
+            store.remove();
+        }
+        Ok(simulated?)
     }
 
     fn push(&mut self, sample: &Sample<'_>) -> Result<(), Error> {
@@ -331,7 +331,10 @@ impl<'e> Session<'e> {
     }
 
     /// Writes the trajectory, the pictures and the page.
-    fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
+    ///
+    /// # Errors
+    /// If one of them cannot be written.
+    pub(crate) fn write(self, report: RunReport) -> Result<FinishedRun<'e>, Error> {
         let Self { entry, plan, files, guard, mut recorders, rows, .. } = self;
         let Some(conservation) = recorders.conservation.take() else {
             return Err(SetupError::new("steps", plan.job.steps, "the run has no samples").into());
@@ -371,7 +374,7 @@ fn claimed(
     checkpoint: Option<&Path>,
 ) -> Result<(RunFiles, OverwriteGuard), Error> {
     let files = RunFiles::of(entry, plan)?;
-    let guard = OverwriteGuard::new(plan.provenance(entry).origin(entry), plan.force);
+    let guard = OverwriteGuard::new(plan.provenance(entry).origin(), plan.force);
     guard.check_all(&files.planned(plan, checkpoint))?;
     Ok((files, guard))
 }

@@ -55,15 +55,15 @@ impl OverwriteGuard {
         let stranger = || "was not made by this program".to_owned();
         let (beside, found) = RunJson::beside(path)?;
         match found {
-            Beside::Nothing if path.exists() => taken(path, stranger()),
+            Beside::Nothing if path.is_file() => taken(path, stranger()),
             Beside::Nothing => Ok(()),
             Beside::Foreign => taken(&beside, stranger()),
-            Beside::Ours(found) if found.origin == self.origin => match path.exists() && !found.has(path) {
+            Beside::Ours(found) if found.origin == self.origin => match path.is_file() && !found.has(path) {
                 true => taken(path, stranger()),
                 false => Ok(()),
             },
             Beside::Ours(found) if found.is_of_files_beside(&beside) => {
-                let place = if path.exists() { path } else { &beside };
+                let place = if path.is_file() { path } else { &beside };
                 taken(place, self.origin.difference(&found.origin))
             }
             Beside::Ours(_) => Ok(()),
@@ -86,6 +86,11 @@ impl OverwriteGuard {
             }
         }
         let written = || files.iter().filter(|file| file.written).map(|file| &file.path);
+        let beside: Vec<PathBuf> = written().map(|path| resolved(path).with_extension("run.json")).collect();
+        if let Some((file, _)) = files.iter().zip(&places).find(|(_, place)| beside.contains(place)) {
+            let source = FileProblem::Shared([file.what, "what says how it was made"]);
+            return Err(FileError { path: file.path.clone(), source });
+        }
         written().try_for_each(|path| self.check(path))?;
         for path in written().filter(|path| !is_stdout(path) && !is_special(path)) {
             make_directory_of(

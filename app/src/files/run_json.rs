@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
 use super::path::{followed, is_special, is_stdout};
+use crate::catalogue::Entry;
 use crate::catalogue::quantities::laid_out;
-use crate::catalogue::{Catalogue, Entry};
 use crate::error::{FileError, SetupError};
 use crate::setup::{Classical, Job, Method, Order, Retraction, Setup, assignments};
 use crate::simulate::simulate;
@@ -22,7 +22,7 @@ use crate::simulate::simulate;
 const PROGRAM: &str = "coadjoint";
 
 /// The origin of a run's files.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Provenance {
     /// Always `coadjoint`.
     pub program: String,
@@ -60,6 +60,9 @@ pub struct Provenance {
     /// The values of which each has a run, as the command line takes them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scan: Vec<String>,
+    /// The assignments of its command; none for the example's numbers.
+    #[serde(skip)]
+    pub(crate) assignments: Vec<String>,
 }
 
 /// The differences between members of an ensemble.
@@ -102,35 +105,42 @@ impl Provenance {
             every,
             ensemble: None,
             scan: Vec::new(),
+            assignments: if *setup == entry.example { Vec::new() } else { assignments(entry, setup) },
         }
     }
 
     /// Describes the origin of its files.
-    pub fn origin(&self, entry: &Entry) -> FileOrigin {
-        FileOrigin(self.fields()).with("command", self.command(entry).into())
+    pub fn origin(&self) -> FileOrigin {
+        FileOrigin(self.fields()).with("command", self.command().into())
     }
 
     /// Writes the command that makes it, behind the program's name.
-    fn command(&self, entry: &Entry) -> String {
-        let mut command = format!("run {} --method {}", self.system, self.method);
+    fn command(&self) -> String {
+        let kind = if self.ensemble.is_some() { "ensemble" } else { "run" };
+        let mut command = format!("{kind} {} --method {}", self.system, self.method);
+        let mut option = |name: &str, value: &dyn std::fmt::Display| {
+            let value = value.to_string();
+            // one word for a shell
+            let quote = if value.contains(' ') { "'" } else { "" };
+            command += &format!(" --{name} {quote}{value}{quote}");
+        };
         if let Some(retraction) = self.retraction {
-            command += &format!(" --retraction {} --order {}", retraction.name(), self.order);
+            option("retraction", &retraction.name());
+            option("order", &self.order);
         }
-        command += &format!(" --step {} --duration {}", self.step, self.steps as f64 * self.step.abs());
+        option("step", &self.step);
+        option("duration", &(self.steps as f64 * self.step.abs()));
         if let Some(Members { members, spread, seed, quantity }) = &self.ensemble {
-            command = command.replacen("run", "ensemble", 1) + &format!(" --members {members} --seed {seed}");
-            spread.iter().for_each(|spread| command += &format!(" --spread {spread}"));
-            quantity.iter().for_each(|quantity| command += &format!(" --quantity {quantity}"));
+            option("members", members);
+            option("seed", seed);
+            spread.iter().for_each(|spread| option("spread", spread));
+            quantity.iter().for_each(|quantity| option("quantity", quantity));
         }
         if self.every != 1 {
-            command += &format!(" --every {}", self.every);
+            option("every", &self.every);
         }
-        self.scan.iter().for_each(|scan| command += &format!(" --scan {scan}"));
-        if let Some(setup) = self.setup(entry).ok().filter(|setup| *setup != entry.example) {
-            assignments(entry, &setup)
-                .iter()
-                .for_each(|assignment| command += &format!(" --set {assignment}"));
-        }
+        self.scan.iter().for_each(|scan| option("scan", scan));
+        self.assignments.iter().for_each(|assignment| option("set", assignment));
         command
     }
 
@@ -172,76 +182,6 @@ impl Provenance {
             stem += &format!("-{:06x}", crc32fast::hash(line.as_bytes()) & 0xff_ffff);
         }
         stem
-    }
-
-    /// Parameters, initial state and controls of the run.
-    ///
-    /// # Errors
-    /// If they are not those of this system.
-    pub(crate) fn setup(&self, entry: &Entry) -> Result<Setup, SetupError> {
-        let Setup { parameters, state, controls } = &entry.example;
-        let description = &entry.description;
-        // numbers that have no name are as in the example
-        let list = |quantities: &[Quantity], from: &Map<String, Value>, example: &[f64]| {
-            let mut numbers = listed(quantities, from)?.into_iter().collect::<Option<Vec<f64>>>()?;
-            numbers.extend_from_slice(example.get(numbers.len()..)?);
-            Some(numbers)
-        };
-        let held = match self.controls.is_empty() {
-            true => Some(vec![None; controls.len()]),
-            false => listed(description.controls, &self.controls),
-        };
-        let setup = || {
-            Some(Setup {
-                parameters: list(description.parameters, &self.parameters, parameters)?,
-                state: list(description.state, &self.state, state)?,
-                controls: held.filter(|held| held.len() == controls.len())?,
-            })
-        };
-        setup().ok_or_else(|| {
-            let reason = format!(
-                "`{}` has other parameters, states or controls here than where this was made",
-                entry.name
-            );
-            SetupError::new("system", &entry.name, reason)
-        })
-    }
-
-    /// The scheme, the step and the number of steps.
-    ///
-    /// # Errors
-    /// If there is no such method or order.
-    pub(crate) fn job(&self) -> Result<Job, SetupError> {
-        let wrong = |reason| SetupError::new("method", &self.method, reason);
-        let method: Method = self.method.parse().map_err(wrong)?;
-        let order = Order::of_number(self.order);
-        let order = if method.classical().is_some() { Some(Order::Two) } else { order };
-        Ok(Job {
-            method,
-            retraction: self.retraction.unwrap_or(Retraction::Exponential),
-            order: order.ok_or_else(|| {
-                SetupError::new("order", self.order, format!("there is no order {}", self.order))
-            })?,
-            step: self.step,
-            steps: self.steps,
-        })
-    }
-
-    /// The system's entry, which must compute what it computed when this was made.
-    ///
-    /// # Errors
-    /// If there is no such system, or its steps have other digits.
-    pub(crate) fn entry<'c>(&self, catalogue: &'c Catalogue) -> Result<&'c Entry, SetupError> {
-        let entry = catalogue.system(&self.system)?;
-        let digest = digest(entry, &self.setup(entry)?, &self.job()?);
-        if self.version != env!("CARGO_PKG_VERSION") || self.digest != format!("{digest:08x}") {
-            let reason = format!(
-                "the run was made with version {} of the program and steps of `{}` whose digits differ from those taken here",
-                self.version, self.system
-            );
-            return Err(SetupError::new("system", &self.system, reason));
-        }
-        Ok(entry)
     }
 }
 
@@ -302,25 +242,6 @@ pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map
     named.collect()
 }
 
-/// The numbers of all quantities in their order, None for null; None in all if one is missing, or is no number.
-fn listed(quantities: &[Quantity], from: &Map<String, Value>) -> Option<Vec<Option<f64>>> {
-    let number = |value: &Value| match value {
-        Value::Null => Some(None),
-        value => value.as_f64().map(Some),
-    };
-    let mut list = Vec::new();
-    for (quantity, slots) in laid_out(quantities) {
-        match from.get(quantity.name)? {
-            Value::Array(values) if values.len() == slots.len() => {
-                list.extend(values.iter().map(number).collect::<Option<Vec<_>>>()?);
-            }
-            value if slots.len() == 1 => list.push(number(value)?),
-            _ => return None,
-        }
-    }
-    Some(list)
-}
-
 /// The origin of files: a run of a system ([`Provenance`]), or a command. Files of one origin may replace each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FileOrigin(Map<String, Value>);
@@ -343,9 +264,9 @@ impl FileOrigin {
         &self.0
     }
 
-    /// Reads the run, if it is one.
-    pub(crate) fn run(&self) -> Option<Provenance> {
-        serde_json::from_value(Value::Object(self.0.clone())).ok()
+    /// Tells whether it is a run.
+    pub(crate) fn is_run(&self) -> bool {
+        self.0.contains_key("digest")
     }
 
     /// Reads the command.
@@ -353,9 +274,39 @@ impl FileOrigin {
         self.0.get("command").and_then(Value::as_str).unwrap_or_default()
     }
 
+    /// Splits the command into words, as a shell does.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let parts = self.command().split('\'').enumerate();
+        let words = parts.flat_map(|(k, part)| match k % 2 {
+            0 => part.split_whitespace().collect(),
+            _ => vec![part],
+        });
+        words.map(str::to_owned).collect()
+    }
+
+    /// Checks that a run takes the steps here that it took when its files were made.
+    ///
+    /// # Errors
+    /// If they have other digits.
+    pub(crate) fn check_digits(&self, entry: &Entry, setup: &Setup, job: &Job) -> Result<(), SetupError> {
+        let text = |name: &str| self.0.get(name).and_then(Value::as_str).unwrap_or_default();
+        let version = text("version");
+        if version == env!("CARGO_PKG_VERSION")
+            && text("digest") == format!("{:08x}", digest(entry, setup, job))
+        {
+            return Ok(());
+        }
+        let name = &entry.name;
+        let reason = format!(
+            "the run was made with version {version} of the program and steps of `{name}` whose digits differ from those \
+             taken here"
+        );
+        Err(SetupError::new("system", name, reason))
+    }
+
     /// Says how another one differs.
     pub(super) fn difference(&self, other: &Self) -> String {
-        if self.run().is_none() || other.run().is_none() {
+        if !self.is_run() || !other.is_run() {
             return format!("was made by `{}`", other.command());
         }
         let mut names: Vec<&str> = self.0.keys().chain(other.0.keys()).map(String::as_str).collect();
@@ -504,41 +455,47 @@ mod tests {
     use super::*;
     use crate::test_systems::catalogue;
 
-    fn provenance() -> (FileOrigin, Provenance) {
+    fn provenance() -> FileOrigin {
         let entry = catalogue().system("heavy_top").expect("it is there");
         let (retraction, order) = (Retraction::Cayley, Order::Four);
         let job = Job { method: Method::Midpoint, retraction, order, step: 0.1 + 0.2, steps: 9 };
         let mut setup = entry.example.clone();
         setup.parameters[3] = 9.806_650_000_000_001;
         setup.state[4] = -0.0;
-        let provenance = Provenance::of_run(entry, &setup, &job, 3);
-        (provenance.origin(entry), provenance)
+        Provenance::of_run(entry, &setup, &job, 3).origin()
     }
 
     #[test]
     fn what_is_put_in_is_found() {
-        let (origin, provenance) = provenance();
-        let entry = catalogue().system("heavy_top").expect("it is there");
-        let setup = provenance.setup(entry).expect("of this system");
-        assert_eq!(
-            (setup.parameters[3], setup.state[4].to_bits()),
-            (9.806_650_000_000_001, (-0.0_f64).to_bits())
-        );
-        assert_eq!(provenance.job().expect("a job").step.to_bits(), (0.1_f64 + 0.2).to_bits());
-        let command = provenance.command(entry);
+        let origin = provenance();
+        let command = origin.command();
         assert!(
             command.starts_with(
                 "run heavy_top --method midpoint --retraction cayley --order 4 --step 0.30000000000000004"
             ) && command.contains("--every 3 --set inertia=1.0,10.0,100.0 --set weight=9.806650000000001"),
             "{command}"
         );
+        assert!(command.contains("--set momentum=-0.0,1.0,1.0"), "{command}");
+        let quoted = FileOrigin::of_command("ensemble top --spread 'weight=1 N' --seed 1");
+        assert_eq!(quoted.words(), ["ensemble", "top", "--spread", "weight=1 N", "--seed", "1"]);
+        assert_eq!(origin.words().join(" "), command);
+        let entry = catalogue().system("heavy_top").expect("it is there");
+        let job = Job {
+            method: Method::Midpoint,
+            retraction: Retraction::Cayley,
+            order: Order::Four,
+            step: 0.1 + 0.2,
+            steps: 9,
+        };
+        assert!(origin.check_digits(entry, &entry.example, &job).is_err());
+        let run = origin.clone();
         let mut json = RunJson::of(origin);
         let (whole, cut) = (Path::new("out/a.csv"), Path::new("out/a.svg"));
         assert!(json.set(whole, Status::Complete) && json.set(cut, Status::Interrupted(4)));
         assert!(!json.set(whole, Status::Begun) && !json.set(cut, Status::Interrupted(4)));
         let read = RunJson::parse(json.text().as_bytes()).expect("its own text");
         assert_eq!(read, json);
-        assert_eq!(read.origin.run(), Some(provenance));
+        assert_eq!(read.origin, run);
         assert_eq!(
             (read.status(whole), read.status(cut)),
             (Some(Status::Complete), Some(Status::Interrupted(4)))
@@ -549,17 +506,17 @@ mod tests {
     #[test]
     fn what_a_command_made_says_so() {
         let origin = FileOrigin::of_command("figures 6.2").with("note", "<b>".into());
-        assert_eq!((origin.command(), origin.run()), ("figures 6.2", None));
+        assert_eq!((origin.command(), origin.is_run()), ("figures 6.2", false));
         let read = RunJson::parse(RunJson::of(origin.clone()).text().as_bytes()).expect("its own text");
         assert_eq!(read.origin, origin);
-        let (run, _) = provenance();
+        let run = provenance();
         assert_eq!(run.difference(&origin), "was made by `figures 6.2`");
         assert_eq!(run.difference(&run.clone().with("steps", 10.into())), "is of a run with another steps");
     }
 
     #[test]
     fn files_of_others_say_nothing() {
-        let text = RunJson::of(provenance().0).text();
+        let text = RunJson::of(provenance()).text();
         let stranger = text.replace("\"program\": \"coadjoint\"", "\"program\": \"another\"");
         assert_ne!(text, stranger);
         for content in

@@ -1,4 +1,5 @@
-//! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single components.
+//! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single
+//! components.
 
 use coadjoint::system::Role;
 

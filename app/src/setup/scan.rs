@@ -1,4 +1,5 @@
-//! `--scan name=from:to:count`: the values that a parameter, a number of the initial state or a control takes, one after the other.
+//! `--scan name=from:to:count`: the values that a parameter, a number of the initial state or a control takes, one
+//! after the other.
 
 use super::names::{Names, named, numbers};
 use crate::catalogue::{Entry, component_name};

@@ -3,6 +3,7 @@
 mod certify;
 mod classical;
 pub mod ensemble;
+pub(crate) mod scan;
 pub(crate) mod threads;
 mod too_far;
 
