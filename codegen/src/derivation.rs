@@ -132,7 +132,7 @@ fn conventions(system: &System<'_>) -> Vec<String> {
     let mut conventions: Vec<String> = Vec::new();
     for factor in &system.group.factors {
         let group = factor.group;
-        let line = format!("Conventions of {}: {}.", group.name(), group.conventions());
+        let line = format!("Conventions of {}: {}.", group.name(), group.names().conventions);
         if !conventions.contains(&line) {
             conventions.push(line);
         }

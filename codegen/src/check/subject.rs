@@ -114,7 +114,7 @@ impl<'d> Subject<'d> {
 
 /// A factor, or each of an array of them.
 fn elements(factor: &parse::Factor, group: &'static dyn Group) -> impl Iterator<Item = Factor> {
-    let own = factor.name.clone().unwrap_or_else(|| format_ident!("{}", group.configuration_name()));
+    let own = factor.name.clone().unwrap_or_else(|| format_ident!("{}", group.names().configuration));
     let momentum = momentum_name(factor.name.as_ref());
     Name::all(&own, factor.length).into_iter().map(move |name| Factor {
         momentum_name: Name { ident: momentum.clone(), place: name.place },

@@ -28,7 +28,7 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use definition::{
-    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, Moved,
+    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, Moved,
 };
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
@@ -37,6 +37,7 @@ pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};
 pub(crate) use retraction::{Composite, Law};
 pub use retraction::{MatrixFunction, Retraction};
+pub use rigid::Rigid;
 pub use se2::SE2;
 pub use se3::SE3;
 pub use semidirect::{Semidirect, SemidirectVector};
@@ -60,5 +61,6 @@ pub(crate) fn is_same(one: &dyn Group, other: &dyn Group) -> bool {
 
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
-    &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2]
+    static ALL: [&dyn Group; 11] = [&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2];
+    &ALL
 }

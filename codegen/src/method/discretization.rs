@@ -117,7 +117,7 @@ fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
             Slot::Configuration(factor) => {
                 let by = increments.iter().map(|increment| places[factor].algebra(&increment.by));
                 let unknown = by.flat_map(|by| by.0).all(|x| x.stage() >= Stage::Iteration);
-                if unknown { system.group.factors[factor].group.unit_coordinates() } else { 0 }
+                if unknown { system.group.factors[factor].group.names().unit_coordinates } else { 0 }
             }
             Slot::Momentum(_) | Slot::Advected { .. } => 0,
         };

@@ -219,7 +219,7 @@ pub(crate) struct NamedPart {
 /// The named parts of a momentum of this name, or of an array of them.
 pub(crate) fn parts(group: &dyn Group, momentum: &proc_macro2::Ident) -> Vec<NamedPart> {
     let (blocks, mut start) = (group.blocks(), 0);
-    let parts = group.parts().iter().zip(blocks).map(|(part, length)| {
+    let parts = group.names().parts.iter().zip(blocks).map(|(part, length)| {
         let rows = start..start + length;
         start = rows.end;
         let named = |whole: &str| part_name(whole, part);

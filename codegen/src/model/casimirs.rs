@@ -69,7 +69,7 @@ fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> C
 fn momenta<'a>(factor: &Factor<'a>, group: &dyn Group) -> Vec<Block<'a>> {
     let name = &factor.momentum_name;
     let whole = plain(&name.ident);
-    let parts: Vec<(String, usize)> = match group.parts() {
+    let parts: Vec<(String, usize)> = match group.names().parts {
         [] => vec![(name.plain(), group.dimension())],
         parts => {
             let names = parts.iter().map(|part| name.with(&part_name(&whole, part)));

@@ -48,7 +48,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Configuration,
             name: self.name.clone(),
-            kind: group.configuration_kind(),
+            kind: group.names().kind,
             suffixes: owned(group.coordinates()),
             symbols: self.configuration.symbols(),
             value: self.configuration.clone(),

@@ -32,7 +32,7 @@ use std::sync::{Arc, OnceLock};
 use num_rational::Ratio;
 
 use super::calculus::transposed;
-use super::{Group, MatrixFunction, Moved, Representation, Retraction, Side};
+use super::{Group, GroupNames, MatrixFunction, Moved, Representation, Retraction, Side};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::quantity::Kind;
 use algebra::{Algebra, symbolic};
@@ -54,11 +54,7 @@ const LARGEST_SUMMED: usize = 10;
 /// A group of matrices.
 #[derive(Clone)]
 pub struct MatrixGroup {
-    name: &'static str,
-    coordinates: &'static [&'static str],
-    axes: &'static [&'static str],
-    blocks: Vec<usize>,
-    parts: &'static [&'static str],
+    names: GroupNames,
     algebra: Algebra,
     ideals: Vec<Ideal>,
     hull: Hull,
@@ -75,7 +71,7 @@ pub struct MatrixGroup {
 
 impl std::fmt::Debug for MatrixGroup {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("MatrixGroup").field("name", &self.name).finish_non_exhaustive()
+        f.debug_struct("MatrixGroup").field("name", &self.names.name).finish_non_exhaustive()
     }
 }
 
@@ -106,13 +102,21 @@ impl MatrixGroup {
         if !is_known {
             return Err(BasisError::TooLarge);
         }
-        let group = Self {
-            // names live as long as the groups that they are of, which is as long as the process
+        // names live as long as the groups that they are of, which is as long as the process
+        let names = GroupNames {
             name: name.to_owned().leak(),
+            conventions: "element: matrix from body to space coordinates; momentum and velocity: coordinates with respect to the basis",
+            configuration: "element",
+            kind: Kind::Matrix(size, size),
             coordinates: leaked((0..size * size).map(|k| entry_name(k / size, k % size))),
+            unit_coordinates: 0,
             axes: leaked(basis.axes.iter().cloned()),
-            blocks: basis.blocks.clone(),
+            blocks: basis.blocks.clone().leak(),
             parts: leaked(basis.parts.iter().cloned()),
+            components: &[],
+        };
+        let group = Self {
+            names,
             determinants: Determinant::all(&algebra.basis, &hull, form.as_ref()),
             has_cayley: algebra.has_cayley(),
             cayley: Arc::new(Cayley::new(&algebra, form.as_ref())),
@@ -209,44 +213,12 @@ fn leaked(names: impl Iterator<Item = String>) -> &'static [&'static str] {
 }
 
 impl Group for MatrixGroup {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn conventions(&self) -> &'static str {
-        "element: matrix from body to space coordinates; momentum and velocity: coordinates with respect to the basis"
-    }
-
-    fn configuration_name(&self) -> &'static str {
-        "element"
-    }
-
-    fn configuration_kind(&self) -> Kind {
-        Kind::Matrix(self.size(), self.size())
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.coordinates
-    }
-
-    fn dimension(&self) -> usize {
-        self.algebra.dimension()
-    }
-
-    fn blocks(&self) -> Vec<usize> {
-        self.blocks.clone()
-    }
-
-    fn parts(&self) -> &'static [&'static str] {
-        self.parts
+    fn names(&self) -> &GroupNames {
+        &self.names
     }
 
     fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
         self.algebra.echelon()
-    }
-
-    fn axes(&self) -> &'static [&'static str] {
-        self.axes
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
@@ -368,8 +340,8 @@ impl Group for MatrixGroup {
 
     fn basis(&self) -> Option<Basis> {
         let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-        let (axes, parts) = (owned(self.axes), owned(self.parts));
-        Some(Basis { axes, matrices: self.algebra.basis.clone(), blocks: self.blocks.clone(), parts })
+        let (axes, parts) = (owned(self.names.axes), owned(self.names.parts));
+        Some(Basis { axes, matrices: self.algebra.basis.clone(), blocks: self.blocks(), parts })
     }
 
     fn coarse(&self) -> Option<&'static dyn Group> {
