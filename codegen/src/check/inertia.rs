@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use syn::Ident;
 
-use super::subject::Subject;
+use super::resolver::Resolver;
 use super::{Inertia, InertiaShape};
 use crate::diagnostics::{Diagnostics, list};
 use crate::group::{Group, is_same};
@@ -12,7 +12,7 @@ use crate::identifiers::Name;
 use crate::parse::{self, Field};
 use crate::quantity::Shape;
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     /// The inertias: each factor has exactly one, unless a Hamiltonian or a Lagrangian says what the energy is.
     pub(super) fn inertias(&self, diagnostics: &mut Diagnostics) -> Vec<Inertia> {
         if self.groups_are_known() {

@@ -2,14 +2,14 @@
 
 use syn::Ident;
 
-use super::subject::Subject;
+use super::resolver::Resolver;
 use super::{Advected, Factors, Force, momentum_name};
 use crate::diagnostics::Diagnostics;
 use crate::group::{self, Retraction, part_name};
 use crate::identifiers::{Name, plain, velocity_name};
 use crate::parse::{Attribute, EnergyKey, Key, scalar_name};
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     fn field_names(&self) -> impl Iterator<Item = &'d Ident> {
         let unreadable = self.item.unreadable.iter().map(|field| &field.name);
         self.item.fields.iter().map(|field| &field.name).chain(unreadable)

@@ -33,6 +33,7 @@ pub use definition::{
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
+pub(crate) use product::consecutive;
 pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};
 pub(crate) use retraction::{Composite, Law};

@@ -304,3 +304,13 @@ impl Product {
         self.each_space(|factor, place| factor.coadjoint_spaces(&place.algebra(x), place.spaces(a)))
     }
 }
+
+/// Ranges of these lengths, one after the other.
+pub(crate) fn consecutive(lengths: impl IntoIterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let range = |length: usize| {
+        end += length;
+        end - length..end
+    };
+    lengths.into_iter().map(range).collect()
+}

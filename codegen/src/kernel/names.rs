@@ -5,8 +5,8 @@ use std::rc::Rc;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use super::dag::{Dag, Op, Operation};
 use super::factor::Factoring;
-use super::plan::{Op, Operation, Plan};
 use crate::expr::{Arena, Function, Symbol};
 use crate::program::Value;
 
@@ -40,7 +40,7 @@ pub(super) struct Locals {
 
 impl Names {
     /// Names the symbols of a plan, in the order of creation: users' names come first, so that ours give way.
-    pub(super) fn name_symbols<'a>(&mut self, arena: &'a Arena, plan: &Plan<'a>) {
+    pub(super) fn name_symbols<'a>(&mut self, arena: &'a Arena, plan: &Dag<'a>) {
         let symbol = |op: Op| match plan.operation(op) {
             Operation::Symbol(symbol) => Some(*symbol),
             _ => None,
@@ -54,7 +54,7 @@ impl Names {
     }
 
     /// Takes over role names for the nodes that their expressions became.
-    pub(super) fn carry_over<'a>(&mut self, arena: &'a Arena, factoring: &Factoring<'a>, plan: &Plan<'a>) {
+    pub(super) fn adopt_roles<'a>(&mut self, arena: &'a Arena, factoring: &Factoring<'a>, plan: &Dag<'a>) {
         for (id, name) in arena.roles() {
             if let Some(signed) = plan.planned(factoring.known(id))
                 && !plan.operation(signed.op).is_leaf()
@@ -69,7 +69,7 @@ impl Names {
 
     /// Notes for which values with names the others are computed: of several, for the first that is met from the outputs, which are given
     /// with what they are called.
-    pub(super) fn follow(&mut self, plan: &Plan<'_>, outputs: impl IntoIterator<Item = (Op, String)>) {
+    pub(super) fn note_consumers(&mut self, plan: &Dag<'_>, outputs: impl IntoIterator<Item = (Op, String)>) {
         for (op, name) in outputs {
             let mut pending: Vec<(Op, Rc<str>)> = vec![(op, name.into())];
             while let Some((op, consumer)) = pending.pop() {
@@ -111,7 +111,7 @@ impl Names {
     }
 
     /// Names a value that a record stores.
-    pub(super) fn store(&mut self, plan: &Plan<'_>, op: Op) {
+    pub(super) fn store(&mut self, plan: &Dag<'_>, op: Op) {
         let value = match plan.operation(op) {
             Operation::Symbol(symbol) => self.symbols[symbol],
             _ => match self.own_name(plan, op) {
@@ -130,7 +130,7 @@ impl Names {
     }
 
     /// Names a value within one function.
-    pub(super) fn local(&mut self, plan: &Plan<'_>, op: Op, locals: &mut Locals) -> Value {
+    pub(super) fn local(&mut self, plan: &Dag<'_>, op: Op, locals: &mut Locals) -> Value {
         let name = match self.own_name(plan, op) {
             Some(mut name) => {
                 while self.shared.contains(&name) || locals.used.contains(&name) {
@@ -194,7 +194,7 @@ impl Names {
     }
 
     /// A name that says what a value is: its role, or `c2`, or what it is made of.
-    fn own_name(&self, plan: &Plan<'_>, op: Op) -> Option<String> {
+    fn own_name(&self, plan: &Dag<'_>, op: Op) -> Option<String> {
         if let Some(name) = self.role(op).or(self.negatives.get(&op).map(String::as_str)) {
             return Some(name.to_owned());
         }
@@ -205,7 +205,7 @@ impl Names {
     }
 
     /// `weight_chi_x`, `half_h_per_inertia_x`: short products of symbols in words.
-    fn describe(&self, plan: &Plan<'_>, op: Op) -> Option<String> {
+    fn describe(&self, plan: &Dag<'_>, op: Op) -> Option<String> {
         match plan.operation(op) {
             Operation::Quotient(number, x) if number.is_one() => {
                 Some(format!("per_{}", self.word(plan, *x)?))
@@ -232,7 +232,7 @@ impl Names {
     }
 
     /// A factor of a description.
-    fn word(&self, plan: &Plan<'_>, op: Op) -> Option<String> {
+    fn word(&self, plan: &Dag<'_>, op: Op) -> Option<String> {
         match plan.operation(op) {
             Operation::Symbol(symbol) => {
                 Some(self.all[self.symbols[symbol].0].trim_end_matches('_').to_owned())

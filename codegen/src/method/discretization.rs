@@ -29,6 +29,32 @@ pub(super) struct Halves {
     pub behind: Retraction,
 }
 
+/// Values of symbols.
+pub(super) type Values<'a> = Vec<(Symbol, Expr<'a>)>;
+
+/// What these symbols are.
+pub(super) fn bind<'a>(values: &mut Values<'a>, what: &Vector<'a>, value: &Vector<'a>) {
+    values.extend(what.symbols().into_iter().zip(value.iter()));
+}
+
+/// What configurations, velocities, advected parameters and the time are at a place on the way, so much later than the start.
+pub(super) fn values<'a>(
+    system: &System<'a>,
+    configuration: &Vector<'a>,
+    velocity: &Vector<'a>,
+    advected: &[Vector<'a>],
+    later: Expr<'a>,
+) -> Values<'a> {
+    let mut values = Values::new();
+    bind(&mut values, &system.configuration(), configuration);
+    bind(&mut values, &system.velocity_symbols(), velocity);
+    for (advected, value) in system.advected().zip(advected) {
+        bind(&mut values, &advected.value, value);
+    }
+    bind(&mut values, &Vector(vec![system.time]), &Vector(vec![system.time + later]));
+    values
+}
+
 /// The way of the configuration through a step.
 pub(super) struct Path<'a> {
     /// `ḡ`

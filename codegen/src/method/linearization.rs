@@ -18,10 +18,10 @@
 //! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
 use super::step::{Increment, Step};
-use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::Side;
 use crate::model::{Parts, Slot, System};
+use crate::scheme::Derivatives;
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
 pub struct Linearization<'a> {

@@ -95,8 +95,6 @@ impl<'a> Equation<'a> {
         if Vector(jacobian.entries.clone()).depends_on(all) {
             return None;
         }
-        let arena = self.right.0.first()?.arena();
-        let zero: Vec<_> = own.iter().map(|&symbol| (symbol, arena.zero())).collect();
-        Some(-&jacobian.map(Expr::hold).solve(&difference.substitute(&zero)))
+        difference.affine_root(&jacobian.map(Expr::hold), &own)
     }
 }

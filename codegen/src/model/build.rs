@@ -10,7 +10,7 @@ use super::{
 use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
-use crate::group::{Group, Product, Semidirect, part_name};
+use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, lower_force, lower_forces, lower_scalar};
 use crate::parse::Control;
@@ -218,10 +218,7 @@ pub(crate) struct NamedPart {
 
 /// The named parts of a momentum of this name, or of an array of them.
 pub(crate) fn parts(group: &dyn Group, momentum: &proc_macro2::Ident) -> Vec<NamedPart> {
-    let (blocks, mut start) = (group.blocks(), 0);
-    let parts = group.names().parts.iter().zip(blocks).map(|(part, length)| {
-        let rows = start..start + length;
-        start = rows.end;
+    let parts = group.names().parts.iter().zip(consecutive(group.blocks())).map(|(part, rows)| {
         let named = |whole: &str| part_name(whole, part);
         NamedPart { momentum: named(&plain(momentum)), velocity: named(&velocity_name(momentum)), rows }
     });

@@ -27,10 +27,7 @@ impl<'a> Relation<'a> {
             let is_regular = jacobian.try_solve(&residual).is_some();
             return if is_regular { Self::Implicit(residual) } else { Self::Singular };
         }
-        let arena = residual.0[0].arena();
-        let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
-        let solution = jacobian.try_solve(&residual.substitute(&zero));
-        solution.map_or(Self::Singular, |solution| Self::Explicit(-&solution))
+        residual.affine_root(&jacobian, symbols).map_or(Self::Singular, Self::Explicit)
     }
 
     /// The closed form, or what vanishes at it.

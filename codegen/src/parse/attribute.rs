@@ -14,11 +14,11 @@ use super::group::{Group, Space, declared_name, group, space};
 use super::key::{EnergyKey, Key};
 use super::nesting;
 use super::shape;
-use crate::derivatives::Derivatives;
 use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
 use crate::quantity::{ScalarType, Shape};
+use crate::scheme::Derivatives;
 use crate::scheme::{Member, Method, Rule};
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.

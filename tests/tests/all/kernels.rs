@@ -1,8 +1,8 @@
 //! Straight-line code against the expressions it was made from: factoring, sharing, staging and naming change no value.
 
-use coadjoint_codegen::derivatives::Derivatives;
+use coadjoint_codegen::scheme::Derivatives;
 use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
-use coadjoint_codegen::geometry;
+use coadjoint_codegen::derive::geometry;
 use coadjoint_codegen::group::{Retraction, Side};
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};

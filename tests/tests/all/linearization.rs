@@ -1,6 +1,6 @@
 //! The derivative of a step in closed form against differences of the step itself, with 71 digits.
 
-use coadjoint_codegen::derivatives::Derivatives;
+use coadjoint_codegen::scheme::Derivatives;
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
 use coadjoint_codegen::method::Step;

@@ -3,13 +3,13 @@
 //! With linearly independent matrices `E₁ … E_d` of exact numbers, closed under the commutator, everything that a step needs follows:
 //!
 //! * [`Algebra`]: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra, `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
-//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`Hull`], not from storage.
+//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`AssociativeEnvelope`], not from storage.
 //! * `exp x` and `dR exp_x = φ₁(ad_x)`, [ideal](Ideal) by ideal, where `X` and `ad_x` are annihilated by a polynomial `λᵃ (λ² + z)^q` with `z` quadratic
 //!   in `x`: then their power series are finite sums with Stumpff functions of `z`. Otherwise the series are summed up to the rounding of a double
 //!   within [a ball](RADIUS) about zero.
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
-//! * Most groups keep a [form](Form), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
+//! * Most groups keep a [form](InvariantForm), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
 //!   away, and one of `det g = 1`, of blocks of rows, where that does not
 //!   follow from it.
 
@@ -37,7 +37,7 @@ use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::quantity::Kind;
 use algebra::{Algebra, symbolic};
 use cayley::Cayley;
-use constraints::{Form, Hull};
+use constraints::{AssociativeEnvelope, InvariantForm};
 use determinants::Determinant;
 use ideals::Ideal;
 use powers::{FEW_TERMS, LinearMatrix};
@@ -57,8 +57,8 @@ pub struct MatrixGroup {
     names: GroupNames,
     algebra: Algebra,
     ideals: Vec<Ideal>,
-    hull: Hull,
-    form: Option<Form>,
+    hull: AssociativeEnvelope,
+    form: Option<InvariantForm>,
     /// Those of blocks that are 1 for all elements.
     determinants: Vec<Determinant>,
     has_cayley: bool,
@@ -95,11 +95,12 @@ impl MatrixGroup {
         let size = basis.size();
         basis::bounded(basis.dimension(), size)?;
         let algebra = Algebra::new(basis.matrices.clone())?;
-        let (hull, form) = (Hull::of(&algebra.basis), Form::of(&algebra.basis));
+        let (hull, form) = (AssociativeEnvelope::of(&algebra.basis), InvariantForm::of(&algebra.basis));
         let ideals = Ideal::all(&algebra, terms);
-        let is_known =
-            hull.is_known() && form.as_ref().is_none_or(Form::is_known) && ideals.iter().all(Ideal::is_known);
-        if !is_known {
+        let is_exact = hull.is_exact()
+            && form.as_ref().is_none_or(InvariantForm::is_exact)
+            && ideals.iter().all(Ideal::is_exact);
+        if !is_exact {
             return Err(BasisError::TooLarge);
         }
         // names live as long as the groups that they are of, which is as long as the process

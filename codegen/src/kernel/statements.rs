@@ -2,10 +2,10 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::arrange::arranged;
+use super::dag::{Dag, Op, Operation, Signed};
+use super::hoist::{Homes, Outline};
 use super::names::{Locals, Names};
-use super::placement::{Outline, Placement};
-use super::plan::{Op, Operation, Plan, Signed};
+use super::reassociate::reassociated;
 use crate::expr::{Function, Stage};
 use crate::program::{RecordKind, Statement, Term, Value};
 
@@ -16,16 +16,16 @@ const LARGEST_TERM: usize = 12;
 const LONGEST_SUM: usize = 8;
 
 /// Writes one function.
-pub(super) struct Layout<'l, 'a> {
-    plan: &'l Plan<'a>,
-    placement: &'l Placement,
+pub(super) struct Writer<'l, 'a> {
+    plan: &'l Dag<'a>,
+    placement: &'l Homes,
     names: &'l mut Names,
     locals: Locals,
     record: Option<RecordKind>,
     /// How often each value is used.
     uses: FxHashMap<Op, u32>,
     /// Those of them that something uses whole, not as a divisor alone: `1/x` where a product divides by `x` is none.
-    used_whole: FxHashSet<Op>,
+    used_undivided: FxHashSet<Op>,
     /// What the function stores.
     storing: FxHashSet<Op>,
     values: FxHashMap<Op, Value>,
@@ -40,11 +40,11 @@ pub(super) struct Body {
     pub results: Vec<Vec<Term>>,
 }
 
-impl<'l, 'a> Layout<'l, 'a> {
+impl<'l, 'a> Writer<'l, 'a> {
     /// The body of a function that stores these values.
     pub(super) fn body<R>(
-        plan: &'l Plan<'a>,
-        placement: &'l Placement,
+        plan: &'l Dag<'a>,
+        placement: &'l Homes,
         names: &'l mut Names,
         returned: &Outline<R>,
         storing: &[Op],
@@ -56,7 +56,7 @@ impl<'l, 'a> Layout<'l, 'a> {
             locals: Locals::default(),
             record: returned.record,
             uses: FxHashMap::default(),
-            used_whole: FxHashSet::default(),
+            used_undivided: FxHashSet::default(),
             storing: storing.iter().copied().collect(),
             values: FxHashMap::default(),
             terms: FxHashMap::default(),
@@ -81,17 +81,17 @@ impl<'l, 'a> Layout<'l, 'a> {
         for statement in std::mem::take(&mut self.statements) {
             let statement = match statement {
                 Statement::Let { value, term } => {
-                    let term = self.cut(arranged(term, associate), &mut statements);
+                    let term = self.cut(reassociated(term, associate), &mut statements);
                     Statement::Let { value, term }
                 }
                 Statement::Stumpff { values, argument } => {
-                    let argument = self.cut(arranged(argument, associate), &mut statements);
+                    let argument = self.cut(reassociated(argument, associate), &mut statements);
                     Statement::Stumpff { values, argument }
                 }
             };
             statements.push(statement);
         }
-        let mut last = |term| self.cut(arranged(term, associate), &mut statements);
+        let mut last = |term| self.cut(reassociated(term, associate), &mut statements);
         let results = results.into_iter().map(|array| array.into_iter().map(&mut last).collect());
         let results = results.collect();
         Body { statements, results }
@@ -125,7 +125,7 @@ impl<'l, 'a> Layout<'l, 'a> {
 
     fn count_uses(&mut self, roots: Vec<Op>) {
         // a root is used as it is, whatever else makes use of it
-        self.used_whole.extend(roots.iter().copied());
+        self.used_undivided.extend(roots.iter().copied());
         let mut pending = roots;
         let mut visited = Vec::new();
         while let Some(op) = pending.pop() {
@@ -139,7 +139,7 @@ impl<'l, 'a> Layout<'l, 'a> {
         for op in visited {
             for operand in self.plan.operation(op).operands() {
                 if self.denominator(op, operand).is_none() {
-                    self.used_whole.insert(operand);
+                    self.used_undivided.insert(operand);
                 }
             }
         }
@@ -187,7 +187,7 @@ impl<'l, 'a> Layout<'l, 'a> {
         }
         let is_quotient = matches!(self.plan.operation(op), Operation::Quotient(..));
         let term = self.write(op);
-        if is_quotient && !self.used_whole.contains(&op) {
+        if is_quotient && !self.used_undivided.contains(&op) {
             self.terms.insert(op, term);
             return;
         }

@@ -3,8 +3,8 @@
 mod advected;
 pub(crate) mod groups;
 mod inertia;
+mod resolver;
 mod rules;
-mod subject;
 
 use std::ops::Range;
 
@@ -142,20 +142,20 @@ pub fn resolve<'d>(
     diagnostics: &mut Diagnostics,
 ) -> Description<'d> {
     let before = diagnostics.len();
-    let subject = subject::Subject::new(attribute, item, diagnostics);
-    subject.check_energy(diagnostics);
-    let inertias = subject.inertias(diagnostics);
-    let advected = subject.advected(diagnostics);
-    subject.check_retractions(&advected, diagnostics);
-    subject.check_names(&advected, diagnostics);
-    let forces = subject.forces(diagnostics);
-    subject.check_scalars(diagnostics);
-    let unknown = subject.unknown_names(&advected);
+    let resolver = resolver::Resolver::new(attribute, item, diagnostics);
+    resolver.check_energy(diagnostics);
+    let inertias = resolver.inertias(diagnostics);
+    let advected = resolver.advected(diagnostics);
+    resolver.check_retractions(&advected, diagnostics);
+    resolver.check_names(&advected, diagnostics);
+    let forces = resolver.forces(diagnostics);
+    resolver.check_scalars(diagnostics);
+    let unknown = resolver.unknown_names(&advected);
     Description {
         name: plain(&item.name),
         scalar: item.scalar(),
         parameters: &item.fields,
-        factors: subject.into_factors(),
+        factors: resolver.into_factors(),
         advected,
         controls: &attribute.controls,
         inertias,

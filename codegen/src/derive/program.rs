@@ -1,8 +1,7 @@
 //! From a system to its program: every function that is emitted is derived here.
 
-use crate::derivatives::Derivatives;
+use super::geometry;
 use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
-use crate::geometry;
 use crate::group::{Retraction, Side};
 use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
@@ -14,9 +13,10 @@ use crate::program::{
     SystemRole, Transform,
 };
 use crate::quantity::{Kind, Role, Shape};
+use crate::scheme::Derivatives;
 use crate::scheme::Scheme;
 
-/// What is computed for a system, but for its steps, which are made with these retractions.
+/// What is computed for a system, but for its steps. Its states are displaced along these retractions.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[Retraction]) -> Program {
     let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system, retractions)];
     Program {

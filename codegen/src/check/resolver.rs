@@ -15,7 +15,7 @@ use crate::limits::DIMENSION;
 use crate::parse::{self, Attribute, FactorName, Item, Key};
 
 /// A description while it is resolved.
-pub(super) struct Subject<'d> {
+pub(super) struct Resolver<'d> {
     pub(super) attribute: &'d Attribute,
     pub(super) item: &'d Item,
     /// The groups of what is declared as a factor or an array of them, as far as they are known.
@@ -26,7 +26,7 @@ pub(super) struct Subject<'d> {
     pub(super) declared_factors: Vec<Range<usize>>,
 }
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     /// Finds the groups: of the catalogue, of a family, or of a basis of the user's own.
     pub(super) fn new(attribute: &'d Attribute, item: &'d Item, diagnostics: &mut Diagnostics) -> Self {
         let retractions = attribute.named_retractions();

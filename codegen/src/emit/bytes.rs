@@ -12,7 +12,6 @@
 //! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the places, so that records are
 //! not handed on; but `evaluate` is also run by itself, and says where it finds them. `coadjoint::bytecode` runs it.
 
-use super::code::rounded;
 use crate::program::{
     Argument, Elementary, Function, Input, Module, RecordKind, Statement, StepRole, Term, Value,
 };
@@ -128,7 +127,7 @@ impl Code {
         match term {
             Term::Number(number) => {
                 self.0.push(0);
-                self.0.extend(rounded(*number).to_le_bytes());
+                self.0.extend(number.as_emitted().to_le_bytes());
             }
             Term::Value(value) => {
                 self.0.push(1);

@@ -59,7 +59,7 @@ impl Signed {
 }
 
 /// All operations of a kernel.
-pub(super) struct Plan<'a> {
+pub(super) struct Dag<'a> {
     arena: &'a Arena,
     pub(super) operations: Vec<Operation>,
     stages: Vec<Stage>,
@@ -67,7 +67,7 @@ pub(super) struct Plan<'a> {
     known: FxHashMap<Id, Signed>,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> Dag<'a> {
     pub(super) fn new(arena: &'a Arena) -> Self {
         Self {
             arena,

@@ -4,9 +4,10 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size, term};
+use super::docs;
 use super::names::Names;
 use super::schemes::marker;
-use super::{bytecode, docs};
+use crate::emit::bytes;
 use crate::program::{Function, FunctionRole, Input, Module, RecordKind, StepProgram, StepRole};
 use crate::scheme::Scheme;
 
@@ -46,7 +47,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
     let bounded = bounded(&step.bounded);
-    let program = bytecode::functions(module).map(|function| Literal::byte_string(&function));
+    let program = bytes::functions(module).map(|function| Literal::byte_string(&function));
 
     quote! {
         /// What depends on the parameters and the step `h` alone.
