@@ -246,8 +246,8 @@ fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>
     system.inertias.iter().enumerate().map(pivots).collect()
 }
 
-/// The geometry of the states. They are displaced along these retractions: where there are no steps with one, any local coordinates are as
-/// good as its own.
+/// The geometry of the states. They are displaced along these retractions; along any other one by the exponential, for local coordinates are
+/// as good as others where there are no steps with the map.
 fn geometry<'a>(
     arena: &'a Arena,
     system: &System<'a>,

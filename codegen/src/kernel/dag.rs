@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 
 use crate::expr::{Arena, Expr, Function, Id, Node, Number, Stage, Symbol};
 
-/// A node of a plan.
+/// A node of a dag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Op(pub(super) u32);
 

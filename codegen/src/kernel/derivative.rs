@@ -50,9 +50,9 @@ pub fn derivative<'a>(
         returned(*role, results)
     });
     let mut functions: Vec<Outline<DerivativeRole>> = planned.collect();
-    code.names.adopt_roles(arena, &code.factoring, &code.plan);
-    code.plan.eliminate_common_pairs();
-    let placement = Homes::of_maps(&code.plan, &functions);
+    code.names.adopt_roles(arena, &code.factoring, &code.dag);
+    code.dag.eliminate_common_pairs();
+    let placement = Homes::of_maps(&code.dag, &functions);
     functions.insert(0, record(DerivativeRole::Point, RecordKind::Point));
     code.module(placement, functions)
 }

@@ -46,12 +46,12 @@ impl Homes {
 
     /// Of a step: what depends on parameters, state and unknown alone is computed once they are known. `given` are the symbols that only the
     /// beginning of a step is given.
-    pub(super) fn of_step(plan: &Dag<'_>, functions: &[Outline<StepRole>], given: &[Symbol]) -> Self {
+    pub(super) fn of_step(dag: &Dag<'_>, functions: &[Outline<StepRole>], given: &[Symbol]) -> Self {
         let roots = |roles: &[StepRole]| -> Vec<Op> {
             let wanted = functions.iter().filter(|function| roles.contains(&function.role));
             wanted.flat_map(|function| function.results()).map(|signed| signed.op).collect()
         };
-        let reachable = |roles: &[StepRole]| plan.reachable_from(roots(roles));
+        let reachable = |roles: &[StepRole]| dag.reachable_from(roots(roles));
         let evaluating = reachable(&[StepRole::Evaluate]);
         let solving = reachable(&[
             StepRole::Evaluate,
@@ -59,81 +59,74 @@ impl Homes {
             StepRole::FixedPointUpdate,
             StepRole::Domain,
         ]);
-        let arguments: FxHashSet<Op> =
-            evaluating.iter().filter_map(|&op| plan.stumpff_argument(op)).collect();
-        let is_given = |op: Op| matches!(plan.operation(op), Operation::Symbol(s) if given.contains(s));
-        let place = |op: Op| match plan.stage(op) {
+        let arguments: FxHashSet<Op> = evaluating.iter().filter_map(|&op| dag.stumpff_argument(op)).collect();
+        let is_given = |op: Op| matches!(dag.operation(op), Operation::Symbol(s) if given.contains(s));
+        let place = |op: Op| match dag.stage(op) {
             Stage::Parameters => Home::Record(RecordKind::Constants),
             Stage::Perturbation => Home::Local,
             // What only the next state is made of is computed there, once a step too: the solution is not to wait behind it.
             Stage::Step if solving.contains(&op) || is_given(op) => Home::Record(RecordKind::Step),
             Stage::Iteration if evaluating.contains(&op) => Home::Record(RecordKind::Iterate),
             // Stumpff functions of one argument are computed together
-            Stage::Iteration if plan.stumpff_argument(op).is_some_and(|z| arguments.contains(&z)) => {
+            Stage::Iteration if dag.stumpff_argument(op).is_some_and(|z| arguments.contains(&z)) => {
                 Home::Record(RecordKind::Iterate)
             }
             _ => Home::Local,
         };
-        let places = plan.ops().map(|op| (op, place(op))).collect();
+        let places = dag.ops().map(|op| (op, place(op))).collect();
         let mut placement = Self { places, stored: BTreeSet::new() };
 
         // everything that some function computes
-        let used = plan.reachable_from(functions.iter().flat_map(Outline::results).map(|s| s.op).collect());
-        for op in plan.ops() {
+        let used = dag.reachable_from(functions.iter().flat_map(Outline::results).map(|s| s.op).collect());
+        for op in dag.ops() {
             if used.contains(&op) || placement.places[&op] == Home::Record(RecordKind::Iterate) {
-                for operand in plan.operation(op).operands() {
-                    placement.store_if_used_elsewhere(plan, operand, placement.places[&op], &is_given);
+                for operand in dag.operation(op).operands() {
+                    placement.store_if_used_elsewhere(dag, operand, placement.places[&op], &is_given);
                 }
             }
         }
         for function in functions {
             let place = function.record.map_or(Home::Local, Home::Record);
             for signed in function.results() {
-                placement.store_if_used_elsewhere(plan, signed.op, place, &is_given);
+                placement.store_if_used_elsewhere(dag, signed.op, place, &is_given);
             }
         }
         placement
     }
 
     /// Stores a value that is used in another place than it is computed in, unless it is at hand there.
-    fn store_if_used_elsewhere(
-        &mut self,
-        plan: &Dag<'_>,
-        op: Op,
-        user: Home,
-        is_given: &impl Fn(Op) -> bool,
-    ) {
+    fn store_if_used_elsewhere(&mut self, dag: &Dag<'_>, op: Op, user: Home, is_given: &impl Fn(Op) -> bool) {
         let place = self.places[&op];
-        let is_constant = matches!(plan.operation(op), Operation::Number(_));
+        let is_constant = matches!(dag.operation(op), Operation::Number(_));
         // symbols of the state and the unknown are given everywhere
-        let at_hand = plan.operation(op).is_leaf() && plan.stage(op) != Stage::Parameters && !is_given(op);
+        let at_hand = dag.operation(op).is_leaf() && dag.stage(op) != Stage::Parameters && !is_given(op);
         if place != Home::Local && place != user && !is_constant && !at_hand {
             self.stored.insert(op);
         }
     }
 
     /// Of linear maps of perturbations: all that they are made of is computed at the point, once for all of them.
-    pub(super) fn of_maps(plan: &Dag<'_>, maps: &[Outline<DerivativeRole>]) -> Self {
+    pub(super) fn of_maps(dag: &Dag<'_>, maps: &[Outline<DerivativeRole>]) -> Self {
         let results: Vec<Op> = maps.iter().flat_map(Outline::results).map(|signed| signed.op).collect();
-        let all = plan.reachable_from(results.clone());
-        let is_linear = |op: Op| plan.stage(op) == Stage::Perturbation;
+        let all = dag.reachable_from(results.clone());
+        let is_linear = |op: Op| dag.stage(op) == Stage::Perturbation;
         let coefficients: Vec<Op> = {
-            let linear = plan.ops().filter(|op| all.contains(op) && is_linear(*op));
-            linear.flat_map(|op| plan.operation(op).operands()).filter(|&op| !is_linear(op)).collect()
+            let linear = dag.ops().filter(|op| all.contains(op) && is_linear(*op));
+            linear.flat_map(|op| dag.operation(op).operands()).filter(|&op| !is_linear(op)).collect()
         };
-        let at_point = plan.reachable_from(coefficients);
+        let at_point = dag.reachable_from(coefficients);
         let place = |op: Op| {
-            let is_symbol = matches!(plan.operation(op), Operation::Symbol(_));
+            let is_symbol = matches!(dag.operation(op), Operation::Symbol(_));
             match !is_linear(op) && (is_symbol || at_point.contains(&op)) {
                 true => Home::Record(RecordKind::Point),
                 false => Home::Local,
             }
         };
-        let places: FxHashMap<Op, Home> = plan.ops().map(|op| (op, place(op))).collect();
-        let local = plan.ops().filter(|op| all.contains(op) && places[op] == Home::Local);
-        let used = results.iter().copied().chain(local.flat_map(|op| plan.operation(op).operands()));
+        let places: FxHashMap<Op, Home> = dag.ops().map(|op| (op, place(op))).collect();
+        let local = dag.ops().filter(|op| all.contains(op) && places[op] == Home::Local);
+        let used = results.iter().copied().chain(local.flat_map(|op| dag.operation(op).operands()));
         let stored = used
-            .filter(|op| places[op] != Home::Local && !matches!(plan.operation(*op), Operation::Number(_)));
+            .filter(|op| places[op] != Home::Local && !matches!(dag.operation(*op), Operation::Number(_)));
         let stored = stored.collect();
         Self { places, stored }
     }
@@ -150,8 +143,8 @@ impl Homes {
     }
 
     /// Whether a function that returns `record`, if any, finds the value rather than computing it.
-    pub(super) fn is_given(&self, plan: &Dag<'_>, record: Option<RecordKind>, op: Op) -> bool {
-        match plan.operation(op) {
+    pub(super) fn is_given(&self, dag: &Dag<'_>, record: Option<RecordKind>, op: Op) -> bool {
+        match dag.operation(op) {
             Operation::Symbol(_) | Operation::Number(_) => true,
             _ => {
                 let here = record.map_or(Home::Local, Home::Record);

@@ -81,12 +81,12 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next];
     let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
     let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
-    code.names.adopt_roles(arena, &code.factoring, &code.plan);
-    let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
-    code.plan.eliminate_common_pairs();
+    code.names.adopt_roles(arena, &code.factoring, &code.dag);
+    let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.dag.difference(l, r)).collect();
+    code.dag.eliminate_common_pairs();
     let equation = residual.iter().chain(&right).map(|signed| signed.op).collect();
-    let equation = code.plan.reachable_from(equation);
-    code.plan.shorten_divisions(&equation);
+    let equation = code.dag.reachable_from(equation);
+    code.dag.shorten_divisions(&equation);
 
     let mut functions = vec![
         record(StepRole::New, RecordKind::Constants),
@@ -98,7 +98,7 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     functions.extend((!update.is_empty()).then(|| returned(StepRole::FixedPointUpdate, vec![update])));
     functions.extend((!domain.is_empty()).then(|| returned(StepRole::Domain, vec![domain])));
     functions.push(returned(StepRole::Finish, vec![next]));
-    let placement = Homes::of_step(&code.plan, &functions, &step.given);
+    let placement = Homes::of_step(&code.dag, &functions, &step.given);
     code.module(placement, functions)
 }
 
@@ -125,8 +125,8 @@ pub fn function<'a>(
 ) -> Module<SystemRole> {
     let mut code = Code::new(arena, inputs, outputs.iter());
     let outputs = code.plan(outputs);
-    code.names.adopt_roles(arena, &code.factoring, &code.plan);
-    code.plan.eliminate_common_pairs();
+    code.names.adopt_roles(arena, &code.factoring, &code.dag);
+    code.dag.eliminate_common_pairs();
     let mut module = code.module(Homes::alone(), vec![returned(role, vec![outputs])]);
     // the runtime does not know these functions: they are given what they use
     let is_used = |argument: &Argument| argument.values.iter().any(Option::is_some);
@@ -147,35 +147,35 @@ struct Code<'a> {
     arena: &'a Arena,
     inputs: Inputs,
     factoring: Factoring<'a>,
-    plan: Dag<'a>,
+    dag: Dag<'a>,
     names: Names,
 }
 
 impl<'a> Code<'a> {
     fn new(arena: &'a Arena, inputs: Inputs, outputs: impl Iterator<Item = Expr<'a>>) -> Self {
-        let (factoring, plan) = (Factoring::new(arena, outputs), Dag::new(arena));
-        Self { arena, inputs, factoring, plan, names: Names::default() }
+        let (factoring, dag) = (Factoring::new(arena, outputs), Dag::new(arena));
+        Self { arena, inputs, factoring, dag, names: Names::default() }
     }
 
     fn plan(&mut self, outputs: &Vector<'a>) -> Vec<Signed> {
-        outputs.iter().map(|expr| self.plan.plan(self.factoring.of(expr))).collect()
+        outputs.iter().map(|expr| self.dag.plan(self.factoring.of(expr))).collect()
     }
 
     /// Writes the functions, whose values stand in these places.
     fn module<R: Results>(mut self, placement: Homes, functions: Vec<Outline<R>>) -> Module<R> {
-        self.names.name_symbols(self.arena, &self.plan);
+        self.names.name_symbols(self.arena, &self.dag);
         for function in &functions {
             let named = function.results().zip(self.result_names(function));
             let named: Vec<_> = named.map(|(signed, name)| (signed.op, name)).collect();
-            self.names.note_consumers(&self.plan, named);
+            self.names.note_consumers(&self.dag, named);
         }
-        placement.stored().for_each(|op| self.names.store(&self.plan, op));
+        placement.stored().for_each(|op| self.names.store(&self.dag, op));
         let kinds = functions.iter().filter_map(|function| function.record);
         let records: Vec<Record> =
             kinds.map(|kind| Record { kind, fields: self.fields(&placement, kind) }).collect();
         let functions = functions.iter().map(|returned| {
             let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
-            let body = Writer::body(&self.plan, &placement, &mut self.names, returned, &storing);
+            let body = Writer::body(&self.dag, &placement, &mut self.names, returned, &storing);
             let inputs = returned.role.signature().inputs.iter().filter(|input| self.inputs.has(**input));
             let arguments = inputs.map(|&input| {
                 let values = self.components(&records, input);
@@ -198,7 +198,7 @@ impl<'a> Code<'a> {
     /// What a record stores: symbols first, as they were declared, then the others by their names.
     fn fields(&self, placement: &Homes, kind: RecordKind) -> Vec<Value> {
         let (symbols, others): (Vec<_>, Vec<_>) =
-            placement.stored_in(kind).into_iter().partition(|&op| self.plan.operation(op).is_leaf());
+            placement.stored_in(kind).into_iter().partition(|&op| self.dag.operation(op).is_leaf());
         let value = |op| self.names.stored(op);
         let mut symbols: Vec<Value> = symbols.into_iter().filter_map(value).collect();
         // values are numbered by symbols in the order of creation

@@ -17,7 +17,7 @@ const LONGEST_SUM: usize = 8;
 
 /// Writes one function.
 pub(super) struct Writer<'l, 'a> {
-    plan: &'l Dag<'a>,
+    dag: &'l Dag<'a>,
     placement: &'l Homes,
     names: &'l mut Names,
     locals: Locals,
@@ -43,14 +43,14 @@ pub(super) struct Body {
 impl<'l, 'a> Writer<'l, 'a> {
     /// The body of a function that stores these values.
     pub(super) fn body<R>(
-        plan: &'l Dag<'a>,
+        dag: &'l Dag<'a>,
         placement: &'l Homes,
         names: &'l mut Names,
         returned: &Outline<R>,
         storing: &[Op],
     ) -> Body {
         let mut layout = Self {
-            plan,
+            dag,
             placement,
             names,
             locals: Locals::default(),
@@ -133,11 +133,11 @@ impl<'l, 'a> Writer<'l, 'a> {
             *count += 1;
             if *count == 1 && !self.is_given(op) {
                 visited.push(op);
-                pending.extend(self.plan.operation(op).operands());
+                pending.extend(self.dag.operation(op).operands());
             }
         }
         for op in visited {
-            for operand in self.plan.operation(op).operands() {
+            for operand in self.dag.operation(op).operands() {
                 if self.denominator(op, operand).is_none() {
                     self.used_undivided.insert(operand);
                 }
@@ -146,17 +146,17 @@ impl<'l, 'a> Writer<'l, 'a> {
     }
 
     fn is_given(&self, op: Op) -> bool {
-        self.placement.is_given(self.plan, self.record, op)
+        self.placement.is_given(self.dag, self.record, op)
     }
 
     /// `x`, if a product divides by it in the place of multiplying by its factor `1/x`. A reciprocal of its own rounds once more, and only
     /// pays where it is used again and time counts.
     fn denominator(&self, product: Op, factor: Op) -> Option<Op> {
-        match (self.plan.operation(product), self.plan.operation(factor)) {
+        match (self.dag.operation(product), self.dag.operation(factor)) {
             (Operation::Product(_), Operation::Quotient(number, x))
                 if number.is_one()
                     && !self.is_given(factor)
-                    && (self.plan.stage(product) == Stage::Parameters || self.uses[&factor] == 1) =>
+                    && (self.dag.stage(product) == Stage::Parameters || self.uses[&factor] == 1) =>
             {
                 Some(*x)
             }
@@ -176,16 +176,16 @@ impl<'l, 'a> Writer<'l, 'a> {
                 continue;
             }
             pending.push((op, true));
-            pending.extend(self.plan.operation(op).operands().into_iter().rev().map(|x| (x, false)));
+            pending.extend(self.dag.operation(op).operands().into_iter().rev().map(|x| (x, false)));
         }
     }
 
     /// Names a value whose operands are written, or leaves it to be written where it is used.
     fn finish(&mut self, op: Op) {
-        if self.plan.stumpff_argument(op).is_some() {
+        if self.dag.stumpff_argument(op).is_some() {
             return self.name_stumpff(op);
         }
-        let is_quotient = matches!(self.plan.operation(op), Operation::Quotient(..));
+        let is_quotient = matches!(self.dag.operation(op), Operation::Quotient(..));
         let term = self.write(op);
         if is_quotient && !self.used_undivided.contains(&op) {
             self.terms.insert(op, term);
@@ -207,7 +207,7 @@ impl<'l, 'a> Writer<'l, 'a> {
 
     /// A named value or one that is written out here.
     fn term(&self, op: Op) -> Term {
-        match self.plan.operation(op) {
+        match self.dag.operation(op) {
             Operation::Number(number) => return Term::Number(*number),
             Operation::Symbol(symbol) => return Term::Value(self.names.of_plan(*symbol)),
             _ => {}
@@ -227,7 +227,7 @@ impl<'l, 'a> Writer<'l, 'a> {
         let stored = self.names.stored(op).filter(|_| self.storing.contains(&op));
         let value = match stored {
             Some(value) => value,
-            None => self.names.local(self.plan, op, &mut self.locals),
+            None => self.names.local(self.dag, op, &mut self.locals),
         };
         self.values.insert(op, value);
         value
@@ -235,8 +235,8 @@ impl<'l, 'a> Writer<'l, 'a> {
 
     /// Computes all Stumpff functions of one argument that this function owns.
     fn name_stumpff(&mut self, op: Op) {
-        let Some(argument) = self.plan.stumpff_argument(op) else { return };
-        let member = |other: Op| match self.plan.operation(other) {
+        let Some(argument) = self.dag.stumpff_argument(op) else { return };
+        let member = |other: Op| match self.dag.operation(other) {
             Operation::Function(Function::Stumpff(k), z)
                 if *z == argument && self.uses.contains_key(&other) && !self.is_given(other) =>
             {
@@ -244,7 +244,7 @@ impl<'l, 'a> Writer<'l, 'a> {
             }
             _ => None,
         };
-        let members: Vec<(usize, Op)> = self.plan.ops().filter_map(member).collect();
+        let members: Vec<(usize, Op)> = self.dag.ops().filter_map(member).collect();
         let mut values: Vec<Option<Value>> = Vec::new();
         for (k, member) in members {
             values.resize(values.len().max(k + 1), None);
@@ -257,7 +257,7 @@ impl<'l, 'a> Writer<'l, 'a> {
     /// The operation written out.
     fn write(&self, op: Op) -> Term {
         let boxed = |op: Op| Box::new(self.term(op));
-        match self.plan.operation(op) {
+        match self.dag.operation(op) {
             Operation::Number(_) | Operation::Symbol(_) => self.term(op),
             Operation::Sum(addends) => {
                 Term::Sum(addends.iter().map(|&(negative, addend)| (negative, self.term(addend))).collect())
@@ -265,7 +265,7 @@ impl<'l, 'a> Writer<'l, 'a> {
             Operation::Product(factors) => {
                 let (mut above, mut below) = (Vec::new(), Vec::new());
                 for &factor in factors {
-                    match (self.denominator(op, factor), self.plan.operation(factor)) {
+                    match (self.denominator(op, factor), self.dag.operation(factor)) {
                         (Some(x), _) => below.push(self.term(x)),
                         (None, Operation::Number(_)) => above.insert(0, self.term(factor)),
                         (None, _) => above.push(self.term(factor)),
