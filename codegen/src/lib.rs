@@ -94,7 +94,7 @@ pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansio
     expansion.ok_or_else(no_expansion)
 }
 
-/// What is computed for a description without problems, in no language: what an emitter of another one begins with.
+/// The program of a description without problems: the start of an emitter.
 ///
 /// # Errors
 /// All problems of the description, each at its tokens.
@@ -167,7 +167,7 @@ fn displacing(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
     retractions
 }
 
-/// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
+/// The schemes to generate: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
 /// names.
 fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Scheme>)> {
     let mut rules = method::STANDARD.to_vec();

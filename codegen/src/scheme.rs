@@ -30,7 +30,7 @@ impl Method {
     }
 }
 
-/// What a step is made by: a member of a method.
+/// The rule of a step: a member of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rule {
     /// The method.
@@ -51,7 +51,7 @@ impl Rule {
 pub struct Scheme {
     /// The retraction `τ`.
     pub retraction: Retraction,
-    /// What makes the step.
+    /// The rule that makes the step.
     pub rule: Rule,
 }
 

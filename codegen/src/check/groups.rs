@@ -11,7 +11,7 @@ use crate::group::{
 use crate::identifiers::plain;
 use crate::parse;
 
-/// What a basis may be.
+/// Bounds of a basis, for messages.
 const BOUNDS: &str = "a basis has up to 16 matrices of 1 to 12 rows, of small whole numbers";
 
 /// A group, with all steps that are asked for.

@@ -100,7 +100,7 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    /// What is declared as one factor, or as an array, has one inertia for each; the first problem of an array is enough.
+    /// Checks that a factor, or each of an array, has one inertia; the first problem of an array is enough.
     fn check_coverage_of(
         &self,
         factors: &Range<usize>,

@@ -23,7 +23,7 @@ use crate::quantity::ScalarType;
 /// What is in error, which was reported, is left out, and [`is_sound`](Self::is_sound) says so; the expressions are there all the same, for the
 /// sake of problems in them.
 pub struct Description<'d> {
-    /// What the user calls the system.
+    /// The user's name for the system.
     pub name: String,
     /// The numbers that it is made of.
     pub scalar: ScalarType,
@@ -33,13 +33,13 @@ pub struct Description<'d> {
     pub factors: Vec<Factor>,
     /// The advected parameters, in the order declared.
     pub advected: Vec<Advected<'d>>,
-    /// What is given from outside.
+    /// The controls.
     pub controls: &'d [parse::Control],
     /// The fields marked `#[inertia]`.
     pub inertias: Vec<Inertia>,
     /// The energies.
     pub energies: &'d [(EnergyKey, syn::Expr)],
-    /// What acts on momenta beside the energy.
+    /// The forces on momenta.
     pub forces: Vec<Force<'d>>,
     /// Where momentum and velocity are taken.
     pub side: Side,
@@ -52,9 +52,9 @@ pub struct Description<'d> {
 
 /// A factor of the configuration's group; each element of an array is one.
 pub struct Factor {
-    /// What the configuration is called.
+    /// The configuration's name.
     pub name: Name,
-    /// What the momentum is called: `momentum` where there is only one group, `attitude_momentum` for a factor `attitude`.
+    /// The momentum's name: `momentum` where there is only one group, `attitude_momentum` for a factor `attitude`.
     pub momentum_name: Name,
     /// The group.
     pub group: &'static dyn Group,
@@ -76,7 +76,7 @@ pub struct Advected<'d> {
 pub struct Inertia {
     /// The field.
     pub field: usize,
-    /// What it is called: the field, or an element of it.
+    /// Its name: the field, or an element of it.
     pub name: Name,
     /// How it is given.
     pub shape: InertiaShape,
@@ -98,9 +98,9 @@ pub enum InertiaShape {
 
 /// A force.
 pub struct Force<'d> {
-    /// What it acts on; `None` if there is no such factor.
+    /// The factors that it acts on; `None` if there are none of the name.
     pub factors: Option<Factors>,
-    /// What it is.
+    /// Its value.
     pub value: &'d syn::Expr,
 }
 
@@ -168,7 +168,7 @@ pub fn resolve<'d>(
     }
 }
 
-/// What a factor's momentum is called.
+/// The name of a factor's momentum.
 fn momentum_name(factor: Option<&Ident>) -> Ident {
     match factor {
         Some(name) => format_ident!("{}_momentum", name.unraw(), span = name.span()),

@@ -73,7 +73,7 @@ impl<'d> Resolver<'d> {
         readable && !self.factors.is_empty() && self.groups.iter().all(Option::is_some)
     }
 
-    /// What a declaration stands for.
+    /// The factors that a declaration stands for.
     pub(super) fn declared_as(&self, factors: &Range<usize>) -> Factors {
         match self.factors[factors.start].name.place {
             None => Factors::One(factors.start),
@@ -103,7 +103,7 @@ impl<'d> Resolver<'d> {
         Err(syn::Error::new_spanned(&index.literal, message))
     }
 
-    /// What to say after a name that no factor has.
+    /// The suggestion after a name that no factor has.
     fn factor_suggestion(&self, written: &Ident) -> String {
         let known = self.factors.iter().filter(|factor| factor.name.is_first());
         let known: Vec<String> = known.map(|factor| factor.name.ident.to_string()).collect();

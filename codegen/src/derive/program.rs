@@ -16,7 +16,7 @@ use crate::quantity::{Kind, Role, Shape};
 use crate::scheme::Derivatives;
 use crate::scheme::Scheme;
 
-/// What is computed for a system, but for its steps. Its states are displaced along these retractions.
+/// Derives a system's program, but for its steps. Its states are displaced along these retractions.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[Retraction]) -> Program {
     let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system, retractions)];
     Program {
@@ -237,7 +237,7 @@ fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
     }
 }
 
-/// What shows that inertias are positive definite.
+/// The pivots, which are positive where inertias are definite.
 fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let pivots = |(place, inertia): (usize, &InertiaField<'a>)| {
         let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());

@@ -19,7 +19,7 @@ use crate::program::{
 /// The functions of a step that lead from one state to the next, if the solution of its equation is known.
 const ROLES: [StepRole; 4] = [StepRole::New, StepRole::Begin, StepRole::Evaluate, StepRole::Finish];
 
-/// What functions are given, in the order of their kinds.
+/// Inputs, in the order of their kinds.
 const INPUTS: [Input; 10] = [
     Input::Parameters,
     Input::StepSize,

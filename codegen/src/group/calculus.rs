@@ -1,4 +1,4 @@
-//! What follows from a group's closed forms by differentiation.
+//! Derivatives of a group's closed forms.
 
 use super::{Group, Retraction, Side};
 use crate::expr::{Arena, Stage, Symbol, Vector, gradient};

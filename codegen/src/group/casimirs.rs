@@ -32,7 +32,7 @@ type Part = Vec<usize>;
 /// A polynomial with whole coefficients without a common divisor.
 pub type Polynomial = BTreeMap<Monomial, i64>;
 
-/// What was found.
+/// The Casimirs found, and how many are missing.
 #[derive(Clone, Debug)]
 pub struct Casimirs {
     /// Independent ones, those of a lower degree first.
@@ -209,7 +209,7 @@ fn products(factors: &[(Part, Polynomial)], part: &[usize]) -> Vec<Polynomial> {
     products
 }
 
-/// What is left of some blocks when these are taken, each once; nothing if one is not among them.
+/// The rest of some blocks when these are taken, each once; nothing if one is not among them.
 fn without(blocks: &[usize], taken: &[usize]) -> Option<Part> {
     taken.iter().try_fold(blocks.to_vec(), |mut left, block| {
         let place = left.iter().position(|other| other == block)?;

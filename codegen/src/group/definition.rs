@@ -106,7 +106,7 @@ pub trait Group: AsGroup + Sync {
     fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g`, which roundoff has taken an ulp or two off the group, back on it.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
-    /// What vanishes on the group, to first order the way back to it; none where the type of what is stored has told already.
+    /// The defect of an element, to first order the way back to it; none where the type of what is stored has told already.
     fn deviation<'a>(&self, _g: &Vector<'a>) -> Option<Vector<'a>> {
         None
     }
@@ -208,7 +208,7 @@ pub struct Moved<'a> {
     pub next: Vector<'a>,
 }
 
-/// What the equations of motion are written in.
+/// Names for the equations of motion.
 pub struct EquationNames<'n> {
     /// The configuration.
     pub configuration: &'n str,
@@ -258,11 +258,11 @@ pub struct Component {
     pub name: &'static str,
     /// Whether it is a method, called without arguments.
     pub called: bool,
-    /// What it is.
+    /// Its value.
     pub of: for<'a> fn(&Vector<'a>) -> ComponentValue<'a>,
 }
 
-/// What an expression took from an element of a group.
+/// A component of an element, as an expression takes it.
 pub enum ComponentValue<'a> {
     /// A number.
     Scalar(Expr<'a>),

@@ -48,7 +48,7 @@ pub use so3::SO3;
 pub use structure::Structure;
 pub use su2::SU2;
 
-/// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
+/// The name of a part of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
 pub fn part_name(whole: &str, part: &str) -> String {
     let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
     let (factor, quantity) = whole.split_at(at);

@@ -54,7 +54,7 @@ pub trait Representation: Sync {
 pub struct Translation<'a> {
     /// What `τ(x)` does not act on.
     pub body_part: Vector<'a>,
-    /// What it acts on; a function of `w` alone.
+    /// The rotated part; a function of `w` alone.
     pub rotated_part: Vector<'a>,
     /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint action
     /// and `τ(x, w)` is the derivative of `τ` at `x` along `w`.

@@ -13,7 +13,7 @@ use crate::expr::{Arena, Expr, Function, Id, Node, Number, Stage, Symbol};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Op(pub(super) u32);
 
-/// What a node computes.
+/// The operation of a node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Operation {
     /// A positive constant.

@@ -56,7 +56,7 @@ impl<'a> Factoring<'a> {
         new.into_iter().collect()
     }
 
-    /// What has become of a node; itself, if it was not met.
+    /// The image of a node; itself, if it was not met.
     pub(super) fn known(&self, id: Id) -> Id {
         self.known.get(&id).copied().unwrap_or(id)
     }

@@ -17,7 +17,7 @@ pub(super) enum Home {
     Local,
 }
 
-/// What a function must return, and where in the module it stands.
+/// The outline of a function: its role, and what it must return.
 pub(super) struct Outline<R> {
     pub role: R,
     /// The record that it returns.
@@ -136,7 +136,7 @@ impl Homes {
         self.stored.iter().copied()
     }
 
-    /// What a record stores, in the order of creation.
+    /// The values that a record stores, in the order of creation.
     pub(super) fn stored_in(&self, kind: RecordKind) -> Vec<Op> {
         let here = |op: &Op| self.places.get(op) == Some(&Home::Record(kind));
         self.stored.iter().copied().filter(here).collect()

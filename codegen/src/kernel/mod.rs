@@ -33,7 +33,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// What belongs to a system: parameters, state, time and controls.
+    /// The inputs of a system: parameters, state, time and controls.
     pub fn of(system: &System<'_>) -> Self {
         Self::default()
             .with(Input::Parameters, system.parameter_symbols())
@@ -195,7 +195,7 @@ impl<'a> Code<'a> {
         Module { values: Values { names: self.names.into_all(), records }, functions }
     }
 
-    /// What a record stores: symbols first, as they were declared, then the others by their names.
+    /// The fields of a record: symbols first, as they were declared, then the others by their names.
     fn fields(&self, placement: &Homes, kind: RecordKind) -> Vec<Value> {
         let (symbols, others): (Vec<_>, Vec<_>) =
             placement.stored_in(kind).into_iter().partition(|&op| self.dag.operation(op).is_leaf());

@@ -21,8 +21,10 @@ pub(super) struct Names {
     stored: FxHashMap<Op, Value>,
     /// Names that the method gave.
     roles: FxHashMap<Op, String>,
-    /// What the method named is the negative of these: `minus_jacobian_12`.
+    /// Names whose values are the negatives of these: `minus_jacobian_12`.
     negatives: FxHashMap<Op, String>,
+    /// All of those, which no numbered value takes.
+    reserved: FxHashSet<String>,
     /// For each value the words shared by the next ones with names that it is computed for.
     consumers: FxHashMap<Op, Rc<str>>,
     /// How many values have been numbered for each consumer, in all functions.
@@ -59,6 +61,7 @@ impl Names {
             if let Some(signed) = dag.planned(factoring.known(id))
                 && !dag.operation(signed.op).is_leaf()
             {
+                self.reserved.insert(name.clone());
                 match signed.negative {
                     false => self.roles.entry(signed.op).or_insert(name),
                     true => self.negatives.entry(signed.op).or_insert(format!("minus_{name}")),
@@ -157,7 +160,7 @@ impl Names {
         loop {
             *count += 1;
             let name = format!("{stem}_{count}");
-            if !(self.shared.contains(&name) || locals.used.contains(&name)) {
+            if ![&self.shared, &locals.used, &self.reserved].iter().any(|taken| taken.contains(&name)) {
                 return name;
             }
         }
@@ -168,7 +171,7 @@ impl Names {
         self.all
     }
 
-    /// What the name of a value sorts by: letters, then the number at its end.
+    /// The key that the name of a value sorts by: letters, then the number at its end.
     pub(super) fn sort_key(&self, value: Value) -> (String, usize) {
         let name = &self.all[value.0];
         match name.rsplit_once('_').map(|(stem, number)| (stem, number.parse())) {

@@ -12,7 +12,7 @@ use crate::program::{RecordKind, Statement, Term, Value};
 /// Trees of more operations than this are cut by a named value: longer lines cannot be read.
 const LARGEST_TERM: usize = 12;
 
-/// What is added to a sum in one line, at most.
+/// The most addends in one line.
 const LONGEST_SUM: usize = 8;
 
 /// Writes one function.
@@ -26,7 +26,7 @@ pub(super) struct Writer<'l, 'a> {
     uses: FxHashMap<Op, u32>,
     /// Those of them that something uses whole, not as a divisor alone: `1/x` where a product divides by `x` is none.
     used_undivided: FxHashSet<Op>,
-    /// What the function stores.
+    /// The values that the function stores.
     storing: FxHashSet<Op>,
     values: FxHashMap<Op, Value>,
     /// Values without names, to be written where they are used.
@@ -97,7 +97,7 @@ impl<'l, 'a> Writer<'l, 'a> {
         Body { statements, results }
     }
 
-    /// What is left of a sum when its beginning has lines of its own.
+    /// Cuts the beginning of a long sum into lines of its own.
     fn cut(&mut self, term: Term, statements: &mut Vec<Statement>) -> Term {
         if let Term::Negative(x) = term {
             return Term::Negative(Box::new(self.cut(*x, statements)));
@@ -293,7 +293,7 @@ fn product(mut factors: Vec<Term>) -> Option<Term> {
     }
 }
 
-/// What is added to something.
+/// An addend.
 enum Addend {
     /// In one operation with the multiplication.
     Product { negative: bool, a: Box<Term>, b: Box<Term> },
@@ -301,7 +301,7 @@ enum Addend {
     Other(bool, Term),
 }
 
-/// What a sum begins with, and what is added to it from left to right.
+/// Splits a sum into its beginning and the addends, from left to right.
 fn addends(term: Term) -> (Term, Vec<Addend>) {
     let (mut addends, mut start) = (Vec::new(), term);
     loop {

@@ -10,7 +10,7 @@ use crate::scheme::Member;
 /// A discretization map and the step that it is taken with.
 #[derive(Clone, Copy)]
 pub(super) struct Discretization<'a> {
-    /// What moves configurations.
+    /// The retractions that move configurations.
     pub moving: Halves,
     /// What carries momenta and advected parameters where configurations are moved so.
     pub carrying: Halves,
@@ -32,7 +32,7 @@ pub(super) struct Halves {
 /// Values of symbols.
 pub(super) type Values<'a> = Vec<(Symbol, Expr<'a>)>;
 
-/// What these symbols are.
+/// Binds symbols to values.
 pub(super) fn bind<'a>(values: &mut Values<'a>, what: &Vector<'a>, value: &Vector<'a>) {
     values.extend(what.symbols().into_iter().zip(value.iter()));
 }
@@ -133,7 +133,7 @@ impl<'a> Discretization<'a> {
     }
 }
 
-/// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
+/// Components of the state that are bounded if the unknown is: the rotations that the unknown moves, not what is known before.
 fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
     let places = system.group.places();
     let mut bounded = Vec::new();

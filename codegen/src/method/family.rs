@@ -66,7 +66,7 @@ struct Family<'s, 'a> {
     per_scales: Vec<Expr<'a>>,
 }
 
-/// What the step is made of before the energy is known at the intermediate point: functions of `y` alone.
+/// The motion before the energy is known at the intermediate point: functions of `y` alone.
 struct Motion<'a> {
     /// The unknown: symbols.
     x: Vector<'a>,
@@ -90,7 +90,7 @@ struct Intermediate<'a> {
     values: Values<'a>,
 }
 
-/// What the step comes to.
+/// The end of the step.
 struct Update<'a> {
     /// `μ̄`, times the unknown's scale.
     scaled_mean: Vector<'a>,

@@ -46,7 +46,7 @@ impl<'a> Equation<'a> {
     }
 }
 
-/// What is left to iterate on, and the unknowns that are not.
+/// The equations left to iterate on, and the unknowns found.
 pub struct Presolved<'a> {
     /// The equations left.
     pub equations: Vec<Equation<'a>>,

@@ -99,7 +99,7 @@ fn parameters<'a>(
     fields.unzip()
 }
 
-/// What has symbols of its own.
+/// A value with symbols of its own.
 struct Named<'a> {
     value: Value<'a>,
     symbols: Vec<Symbol>,
@@ -208,9 +208,9 @@ fn factor<'a>(
 
 /// A part of a momentum, and of the velocity, that has a name.
 pub(crate) struct NamedPart {
-    /// What it is called of the momentum.
+    /// The momentum's part of this name.
     pub(crate) momentum: String,
-    /// What it is called of the velocity.
+    /// The velocity's part of this name.
     pub(crate) velocity: String,
     /// Where it is in them.
     pub(crate) rows: Range<usize>,
@@ -264,7 +264,7 @@ fn control<'a>(arena: &'a Arena, control: &Control, scope: &mut Scope<'a>) -> Ve
     elements.collect()
 }
 
-/// What the user's energies mean; zero for one that has no meaning.
+/// Lowers the user's energies; zero for one that has no meaning.
 fn energies<'a>(
     arena: &'a Arena,
     description: &Description<'_>,

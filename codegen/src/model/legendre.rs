@@ -12,7 +12,7 @@ use crate::expr::{Expr, Symbol, Vector, gradient};
 pub enum Relation<'a> {
     /// In closed form.
     Explicit(Vector<'a>),
-    /// What vanishes at it, a function of its symbols.
+    /// The residual, a function of its symbols.
     Implicit(Vector<'a>),
     /// There is none, for the energy has a singular second derivative whatever its symbols are.
     Singular,

@@ -63,7 +63,7 @@ pub(super) fn free_function<R>(
     }
 }
 
-/// What an argument is called.
+/// The name of an argument.
 fn argument_name(input: Input) -> Ident {
     let name = match input {
         Input::Parameters | Input::ParameterPerturbation => "parameters",

@@ -11,7 +11,7 @@ use crate::emit::bytes;
 use crate::program::{Function, FunctionRole, Input, Module, RecordKind, StepProgram, StepRole};
 use crate::scheme::Scheme;
 
-/// What the struct with a kernel's constants is called.
+/// The name of the struct with a kernel's constants.
 pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {
     // at the place of the macro, not of the user's name, whose style is then not ours to answer for
     format_ident!("{}{}", names.system.to_string().trim_start_matches("r#"), scheme.name())
@@ -144,7 +144,7 @@ fn signature(function: &Function<StepRole>) -> TokenStream {
     }
 }
 
-/// What a function returns.
+/// The results of a function.
 fn result(module: &Module<StepRole>, function: &Function<StepRole>) -> TokenStream {
     let arrays = arrays(&module.values, function);
     match function.role {

@@ -27,7 +27,7 @@ use crate::scheme::Derivatives;
 use derivative::Lengths;
 use functions::block;
 
-/// What the macro puts in the place of the annotated struct, part by part.
+/// The macro's expansion, part by part.
 pub struct Expansion {
     /// The user's struct, with documentation of what was derived.
     pub declaration: TokenStream,

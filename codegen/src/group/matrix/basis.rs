@@ -83,7 +83,7 @@ impl Basis {
         Ok(product)
     }
 
-    /// What its parts are called as a part of this name of another group.
+    /// The names of its parts within another group.
     fn parts_within(&self, name: &str) -> Vec<String> {
         match self.parts.as_slice() {
             [] => numbered(name, self.blocks.len()),

@@ -18,7 +18,7 @@ use crate::group::exact::{Rational, RationalMatrix};
 use super::algebra::{Algebra, combination, symbolic};
 use super::constraints::InvariantForm;
 
-/// What the map is made of.
+/// The map, with all that it is made of.
 #[derive(Debug)]
 pub(super) struct Cayley {
     algebra: Algebra,
