@@ -8,7 +8,7 @@ pub(crate) fn plain(ident: &Ident) -> String {
     ident.unraw().to_string()
 }
 
-/// What a quantity is called: a name of its own, or its place in an array that has one.
+/// The name of a quantity: one of its own, or its place in an array that has one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name {
     /// The name that the user gives, to the quantity or to the whole array.
@@ -27,7 +27,7 @@ pub struct Place {
 }
 
 impl Name {
-    /// What the elements of an array are called, or the one thing that is no array.
+    /// Names of the elements of an array, or of the one thing that is no array.
     pub(crate) fn all(ident: &Ident, length: Option<usize>) -> Vec<Self> {
         let name = |place| Self { ident: ident.clone(), place };
         match length {
@@ -63,7 +63,7 @@ impl Name {
     }
 }
 
-/// What the velocity is called that belongs to a momentum of this name: `attitude_velocity` for `attitude_momentum`.
+/// The velocity's name for a momentum of this name: `attitude_velocity` for `attitude_momentum`.
 pub(crate) fn velocity_name(momentum: &Ident) -> String {
     let name = plain(momentum);
     format!("{}velocity", name.strip_suffix("momentum").unwrap_or_default())

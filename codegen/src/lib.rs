@@ -10,27 +10,23 @@
 //! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a global,
 //! and no order of a hash map reaches the output.
 
-mod bounds;
 pub mod check;
-mod derivation;
-pub mod derivatives;
+pub mod derive;
 pub mod diagnostics;
 pub mod emit;
-mod equations;
 pub mod expr;
-pub mod geometry;
+mod feasible;
 pub mod group;
 mod identifiers;
 pub mod kernel;
 pub mod language;
+mod lie_group;
 mod limits;
 pub mod method;
 pub mod model;
-mod own;
 pub mod parse;
 pub mod program;
 pub mod quantity;
-mod regularity;
 pub mod scheme;
 
 use proc_macro2::TokenStream;
@@ -40,9 +36,9 @@ use diagnostics::Diagnostics;
 use emit::{Expansion, Names};
 use expr::Arena;
 use group::Retraction;
+use lie_group::Answer;
+pub use lie_group::lie_group;
 use model::System;
-use own::Answer;
-pub use own::lie_group;
 use parse::{Attribute, Definition, Item};
 use program::Program;
 use scheme::Scheme;
@@ -51,19 +47,21 @@ use scheme::Scheme;
 /// tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that one mistake does not bring
 /// others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
-    described(attribute, item, Vec::new(), &TokenStream::new())
+    expand_with(attribute, item, Vec::new(), &TokenStream::new())
 }
 
 /// The whole of what the macro of a user's own group calls, with the definition that it hands back.
 pub fn lie_poisson_system_with(input: TokenStream) -> TokenStream {
-    match own::answer(input) {
-        Ok(Answer { definitions, known, attribute, item }) => described(attribute, item, definitions, &known),
+    match lie_group::answer(input) {
+        Ok(Answer { definitions, known, attribute, item }) => {
+            expand_with(attribute, item, definitions, &known)
+        }
         Err(error) => error.into_compile_error(),
     }
 }
 
 /// The same with the definitions of groups of the user's own, as far as they are known.
-fn described(
+fn expand_with(
     tokens: TokenStream,
     item: TokenStream,
     definitions: Vec<Definition>,
@@ -72,10 +70,10 @@ fn described(
     let mut diagnostics = Diagnostics::new();
     let mut attribute = Attribute::parse(tokens.clone(), &method::known(), &mut diagnostics);
     attribute.definitions = definitions;
-    if let Some(question) = own::ask(&attribute, known, &tokens, &item) {
+    if let Some(question) = lie_group::request_definition(&attribute, known, &tokens, &item) {
         return question;
     }
-    match derive(&attribute, item.clone(), &mut diagnostics, emitted) {
+    match compile(&attribute, item.clone(), &mut diagnostics, emit_rust) {
         Some(expansion) => {
             let (expansion, messages) = (expansion.into_tokens(), diagnostics.into_tokens());
             quote! { #expansion #messages }
@@ -91,35 +89,35 @@ fn described(
 pub fn expand(attribute: TokenStream, item: TokenStream) -> syn::Result<Expansion> {
     let mut diagnostics = Diagnostics::new();
     let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
-    let expansion = derive(&attribute, item, &mut diagnostics, emitted);
+    let expansion = compile(&attribute, item, &mut diagnostics, emit_rust);
     diagnostics.finish()?;
-    expansion.ok_or_else(nothing)
+    expansion.ok_or_else(no_expansion)
 }
 
-/// What is computed for a description without problems, in no language: what an emitter of another one begins with.
+/// The program of a description without problems: the start of an emitter.
 ///
 /// # Errors
 /// All problems of the description, each at its tokens.
 pub fn program(attribute: TokenStream, item: TokenStream) -> syn::Result<Program> {
     let mut diagnostics = Diagnostics::new();
     let attribute = Attribute::parse(attribute, &method::known(), &mut diagnostics);
-    let program = derive(&attribute, item, &mut diagnostics, |program, _, _, _| program);
+    let program = compile(&attribute, item, &mut diagnostics, |program, _, _, _| program);
     diagnostics.finish()?;
-    program.ok_or_else(nothing)
+    program.ok_or_else(no_expansion)
 }
 
-fn nothing() -> syn::Error {
+fn no_expansion() -> syn::Error {
     syn::Error::new(proc_macro2::Span::call_site(), "there is nothing to expand")
 }
 
 /// A program as Rust.
-fn emitted(program: Program, system: &System<'_>, attribute: &Attribute, item: &Item) -> Expansion {
+fn emit_rust(program: Program, system: &System<'_>, attribute: &Attribute, item: &Item) -> Expansion {
     let names = Names::new(&program.interface, item, attribute.krate.as_ref(), system);
-    emit::expansion(program, system, &item.declaration, &names, attribute.derivatives)
+    emit::rust::expansion(program, system, &item.declaration, &names, attribute.derivatives)
 }
 
 /// From tokens to what is made of a program, by the stages named above.
-fn derive<R>(
+fn compile<R>(
     attribute: &Attribute,
     item: TokenStream,
     diagnostics: &mut Diagnostics,
@@ -127,22 +125,22 @@ fn derive<R>(
 ) -> Option<R> {
     let item = Item::parse(item, diagnostics)?;
     let description = check::resolve(attribute, &item, diagnostics);
-    bounds::sizes(&description, diagnostics)?;
+    feasible::sizes(&description, diagnostics)?;
     let arena = Arena::limited(limits::DERIVATION);
     // expressions are looked at even if they cannot be used, for the sake of their problems
     let system = System::build(&arena, &description, diagnostics)?;
-    regularity::legendre(&system, attribute, diagnostics)?;
+    feasible::legendre(&system, attribute, diagnostics)?;
     let schemes = schemes(&system, attribute);
-    let mut program = derivation::program(&arena, &system, &retracted(&schemes));
-    bounds::derived(&arena, attribute, &item, diagnostics)?;
+    let mut program = derive::program(&arena, &system, &displacing(&schemes));
+    feasible::derived(&arena, attribute, &item, diagnostics)?;
     let wanted = attribute.derivatives;
     let mut work = arena.work();
     for (scheme, aliases) in schemes {
         // each from a system of its own: what else is asked for has no part in it
         let arena = Arena::limited(limits::DERIVATION - work);
         let system = System::build(&arena, &description, &mut Diagnostics::new())?;
-        program.steps.push(derivation::step(&arena, &system, scheme, aliases, wanted));
-        bounds::derived(&arena, attribute, &item, diagnostics)?;
+        program.steps.push(derive::step(&arena, &system, scheme, aliases, wanted));
+        feasible::derived(&arena, attribute, &item, diagnostics)?;
         work += arena.work();
     }
     Some(emit(program, &system, attribute, &item))
@@ -160,15 +158,16 @@ fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
     if closed.is_empty() { summed } else { closed }
 }
 
-/// The retractions that schemes are made with, each once.
-fn retracted(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
-    let mut retractions: Vec<Retraction> = schemes.iter().map(|(scheme, _)| scheme.retraction).collect();
+/// The retractions that states are displaced along: the exponential, which certificates define the others by, and those of the schemes.
+fn displacing(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
+    let of_schemes = schemes.iter().map(|(scheme, _)| scheme.retraction);
+    let mut retractions: Vec<Retraction> = [Retraction::Exponential].into_iter().chain(of_schemes).collect();
     retractions.sort_unstable();
     retractions.dedup();
     retractions
 }
 
-/// What is generated: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
+/// The schemes to generate: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
 /// names.
 fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Scheme>)> {
     let mut rules = method::STANDARD.to_vec();

@@ -1,6 +1,6 @@
 //! Quantities of a system: what they are to it, and of what kind, in the words of mathematics.
 
-/// What a quantity is to its system.
+/// The role of a quantity in its system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A field of the user's struct.

@@ -30,7 +30,7 @@ impl Method {
     }
 }
 
-/// What a step is made by: a member of a method.
+/// The rule of a step: a member of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Rule {
     /// The method.
@@ -51,7 +51,7 @@ impl Rule {
 pub struct Scheme {
     /// The retraction `τ`.
     pub retraction: Retraction,
-    /// What makes the step.
+    /// The rule that makes the step.
     pub rule: Rule,
 }
 
@@ -114,5 +114,36 @@ impl Member {
     /// `s`
     pub fn s(self) -> Number {
         Number::ratio(i128::from(self.numerator), i128::from(self.denominator))
+    }
+}
+
+/// Which derivatives of a step are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Derivatives {
+    /// The matrix with respect to the state.
+    pub state: bool,
+    /// The matrix with respect to the controls.
+    pub controls: bool,
+    /// The matrix with respect to the parameters.
+    pub parameters: bool,
+    /// The product with a perturbation of all three.
+    pub tangent: bool,
+    /// The transposed product.
+    pub adjoint: bool,
+}
+
+impl Derivatives {
+    /// All of them.
+    pub const ALL: Self =
+        Self { state: true, controls: true, parameters: true, tangent: true, adjoint: true };
+
+    /// Whether there is anything to derive.
+    pub fn any(self) -> bool {
+        self != Self::default()
+    }
+
+    /// Whether the parameters have a part in any of them.
+    pub fn of_parameters(self) -> bool {
+        self.parameters || self.tangent || self.adjoint
     }
 }

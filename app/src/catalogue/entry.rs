@@ -180,9 +180,15 @@ impl Entry {
         columns
     }
 
-    /// The unit of a quantity, a component or a Casimir, by its name: that of the longest name in [`Example::UNITS`]
-    /// that it begins with. Empty for a pure number, and where none is known.
+    /// The unit of a quantity, a component or a Casimir, by its name: what the description says, or that of the longest
+    /// name in [`Example::UNITS`] that it begins with. Empty for a pure number, and where none is known.
     pub fn unit(&self, name: &str) -> &'static str {
+        let Description { parameters, state, controls, .. } = self.description;
+        let mut quantities = [parameters, state, controls].into_iter().flatten();
+        let described = quantities.find(|quantity| quantity.name == name || is_part(quantity.name, name));
+        if let Some(unit) = described.and_then(|quantity| quantity.unit) {
+            return unit;
+        }
         let begins = |(of, _): &&(&str, &str)| name == *of || (is_part(of, name) && !self.is_casimir(name));
         let known = self.units.iter().filter(begins).max_by_key(|(of, _)| of.len());
         match (known, name) {

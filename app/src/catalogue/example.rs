@@ -1,6 +1,7 @@
 //! The example of a system: all that the program needs beside the system's description.
 
 use coadjoint::System;
+use coadjoint::derivative::LinearizedSchemes;
 use coadjoint::prelude::*;
 use coadjoint::system::{Geometry, Schemes};
 
@@ -9,7 +10,9 @@ use super::scene::Scene;
 /// A system with an example: all that the program needs beside what `#[lie_poisson_system]` generates.
 ///
 /// Only [`example`](Self::example) has to be given.
-pub trait Example: System<Scalar = f64> + Geometry + Schemes + Send + Sync + 'static {
+pub trait Example:
+    System<Scalar = f64> + Geometry + Schemes + LinearizedSchemes + Send + Sync + 'static
+{
     /// A description in one line, without a full stop.
     const ABOUT: &'static str = "";
     /// A step that suits the example, s.

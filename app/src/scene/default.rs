@@ -1,14 +1,12 @@
 //! The scene of a system by its state alone, which the system's own completes.
 
-use coadjoint::erased::Map;
 use coadjoint::prelude::*;
-use coadjoint::system::{Quantity, Role};
+use coadjoint::system::{Role, Side};
 
 use super::{Arrow, Body, Frame, Scene, Source, Vector};
 use crate::catalogue::Entry;
 use crate::catalogue::casimir::symbols;
 use crate::catalogue::plotted::PlottedQuantity;
-use crate::catalogue::quantities::{laid_out, rotation};
 use crate::catalogue::shape::{Shape, Solid};
 
 /// Builds the scene of a system with these parameters.
@@ -33,7 +31,10 @@ pub(crate) fn scene(entry: &Entry, parameters: &[f64]) -> Scene {
 /// A body for each configuration, with its momenta, and what the first body sees of space.
 fn by_state(entry: &Entry) -> Scene {
     let quantities = entry.plotted.all();
-    let frame = if is_left_invariant(entry) { Frame::Body } else { Frame::Space };
+    let frame = match entry.description.side {
+        Side::Left => Frame::Body,
+        Side::Right => Frame::Space,
+    };
     let mut scene = Scene::default();
     let configurations: Vec<usize> =
         (0..quantities.len()).filter(|&k| quantities[k].role == Role::Configuration).collect();
@@ -103,43 +104,6 @@ fn momenta(configuration: &PlottedQuantity, momentum: &PlottedQuantity, frame: F
 fn symbol(name: &str) -> String {
     let symbol = symbols(name);
     if symbol == name { String::new() } else { symbol }
-}
-
-/// Tells whether velocities, momenta and advected vectors are those of the body: whether a small displacement
-/// multiplies the first rotation from the right.
-fn is_left_invariant(entry: &Entry) -> bool {
-    let start = laid_out(entry.description.state).find(|(quantity, _)| is_rotation_in_space(quantity));
-    let (Some((_, slots)), Some(before)) = (start, displacement_before(entry)) else { return true };
-    let attitude = UnitQuaternion::from_euler_angles(0.4, 0.8, 1.2);
-    let mut state = entry.example.state.clone();
-    let [i, j, k, w]: [f64; 4] = attitude.coords.into();
-    state[slots.start..slots.start + 4].copy_from_slice(&[w, i, j, k]);
-    let numbers = entry.description.state.iter().map(|quantity| quantity.components.len()).sum::<usize>();
-    let mut by = vec![0.0; numbers];
-    let angle = 0.1;
-    by[before] = angle;
-    let displaced = entry.system(&entry.example.parameters).displace(&state, Map::Exponential, &by);
-    let [w, i, j, k] = [0, 1, 2, 3].map(|n| displaced[slots.start + n]);
-    let displaced = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-    let turn = UnitQuaternion::new(Vector3::x() * angle);
-    displaced.angle_to(&(attitude * turn)) < displaced.angle_to(&(turn * attitude))
-}
-
-/// Finds where in a displacement that of the first rotation in space begins.
-fn displacement_before(entry: &Entry) -> Option<usize> {
-    let mut before = 0;
-    for quantity in entry.description.state {
-        if is_rotation_in_space(quantity) {
-            return Some(before);
-        }
-        // a rotation has more components than directions
-        before += quantity.components.len() - usize::from(rotation(quantity).is_some());
-    }
-    None
-}
-
-fn is_rotation_in_space(quantity: &Quantity) -> bool {
-    quantity.role == Role::Configuration && rotation(quantity).is_some_and(|(count, _)| count == 4)
 }
 
 /// Names the axes, where the motion is in an upright plane or on a line.

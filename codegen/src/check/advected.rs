@@ -3,14 +3,14 @@
 use std::ops::Range;
 
 use super::groups::{known_space, nothing_acts, space};
-use super::subject::Subject;
+use super::resolver::Resolver;
 use super::{Advected, Factors};
 use crate::diagnostics::Diagnostics;
 use crate::group::Representation;
 use crate::identifiers::Name;
 use crate::parse;
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     /// Advected parameters live in spaces that a factor acts on, and on which only one does.
     pub(super) fn advected(&self, diagnostics: &mut Diagnostics) -> Vec<Advected<'d>> {
         if !self.groups_are_known() {

@@ -11,7 +11,7 @@ use crate::group::{
 use crate::identifiers::plain;
 use crate::parse;
 
-/// What a basis may be.
+/// Bounds of a basis, for messages.
 const BOUNDS: &str = "a basis has up to 16 matrices of 1 to 12 rows, of small whole numbers";
 
 /// A group, with all steps that are asked for.
@@ -21,7 +21,7 @@ pub(crate) fn group(
     retractions: &[Retraction],
     diagnostics: &mut Diagnostics,
 ) -> Option<&'static dyn Group> {
-    let group = Resolution { definitions, depth: 0 }.of(written, None, diagnostics)?;
+    let group = GroupResolver { definitions, depth: 0 }.of(written, None, diagnostics)?;
     if !Retraction::defaults().any(|retraction| group.has(retraction)) {
         let message = format!(
             "there are no steps on {}: its Cayley map leaves the group, and its exponential has no closed form and too many coordinates to be \
@@ -45,13 +45,13 @@ pub(crate) fn group(
 
 /// From what is written to groups.
 #[derive(Clone, Copy)]
-struct Resolution<'d> {
+struct GroupResolver<'d> {
     definitions: &'d [parse::Definition],
     /// How many definitions led here.
     depth: usize,
 }
 
-impl Resolution<'_> {
+impl GroupResolver<'_> {
     /// The group, under a name that a definition gives it.
     fn of(
         self,

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use syn::Ident;
 
-use super::subject::Subject;
+use super::resolver::Resolver;
 use super::{Inertia, InertiaShape};
 use crate::diagnostics::{Diagnostics, list};
 use crate::group::{Group, is_same};
@@ -12,7 +12,7 @@ use crate::identifiers::Name;
 use crate::parse::{self, Field};
 use crate::quantity::Shape;
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     /// The inertias: each factor has exactly one, unless a Hamiltonian or a Lagrangian says what the energy is.
     pub(super) fn inertias(&self, diagnostics: &mut Diagnostics) -> Vec<Inertia> {
         if self.groups_are_known() {
@@ -100,7 +100,7 @@ impl<'d> Subject<'d> {
         }
     }
 
-    /// What is declared as one factor, or as an array, has one inertia for each; the first problem of an array is enough.
+    /// Checks that a factor, or each of an array, has one inertia; the first problem of an array is enough.
     fn check_coverage_of(
         &self,
         factors: &Range<usize>,

@@ -2,14 +2,14 @@
 
 use syn::Ident;
 
-use super::subject::Subject;
+use super::resolver::Resolver;
 use super::{Advected, Factors, Force, momentum_name};
 use crate::diagnostics::{Diagnostics, suggestion};
 use crate::group::{self, Retraction, part_name};
 use crate::identifiers::{Name, plain, velocity_name};
 use crate::parse::{Attribute, EnergyKey, Key, scalar_name};
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     fn field_names(&self) -> impl Iterator<Item = &'d Ident> {
         let unreadable = self.item.unreadable.iter().map(|field| &field.name);
         self.item.fields.iter().map(|field| &field.name).chain(unreadable)
@@ -110,14 +110,14 @@ impl<'d> Subject<'d> {
             vec![("t".to_owned(), "the time"), ("time".to_owned(), "the time")];
         for (factor, &group) in self.attribute.factors.iter().zip(&self.groups) {
             let momentum = momentum_name(factor.name.as_ref());
-            for part in group.into_iter().flat_map(|group| group.parts()) {
+            for part in group.into_iter().flat_map(|group| group.names().parts) {
                 reserved.push((part_name(&plain(&momentum), part), "a part of the momentum"));
                 reserved.push((part_name(&velocity_name(&momentum), part), "a part of the velocity"));
             }
             reserved.push((velocity_name(&momentum), "the velocity"));
             reserved.push((momentum.to_string(), "the momentum"));
             if let (None, Some(group)) = (&factor.name, group) {
-                reserved.push((group.configuration_name().to_owned(), "the configuration"));
+                reserved.push((group.names().configuration.to_owned(), "the configuration"));
             }
         }
         let declared = self.declared();
@@ -247,9 +247,9 @@ fn unknown_factor(name: Option<&Ident>) -> Vec<String> {
     let momentum = momentum_name(name);
     let mut names = match name {
         Some(name) => vec![plain(name)],
-        None => group::catalogue().iter().map(|group| group.configuration_name().to_owned()).collect(),
+        None => group::catalogue().iter().map(|group| group.names().configuration.to_owned()).collect(),
     };
-    let parts = group::catalogue().iter().flat_map(|group| group.parts());
+    let parts = group::catalogue().iter().flat_map(|group| group.names().parts);
     for part in parts {
         names.push(part_name(&plain(&momentum), part));
         names.push(part_name(&velocity_name(&momentum), part));

@@ -24,7 +24,7 @@ struct Store {
     rules: Vec<Arc<RuleApplied>>,
     /// For each value the place of its rule.
     rule_of: FxHashMap<Id, usize>,
-    /// What roots are taken of that can be zero, in the order in which they were made.
+    /// Radicands that can be zero, in the order in which they were made.
     radicands: Vec<Id>,
 }
 
@@ -38,7 +38,7 @@ pub(super) trait NodeRule: Send + Sync {
 pub(super) struct RuleApplied {
     pub(super) values: Vec<Id>,
     pub(super) arguments: Vec<Id>,
-    /// What the derivative is made of, beside the values.
+    /// Further ingredients of the derivative, beside the values.
     pub(super) given: Vec<Id>,
     pub(super) rule: Arc<dyn NodeRule>,
 }
@@ -105,7 +105,7 @@ impl Arena {
         self.store.borrow().nodes[id.0 as usize].clone()
     }
 
-    /// What something says of a node, which is not to make others.
+    /// Reads a node, without making others.
     pub(super) fn with_node<R>(&self, id: Id, of: impl FnOnce(&Node) -> R) -> R {
         of(&self.store.borrow().nodes[id.0 as usize])
     }
@@ -115,7 +115,7 @@ impl Arena {
         self.store.borrow().symbols[symbol.0 as usize].clone()
     }
 
-    /// What is made in an exhausted arena.
+    /// The node that an exhausted arena makes.
     fn exhausted(&self) -> Id {
         self.intern(Node::Number(Number::ZERO))
     }

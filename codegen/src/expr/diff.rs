@@ -39,6 +39,18 @@ impl<'a> Vector<'a> {
         self.map(|x| substitution.of(x))
     }
 
+    /// The value where these symbols are zero.
+    pub fn at_zero(&self, symbols: &[Symbol]) -> Self {
+        let Some(first) = self.0.first() else { return self.clone() };
+        let zero = first.arena.zero();
+        self.substitute(&symbols.iter().map(|&symbol| (symbol, zero)).collect::<Vec<_>>())
+    }
+
+    /// The symbols' values where this vanishes, an affine function of them with this Jacobian; none if that is singular.
+    pub fn affine_root(&self, jacobian: &Matrix<'a>, symbols: &[Symbol]) -> Option<Self> {
+        jacobian.try_solve(&self.at_zero(symbols)).map(|root| -&root)
+    }
+
     /// `∂self_i / ∂symbol_j`
     pub fn jacobian(&self, symbols: &[Symbol]) -> Matrix<'a> {
         let columns: Vec<Vec<Expr<'a>>> = symbols

@@ -1,4 +1,4 @@
-//! What expressions are made of.
+//! Nodes of expressions.
 
 use std::rc::Rc;
 
@@ -65,7 +65,7 @@ pub enum Function {
 /// A sum's constant and its terms with their coefficients, sorted by id; at least one term.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Sum {
-    /// What is added to the terms.
+    /// The constant addend.
     pub constant: Number,
     /// Terms with their coefficients, none of them zero.
     pub terms: Rc<[(Id, Number)]>,
@@ -93,7 +93,7 @@ pub enum Node {
 }
 
 impl Node {
-    /// What the node is made of.
+    /// The node's operands.
     pub fn operands(&self) -> impl Iterator<Item = Id> + '_ {
         (0..).map_while(|k| self.operand(k))
     }
@@ -124,7 +124,7 @@ impl Node {
 /// A symbol's name and stage.
 #[derive(Clone, Debug)]
 pub struct SymbolInfo {
-    /// What it is called in text and, if that is free, in code.
+    /// Its name in text and, if that is free, in code.
     pub name: String,
     /// When its value is known.
     pub stage: Stage,

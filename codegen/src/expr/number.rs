@@ -82,6 +82,21 @@ impl Number {
         }
     }
 
+    /// Numerator and denominator of a fraction that is no double: the compiler divides them.
+    pub(crate) fn wide_fraction(self) -> Option<[f64; 2]> {
+        let (numerator, denominator) = self.fraction()?;
+        (denominator & (denominator - 1) != 0).then_some([numerator as f64, denominator as f64])
+    }
+
+    /// The double that emitted code computes with.
+    pub(crate) fn as_emitted(self) -> f64 {
+        if self == Self::FOUR_PI_SQUARED {
+            return std::f64::consts::TAU * std::f64::consts::TAU;
+        }
+        let value = self.to_f64();
+        self.wide_fraction().map_or(if value.is_finite() { value } else { f64::NAN }, |[a, b]| a / b)
+    }
+
     /// Whether it is neither infinite nor not a number.
     pub fn is_finite(self) -> bool {
         match self {

@@ -121,7 +121,7 @@ struct Vanishing {
     base: Id,
     /// The base as a product of powers.
     factors: Vec<(Id, i32)>,
-    /// What vanishes with it, with the orders.
+    /// Nodes that vanish with it, with their orders.
     orders: FxHashMap<Id, f64>,
     /// Those sums among them as rows in echelon form, each with the least of the orders that it is made of.
     rows: Vec<(BTreeMap<Id, Number>, f64)>,

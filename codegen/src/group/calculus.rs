@@ -1,27 +1,14 @@
-//! What follows from a group's closed forms by differentiation.
+//! Derivatives of a group's closed forms.
 
 use super::{Group, Retraction, Side};
-use crate::expr::{Arena, Expr, Stage, Symbol, Vector, gradient};
+use crate::expr::{Arena, Stage, Symbol, Vector, gradient};
 
-/// `g τ(δ)`, or `τ(δ) g` as `side` says, for differentiation at `δ = 0`, where every `τ` has the same derivative.
-struct Neighbourhood<'a> {
-    /// The symbols of `δ`.
-    delta: Vec<Symbol>,
-    /// The stored coordinates.
-    element: Vector<'a>,
-    /// `δ = 0`
-    centre: Vec<(Symbol, Expr<'a>)>,
-}
-
-impl<'a> Neighbourhood<'a> {
-    fn new(group: &dyn Group, side: Side, g: &Vector<'a>) -> Self {
-        let arena = g.0[0].arena();
-        let delta = placeholders(arena, "d", group.dimension());
-        let element = group.near(side, g, &delta);
-        let delta = delta.symbols();
-        let centre = delta.iter().map(|&symbol| (symbol, arena.zero())).collect();
-        Self { delta, element, centre }
-    }
+/// The symbols of `δ`, and the stored coordinates of `g τ(δ)`, or of `τ(δ) g` as `side` says, for differentiation at `δ = 0`, where every `τ` has the
+/// same derivative.
+fn neighbourhood<'a>(group: &dyn Group, side: Side, g: &Vector<'a>) -> (Vec<Symbol>, Vector<'a>) {
+    let delta = placeholders(g.0[0].arena(), "d", group.dimension());
+    let element = group.near(side, g, &delta);
+    (delta.symbols(), element)
 }
 
 /// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as
@@ -32,14 +19,14 @@ pub(crate) fn trivialized_gradient<'a>(
     g: &Vector<'a>,
     df: &Vector<'a>,
 ) -> Vector<'a> {
-    let near = Neighbourhood::new(group, side, g);
-    gradient(df.dot(&near.element), &near.delta).substitute(&near.centre)
+    let (delta, element) = neighbourhood(group, side, g);
+    gradient(df.dot(&element), &delta).at_zero(&delta)
 }
 
 /// The perturbation of the stored coordinates where `g` becomes `g τ(δ)`.
 pub(crate) fn stored_perturbation<'a>(group: &dyn Group, g: &Vector<'a>, delta: &Vector<'a>) -> Vector<'a> {
-    let near = Neighbourhood::new(group, Side::Left, g);
-    near.element.derivative_along(&near.delta, delta).substitute(&near.centre)
+    let (symbols, element) = neighbourhood(group, Side::Left, g);
+    element.derivative_along(&symbols, delta).at_zero(&symbols)
 }
 
 /// `dR τ_x y`, from its dual.

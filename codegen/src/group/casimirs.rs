@@ -13,7 +13,7 @@ use std::ops::Range;
 use num_rational::Ratio;
 use num_traits::Signed;
 
-use super::exact::Fraction;
+use super::exact::Rational;
 use super::{Semidirect, Structure};
 
 /// The largest degree that is searched.
@@ -32,7 +32,7 @@ type Part = Vec<usize>;
 /// A polynomial with whole coefficients without a common divisor.
 pub type Polynomial = BTreeMap<Monomial, i64>;
 
-/// What was found.
+/// The Casimirs found, and how many are missing.
 #[derive(Clone, Debug)]
 pub struct Casimirs {
     /// Independent ones, those of a lower degree first.
@@ -90,32 +90,32 @@ pub fn casimirs_of(algebra: &Semidirect, blocks: &[Range<usize>]) -> Option<Casi
 
 /// The polynomial with a sum of the first variables instead of each of these, its row; none if coefficients grow too large.
 fn expanded(polynomial: &Polynomial, rows: &[Vec<Ratio<i64>>]) -> Option<Polynomial> {
-    let sum = |variable: usize| -> Vec<(usize, Fraction)> {
-        let Some(row) = rows.get(variable) else { return vec![(variable, Fraction::one())] };
-        row.iter().map(|&x| Fraction::from(x)).enumerate().filter(|(_, x)| !x.is_zero()).collect()
+    let sum = |variable: usize| -> Vec<(usize, Rational)> {
+        let Some(row) = rows.get(variable) else { return vec![(variable, Rational::one())] };
+        row.iter().map(|&x| Rational::from(x)).enumerate().filter(|(_, x)| !x.is_zero()).collect()
     };
-    let mut terms: BTreeMap<Monomial, Fraction> = BTreeMap::new();
+    let mut terms: BTreeMap<Monomial, Rational> = BTreeMap::new();
     for (monomial, &coefficient) in polynomial {
-        let mut product = BTreeMap::from([(Monomial::new(), Fraction::from(i128::from(coefficient)))]);
+        let mut product = BTreeMap::from([(Monomial::new(), Rational::from(i128::from(coefficient)))]);
         for &variable in monomial {
-            let mut longer: BTreeMap<Monomial, Fraction> = BTreeMap::new();
+            let mut longer: BTreeMap<Monomial, Rational> = BTreeMap::new();
             for (monomial, coefficient) in product {
                 for (variable, factor) in sum(variable) {
                     let mut monomial = monomial.clone();
                     monomial.insert(monomial.partition_point(|&other| other < variable), variable);
-                    let entry = longer.entry(monomial).or_insert_with(Fraction::zero);
+                    let entry = longer.entry(monomial).or_insert_with(Rational::zero);
                     *entry = *entry + coefficient * factor;
                 }
             }
             product = longer;
         }
         for (monomial, coefficient) in product {
-            let entry = terms.entry(monomial).or_insert_with(Fraction::zero);
+            let entry = terms.entry(monomial).or_insert_with(Rational::zero);
             *entry = *entry + coefficient;
         }
     }
     terms.retain(|_, coefficient| !coefficient.is_zero());
-    let parts: Vec<(i128, i128)> = terms.values().map(Fraction::parts).collect::<Option<_>>()?;
+    let parts: Vec<(i128, i128)> = terms.values().map(Rational::parts).collect::<Option<_>>()?;
     // of the numerators the divisor, of the denominators the multiple, with the sign of the last one
     let divisor =
         parts.iter().fold(0, |divisor, &(numerator, _)| greatest_common_divisor(divisor, numerator));
@@ -209,7 +209,7 @@ fn products(factors: &[(Part, Polynomial)], part: &[usize]) -> Vec<Polynomial> {
     products
 }
 
-/// What is left of some blocks when these are taken, each once; nothing if one is not among them.
+/// The rest of some blocks when these are taken, each once; nothing if one is not among them.
 fn without(blocks: &[usize], taken: &[usize]) -> Option<Part> {
     taken.iter().try_fold(blocks.to_vec(), |mut left, block| {
         let place = left.iter().position(|other| other == block)?;

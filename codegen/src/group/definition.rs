@@ -11,16 +11,31 @@ use crate::quantity::Kind;
 /// Elements `x`, `y` of the algebra and `m` of its dual are vectors of [`dimension`](Self::dimension) coordinates, paired by
 /// the dot product; elements `g`, `h` of the group are vectors of the stored coordinates.
 pub trait Group: AsGroup + Sync {
+    /// Names, kinds and lengths.
+    fn names(&self) -> &GroupNames;
     /// The name users write.
-    fn name(&self) -> &'static str;
-    /// One line on coordinates and conventions, for generated documentation.
-    fn conventions(&self) -> &'static str;
-    /// The field of the state that holds the configuration of a system with this one group.
-    fn configuration_name(&self) -> &'static str;
-    /// The kind of the configuration.
-    fn configuration_kind(&self) -> Kind;
+    fn name(&self) -> &'static str {
+        self.names().name
+    }
     /// Suffixes of the stored coordinates.
-    fn coordinates(&self) -> &'static [&'static str];
+    fn coordinates(&self) -> &'static [&'static str] {
+        self.names().coordinates
+    }
+    /// Suffixes of the algebra's coordinates.
+    fn axes(&self) -> &'static [&'static str] {
+        self.names().axes
+    }
+    /// Dimension of the algebra.
+    fn dimension(&self) -> usize {
+        self.axes().len()
+    }
+    /// The lengths of the blocks of coordinates of the algebra that have a unit in common: angles, then lengths.
+    fn blocks(&self) -> Vec<usize> {
+        match self.names().blocks {
+            [] => vec![self.dimension()],
+            blocks => blocks.to_vec(),
+        }
+    }
     /// The equations of motion of a left-invariant system, for generated documentation: Lie–Poisson, with the coadjoint action, unless they read
     /// better otherwise.
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -33,18 +48,6 @@ pub trait Group: AsGroup + Sync {
             advected: advected.iter().map(|a| format!("ad*({velocity}) {a}")).collect(),
         }
     }
-    /// Dimension of the algebra.
-    fn dimension(&self) -> usize;
-    /// The lengths of the blocks of coordinates of the algebra that have a unit in common: angles, then lengths.
-    fn blocks(&self) -> Vec<usize> {
-        vec![self.dimension()]
-    }
-    /// The names of the blocks of coordinates, where a momentum is made of several: angular and linear.
-    fn parts(&self) -> &'static [&'static str] {
-        &[]
-    }
-    /// Suffixes of the algebra's coordinates.
-    fn axes(&self) -> &'static [&'static str];
     /// The coordinates of a basis that may have simpler constants, a row for each of its elements; none if no other one is known.
     fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
         None
@@ -103,7 +106,7 @@ pub trait Group: AsGroup + Sync {
     fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g`, which roundoff has taken an ulp or two off the group, back on it.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
-    /// What vanishes on the group, to first order the way back to it; none where the type of what is stored has told already.
+    /// The defect of an element, to first order the way back to it; none where the type of what is stored has told already.
     fn deviation<'a>(&self, _g: &Vector<'a>) -> Option<Vector<'a>> {
         None
     }
@@ -139,11 +142,6 @@ pub trait Group: AsGroup + Sync {
     fn unknown_scale(&self, _retraction: Retraction) -> i128 {
         1
     }
-    /// How many of the stored coordinates, from the first one on, make something of unit length: a rotation leaves them bounded, however
-    /// far it goes.
-    fn unit_coordinates(&self) -> usize {
-        0
-    }
     /// Whether the group is a vector space, and its elements are vectors to a user's expressions.
     fn is_linear(&self) -> bool {
         false
@@ -160,10 +158,32 @@ pub trait Group: AsGroup + Sync {
             Side::Right => self.compose(&increment, g),
         }
     }
+}
+
+/// What a group and its coordinates are called, and what is stored of an element.
+#[derive(Clone, Copy)]
+pub struct GroupNames {
+    /// The name users write.
+    pub name: &'static str,
+    /// One line on coordinates and conventions, for generated documentation.
+    pub conventions: &'static str,
+    /// The field of the state that holds the configuration of a system with this one group.
+    pub configuration: &'static str,
+    /// The kind of the configuration.
+    pub kind: Kind,
+    /// Suffixes of the stored coordinates.
+    pub coordinates: &'static [&'static str],
+    /// How many of the stored coordinates, from the first one on, make something of unit length: a rotation leaves them bounded, however
+    /// far it goes.
+    pub unit_coordinates: usize,
+    /// Suffixes of the algebra's coordinates.
+    pub axes: &'static [&'static str],
+    /// The lengths of the blocks of the algebra's coordinates that have a unit in common; none where all have.
+    pub blocks: &'static [usize],
+    /// The names of the blocks, where a momentum is made of several: angular and linear.
+    pub parts: &'static [&'static str],
     /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
-    fn components(&self) -> &'static [Component] {
-        &[]
-    }
+    pub components: &'static [Component],
 }
 
 /// A group as one of any kind.
@@ -188,7 +208,7 @@ pub struct Moved<'a> {
     pub next: Vector<'a>,
 }
 
-/// What the equations of motion are written in.
+/// Names for the equations of motion.
 pub struct EquationNames<'n> {
     /// The configuration.
     pub configuration: &'n str,
@@ -238,11 +258,11 @@ pub struct Component {
     pub name: &'static str,
     /// Whether it is a method, called without arguments.
     pub called: bool,
-    /// What it is.
+    /// Its value.
     pub of: for<'a> fn(&Vector<'a>) -> ComponentValue<'a>,
 }
 
-/// What an expression took from an element of a group.
+/// A component of an element, as an expression takes it.
 pub enum ComponentValue<'a> {
     /// A number.
     Scalar(Expr<'a>),

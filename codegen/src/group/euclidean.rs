@@ -4,50 +4,43 @@
 //! * Storage: the vector; `g' = ξ`.
 //! * Exponential and Cayley map are the identity, their logarithmic derivatives too.
 
-use super::{EquationNames, Equations, Group, MatrixFunction, Representation};
+use super::{EquationNames, Equations, Group, GroupNames, MatrixFunction, Representation};
 use crate::expr::{Expr, Vector};
 use crate::quantity::Kind;
 
 /// Translations of the Euclidean space of this dimension, 1 to 6.
 pub struct R(pub usize);
 
-/// The group's name for each dimension.
-const NAMES: [&str; 6] = ["R1", "R2", "R3", "R4", "R5", "R6"];
-
 /// nalgebra's names of components.
 const AXES: &[&str] = &["x", "y", "z", "w", "a", "b"];
 
+/// Those of each dimension.
+static NAMES: [GroupNames; 6] =
+    [names("R1", 1), names("R2", 2), names("R3", 3), names("R4", 4), names("R5", 5), names("R6", 6)];
+
+const fn names(name: &'static str, n: usize) -> GroupNames {
+    let axes = AXES.split_at(n).0;
+    GroupNames {
+        name,
+        conventions: "position and momentum in fixed Cartesian coordinates",
+        configuration: "position",
+        kind: Kind::Vector(n),
+        coordinates: axes,
+        unit_coordinates: 0,
+        axes,
+        blocks: &[],
+        parts: &[],
+        components: &[],
+    }
+}
+
 impl Group for R {
-    fn name(&self) -> &'static str {
-        NAMES[self.0 - 1]
-    }
-
-    fn conventions(&self) -> &'static str {
-        "position and momentum in fixed Cartesian coordinates"
-    }
-
-    fn configuration_name(&self) -> &'static str {
-        "position"
-    }
-
-    fn configuration_kind(&self) -> Kind {
-        Kind::Vector(self.0)
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        &AXES[..self.0]
+    fn names(&self) -> &GroupNames {
+        &NAMES[self.0 - 1]
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         Equations { configuration: names.velocity.to_owned(), momentum: Vec::new(), advected: Vec::new() }
-    }
-
-    fn dimension(&self) -> usize {
-        self.0
-    }
-
-    fn axes(&self) -> &'static [&'static str] {
-        &AXES[..self.0]
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, _: &Vector<'a>) -> Vector<'a> {

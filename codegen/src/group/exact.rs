@@ -11,9 +11,9 @@ const LARGEST: u128 = 1 << 120;
 
 /// An exact fraction; unknown where its numbers have grown too large, and then so is all that is made of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Fraction(Option<Ratio<i128>>);
+pub(super) struct Rational(Option<Ratio<i128>>);
 
-impl Fraction {
+impl Rational {
     pub(super) fn new(numerator: i128, denominator: i128) -> Self {
         Self::of((denominator != 0).then(|| Ratio::new(numerator, denominator)))
     }
@@ -41,7 +41,7 @@ impl Fraction {
         self.0.is_some_and(|ratio| *ratio.numer() < 0)
     }
 
-    pub(super) fn is_known(&self) -> bool {
+    pub(super) fn is_exact(&self) -> bool {
         self.0.is_some()
     }
 
@@ -78,40 +78,40 @@ impl Fraction {
     }
 }
 
-impl From<i128> for Fraction {
+impl From<i128> for Rational {
     fn from(number: i128) -> Self {
         Self::of(Some(Ratio::from_integer(number)))
     }
 }
 
-impl From<Ratio<i64>> for Fraction {
+impl From<Ratio<i64>> for Rational {
     fn from(ratio: Ratio<i64>) -> Self {
         Self::new((*ratio.numer()).into(), (*ratio.denom()).into())
     }
 }
 
-impl Add for Fraction {
+impl Add for Rational {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         self.with(other, i128::checked_add, Ratio::checked_add)
     }
 }
 
-impl Sub for Fraction {
+impl Sub for Rational {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         self.with(other, i128::checked_sub, Ratio::checked_sub)
     }
 }
 
-impl Mul for Fraction {
+impl Mul for Rational {
     type Output = Self;
     fn mul(self, other: Self) -> Self {
         self.with(other, i128::checked_mul, Ratio::checked_mul)
     }
 }
 
-impl Div for Fraction {
+impl Div for Rational {
     type Output = Self;
     fn div(self, other: Self) -> Self {
         let (Some(a), Some(b)) = (self.0, other.0) else { return Self(None) };
@@ -123,26 +123,26 @@ impl Div for Fraction {
     }
 }
 
-impl Neg for Fraction {
+impl Neg for Rational {
     type Output = Self;
     fn neg(self) -> Self {
         Self::zero() - self
     }
 }
 
-impl SubAssign for Fraction {
+impl SubAssign for Rational {
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl DivAssign for Fraction {
+impl DivAssign for Rational {
     fn div_assign(&mut self, other: Self) {
         *self = *self / other;
     }
 }
 
-impl Sum for Fraction {
+impl Sum for Rational {
     fn sum<I: Iterator<Item = Self>>(fractions: I) -> Self {
         fractions.fold(Self::zero(), Add::add)
     }
@@ -150,50 +150,50 @@ impl Sum for Fraction {
 
 /// A matrix of exact fractions, by rows.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Exact {
+pub(super) struct RationalMatrix {
     pub(super) rows: usize,
     pub(super) columns: usize,
-    pub(super) entries: Vec<Fraction>,
+    pub(super) entries: Vec<Rational>,
 }
 
-impl Exact {
-    pub(super) fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Fraction) -> Self {
+impl RationalMatrix {
+    pub(super) fn from_fn(rows: usize, columns: usize, of: impl Fn(usize, usize) -> Rational) -> Self {
         let places = (0..rows * columns).map(|k| (k / columns, k % columns));
         Self { rows, columns, entries: places.map(|(i, j)| of(i, j)).collect() }
     }
 
     pub(super) fn zero(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, entries: vec![Fraction::zero(); rows * columns] }
+        Self { rows, columns, entries: vec![Rational::zero(); rows * columns] }
     }
 
     pub(super) fn identity(rows: usize) -> Self {
-        Self::from_fn(rows, rows, |i, j| Fraction::from(i128::from(i == j)))
+        Self::from_fn(rows, rows, |i, j| Rational::from(i128::from(i == j)))
     }
 
     /// With these columns, all of one length.
-    pub(super) fn from_columns(columns: &[Vec<Fraction>]) -> Self {
+    pub(super) fn from_columns(columns: &[Vec<Rational>]) -> Self {
         Self::from_fn(columns.first().map_or(0, Vec::len), columns.len(), |i, j| columns[j][i])
     }
 
-    pub(super) fn row(&self, i: usize) -> &[Fraction] {
+    pub(super) fn row(&self, i: usize) -> &[Rational] {
         &self.entries[i * self.columns..(i + 1) * self.columns]
     }
 
-    pub(super) fn column(&self, j: usize) -> Vec<Fraction> {
+    pub(super) fn column(&self, j: usize) -> Vec<Rational> {
         (0..self.rows).map(|i| self.at(i, j)).collect()
     }
 
-    pub(super) fn at(&self, i: usize, j: usize) -> Fraction {
+    pub(super) fn at(&self, i: usize, j: usize) -> Rational {
         self.entries[i * self.columns + j]
     }
 
     /// Whether no number has grown too large.
-    pub(super) fn is_known(&self) -> bool {
-        self.entries.iter().all(Fraction::is_known)
+    pub(super) fn is_exact(&self) -> bool {
+        self.entries.iter().all(Rational::is_exact)
     }
 
     pub(super) fn is_zero(&self) -> bool {
-        self.entries.iter().all(Fraction::is_zero)
+        self.entries.iter().all(Rational::is_zero)
     }
 
     pub(super) fn transpose(&self) -> Self {
@@ -213,7 +213,7 @@ impl Exact {
         product
     }
 
-    pub(super) fn plus(&self, other: &Self, factor: Fraction) -> Self {
+    pub(super) fn plus(&self, other: &Self, factor: Rational) -> Self {
         let mut sum = self.clone();
         for (entry, other) in sum.entries.iter_mut().zip(&other.entries).filter(|(_, other)| !other.is_zero())
         {
@@ -228,17 +228,17 @@ impl Exact {
         Self::from_fn(m + other.rows, n + other.columns, |i, j| match (i.checked_sub(m), j.checked_sub(n)) {
             (None, None) => self.at(i, j),
             (Some(i), Some(j)) => other.at(i, j),
-            _ => Fraction::zero(),
+            _ => Rational::zero(),
         })
     }
 
-    pub(super) fn trace(&self) -> Fraction {
+    pub(super) fn trace(&self) -> Rational {
         (0..self.rows).map(|i| self.at(i, i)).sum()
     }
 
     /// `self · other − other · self`
     pub(super) fn commutator(&self, other: &Self) -> Self {
-        self.times(other).plus(&other.times(self), -Fraction::one())
+        self.times(other).plus(&other.times(self), -Rational::one())
     }
 
     /// Reduced to echelon form by rows; the columns of the pivots.
@@ -280,21 +280,21 @@ impl Exact {
         }
         let mut both = Self::from_fn(n, 2 * n, |i, j| match j.checked_sub(n) {
             None => self.at(i, j),
-            Some(j) if i == j => Fraction::one(),
-            Some(_) => Fraction::zero(),
+            Some(j) if i == j => Rational::one(),
+            Some(_) => Rational::zero(),
         });
         let is_regular = both.reduce().into_iter().eq(0..n);
         is_regular.then(|| Self::from_fn(n, n, |i, j| both.at(i, n + j)))
     }
 
     /// A basis of the vectors `v` with `self · v = 0`.
-    pub(super) fn kernel(&self) -> Vec<Vec<Fraction>> {
+    pub(super) fn kernel(&self) -> Vec<Vec<Rational>> {
         let mut reduced = self.clone();
         let pivots = reduced.reduce();
         let free = (0..self.columns).filter(|column| !pivots.contains(column));
         let vector = |free: usize| {
-            let mut vector = vec![Fraction::zero(); self.columns];
-            vector[free] = Fraction::one();
+            let mut vector = vec![Rational::zero(); self.columns];
+            vector[free] = Rational::one();
             for (row, &pivot) in pivots.iter().enumerate() {
                 vector[pivot] = -reduced.at(row, free);
             }
@@ -314,7 +314,7 @@ impl Exact {
             if pivot.is_zero() {
                 continue;
             }
-            let row: Vec<Fraction> = (0..n).map(|j| m.at(k, j)).collect();
+            let row: Vec<Rational> = (0..n).map(|j| m.at(k, j)).collect();
             for i in k + 1..n {
                 let factor = row[i] / pivot;
                 (0..n).for_each(|j| m.entries[i * n + j] -= factor * row[j]);
@@ -328,8 +328,8 @@ impl Exact {
 mod tests {
     use super::*;
 
-    fn matrix<const N: usize>(rows: [[i128; N]; N]) -> Exact {
-        Exact::from_fn(N, N, |i, j| Fraction::from(rows[i][j]))
+    fn matrix<const N: usize>(rows: [[i128; N]; N]) -> RationalMatrix {
+        RationalMatrix::from_fn(N, N, |i, j| Rational::from(rows[i][j]))
     }
 
     #[test]
@@ -339,21 +339,21 @@ mod tests {
         assert_eq!(m.times(&inverse), matrix([[1, 0, 0], [0, 1, 0], [0, 0, 1]]));
         let singular = matrix([[1, 2, 3], [2, 4, 6], [1, 0, 1]]);
         assert_eq!(singular.inverse(), None);
-        assert_eq!(Exact::zero(3, 2).inverse(), None);
-        assert_eq!(Exact::zero(2, 3).inverse(), None);
+        assert_eq!(RationalMatrix::zero(3, 2).inverse(), None);
+        assert_eq!(RationalMatrix::zero(2, 3).inverse(), None);
         assert_eq!(singular.independent_columns(), [0, 1]);
         let kernel = singular.kernel();
         assert_eq!(kernel.len(), 1);
-        let column = Exact::from_fn(3, 1, |i, _| kernel[0][i]);
+        let column = RationalMatrix::from_fn(3, 1, |i, _| kernel[0][i]);
         assert!(singular.times(&column).is_zero() && !column.is_zero());
     }
 
     #[test]
     fn what_grows_too_large_is_unknown() {
-        let large = Fraction::from(i128::MAX / 1024);
-        assert!(!(large * large).is_known() && !(large * large).is_zero() && !(large * large).is_negative());
-        assert!(!(large + Fraction::one() / Fraction::zero()).is_known());
-        assert_eq!(Fraction::new(1, 3) + Fraction::new(1, 6), Fraction::new(1, 2));
+        let large = Rational::from(i128::MAX / 1024);
+        assert!(!(large * large).is_exact() && !(large * large).is_zero() && !(large * large).is_negative());
+        assert!(!(large + Rational::one() / Rational::zero()).is_exact());
+        assert_eq!(Rational::new(1, 3) + Rational::new(1, 6), Rational::new(1, 2));
     }
 
     #[test]

@@ -28,15 +28,17 @@ pub(crate) use calculus::{
     carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
 };
 pub use definition::{
-    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, Moved,
+    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, Moved,
 };
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
+pub(crate) use product::consecutive;
 pub use product::{Place, Product};
 pub use representation::{Adjoint, Dual, Representation, Translation};
 pub(crate) use retraction::{Composite, Law};
 pub use retraction::{MatrixFunction, Retraction};
+pub use rigid::Rigid;
 pub use se2::SE2;
 pub use se3::SE3;
 pub use semidirect::{Semidirect, SemidirectVector};
@@ -46,7 +48,7 @@ pub use so3::SO3;
 pub use structure::Structure;
 pub use su2::SU2;
 
-/// What a part is called of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
+/// The name of a part of a momentum or velocity of this name: `angular_momentum`, `hull_linear_velocity`.
 pub fn part_name(whole: &str, part: &str) -> String {
     let at = whole.rfind('_').map_or(0, |underscore| underscore + 1);
     let (factor, quantity) = whole.split_at(at);
@@ -60,5 +62,6 @@ pub(crate) fn is_same(one: &dyn Group, other: &dyn Group) -> bool {
 
 /// The groups a description may name.
 pub fn catalogue() -> &'static [&'static dyn Group] {
-    &[&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2]
+    static ALL: [&dyn Group; 11] = [&R(1), &R(2), &R(3), &R(4), &R(5), &R(6), &SO2, &SO3, &SE2, &SE3, &SU2];
+    &ALL
 }

@@ -40,7 +40,7 @@ impl Place {
         g.part(self.stored.clone())
     }
 
-    /// What there is in the spaces of the factor.
+    /// The part in the spaces of the factor.
     pub fn spaces<'v, 'a>(&self, a: &'v [Vector<'a>]) -> &'v [Vector<'a>] {
         &a[self.spaces.clone()]
     }
@@ -71,17 +71,17 @@ impl Product {
         self.parts().map(|(_, place)| place).collect()
     }
 
-    /// What the factors make, one after the other.
+    /// Applies a map to each factor, one after the other.
     fn each<'a>(&self, of: impl Fn(&Semidirect, &Place) -> Vector<'a>) -> Vector<'a> {
         Vector(self.parts().flat_map(|(factor, place)| of(factor, &place).0).collect())
     }
 
-    /// What the factors make in their spaces.
+    /// Applies a map to each factor's spaces.
     fn each_space<'a>(&self, of: impl Fn(&Semidirect, &Place) -> Vec<Vector<'a>>) -> Vec<Vector<'a>> {
         self.parts().flat_map(|(factor, place)| of(factor, &place)).collect()
     }
 
-    /// What the factors make in their semidirect algebras, or the duals of these.
+    /// Applies a map to each factor's semidirect algebra, or the dual of it.
     fn each_semidirect<'a>(
         &self,
         of: impl Fn(&Semidirect, &Place) -> SemidirectVector<'a>,
@@ -183,7 +183,7 @@ impl Product {
         }
     }
 
-    /// What vanishes on the group, of those factors that are not on it by the type of what is stored.
+    /// The defect of an element, for those factors that are not on it by the type of what is stored.
     pub fn deviation<'a>(&self, g: &Vector<'a>) -> Vector<'a> {
         let parts = self.parts().filter_map(|(factor, place)| factor.group.deviation(&place.stored(g)));
         Vector(parts.flat_map(|part| part.0).collect())
@@ -303,4 +303,14 @@ impl Product {
     pub fn coadjoint_spaces<'a>(&self, x: &Vector<'a>, a: &[Vector<'a>]) -> Vec<Vector<'a>> {
         self.each_space(|factor, place| factor.coadjoint_spaces(&place.algebra(x), place.spaces(a)))
     }
+}
+
+/// Ranges of these lengths, one after the other.
+pub(crate) fn consecutive(lengths: impl IntoIterator<Item = usize>) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let range = |length: usize| {
+        end += length;
+        end - length..end
+    };
+    lengths.into_iter().map(range).collect()
 }

@@ -1,7 +1,7 @@
 //! Linear spaces that groups act on.
 
 use super::calculus::{to_body, transposed};
-use super::exact::{Exact, Fraction};
+use super::exact::{Rational, RationalMatrix};
 use super::{Group, MatrixFunction, Retraction};
 use crate::expr::{Arena, Expr, Stage, Vector};
 
@@ -54,7 +54,7 @@ pub trait Representation: Sync {
 pub struct Translation<'a> {
     /// What `τ(x)` does not act on.
     pub body_part: Vector<'a>,
-    /// What it acts on; a function of `w` alone.
+    /// The rotated part; a function of `w` alone.
     pub rotated_part: Vector<'a>,
     /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint action
     /// and `τ(x, w)` is the derivative of `τ` at `x` along `w`.
@@ -62,7 +62,7 @@ pub struct Translation<'a> {
 }
 
 /// The matrices of a representation, one for each axis of the algebra; none if they are not exact.
-pub(super) fn matrices_of(space: &dyn Representation) -> Option<Vec<Exact>> {
+pub(super) fn matrices_of(space: &dyn Representation) -> Option<Vec<RationalMatrix>> {
     matrices_of_action(space.algebra_dimension(), space.coordinates().len(), |x, v| {
         space.act_infinitesimally(x, v)
     })
@@ -73,7 +73,7 @@ pub(super) fn matrices_of_action(
     dimension: usize,
     n: usize,
     action: impl for<'a> Fn(&Vector<'a>, &Vector<'a>) -> Vector<'a>,
-) -> Option<Vec<Exact>> {
+) -> Option<Vec<RationalMatrix>> {
     let arena = Arena::new();
     let symbols = |name: &str, dimension: usize| {
         Vector((0..dimension).map(|i| arena.symbol(format!("{name}{i}"), Stage::Step)).collect())
@@ -83,11 +83,11 @@ pub(super) fn matrices_of_action(
     let entry = |axis: usize, k: usize| {
         let (x, v) = (x.0[axis].as_symbol()?, v.0[k % n].as_symbol()?);
         let (numerator, denominator) = image.0[k / n].derivative(x).derivative(v).as_number()?.fraction()?;
-        Some(Fraction::new(numerator, denominator))
+        Some(Rational::new(numerator, denominator))
     };
     let matrix = |axis: usize| {
-        let entries: Option<Vec<Fraction>> = (0..n * n).map(|k| entry(axis, k)).collect();
-        Some(Exact { rows: n, columns: n, entries: entries? })
+        let entries: Option<Vec<Rational>> = (0..n * n).map(|k| entry(axis, k)).collect();
+        Some(RationalMatrix { rows: n, columns: n, entries: entries? })
     };
     (0..x.len()).map(matrix).collect()
 }

@@ -64,7 +64,7 @@ pub(crate) trait Composite: Sync {
     fn domain<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vec<Expr<'a>>;
 }
 
-/// What is known of a retraction.
+/// The row of a retraction.
 struct Row {
     name: &'static str,
     law: Law,

@@ -88,7 +88,7 @@ impl Composite for SecondKind {
 
     /// Turns of space about one axis after the other: where the second one is a quarter turn, the third axis lies along the first.
     fn domain<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vec<Expr<'a>> {
-        let turns_in_space = group.unit_coordinates() == 4;
+        let turns_in_space = group.names().unit_coordinates == 4;
         if !turns_in_space {
             return Vec::new();
         }

@@ -6,8 +6,8 @@
 //!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
 
 use super::{
-    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, MatrixFunction, Representation,
-    Translation,
+    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
+    Representation, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -27,28 +27,8 @@ fn complex<'a>(a: Expr<'a>, b: Expr<'a>, v: &Vector<'a>) -> Vector<'a> {
 }
 
 impl Group for SO2 {
-    fn name(&self) -> &'static str {
-        "SO2"
-    }
-
-    fn conventions(&self) -> &'static str {
-        "angle: unit complex number, counted from the x towards the y axis; one angular momentum"
-    }
-
-    fn configuration_name(&self) -> &'static str {
-        "angle"
-    }
-
-    fn configuration_kind(&self) -> Kind {
-        Kind::UnitComplex
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        &["re", "im"]
-    }
-
-    fn unit_coordinates(&self) -> usize {
-        self.coordinates().len()
+    fn names(&self) -> &GroupNames {
+        &NAMES
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -59,15 +39,6 @@ impl Group for SO2 {
             momentum: advected.iter().map(by_energy).collect(),
             advected: advected.iter().map(|a| format!("−{velocity} J {a}")).collect(),
         }
-    }
-
-    fn dimension(&self) -> usize {
-        1
-    }
-
-    /// The one component of a `Vector1`.
-    fn axes(&self) -> &'static [&'static str] {
-        &["x"]
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, _: &Vector<'a>) -> Vector<'a> {
@@ -120,14 +91,24 @@ impl Group for SO2 {
     fn representations(&self) -> &[&'static dyn Representation] {
         &[&Plane(1)]
     }
-
-    fn components(&self) -> &'static [Component] {
-        COMPONENTS
-    }
 }
 
+/// A complex number, and the one component of a vector.
+const NAMES: GroupNames = GroupNames {
+    name: "SO2",
+    conventions: "angle: unit complex number, counted from the x towards the y axis; one angular momentum",
+    configuration: "angle",
+    kind: Kind::UnitComplex,
+    coordinates: &["re", "im"],
+    unit_coordinates: 2,
+    axes: &["x"],
+    blocks: &[],
+    parts: &[],
+    components: COMPONENTS,
+};
+
 /// The fields of a complex number, and nalgebra's methods for the angle, which is above −π and at most π, its cosine and sine.
-static COMPONENTS: &[Component] = &[
+const COMPONENTS: &[Component] = &[
     Component { name: "re", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
     Component { name: "im", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
     Component { name: "angle", called: true, of: |g| ComponentValue::Scalar(g.0[1].atan2(g.0[0])) },

@@ -8,8 +8,8 @@
 //! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, MatrixFunction, Moved,
-    Representation, Retraction, Side, Translation,
+    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
+    Moved, Representation, Retraction, Side, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -46,28 +46,8 @@ fn cayley_root<'a>(x: &Vector<'a>) -> Expr<'a> {
 }
 
 impl Group for SO3 {
-    fn name(&self) -> &'static str {
-        "SO3"
-    }
-
-    fn conventions(&self) -> &'static str {
-        "attitude: unit quaternion from body to space coordinates; momentum and velocity: body coordinates"
-    }
-
-    fn configuration_name(&self) -> &'static str {
-        "attitude"
-    }
-
-    fn configuration_kind(&self) -> Kind {
-        Kind::UnitQuaternion
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        &["w", "x", "y", "z"]
-    }
-
-    fn unit_coordinates(&self) -> usize {
-        self.coordinates().len()
+    fn names(&self) -> &GroupNames {
+        &NAMES
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
@@ -79,14 +59,6 @@ impl Group for SO3 {
             momentum: std::iter::once(bracket).chain(by_energy).collect(),
             advected: advected.iter().map(|a| format!("{a} × {velocity}")).collect(),
         }
-    }
-
-    fn dimension(&self) -> usize {
-        3
-    }
-
-    fn axes(&self) -> &'static [&'static str] {
-        &["x", "y", "z"]
     }
 
     fn unknown_scale(&self, retraction: Retraction) -> i128 {
@@ -181,14 +153,24 @@ impl Group for SO3 {
     fn representations(&self) -> &[&'static dyn Representation] {
         &[&Space]
     }
-
-    fn components(&self) -> &'static [Component] {
-        COMPONENTS
-    }
 }
 
+/// A quaternion from body to space coordinates.
+pub(super) const NAMES: GroupNames = GroupNames {
+    name: "SO3",
+    conventions: "attitude: unit quaternion from body to space coordinates; momentum and velocity: body coordinates",
+    configuration: "attitude",
+    kind: Kind::UnitQuaternion,
+    coordinates: &["w", "x", "y", "z"],
+    unit_coordinates: 4,
+    axes: &["x", "y", "z"],
+    blocks: &[],
+    parts: &[],
+    components: COMPONENTS,
+};
+
 /// The components of a quaternion.
-static COMPONENTS: &[Component] = &[
+const COMPONENTS: &[Component] = &[
     Component { name: "w", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
     Component { name: "i", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
     Component { name: "j", called: false, of: |g| ComponentValue::Scalar(g.0[2]) },

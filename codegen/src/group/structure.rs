@@ -3,7 +3,7 @@
 use num_rational::Ratio;
 
 use super::Semidirect;
-use super::exact::{Exact, Fraction};
+use super::exact::{Rational, RationalMatrix};
 use crate::expr::{Arena, Stage, Vector};
 
 /// `[E_i, E_j] = Σ_k c_ij^k E_k`, exact.
@@ -77,16 +77,17 @@ impl Structure {
     /// The same algebra with the combinations of `E_1, …` that these rows are instead of as many; the others stay. None if numbers grow too large.
     pub(super) fn in_basis(&self, rows: &[Vec<Ratio<i64>>]) -> Option<Self> {
         let (d, n) = (rows.len(), self.dimension);
-        let basis = Exact::from_fn(d, d, |i, j| rows[i][j].into()).beside(&Exact::identity(n - d));
+        let basis =
+            RationalMatrix::from_fn(d, d, |i, j| rows[i][j].into()).beside(&RationalMatrix::identity(n - d));
         let inverse = basis.inverse()?;
-        let filled = |row: &[Fraction]| -> Vec<(usize, Fraction)> {
+        let filled = |row: &[Rational]| -> Vec<(usize, Rational)> {
             row.iter().copied().enumerate().filter(|(_, x)| !x.is_zero()).collect()
         };
         let vectors: Vec<_> = (0..n).map(|i| filled(basis.row(i))).collect();
         let mut structure = Self { dimension: n, constants: vec![Vec::new(); n * n] };
         for i in 0..n {
             for j in 0..n {
-                let mut bracket = Exact::zero(1, n);
+                let mut bracket = RationalMatrix::zero(1, n);
                 for &(a, x) in &vectors[i] {
                     for &(b, y) in &vectors[j] {
                         for &(k, constant) in self.bracket(a, b) {

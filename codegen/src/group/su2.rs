@@ -6,10 +6,9 @@
 //!   rotation matrices: with `a = x/4`, `cay x = (1 − a)⁻¹(1 + a) = (1 − |a|², 2a)/(1 + |a|²)`, and
 //!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
-use super::so3::SO3;
-use super::{Basis, Component, EquationNames, Equations, Group, MatrixFunction, Representation, Retraction};
+use super::so3::{self, SO3};
+use super::{Basis, EquationNames, Equations, Group, GroupNames, MatrixFunction, Representation, Retraction};
 use crate::expr::{Expr, Number, Vector};
-use crate::quantity::Kind;
 
 /// Unit quaternions.
 pub struct SU2;
@@ -21,41 +20,20 @@ fn quarter<'a>(x: &Vector<'a>) -> (Vector<'a>, Expr<'a>) {
     (a, squared)
 }
 
+const NAMES: GroupNames = GroupNames {
+    name: "SU2",
+    conventions: "spin: unit quaternion, not identified with its negative; momentum and velocity: body coordinates",
+    configuration: "spin",
+    ..so3::NAMES
+};
+
 impl Group for SU2 {
-    fn name(&self) -> &'static str {
-        "SU2"
-    }
-
-    fn conventions(&self) -> &'static str {
-        "spin: unit quaternion, not identified with its negative; momentum and velocity: body coordinates"
-    }
-
-    fn configuration_name(&self) -> &'static str {
-        "spin"
-    }
-
-    fn configuration_kind(&self) -> Kind {
-        Kind::UnitQuaternion
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        SO3.coordinates()
-    }
-
-    fn unit_coordinates(&self) -> usize {
-        SO3.unit_coordinates()
+    fn names(&self) -> &GroupNames {
+        &NAMES
     }
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         SO3.equations(names)
-    }
-
-    fn dimension(&self) -> usize {
-        3
-    }
-
-    fn axes(&self) -> &'static [&'static str] {
-        SO3.axes()
     }
 
     fn unknown_scale(&self, retraction: Retraction) -> i128 {
@@ -130,9 +108,5 @@ impl Group for SU2 {
             pure.extend(x.iter().map(|component| component / 2));
             self.compose(&Vector(pure), q)
         })
-    }
-
-    fn components(&self) -> &'static [Component] {
-        SO3.components()
     }
 }

@@ -1,11 +1,11 @@
 //! The derivative of one step as straight-line code: what it is made of, then the linear maps themselves.
 
-use super::{Code, InputNames, Inputs, Outline, Placement, Results, record, returned};
-use crate::derivatives::Derivatives;
+use super::{Code, Homes, InputNames, Inputs, Outline, Results, record, returned};
 use crate::expr::{Arena, Expr, Vector};
 use crate::method::Step;
 use crate::method::linearization::{Linearization, Matrices};
 use crate::program::{DerivativeRole, Input, Module, RecordKind};
+use crate::scheme::Derivatives;
 
 /// The derivative of a step at one point as code: of the linear maps those that are wanted.
 ///
@@ -50,9 +50,9 @@ pub fn derivative<'a>(
         returned(*role, results)
     });
     let mut functions: Vec<Outline<DerivativeRole>> = planned.collect();
-    code.names.carry_over(arena, &code.factoring, &code.plan);
-    code.plan.eliminate_common_pairs();
-    let placement = Placement::of_maps(&code.plan, &functions);
+    code.names.adopt_roles(arena, &code.factoring, &code.dag);
+    code.dag.eliminate_common_pairs();
+    let placement = Homes::of_maps(&code.dag, &functions);
     functions.insert(0, record(DerivativeRole::Point, RecordKind::Point));
     code.module(placement, functions)
 }

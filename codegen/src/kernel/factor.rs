@@ -56,7 +56,7 @@ impl<'a> Factoring<'a> {
         new.into_iter().collect()
     }
 
-    /// What has become of a node; itself, if it was not met.
+    /// The image of a node; itself, if it was not met.
     pub(super) fn known(&self, id: Id) -> Id {
         self.known.get(&id).copied().unwrap_or(id)
     }
@@ -68,7 +68,7 @@ impl<'a> Factoring<'a> {
             let visited = self.known(id);
             match self.arena.node(visited) {
                 Node::Product(factors) if self.uses.get(&id).is_none_or(|&uses| uses <= 1) => {
-                    loose.push(Term { coefficient, factors: factors.to_vec() });
+                    loose.push(Monomial { coefficient, factors: factors.to_vec() });
                 }
                 Node::Sum(inner) if inner.is_scaled_term() => {
                     let (base, scale) = inner.terms[0];
@@ -82,11 +82,11 @@ impl<'a> Factoring<'a> {
     }
 
     /// The sum of the terms, as addends with the most frequent factors pulled out.
-    fn collect_factors(&self, mut terms: Vec<Term>) -> Vec<Id> {
+    fn collect_factors(&self, mut terms: Vec<Monomial>) -> Vec<Id> {
         let arena = self.arena;
         let mut addends = Vec::new();
         while let Some(common) = most_frequent(&terms) {
-            let (with, without): (Vec<Term>, Vec<Term>) =
+            let (with, without): (Vec<Monomial>, Vec<Monomial>) =
                 terms.into_iter().partition(|term| term.factors.iter().any(|&factor| pulls(factor, common)));
             let inner = self.collect_factors(with.into_iter().map(|term| term.without(common)).collect());
             let sums = inner.iter().filter(|&&id| matches!(arena.node(id), Node::Sum(_))).count();
@@ -107,12 +107,12 @@ impl<'a> Factoring<'a> {
 
 /// `coefficient · Π factor^exponent`
 #[derive(Clone)]
-struct Term {
+struct Monomial {
     coefficient: Number,
     factors: Vec<(Id, i32)>,
 }
 
-impl Term {
+impl Monomial {
     /// The term over `common`, which it contains.
     fn without(mut self, common: (Id, i32)) -> Self {
         for (id, exponent) in &mut self.factors {
@@ -131,7 +131,7 @@ fn pulls(factor: (Id, i32), common: (Id, i32)) -> bool {
 }
 
 /// The factor, `x` or `1/x`, that occurs in most terms, if it occurs in two; of equals the oldest.
-fn most_frequent(terms: &[Term]) -> Option<(Id, i32)> {
+fn most_frequent(terms: &[Monomial]) -> Option<(Id, i32)> {
     let mut counts: FxHashMap<(Id, i32), u32> = FxHashMap::default();
     for term in terms {
         for &(id, exponent) in &term.factors {

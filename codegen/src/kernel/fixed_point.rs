@@ -14,8 +14,7 @@ fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
     let matrix = step.left.jacobian(&symbols);
     let is_constant = matrix.entries.iter().all(|entry| entry.stage() <= Stage::Parameters);
     // a function with a constant Jacobian is linear up to its value at zero
-    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
-    let is_linear = step.left.substitute(&zero).iter().all(Expr::is_zero);
+    let is_linear = step.left.at_zero(&symbols).iter().all(Expr::is_zero);
     if !(is_constant && is_linear) {
         return None;
     }
@@ -40,7 +39,6 @@ pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'
 fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();
-    let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
     let quotients = step.right.iter().map(|right| right.as_quotient(&symbols));
     let quotients: Vec<Quotient<'a>> = quotients.collect::<Option<_>>()?;
     if quotients.iter().all(|quotient| quotient.denominator == arena.one()) {
@@ -59,7 +57,7 @@ fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a
             let (number, numerator) = numerator.split_number();
             sum = sum + inverse.at(i, j).scale(number).hold() * numerator.hold();
         }
-        let is_one_at_zero = denominator.substitute(&zero) == arena.one();
+        let is_one_at_zero = Vector(vec![denominator]).at_zero(&symbols).0[0] == arena.one();
         is_one_at_zero.then(|| sum - (denominator - 1).hold() * step.unknown.0[i])
     };
     Some(Vector((0..symbols.len()).map(row).collect::<Option<_>>()?))

@@ -1,16 +1,16 @@
 //! From expressions to straight-line code: common factors are pulled out, what occurs twice is computed once, and every value in the earliest
 //! function that can; values that later functions need again are stored in records.
 
-mod arrange;
+mod cse;
+mod dag;
 mod derivative;
-mod division;
 mod factor;
 mod fixed_point;
-mod layout;
+mod hoist;
+mod latency;
 mod names;
-mod pairs;
-mod placement;
-mod plan;
+mod reassociate;
+mod statements;
 
 pub use derivative::derivative;
 
@@ -20,11 +20,11 @@ use crate::model::System;
 use crate::program::{
     Argument, Function, FunctionRole, Input, Module, Record, RecordKind, StepRole, SystemRole, Value, Values,
 };
+use dag::{Dag, Signed};
 use factor::Factoring;
-use layout::Layout;
+use hoist::{Homes, Outline};
 use names::Names;
-use placement::{Outline, Placement};
-use plan::{Plan, Signed};
+use statements::Writer;
 
 /// Which symbols stand for the components of what functions are given.
 #[derive(Clone, Debug, Default)]
@@ -33,7 +33,7 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// What belongs to a system: parameters, state, time and controls.
+    /// The inputs of a system: parameters, state, time and controls.
     pub fn of(system: &System<'_>) -> Self {
         Self::default()
             .with(Input::Parameters, system.parameter_symbols())
@@ -81,12 +81,12 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     let all = [&step.start, &step.left, &step.right, &correction, &update, &domain, &step.next];
     let mut code = Code::new(arena, inputs, all.into_iter().flat_map(Vector::iter));
     let [start, left, right, correction, update, domain, next] = all.map(|vector| code.plan(vector));
-    code.names.carry_over(arena, &code.factoring, &code.plan);
-    let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.plan.difference(l, r)).collect();
-    code.plan.eliminate_common_pairs();
+    code.names.adopt_roles(arena, &code.factoring, &code.dag);
+    let residual: Vec<Signed> = left.iter().zip(&right).map(|(&l, &r)| code.dag.difference(l, r)).collect();
+    code.dag.eliminate_common_pairs();
     let equation = residual.iter().chain(&right).map(|signed| signed.op).collect();
-    let equation = code.plan.reachable_from(equation);
-    code.plan.shorten_divisions(&equation);
+    let equation = code.dag.reachable_from(equation);
+    code.dag.shorten_divisions(&equation);
 
     let mut functions = vec![
         record(StepRole::New, RecordKind::Constants),
@@ -98,7 +98,7 @@ pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<Ste
     functions.extend((!update.is_empty()).then(|| returned(StepRole::FixedPointUpdate, vec![update])));
     functions.extend((!domain.is_empty()).then(|| returned(StepRole::Domain, vec![domain])));
     functions.push(returned(StepRole::Finish, vec![next]));
-    let placement = Placement::of_step(&code.plan, &functions, &step.given);
+    let placement = Homes::of_step(&code.dag, &functions, &step.given);
     code.module(placement, functions)
 }
 
@@ -125,9 +125,9 @@ pub fn function<'a>(
 ) -> Module<SystemRole> {
     let mut code = Code::new(arena, inputs, outputs.iter());
     let outputs = code.plan(outputs);
-    code.names.carry_over(arena, &code.factoring, &code.plan);
-    code.plan.eliminate_common_pairs();
-    let mut module = code.module(Placement::alone(), vec![returned(role, vec![outputs])]);
+    code.names.adopt_roles(arena, &code.factoring, &code.dag);
+    code.dag.eliminate_common_pairs();
+    let mut module = code.module(Homes::alone(), vec![returned(role, vec![outputs])]);
     // the runtime does not know these functions: they are given what they use
     let is_used = |argument: &Argument| argument.values.iter().any(Option::is_some);
     module.functions.iter_mut().for_each(|function| function.arguments.retain(is_used));
@@ -147,35 +147,35 @@ struct Code<'a> {
     arena: &'a Arena,
     inputs: Inputs,
     factoring: Factoring<'a>,
-    plan: Plan<'a>,
+    dag: Dag<'a>,
     names: Names,
 }
 
 impl<'a> Code<'a> {
     fn new(arena: &'a Arena, inputs: Inputs, outputs: impl Iterator<Item = Expr<'a>>) -> Self {
-        let (factoring, plan) = (Factoring::new(arena, outputs), Plan::new(arena));
-        Self { arena, inputs, factoring, plan, names: Names::default() }
+        let (factoring, dag) = (Factoring::new(arena, outputs), Dag::new(arena));
+        Self { arena, inputs, factoring, dag, names: Names::default() }
     }
 
     fn plan(&mut self, outputs: &Vector<'a>) -> Vec<Signed> {
-        outputs.iter().map(|expr| self.plan.plan(self.factoring.of(expr))).collect()
+        outputs.iter().map(|expr| self.dag.plan(self.factoring.of(expr))).collect()
     }
 
     /// Writes the functions, whose values stand in these places.
-    fn module<R: Results>(mut self, placement: Placement, functions: Vec<Outline<R>>) -> Module<R> {
-        self.names.name_symbols(self.arena, &self.plan);
+    fn module<R: Results>(mut self, placement: Homes, functions: Vec<Outline<R>>) -> Module<R> {
+        self.names.name_symbols(self.arena, &self.dag);
         for function in &functions {
             let named = function.results().zip(self.result_names(function));
             let named: Vec<_> = named.map(|(signed, name)| (signed.op, name)).collect();
-            self.names.follow(&self.plan, named);
+            self.names.note_consumers(&self.dag, named);
         }
-        placement.stored().for_each(|op| self.names.store(&self.plan, op));
+        placement.stored().for_each(|op| self.names.store(&self.dag, op));
         let kinds = functions.iter().filter_map(|function| function.record);
         let records: Vec<Record> =
             kinds.map(|kind| Record { kind, fields: self.fields(&placement, kind) }).collect();
         let functions = functions.iter().map(|returned| {
             let storing = returned.record.map_or_else(Vec::new, |kind| placement.stored_in(kind));
-            let body = Layout::body(&self.plan, &placement, &mut self.names, returned, &storing);
+            let body = Writer::body(&self.dag, &placement, &mut self.names, returned, &storing);
             let inputs = returned.role.signature().inputs.iter().filter(|input| self.inputs.has(**input));
             let arguments = inputs.map(|&input| {
                 let values = self.components(&records, input);
@@ -195,10 +195,10 @@ impl<'a> Code<'a> {
         Module { values: Values { names: self.names.into_all(), records }, functions }
     }
 
-    /// What a record stores: symbols first, as they were declared, then the others by their names.
-    fn fields(&self, placement: &Placement, kind: RecordKind) -> Vec<Value> {
+    /// The fields of a record: symbols first, as they were declared, then the others by their names.
+    fn fields(&self, placement: &Homes, kind: RecordKind) -> Vec<Value> {
         let (symbols, others): (Vec<_>, Vec<_>) =
-            placement.stored_in(kind).into_iter().partition(|&op| self.plan.operation(op).is_leaf());
+            placement.stored_in(kind).into_iter().partition(|&op| self.dag.operation(op).is_leaf());
         let value = |op| self.names.stored(op);
         let mut symbols: Vec<Value> = symbols.into_iter().filter_map(value).collect();
         // values are numbered by symbols in the order of creation

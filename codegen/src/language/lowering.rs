@@ -12,7 +12,7 @@ use crate::diagnostics::{Diagnostics, suggestion};
 use crate::expr::Arena;
 use crate::limits;
 
-/// What is at hand while an expression is lowered.
+/// The state of a lowering.
 pub(super) struct Lowering<'a, 's> {
     pub(super) arena: &'a Arena,
     pub(super) diagnostics: &'s mut Diagnostics,

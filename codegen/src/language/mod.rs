@@ -144,7 +144,7 @@ fn force<'a>(
 
 /// What a force on a factor with this group can be.
 fn expected_force(group: Option<&dyn Group>) -> String {
-    match group.map(|group| (group.dimension(), group.parts())) {
+    match group.map(|group| (group.dimension(), group.names().parts)) {
         Some((1, _)) => "a scalar or a vector of 1".to_owned(),
         Some((n, [])) => format!("a vector of {n}"),
         Some((n, parts)) => format!("a vector of {n}, or its parts `({})`", parts.join(", ")),
@@ -155,7 +155,7 @@ fn expected_force(group: Option<&dyn Group>) -> String {
 /// The components of a force written as its parts, if these fit.
 fn parts<'a>(values: &[Value<'a>], group: &dyn Group, arena: &'a Arena) -> Option<Vec<Expr<'a>>> {
     let blocks = group.blocks();
-    if group.parts().len() != values.len() {
+    if group.names().parts.len() != values.len() {
         return None;
     }
     let mut components = Vec::new();

@@ -243,7 +243,7 @@ fn entrywise<'a>(operation: Operation, left: &Value<'a>, right: &Value<'a>) -> O
     }
 }
 
-/// What to say of a rigid motion times a vector: nalgebra takes it for a direction, which is turned and not moved.
+/// The message on a rigid motion times a vector: nalgebra takes it for a direction, which is turned and not moved.
 fn only_rotates(dimension: usize) -> String {
     format!(
         "`*` only turns a vector, as in nalgebra; write `pose.transform_vector(&v)` if that is meant, or \

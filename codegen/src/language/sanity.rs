@@ -3,7 +3,7 @@
 use crate::expr::{Expr, Node, Number};
 use crate::limits::EXPONENT;
 
-/// What is wrong with a value, if anything is.
+/// The problem of a value, if there is one.
 ///
 /// The symbolic core folds constants and collects exponents, so that a division by zero or an absurd power shows in the
 /// outermost node.

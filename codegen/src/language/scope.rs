@@ -23,7 +23,7 @@ pub struct Scope<'a> {
 /// value is that of its path where the macro is used.
 #[derive(Clone, Debug)]
 pub struct Constant<'a> {
-    /// What stands for it in the symbolic value.
+    /// Its symbol in the symbolic value.
     pub symbol: Expr<'a>,
     /// The path, to be evaluated in the user's own scope.
     pub tokens: syn::Expr,
@@ -74,7 +74,7 @@ impl<'a> Scope<'a> {
         self.forbidden = names;
     }
 
-    /// What to say to an expression that uses a name forbidden to it.
+    /// The message to an expression that uses a forbidden name.
     pub(super) fn forbidden(&self, name: &str) -> Option<&str> {
         self.forbidden.iter().find(|(forbidden, _)| forbidden == name).map(|(_, message)| message.as_str())
     }

@@ -1,4 +1,4 @@
-//! What an expression can stand for.
+//! Values of expressions.
 
 use crate::expr::{Arena, Expr, Matrix, Number, Stage, Vector};
 use crate::group::{ComponentValue, Group};
@@ -87,7 +87,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// What was taken from an element of a group.
+    /// A component of an element of a group, as a value.
     pub fn of_component(component: ComponentValue<'a>) -> Self {
         match component {
             ComponentValue::Scalar(scalar) => Self::Scalar(scalar),
@@ -130,7 +130,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// What it is, in words, with the article.
+    /// Describes it in words, with the article.
     pub fn describe(&self) -> String {
         match self {
             Self::Integer(_) => "an integer".to_owned(),

@@ -10,7 +10,7 @@ use crate::scheme::Member;
 /// A discretization map and the step that it is taken with.
 #[derive(Clone, Copy)]
 pub(super) struct Discretization<'a> {
-    /// What moves configurations.
+    /// The retractions that move configurations.
     pub moving: Halves,
     /// What carries momenta and advected parameters where configurations are moved so.
     pub carrying: Halves,
@@ -27,6 +27,32 @@ pub(super) struct Discretization<'a> {
 pub(super) struct Halves {
     pub before: Retraction,
     pub behind: Retraction,
+}
+
+/// Values of symbols.
+pub(super) type Values<'a> = Vec<(Symbol, Expr<'a>)>;
+
+/// Binds symbols to values.
+pub(super) fn bind<'a>(values: &mut Values<'a>, what: &Vector<'a>, value: &Vector<'a>) {
+    values.extend(what.symbols().into_iter().zip(value.iter()));
+}
+
+/// What configurations, velocities, advected parameters and the time are at a place on the way, so much later than the start.
+pub(super) fn values<'a>(
+    system: &System<'a>,
+    configuration: &Vector<'a>,
+    velocity: &Vector<'a>,
+    advected: &[Vector<'a>],
+    later: Expr<'a>,
+) -> Values<'a> {
+    let mut values = Values::new();
+    bind(&mut values, &system.configuration(), configuration);
+    bind(&mut values, &system.velocity_symbols(), velocity);
+    for (advected, value) in system.advected().zip(advected) {
+        bind(&mut values, &advected.value, value);
+    }
+    bind(&mut values, &Vector(vec![system.time]), &Vector(vec![system.time + later]));
+    values
 }
 
 /// The way of the configuration through a step.
@@ -107,7 +133,7 @@ impl<'a> Discretization<'a> {
     }
 }
 
-/// What of the state is bounded if the unknown is: the rotations that the unknown moves, not what is known before.
+/// Components of the state that are bounded if the unknown is: the rotations that the unknown moves, not what is known before.
 fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
     let places = system.group.places();
     let mut bounded = Vec::new();
@@ -117,7 +143,7 @@ fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
             Slot::Configuration(factor) => {
                 let by = increments.iter().map(|increment| places[factor].algebra(&increment.by));
                 let unknown = by.flat_map(|by| by.0).all(|x| x.stage() >= Stage::Iteration);
-                if unknown { system.group.factors[factor].group.unit_coordinates() } else { 0 }
+                if unknown { system.group.factors[factor].group.names().unit_coordinates } else { 0 }
             }
             Slot::Momentum(_) | Slot::Advected { .. } => 0,
         };

@@ -33,11 +33,11 @@
 //!   A Hamiltonian has `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
-use super::discretization::{Discretization, Path};
+use super::discretization::{Discretization, Path, Values, bind, values};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use super::step::Step;
-use crate::expr::{Arena, Expr, Number, Symbol, Vector, gradient, uncoupled};
+use crate::expr::{Arena, Expr, Number, Vector, gradient, uncoupled};
 use crate::group::{Retraction, SemidirectVector};
 use crate::model::{Energy, Factor, Parts, Relation, System};
 use crate::scheme::{Member, Method};
@@ -66,7 +66,7 @@ struct Family<'s, 'a> {
     per_scales: Vec<Expr<'a>>,
 }
 
-/// What the step is made of before the energy is known at the intermediate point: functions of `y` alone.
+/// The motion before the energy is known at the intermediate point: functions of `y` alone.
 struct Motion<'a> {
     /// The unknown: symbols.
     x: Vector<'a>,
@@ -87,11 +87,11 @@ struct Intermediate<'a> {
     /// `m̄` as the energy and the forces see it.
     momentum: Vector<'a>,
     /// What configurations, momenta, velocities, advected parameters and the time are there.
-    values: Vec<(Symbol, Expr<'a>)>,
+    values: Values<'a>,
 }
 
-/// What the step comes to.
-struct Arrival<'a> {
+/// The end of the step.
+struct Update<'a> {
     /// `μ̄`, times the unknown's scale.
     scaled_mean: Vector<'a>,
     /// The state after the step.
@@ -110,10 +110,10 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
 
     let motion = family.motion();
     let intermediate = family.intermediate(&motion);
-    let arrival = family.arrival(&motion, &intermediate);
-    let presolved = presolve(family.equations(&motion, &arrival, &intermediate));
+    let update = family.update(&motion, &intermediate);
+    let presolved = presolve(family.equations(&motion, &update, &intermediate));
     let path = Path { middle: motion.g_bar, y: motion.y };
-    map.lifted(system, presolved, &path, &arrival.next)
+    map.lifted(system, presolved, &path, &update.next)
 }
 
 impl<'a> Family<'_, 'a> {
@@ -162,16 +162,7 @@ impl<'a> Family<'_, 'a> {
         let velocity = motion.y.scale(step.recip());
         let later = step * early;
 
-        let mut values = Vec::new();
-        let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
-            values.extend(what.symbols().into_iter().zip(value.iter()));
-        };
-        is(&system.configuration(), &motion.g_bar);
-        is(&system.velocity_symbols(), &velocity);
-        for (advected, mean) in system.advected().zip(&motion.a_bar) {
-            is(&advected.value, mean);
-        }
-        is(&Vector(vec![system.time]), &Vector(vec![system.time + later]));
+        let mut values = values(system, &motion.g_bar, &velocity, &motion.a_bar, later);
         let momentum = match &system.energy {
             Energy::Mechanical { inertia, .. } => inertia.scale(step.recip()).times(&motion.y),
             Energy::Hamiltonian(_) => motion.mean.clone(),
@@ -179,12 +170,12 @@ impl<'a> Family<'_, 'a> {
                 gradient(*lagrangian, &system.velocity_symbols().symbols()).substitute(&values)
             }
         };
-        values.extend(system.momentum().symbols().into_iter().zip(momentum.iter()));
+        bind(&mut values, &system.momentum(), &momentum);
         Intermediate { momentum, values }
     }
 
     /// `m̄`, `m_{k+1}` and `g_{k+1}`.
-    fn arrival(&self, motion: &Motion<'a>, intermediate: &Intermediate<'a>) -> Arrival<'a> {
+    fn update(&self, motion: &Motion<'a>, intermediate: &Intermediate<'a>) -> Update<'a> {
         let Self { system, names, map: Discretization { moving, carrying, early, late, .. }, .. } = self;
         let (group, arena) = (&system.group, early.arena());
         let w = self.advected_velocity(intermediate);
@@ -218,7 +209,7 @@ impl<'a> Family<'_, 'a> {
         names.advected("mean", &motion.a_bar);
         names.advected("next", &m_next.spaces);
         let next = Parts { configuration: moved.next, momentum: m_next.base, advected: m_next.spaces };
-        Arrival { scaled_mean, next }
+        Update { scaled_mean, next }
     }
 
     /// `w = t ∂h/∂a`, the advected part of `η`.
@@ -256,7 +247,7 @@ impl<'a> Family<'_, 'a> {
     fn equations(
         &self,
         motion: &Motion<'a>,
-        arrival: &Arrival<'a>,
+        update: &Update<'a>,
         intermediate: &Intermediate<'a>,
     ) -> Vec<Equation<'a>> {
         let Self { system, names, .. } = self;
@@ -266,11 +257,11 @@ impl<'a> Family<'_, 'a> {
                 let velocity = gradient(*energy, &system.momentum().symbols());
                 let velocity = velocity.substitute(&intermediate.values).scale(self.map.step);
                 let equations =
-                    [self.mean_equation(motion, arrival), self.velocity_equation(motion, &velocity)];
+                    [self.mean_equation(motion, update), self.velocity_equation(motion, &velocity)];
                 equations.iter().flat_map(|equation| equation.apart(&system.group, &alone)).collect()
             }
             _ => {
-                let equation = self.momentum_equation(motion, arrival, intermediate);
+                let equation = self.momentum_equation(motion, update, intermediate);
                 for (left, name) in equation.left.iter().zip(names.unknown()) {
                     left.named(format!("inertia_{name}"));
                 }
@@ -280,8 +271,8 @@ impl<'a> Family<'_, 'a> {
     }
 
     /// `μ̄ = …` for a general energy, which has `μ̄` as an unknown.
-    fn mean_equation(&self, motion: &Motion<'a>, arrival: &Arrival<'a>) -> Equation<'a> {
-        let mean = self.per_scale(&arrival.scaled_mean);
+    fn mean_equation(&self, motion: &Motion<'a>, update: &Update<'a>) -> Equation<'a> {
+        let mean = self.per_scale(&update.scaled_mean);
         Equation {
             unknown: motion.mean.clone(),
             blocks: self.system.group.blocks(),
@@ -311,10 +302,10 @@ impl<'a> Family<'_, 'a> {
     fn momentum_equation(
         &self,
         motion: &Motion<'a>,
-        arrival: &Arrival<'a>,
+        update: &Update<'a>,
         intermediate: &Intermediate<'a>,
     ) -> Equation<'a> {
-        let right = arrival.scaled_mean.clone();
+        let right = update.scaled_mean.clone();
         let solved = match &self.system.energy {
             Energy::Mechanical { inertia, .. } => {
                 Some(inertia.solve_symmetric(&self.per_scale(&right)).scale(self.map.step))

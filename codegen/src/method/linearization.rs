@@ -18,16 +18,16 @@
 //! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
 use super::step::{Increment, Step};
-use crate::derivatives::Derivatives;
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
 use crate::group::Side;
 use crate::model::{Parts, Slot, System};
+use crate::scheme::Derivatives;
 
 /// The perturbation of the next state with all that it depends on: linear in the perturbations, which are symbols.
 pub struct Linearization<'a> {
     /// The perturbation of the unknown.
     pub unknown: Vector<'a>,
-    /// What this is, by the step's equation.
+    /// Its value by the step's equation.
     pub solution: Vector<'a>,
     /// The perturbation of the next state, from that of the unknown and all others.
     pub partial: Vector<'a>,
@@ -108,7 +108,7 @@ fn state_direction<'a>(system: &System<'a>, perturbed: &Parts<'a>) -> Vec<(Symbo
     system.state_symbols().into_iter().zip(change.0).collect()
 }
 
-/// What a step makes of a perturbation.
+/// The image of a perturbation under a step.
 struct Pushforward<'s, 'a> {
     system: &'s System<'a>,
     step: &'s Step<'a>,

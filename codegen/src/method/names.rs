@@ -10,7 +10,7 @@ pub(super) struct ValueNames<'s, 'a> {
     scales: Vec<i128>,
 }
 
-/// What a value is called of which the unknown is this part.
+/// The name of a value of which the unknown is this part.
 fn unknown(scale: i128) -> &'static str {
     match scale {
         1 => "eta",
@@ -19,7 +19,7 @@ fn unknown(scale: i128) -> &'static str {
     }
 }
 
-/// What is said of a value that is a multiple by the unknown's scale.
+/// The prefix of a value that is a multiple by the unknown's scale.
 fn multiple(scale: i128) -> &'static str {
     match scale {
         1 => "",
@@ -33,7 +33,7 @@ impl<'s, 'a> ValueNames<'s, 'a> {
         Self { system, scales }
     }
 
-    /// What tells a factor's values from those of the others, where there are others.
+    /// The prefix that tells a factor's values from those of the others, where there are others.
     fn prefix(&self, factor: &Factor<'a>) -> String {
         match self.system.factors.len() {
             1 => String::new(),
@@ -90,7 +90,7 @@ impl<'s, 'a> ValueNames<'s, 'a> {
         named(value, self.coordinates(|factor| format!("{}{what}", self.prefix(factor))))
     }
 
-    /// What becomes of the configuration.
+    /// Names what becomes of the configuration.
     pub(super) fn configuration(&self, what: &str, value: &Vector<'a>) -> Vector<'a> {
         named(value, self.coordinates(|factor| format!("{}_{what}", factor.name.plain())))
     }
@@ -104,7 +104,7 @@ impl<'s, 'a> ValueNames<'s, 'a> {
         }
     }
 
-    /// What becomes of the advected parameters, or belongs to them.
+    /// Names what becomes of the advected parameters, or belongs to them.
     pub(super) fn advected(&self, what: &str, values: &[Vector<'a>]) {
         let spaces = self.system.group.factors.iter().flat_map(|factor| &factor.spaces);
         for ((advected, space), value) in self.system.advected().zip(spaces).zip(values) {

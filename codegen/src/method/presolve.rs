@@ -46,7 +46,7 @@ impl<'a> Equation<'a> {
     }
 }
 
-/// What is left to iterate on, and the unknowns that are not.
+/// The equations left to iterate on, and the unknowns found.
 pub struct Presolved<'a> {
     /// The equations left.
     pub equations: Vec<Equation<'a>>,
@@ -95,8 +95,6 @@ impl<'a> Equation<'a> {
         if Vector(jacobian.entries.clone()).depends_on(all) {
             return None;
         }
-        let arena = self.right.0.first()?.arena();
-        let zero: Vec<_> = own.iter().map(|&symbol| (symbol, arena.zero())).collect();
-        Some(-&jacobian.map(Expr::hold).solve(&difference.substitute(&zero)))
+        difference.affine_root(&jacobian.map(Expr::hold), &own)
     }
 }

@@ -27,7 +27,7 @@ pub struct Step<'a> {
     pub increments: Vec<Increment<'a>>,
     /// The state after the step, in the order of storage.
     pub next: Vector<'a>,
-    /// What of it is bounded if the unknown is: rotations.
+    /// Its components that are bounded if the unknown is: rotations.
     pub bounded: Vec<bool>,
 }
 

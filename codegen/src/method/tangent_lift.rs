@@ -15,11 +15,11 @@
 //! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs to `μ_k`, and
 //! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which was reported, the step makes no sense.
 
-use super::discretization::{Discretization, Path};
+use super::discretization::{Discretization, Path, Values, bind, values};
 use super::names::{ValueNames, symbols};
 use super::presolve::{Equation, presolve};
 use super::step::Step;
-use crate::expr::{Arena, Derivative, Expr, Number, Symbol, Vector, gradient};
+use crate::expr::{Arena, Derivative, Expr, Number, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side};
 use crate::model::{Energy, Parts, Relation, System};
 use crate::scheme::{Member, Method};
@@ -49,17 +49,14 @@ struct Motion<'a> {
     /// `tη`
     y: Vector<'a>,
     /// Configuration and advected parameters at the intermediate point and after the step.
-    stations: [Station<'a>; 2],
+    nodes: [Node<'a>; 2],
 }
 
 /// A place on the way.
-struct Station<'a> {
+struct Node<'a> {
     configuration: Vector<'a>,
     advected: Vec<Vector<'a>>,
 }
-
-/// Values of symbols.
-type Values<'a> = Vec<(Symbol, Expr<'a>)>;
 
 /// The step of a member of the family of lifts.
 pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, member: Member) -> Step<'a> {
@@ -74,7 +71,7 @@ pub fn step<'a>(arena: &'a Arena, system: &System<'a>, retraction: Retraction, m
     equations.push(lift.equation(&motion, &velocity, &kick));
     let next = lift.next(&motion, &kick, &mut equations);
 
-    let [Station { configuration: middle, .. }, _] = motion.stations;
+    let [Node { configuration: middle, .. }, _] = motion.nodes;
     map.lifted(system, presolve(equations), &Path { middle, y: motion.y }, &next)
 }
 
@@ -92,11 +89,9 @@ impl<'a> Lift<'_, 'a> {
         let sign = arena.number(system.side.sign());
         let advected = group.carry(carrying.before, &y_early.scale(sign), &system.advected_values());
         let advected_next = group.carry(carrying.behind, &y_late.scale(sign), &advected);
-        let stations = [
-            Station { configuration: middle, advected },
-            Station { configuration: end, advected: advected_next },
-        ];
-        Motion { x, y, stations }
+        let nodes =
+            [Node { configuration: middle, advected }, Node { configuration: end, advected: advected_next }];
+        Motion { x, y, nodes }
     }
 
     /// `y/k` for each factor.
@@ -119,20 +114,10 @@ impl<'a> Lift<'_, 'a> {
         whole.apart(group, &(0..group.factors.len()).map(|factor| vec![factor]).collect::<Vec<_>>())
     }
 
-    /// What configurations, velocities, advected parameters and the time are at a station, with this share of the step behind it.
-    fn values(&self, station: &Station<'a>, velocity: &Vector<'a>, share: Expr<'a>) -> Values<'a> {
-        let system = self.system;
-        let mut values = Vec::new();
-        let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
-            values.extend(what.symbols().into_iter().zip(value.iter()));
-        };
-        is(&system.configuration(), &station.configuration);
-        is(&system.velocity_symbols(), velocity);
-        for (advected, value) in system.advected().zip(&station.advected) {
-            is(&advected.value, value);
-        }
-        is(&Vector(vec![system.time]), &Vector(vec![system.time + self.map.step * share]));
-        values
+    /// What configurations, velocities, advected parameters and the time are at a node, with this share of the step behind it.
+    fn values(&self, node: &Node<'a>, velocity: &Vector<'a>, share: Expr<'a>) -> Values<'a> {
+        let later = self.map.step * share;
+        values(self.system, &node.configuration, velocity, &node.advected, later)
     }
 
     /// `ξ_k`, with an equation if it has no closed form.
@@ -152,7 +137,7 @@ impl<'a> Lift<'_, 'a> {
         velocity
     }
 
-    /// The momentum at a station, with an equation if it has no closed form.
+    /// The momentum at a node, with an equation if it has no closed form.
     fn momentum(&self, values: &Values<'a>, what: &str, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
         let system = self.system;
         let residual = match system.momentum_relation() {
@@ -173,7 +158,7 @@ impl<'a> Lift<'_, 'a> {
     /// `t ξ'(ḡ, η)`
     fn kick(&self, motion: &Motion<'a>, equations: &mut Vec<Equation<'a>>) -> Vector<'a> {
         let eta = motion.y.scale(self.map.step.recip());
-        let mut values = self.values(&motion.stations[0], &eta, self.map.early);
+        let mut values = self.values(&motion.nodes[0], &eta, self.map.early);
         let momentum = self.momentum(&values, "mu", equations);
         values.extend(self.system.momentum().symbols().into_iter().zip(momentum.iter()));
         acceleration(self.map.step.arena(), self.system).substitute(&values).scale(self.map.step).hold()
@@ -225,7 +210,7 @@ impl<'a> Lift<'_, 'a> {
         let on = motion.y.scale(late);
         let change = self.carried(&on, kick).scale(late);
         let velocity = &self.turned(&on, &motion.y).scale(step.recip()) + &change;
-        let [_, end] = &motion.stations;
+        let [_, end] = &motion.nodes;
         let values = self.values(end, &velocity, step.arena().one());
         let momentum = self.momentum(&values, "momentum_next", equations);
         Parts { configuration: end.configuration.clone(), momentum, advected: end.advected.clone() }
@@ -245,13 +230,10 @@ fn acceleration<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
         Side::Right => group.to_body(&g, &xi),
     };
     let change = system.kick().map_or_else(|| bracket.base.clone(), |kick| &bracket.base + kick);
-    let mut direction = Vec::new();
-    let mut is = |what: &Vector<'a>, value: &Vector<'a>| {
-        direction.extend(what.symbols().into_iter().zip(value.iter()));
-    };
-    is(&g, &group.stored_perturbation(&g, &in_body));
+    let mut direction = Values::new();
+    bind(&mut direction, &g, &group.stored_perturbation(&g, &in_body));
     for (advected, change) in system.advected().zip(&bracket.spaces) {
-        is(&advected.value, change);
+        bind(&mut direction, &advected.value, change);
     }
     direction.extend(system.time_symbol().into_iter().map(|time| (time, arena.one())));
     match &system.energy {

@@ -10,7 +10,7 @@ use super::{
 use crate::check::{self, Description, Factors};
 use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Matrix, Stage, Symbol, Vector};
-use crate::group::{Group, Product, Semidirect, part_name};
+use crate::group::{Group, Product, Semidirect, consecutive, part_name};
 use crate::identifiers::{plain, velocity_name};
 use crate::language::{Scope, Value, lower_force, lower_forces, lower_scalar};
 use crate::parse::Control;
@@ -102,7 +102,7 @@ fn parameters<'a>(
     fields.unzip()
 }
 
-/// What has symbols of its own.
+/// A value with symbols of its own.
 struct Named<'a> {
     value: Value<'a>,
     symbols: Vec<Symbol>,
@@ -211,9 +211,9 @@ fn factor<'a>(
 
 /// A part of a momentum, and of the velocity, that has a name.
 pub(crate) struct NamedPart {
-    /// What it is called of the momentum.
+    /// The momentum's part of this name.
     pub(crate) momentum: String,
-    /// What it is called of the velocity.
+    /// The velocity's part of this name.
     pub(crate) velocity: String,
     /// Where it is in them.
     pub(crate) rows: Range<usize>,
@@ -221,10 +221,7 @@ pub(crate) struct NamedPart {
 
 /// The named parts of a momentum of this name, or of an array of them.
 pub(crate) fn parts(group: &dyn Group, momentum: &proc_macro2::Ident) -> Vec<NamedPart> {
-    let (blocks, mut start) = (group.blocks(), 0);
-    let parts = group.parts().iter().zip(blocks).map(|(part, length)| {
-        let rows = start..start + length;
-        start = rows.end;
+    let parts = group.names().parts.iter().zip(consecutive(group.blocks())).map(|(part, rows)| {
         let named = |whole: &str| part_name(whole, part);
         NamedPart { momentum: named(&plain(momentum)), velocity: named(&velocity_name(momentum)), rows }
     });
@@ -270,7 +267,7 @@ fn control<'a>(arena: &'a Arena, control: &Control, scope: &mut Scope<'a>) -> Ve
     elements.collect()
 }
 
-/// What the user's energies mean; zero for one that has no meaning.
+/// Lowers the user's energies; zero for one that has no meaning.
 fn energies<'a>(
     arena: &'a Arena,
     description: &Description<'_>,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{Factor, System};
 use crate::expr::{Expr, Number, Vector};
 use crate::group::casimirs::{Polynomial, casimirs_of};
-use crate::group::{Group, Semidirect, part_name};
+use crate::group::{Group, Semidirect, consecutive, part_name};
 use crate::identifiers::plain;
 
 /// What a system's bracket keeps.
@@ -53,12 +53,7 @@ fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> C
     // the momentum is one block: its parts are not scaled apart
     let lengths = std::iter::once(factor.momentum.len());
     let lengths = lengths.chain(blocks[momenta..].iter().map(|block| block.value.len()));
-    let mut end = 0;
-    let range = |length: usize| {
-        end += length;
-        end - length..end
-    };
-    let ranges: Vec<Range<usize>> = lengths.map(range).collect();
+    let ranges = consecutive(lengths);
     let variables = if is_moved { &ranges[1..] } else { &ranges[..] };
     let Some(found) = casimirs_of(algebra, variables) else { return Casimirs::default() };
     let named = found.found.iter().map(|polynomial| named(polynomial, &blocks));
@@ -69,24 +64,20 @@ fn of_factor<'a>(factor: &Factor<'a>, algebra: &Semidirect, is_moved: bool) -> C
 fn momenta<'a>(factor: &Factor<'a>, group: &dyn Group) -> Vec<Block<'a>> {
     let name = &factor.momentum_name;
     let whole = plain(&name.ident);
-    let parts: Vec<(String, usize)> = match group.parts() {
+    let parts: Vec<(String, usize)> = match group.names().parts {
         [] => vec![(name.plain(), group.dimension())],
         parts => {
             let names = parts.iter().map(|part| name.with(&part_name(&whole, part)));
             names.zip(group.blocks()).collect()
         }
     };
-    let mut from = 0;
-    let block = |(name, length): (String, usize)| {
-        let rows = from..from + length;
-        from = rows.end;
-        Block {
-            name,
-            axes: group.axes()[rows.clone()].to_vec(),
-            value: Vector(factor.momentum.0[rows].to_vec()),
-        }
+    let rows = consecutive(parts.iter().map(|&(_, length)| length));
+    let block = |((name, _), rows): ((String, usize), Range<usize>)| Block {
+        name,
+        axes: group.axes()[rows.clone()].to_vec(),
+        value: factor.momentum.part(rows),
     };
-    parts.into_iter().map(block).collect()
+    parts.into_iter().zip(rows).map(block).collect()
 }
 
 /// A polynomial of the components of these blocks: an inner product of two of them, or its terms.

@@ -12,7 +12,7 @@ use crate::expr::{Expr, Symbol, Vector, gradient};
 pub enum Relation<'a> {
     /// In closed form.
     Explicit(Vector<'a>),
-    /// What vanishes at it, a function of its symbols.
+    /// The residual, a function of its symbols.
     Implicit(Vector<'a>),
     /// There is none, for the energy has a singular second derivative whatever its symbols are.
     Singular,
@@ -27,10 +27,7 @@ impl<'a> Relation<'a> {
             let is_regular = jacobian.try_solve(&residual).is_some();
             return if is_regular { Self::Implicit(residual) } else { Self::Singular };
         }
-        let arena = residual.0[0].arena();
-        let zero: Vec<_> = symbols.iter().map(|&symbol| (symbol, arena.zero())).collect();
-        let solution = jacobian.try_solve(&residual.substitute(&zero));
-        solution.map_or(Self::Singular, |solution| Self::Explicit(-&solution))
+        residual.affine_root(&jacobian, symbols).map_or(Self::Singular, Self::Explicit)
     }
 
     /// The closed form, or what vanishes at it.

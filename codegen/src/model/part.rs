@@ -8,13 +8,13 @@ use crate::quantity::{Kind, Role};
 /// A part of the state, or a control: one field of a generated struct, or an element of one.
 #[derive(Clone)]
 pub struct Part<'a> {
-    /// What it is to the system.
+    /// Its role in the system.
     pub role: Role,
     /// Its name.
     pub name: Name,
     /// Its kind.
     pub kind: Kind,
-    /// What the components' names add to its own.
+    /// Suffixes of the components' names.
     pub suffixes: Vec<String>,
     /// Its components' symbols.
     pub symbols: Vec<Symbol>,
@@ -48,7 +48,7 @@ impl<'a> Factor<'a> {
         Part {
             role: Role::Configuration,
             name: self.name.clone(),
-            kind: group.configuration_kind(),
+            kind: group.names().kind,
             suffixes: owned(group.coordinates()),
             symbols: self.configuration.symbols(),
             value: self.configuration.clone(),

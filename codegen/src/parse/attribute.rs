@@ -14,11 +14,11 @@ use super::group::{Group, Space, declared_name, group, space};
 use super::key::{EnergyKey, Key};
 use super::nesting;
 use super::shape;
-use crate::derivatives::Derivatives;
 use crate::diagnostics::{Diagnostics, list, nearest, suggestion};
 use crate::group::Retraction;
 use crate::limits;
 use crate::quantity::{ScalarType, Shape};
+use crate::scheme::Derivatives;
 use crate::scheme::{Member, Method, Rule};
 
 /// What the attribute says. Problems were reported where they were found, and what they concern is left out.
@@ -63,16 +63,16 @@ pub struct Attribute {
 pub struct Definition {
     /// As users of it write it.
     pub path: String,
-    /// What it is called.
+    /// Its name.
     pub name: Ident,
-    /// What it is.
+    /// Its value.
     pub group: Group,
 }
 
 /// One factor of the configuration's group.
 #[derive(Debug)]
 pub struct Factor {
-    /// What the user calls it; `None` for a group that is the whole.
+    /// The user's name for it; `None` for a group that is the whole.
     pub name: Option<Ident>,
     /// Its group.
     pub group: Group,
@@ -83,7 +83,7 @@ pub struct Factor {
 /// One advected parameter.
 #[derive(Debug)]
 pub struct Advected {
-    /// What the user calls it.
+    /// The user's name for it.
     pub name: Ident,
     /// The factor that acts on it, if the user names it: `gamma: attitude::R3`.
     pub factor: Option<FactorName>,
@@ -94,7 +94,7 @@ pub struct Advected {
 /// One control.
 #[derive(Debug)]
 pub struct Control {
-    /// What the user calls it.
+    /// The user's name for it.
     pub name: Ident,
     /// Whether it is a scalar, a vector or a matrix.
     pub shape: Shape,
@@ -118,7 +118,7 @@ pub struct Unit {
 pub struct Force {
     /// The factor; `None` for a group that is the whole.
     pub factor: Option<FactorName>,
-    /// What it is.
+    /// Its value.
     pub value: syn::Expr,
 }
 
@@ -345,7 +345,7 @@ fn factors(
     Ok(vec![Factor { name: None, group: group(input, name)?, length: None }])
 }
 
-/// What a group begins with; `crate`, `self` and `super` too, with which paths begin.
+/// The first word of a group; `crate`, `self` and `super` too, with which paths begin.
 struct FirstWord(Ident);
 
 impl syn::parse::Parse for FirstWord {

@@ -23,7 +23,7 @@ pub struct Index {
     pub brackets: token::Bracket,
     /// As it is written.
     pub literal: LitInt,
-    /// What it says.
+    /// The number.
     pub value: usize,
 }
 

@@ -38,7 +38,7 @@ pub enum Space {
 /// `h: [1, 0; 0, -1]`
 #[derive(Debug)]
 pub struct BasisMatrix {
-    /// What the coordinate along it is called.
+    /// The name of the coordinate along it.
     pub name: Ident,
     /// Its entries, row by row.
     pub rows: Vec<Vec<i64>>,

@@ -136,13 +136,13 @@ impl Item {
 }
 
 impl Item {
-    /// What numbers the system is made of.
+    /// The type of the system's numbers.
     pub fn scalar(&self) -> ScalarType {
         self.fields.first().map_or(ScalarType::F64, |field| field.scalar)
     }
 }
 
-/// What a field may be.
+/// Types of fields, for messages.
 const SUPPORTED: &str = "a parameter is `f64`, `f32`, or a vector or matrix of them: `Vector1<f64>` to `Vector6<f64>`, \
                          `SVector<f64, N>`, `Matrix1<f64>` to `Matrix6<f64>` or `SMatrix<f64, R, C>`; or an array of these, such as `[f64; 3]`";
 

@@ -9,9 +9,9 @@ pub enum Key {
     Advected,
     /// An energy.
     Energy(EnergyKey),
-    /// What is given from outside and held over a step.
+    /// The controls, held over a step.
     Control,
-    /// What acts on the momentum beside the potential.
+    /// The forces on the momentum.
     Force,
     /// On which side the group acts.
     Invariance,
@@ -38,13 +38,13 @@ pub enum EnergyKey {
     Lagrangian,
 }
 
-/// What is known of an energy by its key.
+/// The row of an energy's key.
 pub struct EnergyRow {
     /// The key, and the name of the method that computes it.
     pub name: &'static str,
     /// As it is written, for messages.
     pub example: &'static str,
-    /// What messages call it.
+    /// Its name in messages.
     pub what: &'static str,
     /// The documentation of the method that computes it.
     pub doc: &'static str,
@@ -56,7 +56,7 @@ impl EnergyKey {
     /// All of them, in the order in which they are read.
     pub const ALL: [Self; 3] = [Self::Potential, Self::Hamiltonian, Self::Lagrangian];
 
-    /// What is known of it.
+    /// Its row.
     pub fn row(self) -> EnergyRow {
         match self {
             Self::Potential => EnergyRow {
@@ -100,7 +100,7 @@ impl Key {
         [Self::Group, Self::Advected].into_iter().chain(energies).chain(rest).chain([Self::Crate])
     }
 
-    /// What stands before `=` or `(`, and an example, for messages.
+    /// The word before `=` or `(`, and an example, for messages.
     fn row(self) -> (&'static str, &'static str) {
         match self {
             Self::Group => ("group", "group = SO3"),
@@ -117,7 +117,7 @@ impl Key {
         }
     }
 
-    /// What stands before `=` or `(`.
+    /// The word before `=` or `(`.
     pub fn name(self) -> &'static str {
         self.row().0
     }

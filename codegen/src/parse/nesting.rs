@@ -54,7 +54,7 @@ fn is_long(token: &TokenTree) -> bool {
     }
 }
 
-/// What nests without brackets, between one pair of brackets.
+/// Nesting without brackets, between one pair of brackets.
 #[derive(Default)]
 struct Level {
     /// Signs in a row, as in `- - -x` or `& & &T`.

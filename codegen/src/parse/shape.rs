@@ -50,7 +50,7 @@ pub(super) fn of_type(ty: &Type) -> Option<(Shape, ScalarType)> {
     of_segment(path.segments.last()?)
 }
 
-/// What an array is made of, and how long it is; the type itself if it is none.
+/// The element type and length of an array; the type itself if it is none.
 pub(super) fn element(ty: &Type) -> syn::Result<(&Type, Option<usize>)> {
     match ty {
         Type::Array(array) => Ok((&array.elem, Some(array_length(&array.len)?))),

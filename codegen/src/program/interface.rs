@@ -7,7 +7,7 @@ use crate::quantity::{Kind, Role, ScalarType, Shape, Side};
 /// The data that go in and out of a system's functions, and what is known of it.
 #[derive(Clone, Debug)]
 pub struct Interface {
-    /// What the user calls the system.
+    /// The user's name for the system.
     pub name: String,
     /// The numbers that it is made of.
     pub scalar: ScalarType,
@@ -19,11 +19,11 @@ pub struct Interface {
     pub constants: Vec<Constant>,
     /// The parts of the state, in the order of storage.
     pub state: Vec<Quantity>,
-    /// What is given from outside and held over a step.
+    /// The controls, held over a step.
     pub controls: Vec<Quantity>,
     /// The parameters that are inertias.
     pub inertias: Vec<Inertia>,
-    /// What the Casimirs are called.
+    /// The Casimirs' names.
     pub casimirs: Vec<String>,
     /// How many more there are that have no name: of a high degree, or no polynomials.
     pub missing_casimirs: usize,
@@ -48,13 +48,13 @@ pub struct Interface {
 /// A parameter, a part of the state, or a control.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// What it is to the system.
+    /// Its role in the system.
     pub role: Role,
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// Where it stands in an array, if it does.
     pub element: Option<Element>,
-    /// What the components' names add to its own.
+    /// Suffixes of the components' names.
     pub components: Vec<String>,
     /// Its mathematical kind.
     pub kind: Kind,
@@ -92,7 +92,7 @@ pub enum Transform {
 /// A place in an array of the user's.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Element {
-    /// What the user calls the array.
+    /// The user's name for the array.
     pub array: String,
     /// The index.
     pub index: usize,
@@ -111,7 +111,7 @@ pub struct Inertia {
     pub rows: usize,
 }
 
-/// What is said of a system in words and formulas.
+/// Documentation of a system, in words and formulas.
 #[derive(Clone, Debug)]
 pub struct Documentation {
     /// In which coordinates the equations are.

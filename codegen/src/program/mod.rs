@@ -31,7 +31,7 @@ impl Value {
 /// All that is computed for a system.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What is to be seen of it from outside.
+    /// Its public surface.
     pub interface: Interface,
     /// Its functions, each a module of its own.
     pub functions: Vec<Module<SystemRole>>,
@@ -59,7 +59,7 @@ pub struct StepProgram {
 /// Functions that share values and records: those of one step, of its derivative, of a system.
 #[derive(Clone, Debug)]
 pub struct Module<R> {
-    /// What they share.
+    /// Their names and records.
     pub values: Values,
     /// The functions, in the order in which they are called.
     pub functions: Vec<Function<R>>,
@@ -68,7 +68,7 @@ pub struct Module<R> {
 /// The names of a module's values, and its records.
 #[derive(Clone, Debug)]
 pub struct Values {
-    /// What the values are called: words of letters, digits and `_`. What one function can see has different names.
+    /// The values' names: words of letters, digits and `_`. What one function can see has different names.
     pub(crate) names: Vec<String>,
     /// What functions hand on to others.
     pub records: Vec<Record>,
@@ -83,7 +83,7 @@ pub struct Record {
     pub fields: Vec<Value>,
 }
 
-/// What the fields of a [`Record`] depend on.
+/// The quantities that the fields of a [`Record`] depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RecordKind {
     /// Parameters and step size.
@@ -99,11 +99,11 @@ pub enum RecordKind {
 /// A function: its arguments in order, what it computes from them, and what it returns.
 #[derive(Clone, Debug)]
 pub struct Function<R> {
-    /// What it is for.
+    /// Its role.
     pub role: R,
-    /// What it is given.
+    /// Its arguments.
     pub arguments: Vec<Argument>,
-    /// What is computed, in order.
+    /// The statements, in order.
     pub statements: Vec<Statement>,
     /// The record that it returns, if it returns one.
     pub record: Option<RecordKind>,
@@ -114,13 +114,13 @@ pub struct Function<R> {
 /// One argument of a function.
 #[derive(Clone, Debug)]
 pub struct Argument {
-    /// What is given.
+    /// The input.
     pub input: Input,
     /// Its components, or its fields; those that the function uses.
     pub values: Vec<Option<Value>>,
 }
 
-/// What a function can be given.
+/// An input of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Input {
     /// The parameters.
@@ -164,7 +164,7 @@ pub enum Statement {
     Let {
         /// The value.
         value: Value,
-        /// What it is.
+        /// Its value.
         term: Term,
     },
     /// Stumpff functions `c_0, c_1, …` of one argument; `None` for those not used.
@@ -218,7 +218,7 @@ impl Program {
 }
 
 impl Values {
-    /// What a value is called.
+    /// The name of a value.
     pub fn name(&self, value: Value) -> &str {
         &self.names[value.0]
     }

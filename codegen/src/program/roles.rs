@@ -7,34 +7,34 @@ use crate::scheme::Retraction;
 
 /// Tells the functions of a module apart.
 pub trait FunctionRole: Copy + Debug + PartialEq + 'static {
-    /// What is known of the function.
+    /// The function's signature.
     fn signature(self) -> Signature;
 
-    /// What the function is called.
+    /// The function's name.
     fn name(self) -> String {
         self.signature().name.to_owned()
     }
 }
 
-/// What is known of a function by its role.
+/// The signature of a function, by its role.
 #[derive(Clone, Copy, Debug)]
 pub struct Signature {
-    /// What the function is called.
+    /// The function's name.
     pub name: &'static str,
-    /// What it is given, in this order, as far as its module has it.
+    /// Its arguments in this order, as far as its module has them.
     pub inputs: &'static [Input],
-    /// What the arrays are called that it returns; where none has a name, the function's own name stands for them.
+    /// The names of the arrays that it returns; where none has a name, the function's own name stands for them.
     pub results: &'static [&'static str],
-    /// What it is for, in a few words.
+    /// Its purpose, in a few words.
     pub purpose: &'static str,
 }
 
 /// The functions of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum StepRole {
-    /// What depends on parameters and step size alone, a record of [constants](RecordKind::Constants).
+    /// Computes what depends on parameters and step size alone, a record of [constants](RecordKind::Constants).
     New,
-    /// What depends on the state too, a [step](RecordKind::Step)'s record.
+    /// Computes what depends on the state too, a [step](RecordKind::Step)'s record.
     Begin,
     /// A first approximation of the unknown.
     Start,
@@ -54,7 +54,7 @@ pub enum StepRole {
 /// The functions of a step's derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DerivativeRole {
-    /// What the linear maps are made of, a [point](RecordKind::Point)'s record.
+    /// The coefficients of the linear maps, a [point](RecordKind::Point)'s record.
     Point,
     /// The perturbation of the next state from those of state, controls and parameters.
     Tangent,
@@ -117,7 +117,7 @@ use Input::{
     State, StatePerturbation, StepSize, Tangent, Time, Unknown, Velocity,
 };
 
-/// What a function of the solution is given.
+/// The inputs of a function of the solution.
 const SOLVED: &[Input] = &[CONSTANTS, State, STEP, Unknown, Residual, ITERATE];
 
 const fn row(

@@ -6,7 +6,7 @@ use std::fmt;
 use super::{Function, FunctionRole, Module, RecordKind, Statement, Term, Values};
 
 impl RecordKind {
-    /// What the record is called in text.
+    /// The record's name in text.
     pub fn name(self) -> &'static str {
         match self {
             Self::Constants => "constants",

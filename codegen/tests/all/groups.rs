@@ -204,7 +204,7 @@ fn families_are_what_they_are_called() {
         let group = of(name);
         assert_eq!((group.size(), group.dimension(), group.axes()[0]), (rows, dimension, axis), "{name}");
         assert_eq!((group.name(), group.matrix_rows()), (name, Some(rows)));
-        assert_eq!(group.configuration_kind(), Kind::Matrix(rows, rows));
+        assert_eq!(group.names().kind, Kind::Matrix(rows, rows));
         assert_eq!(group.coordinates().len(), rows * rows);
         assert_eq!((group.coordinates()[0], group.coordinates()[1]), ("11", "12"));
         let mut names = group.axes().to_vec();

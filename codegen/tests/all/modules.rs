@@ -8,7 +8,6 @@ type Uses = BTreeMap<String, BTreeSet<String>>;
 
 /// The modules that each one uses, lower ones first: mathematics knows neither syntax nor code, and emission no mathematics.
 const USES: &[(&str, &[&str])] = &[
-    ("derivatives", &[]),
     ("diagnostics", &[]),
     ("expr", &[]),
     ("identifiers", &[]),
@@ -16,28 +15,24 @@ const USES: &[(&str, &[&str])] = &[
     ("quantity", &[]),
     ("group", &["expr", "quantity"]),
     ("scheme", &["expr", "group"]),
-    ("parse", &["derivatives", "diagnostics", "group", "limits", "quantity", "scheme"]),
+    ("parse", &["diagnostics", "group", "limits", "quantity", "scheme"]),
     ("check", &["diagnostics", "group", "identifiers", "limits", "parse", "quantity"]),
-    ("own", &["check", "diagnostics", "limits", "parse"]),
+    ("lie_group", &["check", "diagnostics", "limits", "parse"]),
     ("language", &["diagnostics", "expr", "group", "limits", "parse", "quantity"]),
     ("model", &["check", "diagnostics", "expr", "group", "identifiers", "language", "parse", "quantity"]),
-    ("bounds", &["check", "diagnostics", "expr", "limits", "parse"]),
-    ("equations", &["expr", "group", "limits", "model"]),
-    ("geometry", &["expr", "group", "model"]),
-    ("regularity", &["diagnostics", "model", "parse"]),
-    ("method", &["derivatives", "expr", "group", "model", "scheme"]),
+    ("feasible", &["check", "diagnostics", "expr", "limits", "model", "parse"]),
+    ("method", &["expr", "group", "model", "scheme"]),
     ("program", &["expr", "quantity", "scheme"]),
-    ("kernel", &["derivatives", "expr", "method", "model", "program"]),
+    ("kernel", &["expr", "method", "model", "program", "scheme"]),
     (
-        "derivation",
+        "derive",
         &[
-            "derivatives",
             "expr",
-            "geometry",
             "group",
             "identifiers",
             "kernel",
             "language",
+            "limits",
             "method",
             "model",
             "program",
@@ -46,26 +41,14 @@ const USES: &[(&str, &[&str])] = &[
         ],
     ),
     // it gives words to what was derived: neither groups nor methods nor differentiation
-    (
-        "emit",
-        &[
-            "derivatives",
-            "diagnostics",
-            "expr",
-            "identifiers",
-            "model",
-            "parse",
-            "program",
-            "quantity",
-            "scheme",
-        ],
-    ),
+    ("emit", &["diagnostics", "expr", "identifiers", "model", "parse", "program", "quantity", "scheme"]),
 ];
 
 /// Folders whose files use each other in no circle either.
-const FOLDERS: [&str; 11] = [
+const FOLDERS: [&str; 12] = [
     "check",
-    "emit",
+    "derive",
+    "emit/rust",
     "expr",
     "group",
     "group/matrix",
@@ -176,7 +159,7 @@ fn files_of_a_folder_use_each_other_in_no_circle() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(folder);
         let path = format!("crate::{}::", folder.replace('/', "::"));
         let uses = uses(&root, &["super::", &path]);
-        assert!(uses.len() > 3, "{folder}: {uses:?}");
+        assert!(uses.len() >= 3, "{folder}: {uses:?}");
         assert_eq!(circle(&uses), None, "{folder}: each of these uses the next, and the last one the first");
     }
 }

@@ -177,6 +177,7 @@ fn modules_name_each_value_once() {
 }
 
 fn names_are_distinct<R>(module: &Module<R>) {
+    let mut numbered = std::collections::BTreeSet::new();
     for function in &module.functions {
         let mut named = std::collections::BTreeSet::new();
         for statement in &function.statements {
@@ -187,6 +188,10 @@ fn names_are_distinct<R>(module: &Module<R>) {
             for value in values {
                 let name = module.values.name(value);
                 assert!(named.insert(name.to_owned()), "{name}");
+                // a number is that of one value, whatever function computes it
+                if name.rsplit_once('_').is_some_and(|(_, number)| number.parse::<usize>().is_ok()) {
+                    assert!(numbered.insert(name.to_owned()), "{name}");
+                }
             }
         }
     }

@@ -59,7 +59,7 @@ fn groups() -> String {
     let rows: Vec<String> = catalogue().iter().map(|group| group_row(*group)).collect();
     let taken = merged(components);
     let parts = merged(parts);
-    let conventions = merged(|group| Some(group.conventions().to_owned()));
+    let conventions = merged(|group| Some(group.names().conventions.to_owned()));
     format!(
         "# Groups\n\n\
          The order is that of `to_components`, of flat arrays and of tables: the configuration of each factor, then its momentum, then all \
@@ -181,8 +181,8 @@ fn group_row(group: &dyn Group) -> String {
     format!(
         "| `{}` | `{}` | `{}`: {} | `{}`: {} | {} |\n",
         group.name(),
-        group.configuration_name(),
-        stored(group.configuration_kind()),
+        group.names().configuration,
+        stored(group.names().kind),
         group.coordinates().join(", "),
         stored(Kind::Vector(group.dimension())),
         group.axes().join(", "),
@@ -204,7 +204,7 @@ fn stored(kind: Kind) -> String {
 
 /// The parts of a momentum that have names.
 fn parts(group: &dyn Group) -> Option<String> {
-    let [first, second] = group.parts() else { return None };
+    let [first, second] = group.names().parts else { return None };
     let name = |quantity: &str| [first, second].map(|part| part_name(quantity, part));
     Some(format!(
         "the momentum has the parts {}, the velocity {}, of a factor `hull` {} and so on; a part of one component is a number. A force may be \
@@ -218,7 +218,7 @@ fn parts(group: &dyn Group) -> Option<String> {
 /// What an expression can take from a configuration.
 fn components(group: &dyn Group) -> Option<String> {
     let written = |called: bool| {
-        let all = group.components().iter().filter(move |component| component.called == called);
+        let all = group.names().components.iter().filter(move |component| component.called == called);
         all.map(
             move |component| if called { format!("{}()", component.name) } else { component.name.to_owned() },
         )

@@ -4,7 +4,7 @@ use num_rational::Ratio;
 
 use crate::expr::{Arena, Expr, Matrix, Number, Vector};
 use crate::group::Structure;
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 
 /// Why matrices are no basis of a group.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub enum BasisError {
 #[derive(Clone, Debug)]
 pub(super) struct Algebra {
     /// `E₁ … E_d`
-    pub(super) basis: Vec<Exact>,
+    pub(super) basis: Vec<RationalMatrix>,
     pub(super) structure: Structure,
     readout: Readout,
 }
@@ -35,13 +35,13 @@ struct Readout {
     /// As many entries as there are coordinates, that tell all of them.
     entries: Vec<usize>,
     /// The coordinates from those.
-    inverse: Exact,
+    inverse: RationalMatrix,
 }
 
 impl Algebra {
-    pub(super) fn new(basis: Vec<Exact>) -> Result<Self, BasisError> {
+    pub(super) fn new(basis: Vec<RationalMatrix>) -> Result<Self, BasisError> {
         let readout = Readout::of(&basis)?;
-        if !readout.inverse.is_known() {
+        if !readout.inverse.is_exact() {
             return Err(BasisError::TooLarge);
         }
         let structure = structure(&basis, &readout)?;
@@ -61,17 +61,17 @@ impl Algebra {
     /// matrices have few entries. None if numbers grow too large.
     pub(super) fn echelon(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
         let inverse = &self.readout.inverse;
-        (0..inverse.columns).map(|k| inverse.column(k).iter().map(Fraction::ratio).collect()).collect()
+        (0..inverse.columns).map(|k| inverse.column(k).iter().map(Rational::ratio).collect()).collect()
     }
 
     /// The matrices of `ad_{E_1}, …`
-    pub(super) fn adjoint(&self) -> Vec<Exact> {
+    pub(super) fn adjoint(&self) -> Vec<RationalMatrix> {
         let d = self.dimension();
         let of = |i: usize| {
-            let mut matrix = Exact::zero(d, d);
+            let mut matrix = RationalMatrix::zero(d, d);
             for j in 0..d {
                 for (k, c) in self.structure.bracket(i, j) {
-                    matrix.entries[k * d + j] = Fraction::new((*c.numer()).into(), (*c.denom()).into());
+                    matrix.entries[k * d + j] = Rational::from(*c);
                 }
             }
             matrix
@@ -82,10 +82,10 @@ impl Algebra {
     /// Whether the Cayley map stays on the group: `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
     pub(super) fn has_cayley(&self) -> bool {
         let (d, e) = (self.dimension(), &self.basis);
-        let products: Vec<Exact> = (0..d * d).map(|ij| e[ij / d].times(&e[ij % d])).collect();
+        let products: Vec<RationalMatrix> = (0..d * d).map(|ij| e[ij / d].times(&e[ij % d])).collect();
         let is_inside = |i: usize, j: usize, k: usize| {
             let (first, second) = (products[i * d + j].times(&e[k]), products[k * d + j].times(&e[i]));
-            let sum = first.plus(&second, Fraction::one());
+            let sum = first.plus(&second, Rational::one());
             sum.is_zero() || matches!(self.readout.coordinates(e, &sum), Ok(Some(_)))
         };
         (0..d).all(|i| (i..d).all(|k| (0..d).all(|j| is_inside(i, j, k))))
@@ -134,10 +134,10 @@ impl Algebra {
     }
 
     /// The matrices `W_i` with `⟨W_i, Z⟩ = z_i` for all matrices `Z` of the algebra, of coordinates `z`.
-    pub(super) fn covectors(&self) -> Vec<Exact> {
+    pub(super) fn covectors(&self) -> Vec<RationalMatrix> {
         let (d, n) = (self.dimension(), self.size());
         let of = |i: usize| {
-            let mut matrix = Exact::zero(n, n);
+            let mut matrix = RationalMatrix::zero(n, n);
             for (k, &entry) in self.readout.entries.iter().enumerate() {
                 matrix.entries[entry] = self.readout.inverse.at(i, k);
             }
@@ -148,7 +148,7 @@ impl Algebra {
 }
 
 /// The structure constants.
-fn structure(basis: &[Exact], readout: &Readout) -> Result<Structure, BasisError> {
+fn structure(basis: &[RationalMatrix], readout: &Readout) -> Result<Structure, BasisError> {
     let d = basis.len();
     let mut constants = Vec::with_capacity(d * d);
     for (i, first) in basis.iter().enumerate() {
@@ -166,31 +166,35 @@ fn structure(basis: &[Exact], readout: &Readout) -> Result<Structure, BasisError
 }
 
 impl Readout {
-    fn of(basis: &[Exact]) -> Result<Self, BasisError> {
+    fn of(basis: &[RationalMatrix]) -> Result<Self, BasisError> {
         let d = basis.len();
-        let rows = Exact::from_fn(d, basis[0].entries.len(), |i, k| basis[i].entries[k]);
+        let rows = RationalMatrix::from_fn(d, basis[0].entries.len(), |i, k| basis[i].entries[k]);
         let mut columns = rows.transpose();
         let independent = columns.reduce();
-        if !columns.is_known() {
+        if !columns.is_exact() {
             return Err(BasisError::TooLarge);
         }
         if let Some(i) = (0..d).find(|i| !independent.contains(i)) {
             return Err(BasisError::Dependent(i));
         }
         let entries = rows.independent_columns();
-        let square = Exact::from_fn(d, d, |k, i| basis[i].entries[entries[k]]);
+        let square = RationalMatrix::from_fn(d, d, |k, i| basis[i].entries[entries[k]]);
         let inverse = square.inverse().ok_or(BasisError::Dependent(0))?;
         Ok(Self { entries, inverse })
     }
 
     /// The coordinates of a matrix; none if it is not in the algebra, and an error if that cannot be told.
-    fn coordinates(&self, basis: &[Exact], matrix: &Exact) -> Result<Option<Vec<Fraction>>, BasisError> {
+    fn coordinates(
+        &self,
+        basis: &[RationalMatrix],
+        matrix: &RationalMatrix,
+    ) -> Result<Option<Vec<Rational>>, BasisError> {
         let d = basis.len();
-        let entries = Exact::from_fn(d, 1, |k, _| matrix.entries[self.entries[k]]);
+        let entries = RationalMatrix::from_fn(d, 1, |k, _| matrix.entries[self.entries[k]]);
         let coordinates = self.inverse.times(&entries).entries;
         let parts = basis.iter().zip(&coordinates).filter(|(_, c)| !c.is_zero());
         let difference = parts.fold(matrix.clone(), |rest, (e, c)| rest.plus(e, -*c));
-        if !difference.is_known() {
+        if !difference.is_exact() {
             return Err(BasisError::TooLarge);
         }
         Ok(difference.is_zero().then_some(coordinates))
@@ -198,27 +202,27 @@ impl Readout {
 }
 
 /// `Σ xᵢ Aᵢ`
-pub(super) fn combination<'a>(matrices: &[Exact], x: &Vector<'a>) -> Matrix<'a> {
+pub(super) fn combination<'a>(matrices: &[RationalMatrix], x: &Vector<'a>) -> Matrix<'a> {
     let (rows, columns) = (matrices[0].rows, matrices[0].columns);
     let entry = |k: usize| {
-        let coefficients: Vec<Fraction> = matrices.iter().map(|matrix| matrix.entries[k]).collect();
+        let coefficients: Vec<Rational> = matrices.iter().map(|matrix| matrix.entries[k]).collect();
         weighted(&coefficients, x)
     };
     Matrix::new(rows, columns, (0..rows * columns).map(entry).collect())
 }
 
 /// `A x`
-pub(super) fn image<'a>(matrix: &Exact, x: &Vector<'a>) -> Vector<'a> {
+pub(super) fn image<'a>(matrix: &RationalMatrix, x: &Vector<'a>) -> Vector<'a> {
     Vector((0..matrix.rows).map(|i| weighted(matrix.row(i), x)).collect())
 }
 
 /// `Σ cᵢ xᵢ`
-fn weighted<'a>(coefficients: &[Fraction], x: &Vector<'a>) -> Expr<'a> {
+fn weighted<'a>(coefficients: &[Rational], x: &Vector<'a>) -> Expr<'a> {
     let terms = coefficients.iter().zip(x.iter()).filter(|(c, _)| !c.is_zero());
     terms.fold(x.0[0].arena().zero(), |sum, (c, x)| sum + x.scale(number(*c)))
 }
 
-pub(super) fn symbolic<'a>(arena: &'a Arena, matrix: &Exact) -> Matrix<'a> {
+pub(super) fn symbolic<'a>(arena: &'a Arena, matrix: &RationalMatrix) -> Matrix<'a> {
     Matrix::new(
         matrix.rows,
         matrix.columns,
@@ -226,7 +230,7 @@ pub(super) fn symbolic<'a>(arena: &'a Arena, matrix: &Exact) -> Matrix<'a> {
     )
 }
 
-pub(super) fn number(fraction: Fraction) -> Number {
+pub(super) fn number(fraction: Rational) -> Number {
     // a group is made of known numbers alone
     let (numerator, denominator) = fraction.parts().unwrap_or((0, 1));
     Number::ratio(numerator, denominator)

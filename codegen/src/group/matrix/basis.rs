@@ -1,14 +1,13 @@
 //! Bases of Lie algebras of matrices, and those that products, semidirect products and tangent groups have.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 
 use super::algebra::BasisError;
 use super::{LARGEST_BASIS, LARGEST_MATRIX};
 use crate::expr::Vector;
-use crate::group::Representation;
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 use crate::group::representation::{matrices_of, matrices_of_action};
+use crate::group::{Representation, consecutive};
 
 /// A matrix by rows, with the name of its coordinate.
 pub type NamedMatrix = (String, Vec<i64>);
@@ -18,7 +17,7 @@ pub type NamedMatrix = (String, Vec<i64>);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Basis {
     pub(super) axes: Vec<String>,
-    pub(super) matrices: Vec<Exact>,
+    pub(super) matrices: Vec<RationalMatrix>,
     /// The lengths of the blocks of coordinates that have a unit in common.
     pub(super) blocks: Vec<usize>,
     /// The names of the blocks; none where they have none.
@@ -36,7 +35,7 @@ impl Basis {
             return Err(BasisError::Shape);
         }
         let exact = |entries: &[i64]| {
-            Exact::from_fn(size, size, |i, j| Fraction::from(i128::from(entries[i * size + j])))
+            RationalMatrix::from_fn(size, size, |i, j| Rational::from(i128::from(entries[i * size + j])))
         };
         Ok(Self {
             axes: matrices.iter().map(|(name, _)| name.clone()).collect(),
@@ -69,14 +68,14 @@ impl Basis {
     /// [`BasisError::TooLarge`], before anything is made.
     pub fn product(factors: &[(String, Self)]) -> Result<Self, BasisError> {
         let sizes = factors.iter().map(|(_, basis)| basis.size());
-        let ranges = ranges(sizes);
+        let ranges = consecutive(sizes);
         let size = ranges.last().map_or(0, |range| range.end);
         bounded(factors.iter().map(|(_, basis)| basis.dimension()).sum(), size)?;
         let mut product =
             Self { axes: Vec::new(), matrices: Vec::new(), blocks: Vec::new(), parts: Vec::new() };
         for ((name, factor), rows) in factors.iter().zip(&ranges) {
             product.axes.extend(factor.axes.iter().map(|axis| format!("{name}_{axis}")));
-            let placed = |matrix: &Exact| placed(size, [(rows.start, rows.start, matrix)]);
+            let placed = |matrix: &RationalMatrix| placed(size, [(rows.start, rows.start, matrix)]);
             product.matrices.extend(factor.matrices.iter().map(placed));
             product.blocks.extend(&factor.blocks);
             product.parts.extend(factor.parts_within(name));
@@ -84,7 +83,7 @@ impl Basis {
         Ok(product)
     }
 
-    /// What its parts are called as a part of this name of another group.
+    /// The names of its parts within another group.
     fn parts_within(&self, name: &str) -> Vec<String> {
         match self.parts.as_slice() {
             [] => numbered(name, self.blocks.len()),
@@ -104,7 +103,7 @@ impl Basis {
     ) -> Result<Self, BasisError> {
         let of_spaces: usize = spaces.iter().map(|(_, space)| space.coordinates().len()).sum();
         bounded(self.dimension() + of_spaces, 1)?;
-        let mut kinds: Vec<(Vec<Exact>, Vec<usize>)> = Vec::new();
+        let mut kinds: Vec<(Vec<RationalMatrix>, Vec<usize>)> = Vec::new();
         for (place, (_, space)) in spaces.iter().enumerate() {
             let rho = matrices_of(*space).ok_or(BasisError::TooLarge)?;
             match kinds.iter_mut().find(|(known, _)| *known == rho) {
@@ -115,7 +114,7 @@ impl Basis {
         if !kinds.iter().any(|(rho, _)| is_faithful(rho)) {
             kinds.insert(0, (self.matrices.clone(), Vec::new()));
         }
-        let ranges = ranges(kinds.iter().map(|(rho, places)| rho[0].rows + places.len()));
+        let ranges = consecutive(kinds.iter().map(|(rho, places)| rho[0].rows + places.len()));
         let size = ranges.last().map_or(0, |range| range.end);
         bounded(self.dimension() + of_spaces, size)?;
         let starts = || kinds.iter().zip(&ranges).map(|((rho, _), range)| (rho, range.start));
@@ -136,7 +135,7 @@ impl Basis {
             let (start, n) = (ranges[kind].start, space.coordinates().len());
             let along = |i: usize| {
                 let one = (start + i, start + n + column);
-                Exact::from_fn(size, size, |r, c| Fraction::from(i128::from((r, c) == one)))
+                RationalMatrix::from_fn(size, size, |r, c| Rational::from(i128::from((r, c) == one)))
             };
             product.matrices.extend((0..n).map(along));
             product.axes.extend(space.coordinates().iter().map(|axis| format!("{name}_{axis}")));
@@ -185,16 +184,6 @@ pub(super) fn bounded(dimension: usize, rows: usize) -> Result<(), BasisError> {
     if is_bounded { Ok(()) } else { Err(BasisError::TooLarge) }
 }
 
-/// Ranges of these lengths, one after the other.
-fn ranges(lengths: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let range = |length: usize| {
-        end += length;
-        end - length..end
-    };
-    lengths.map(range).collect()
-}
-
 /// The name where there is one of them, otherwise with numbers.
 fn numbered(name: &str, count: usize) -> Vec<String> {
     match count {
@@ -204,8 +193,11 @@ fn numbered(name: &str, count: usize) -> Vec<String> {
 }
 
 /// A matrix of `size` rows with these blocks at these places.
-fn placed<'m>(size: usize, blocks: impl IntoIterator<Item = (usize, usize, &'m Exact)>) -> Exact {
-    let mut whole = Exact::zero(size, size);
+fn placed<'m>(
+    size: usize,
+    blocks: impl IntoIterator<Item = (usize, usize, &'m RationalMatrix)>,
+) -> RationalMatrix {
+    let mut whole = RationalMatrix::zero(size, size);
     for (row, column, block) in blocks {
         for i in 0..block.rows {
             for j in 0..block.columns {
@@ -217,7 +209,7 @@ fn placed<'m>(size: usize, blocks: impl IntoIterator<Item = (usize, usize, &'m E
 }
 
 /// Whether a representation is zero for zero alone.
-fn is_faithful(rho: &[Exact]) -> bool {
-    let columns: Vec<Vec<Fraction>> = rho.iter().map(|matrix| matrix.entries.clone()).collect();
-    Exact::from_columns(&columns).kernel().is_empty()
+fn is_faithful(rho: &[RationalMatrix]) -> bool {
+    let columns: Vec<Vec<Rational>> = rho.iter().map(|matrix| matrix.entries.clone()).collect();
+    RationalMatrix::from_columns(&columns).kernel().is_empty()
 }

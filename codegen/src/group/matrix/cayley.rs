@@ -13,22 +13,22 @@
 use std::sync::Arc;
 
 use crate::expr::{DerivativeRule, Expr, Matrix, Number, Vector};
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 
 use super::algebra::{Algebra, combination, symbolic};
-use super::constraints::Form;
+use super::constraints::InvariantForm;
 
-/// What the map is made of.
+/// The map, with all that it is made of.
 #[derive(Debug)]
 pub(super) struct Cayley {
     algebra: Algebra,
-    form: Option<Form>,
+    form: Option<InvariantForm>,
     /// The matrices that stand for the coordinates of `m`, −1 under `σ`, where the group is all that keeps the form.
-    covectors: Option<Vec<Exact>>,
+    covectors: Option<Vec<RationalMatrix>>,
 }
 
 impl Cayley {
-    pub(super) fn new(algebra: &Algebra, form: Option<&Form>) -> Self {
+    pub(super) fn new(algebra: &Algebra, form: Option<&InvariantForm>) -> Self {
         let covectors = form.and_then(|form| covectors(algebra, form));
         Self { algebra: algebra.clone(), form: form.cloned(), covectors }
     }
@@ -90,16 +90,16 @@ impl DerivativeRule for Cayley {
 }
 
 /// Of a form that is symmetric or antisymmetric, if the algebra is all that it lets.
-fn covectors(algebra: &Algebra, form: &Form) -> Option<Vec<Exact>> {
+fn covectors(algebra: &Algebra, form: &InvariantForm) -> Option<Vec<RationalMatrix>> {
     let (n, d) = (algebra.size(), algebra.dimension());
     let transposed = form.matrix.transpose();
-    let minus = Exact::zero(n, n).plus(&transposed, -Fraction::one());
+    let minus = RationalMatrix::zero(n, n).plus(&transposed, -Rational::one());
     let is_all =
         form.matrix == transposed && 2 * d == n * (n - 1) || form.matrix == minus && 2 * d == n * (n + 1);
-    let project = |covector: Exact| {
+    let project = |covector: RationalMatrix| {
         let image = form.inverse.times(&covector.transpose()).times(&form.matrix);
-        let half = Fraction::new(1, 2);
-        Exact::zero(n, n).plus(&covector, half).plus(&image, -half)
+        let half = Rational::new(1, 2);
+        RationalMatrix::zero(n, n).plus(&covector, half).plus(&image, -half)
     };
     (form.is_regular && is_all).then(|| algebra.covectors().into_iter().map(project).collect())
 }

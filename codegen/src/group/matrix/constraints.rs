@@ -2,30 +2,30 @@
 
 use super::algebra::number;
 use crate::expr::{Matrix, Vector};
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 
 /// The affine space of matrices `1 + A`, with the algebra `A` that is spanned by all products of the basis: elements of the group lie in it, so
 /// that some of their entries tell all others.
 #[derive(Clone, Debug)]
-pub(super) struct Hull {
+pub(super) struct AssociativeEnvelope {
     /// The entries that tell all, each with what it adds to every entry.
-    pub(super) rows: Vec<(usize, Vec<Fraction>)>,
+    pub(super) rows: Vec<(usize, Vec<Rational>)>,
 }
 
-impl Hull {
-    pub(super) fn of(basis: &[Exact]) -> Self {
+impl AssociativeEnvelope {
+    pub(super) fn of(basis: &[RationalMatrix]) -> Self {
         let n = basis[0].rows;
-        let mut span: Vec<Exact> = Vec::new();
+        let mut span: Vec<RationalMatrix> = Vec::new();
         let mut new = basis.to_vec();
         loop {
             // what has grown too large is an error at the end, and no reason to go on
-            let is_known = new.iter().all(Exact::is_known);
+            let is_exact = new.iter().all(RationalMatrix::is_exact);
             span.append(&mut new);
-            let mut rows = Exact::from_fn(span.len(), n * n, |i, k| span[i].entries[k]);
+            let mut rows = RationalMatrix::from_fn(span.len(), n * n, |i, k| span[i].entries[k]);
             let pivots = rows.reduce();
-            let row = |r: usize| Exact::from_fn(n, n, |i, j| rows.at(r, i * n + j));
-            let reduced: Vec<Exact> = (0..pivots.len()).map(row).collect();
-            let is_new = |product: &Exact| {
+            let row = |r: usize| RationalMatrix::from_fn(n, n, |i, j| rows.at(r, i * n + j));
+            let reduced: Vec<RationalMatrix> = (0..pivots.len()).map(row).collect();
+            let is_new = |product: &RationalMatrix| {
                 let known = reduced.iter().zip(&pivots);
                 !known
                     .fold(product.clone(), |rest, (row, &pivot)| rest.plus(row, -product.entries[pivot]))
@@ -34,7 +34,7 @@ impl Hull {
             let products = reduced.iter().flat_map(|a| basis.iter().map(move |e| a.times(e)));
             new = products.filter(is_new).collect();
             span = reduced;
-            if new.is_empty() || !is_known {
+            if new.is_empty() || !is_exact {
                 let entries = span.into_iter().map(|row| row.entries);
                 return Self { rows: pivots.into_iter().zip(entries).collect() };
             }
@@ -42,17 +42,17 @@ impl Hull {
     }
 
     /// Whether it is a sum of products of the basis.
-    pub(super) fn contains(&self, matrix: &Exact) -> bool {
+    pub(super) fn contains(&self, matrix: &RationalMatrix) -> bool {
         let mut rest = matrix.entries.clone();
         for (pivot, row) in &self.rows {
             let factor = rest[*pivot];
             rest.iter_mut().zip(row).for_each(|(entry, &x)| *entry -= factor * x);
         }
-        rest.iter().all(Fraction::is_zero)
+        rest.iter().all(Rational::is_zero)
     }
 
-    pub(super) fn is_known(&self) -> bool {
-        self.rows.iter().all(|(_, row)| row.iter().all(Fraction::is_known))
+    pub(super) fn is_exact(&self) -> bool {
+        self.rows.iter().all(|(_, row)| row.iter().all(Rational::is_exact))
     }
 
     /// An element of the group as a matrix, with what is known of its entries.
@@ -72,23 +72,23 @@ impl Hull {
 
 /// A form `J` with `g J gᵀ = J` for all elements, symmetric on some rows and antisymmetric on others.
 #[derive(Clone, Debug)]
-pub(super) struct Form {
-    pub(super) matrix: Exact,
+pub(super) struct InvariantForm {
+    pub(super) matrix: RationalMatrix,
     /// `J⁻¹` on the rows on which it acts, zero on others.
-    pub(super) inverse: Exact,
+    pub(super) inverse: RationalMatrix,
     pub(super) is_regular: bool,
     pub(super) is_definite: bool,
 }
 
-impl Form {
+impl InvariantForm {
     /// A symmetric form on the rows that are not constant, and an antisymmetric one on those that it leaves.
-    pub(super) fn of(basis: &[Exact]) -> Option<Self> {
+    pub(super) fn of(basis: &[RationalMatrix]) -> Option<Self> {
         let n = basis[0].rows;
         let moves = |i: &usize| basis.iter().any(|e| (0..n).any(|j| !e.at(*i, j).is_zero()));
         let rows: Vec<usize> = (0..n).filter(moves).collect();
         let symmetric = Self::of_kind(basis, &rows, true);
         let is_left = |i: &usize| {
-            symmetric.as_ref().is_none_or(|form| form.matrix.row(*i).iter().all(Fraction::is_zero))
+            symmetric.as_ref().is_none_or(|form| form.matrix.row(*i).iter().all(Rational::is_zero))
         };
         let left: Vec<usize> = rows.into_iter().filter(is_left).collect();
         let antisymmetric = Self::of_kind(basis, &left, false);
@@ -98,19 +98,19 @@ impl Form {
         }
     }
 
-    pub(super) fn is_known(&self) -> bool {
-        self.matrix.is_known() && self.inverse.is_known()
+    pub(super) fn is_exact(&self) -> bool {
+        self.matrix.is_exact() && self.inverse.is_exact()
     }
 
     /// Both, which act on different rows.
     fn beside(&self, other: &Self) -> Self {
-        let matrix = self.matrix.plus(&other.matrix, Fraction::one());
-        let inverse = self.inverse.plus(&other.inverse, Fraction::one());
+        let matrix = self.matrix.plus(&other.matrix, Rational::one());
+        let inverse = self.inverse.plus(&other.inverse, Rational::one());
         let is_regular = (0..matrix.rows).all(|i| matrix.row(i).iter().any(|entry| !entry.is_zero()));
         Self { matrix, inverse, is_regular, is_definite: false }
     }
 
-    fn of_kind(basis: &[Exact], rows: &[usize], symmetric: bool) -> Option<Self> {
+    fn of_kind(basis: &[RationalMatrix], rows: &[usize], symmetric: bool) -> Option<Self> {
         let n = basis[0].rows;
         // unknowns: the entries of J on or above the diagonal
         let places: Vec<(usize, usize)> = rows
@@ -119,50 +119,51 @@ impl Form {
             .filter(|(i, j)| if symmetric { i <= j } else { i < j })
             .collect();
         let unit = |(i, j): (usize, usize)| {
-            let sign = if symmetric { Fraction::one() } else { -Fraction::one() };
-            Exact::from_fn(n, n, |k, l| match ((k, l) == (i, j), (k, l) == (j, i)) {
-                (true, _) => Fraction::one(),
+            let sign = if symmetric { Rational::one() } else { -Rational::one() };
+            RationalMatrix::from_fn(n, n, |k, l| match ((k, l) == (i, j), (k, l) == (j, i)) {
+                (true, _) => Rational::one(),
                 (_, true) => sign,
-                _ => Fraction::zero(),
+                _ => Rational::zero(),
             })
         };
-        let units: Vec<Exact> = places.iter().map(|&place| unit(place)).collect();
+        let units: Vec<RationalMatrix> = places.iter().map(|&place| unit(place)).collect();
         // E J + J Eᵀ = 0 for each E
-        let columns: Vec<Vec<Fraction>> = units
+        let columns: Vec<Vec<Rational>> = units
             .iter()
             .map(|j| {
                 basis
                     .iter()
-                    .flat_map(|e| e.times(j).plus(&j.times(&e.transpose()), Fraction::one()).entries)
+                    .flat_map(|e| e.times(j).plus(&j.times(&e.transpose()), Rational::one()).entries)
                     .collect()
             })
             .collect();
-        let equations = Exact::from_fn(columns.first()?.len(), columns.len(), |i, j| columns[j][i]);
-        let zero = Exact::zero(n, n);
-        let combine = |coefficients: &[Fraction]| {
+        let equations = RationalMatrix::from_fn(columns.first()?.len(), columns.len(), |i, j| columns[j][i]);
+        let zero = RationalMatrix::zero(n, n);
+        let combine = |coefficients: &[Rational]| {
             units.iter().zip(coefficients).fold(zero.clone(), |sum, (unit, c)| sum.plus(unit, *c))
         };
-        let forms: Vec<Exact> = equations.kernel().iter().map(|kernel| combine(kernel)).collect();
-        let all = forms.iter().fold(zero.clone(), |sum, form| sum.plus(form, Fraction::one()));
+        let forms: Vec<RationalMatrix> = equations.kernel().iter().map(|kernel| combine(kernel)).collect();
+        let all = forms.iter().fold(zero.clone(), |sum, form| sum.plus(form, Rational::one()));
         forms.into_iter().chain([all]).rev().find_map(|form| Self::with(form, n))
     }
 
     /// With its inverse on the rows on which it acts.
-    fn with(matrix: Exact, n: usize) -> Option<Self> {
+    fn with(matrix: RationalMatrix, n: usize) -> Option<Self> {
         let acts = |i: &usize| (0..n).any(|j| !matrix.at(*i, j).is_zero());
         let rows: Vec<usize> = (0..n).filter(acts).collect();
         if rows.is_empty() {
             return None;
         }
-        let block = Exact::from_fn(rows.len(), rows.len(), |i, j| matrix.at(rows[i], rows[j]));
+        let block = RationalMatrix::from_fn(rows.len(), rows.len(), |i, j| matrix.at(rows[i], rows[j]));
         let block_inverse = block.inverse()?;
         let place = |i: usize| rows.iter().position(|&row| row == i);
-        let inverse = Exact::from_fn(n, n, |i, j| match (place(i), place(j)) {
+        let inverse = RationalMatrix::from_fn(n, n, |i, j| match (place(i), place(j)) {
             (Some(i), Some(j)) => block_inverse.at(i, j),
-            _ => Fraction::zero(),
+            _ => Rational::zero(),
         });
-        let definite = |block: &Exact| block.transpose() == *block && block.is_positive_semidefinite();
-        let negative = Exact::from_fn(block.rows, block.rows, |i, j| -block.at(i, j));
+        let definite =
+            |block: &RationalMatrix| block.transpose() == *block && block.is_positive_semidefinite();
+        let negative = RationalMatrix::from_fn(block.rows, block.rows, |i, j| -block.at(i, j));
         let is_regular = rows.len() == n;
         let is_definite = is_regular && (definite(&block) || definite(&negative));
         Some(Self { matrix, inverse, is_regular, is_definite })

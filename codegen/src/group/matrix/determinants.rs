@@ -1,9 +1,9 @@
 //! Determinants of blocks of rows, real or complex, that are 1 for all elements of a group: of blocks that are found easily, not of all.
 
 use super::algebra::symbolic;
-use super::constraints::{Form, Hull};
+use super::constraints::{AssociativeEnvelope, InvariantForm};
 use crate::expr::{Expr, Matrix, Number, uncoupled};
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 
 /// The most rows: a determinant is expanded row by row.
 const LARGEST: usize = 6;
@@ -22,18 +22,22 @@ pub(super) struct Determinant {
 /// A matrix `J` with `J² = −1`.
 #[derive(Clone, Debug)]
 struct ImaginaryUnit {
-    matrix: Exact,
+    matrix: RationalMatrix,
     /// Columns `v`, `J v` that span all, and the inverse.
-    basis: Exact,
-    inverse: Exact,
+    basis: RationalMatrix,
+    inverse: RationalMatrix,
 }
 
 impl Determinant {
     /// Of each set of rows that the others do not act on, or that do not act on the others; rows of a form and rows without one are apart.
-    pub(super) fn all(basis: &[Exact], hull: &Hull, form: Option<&Form>) -> Vec<Self> {
+    pub(super) fn all(
+        basis: &[RationalMatrix],
+        hull: &AssociativeEnvelope,
+        form: Option<&InvariantForm>,
+    ) -> Vec<Self> {
         let has_form =
-            |&i: &usize| form.is_some_and(|form| !form.matrix.row(i).iter().all(Fraction::is_zero));
-        let moves = |&i: &usize| basis.iter().any(|e| !e.row(i).iter().all(Fraction::is_zero));
+            |&i: &usize| form.is_some_and(|form| !form.matrix.row(i).iter().all(Rational::is_zero));
+        let moves = |&i: &usize| basis.iter().any(|e| !e.row(i).iter().all(Rational::is_zero));
         let coupled =
             |i: usize, j: usize| basis.iter().any(|e| !e.at(i, j).is_zero() || !e.at(j, i).is_zero());
         let parts = uncoupled(basis[0].rows, coupled).into_iter().flat_map(|rows| {
@@ -43,29 +47,34 @@ impl Determinant {
         parts.filter_map(|rows| Self::of(rows, basis, hull, form)).collect()
     }
 
-    fn of(rows: Vec<usize>, basis: &[Exact], hull: &Hull, form: Option<&Form>) -> Option<Self> {
+    fn of(
+        rows: Vec<usize>,
+        basis: &[RationalMatrix],
+        hull: &AssociativeEnvelope,
+        form: Option<&InvariantForm>,
+    ) -> Option<Self> {
         let n = basis[0].rows;
-        let unit = Exact::from_fn(n, n, |i, j| i128::from(i == j && rows.contains(&i)).into());
+        let unit = RationalMatrix::from_fn(n, n, |i, j| i128::from(i == j && rows.contains(&i)).into());
         let others: Vec<usize> = (0..n).filter(|i| !rows.contains(i)).collect();
         let is_zero = |from: &[usize], to: &[usize]| {
             basis.iter().all(|e| from.iter().all(|&j| to.iter().all(|&i| e.at(i, j).is_zero())))
         };
         let is_invariant = is_zero(&rows, &others) || is_zero(&others, &rows);
-        let is_traceless = |unit: &Exact| basis.iter().all(|e| unit.times(e).trace().is_zero());
+        let is_traceless = |unit: &RationalMatrix| basis.iter().all(|e| unit.times(e).trace().is_zero());
         let fits = (1..=LARGEST).contains(&rows.len()) && is_invariant && hull.contains(&unit);
         if !fits || !is_traceless(&unit) {
             return None;
         }
         // a multiple of the block is free if it keeps the form
-        let is_free = |unit: &Exact| {
-            form.is_none_or(|Form { matrix, .. }| {
-                unit.times(matrix).plus(&matrix.times(&unit.transpose()), Fraction::one()).is_zero()
+        let is_free = |unit: &RationalMatrix| {
+            form.is_none_or(|InvariantForm { matrix, .. }| {
+                unit.times(matrix).plus(&matrix.times(&unit.transpose()), Rational::one()).is_zero()
             })
         };
         let imaginary_unit = ImaginaryUnit::of(&rows, basis, hull);
         let imaginary_unit = imaginary_unit.filter(|ImaginaryUnit { matrix, .. }| is_traceless(matrix));
         // of what no multiple changes, only a symmetric form of this block leaves open the sign
-        let is_reflected = form.is_some_and(|Form { matrix, .. }| {
+        let is_reflected = form.is_some_and(|InvariantForm { matrix, .. }| {
             let of_block = unit.times(matrix);
             of_block == matrix.times(&unit) && of_block == of_block.transpose()
         });
@@ -123,9 +132,9 @@ impl Determinant {
 impl ImaginaryUnit {
     /// The one that commutes with these rows of all matrices of a basis and is zero elsewhere, if elements of the group may be multiplied by it;
     /// none if there is none, or more. Multiples of 1 on these rows are in the hull.
-    fn of(rows: &[usize], basis: &[Exact], hull: &Hull) -> Option<Self> {
+    fn of(rows: &[usize], basis: &[RationalMatrix], hull: &AssociativeEnvelope) -> Option<Self> {
         let (n, size) = (basis[0].rows, rows.len());
-        let mut blocks = Exact::from_fn(hull.rows.len(), size * size, |r, k| {
+        let mut blocks = RationalMatrix::from_fn(hull.rows.len(), size * size, |r, k| {
             hull.rows[r].1[rows[k / size] * n + rows[k % size]]
         });
         let count = blocks.reduce().len();
@@ -133,43 +142,45 @@ impl ImaginaryUnit {
         if size % 2 != 0 || 2 * count > size * size {
             return None;
         }
-        let element = |r: usize| Exact { rows: size, columns: size, entries: blocks.row(r).to_vec() };
-        let elements: Vec<Exact> = (0..count).map(element).collect();
-        let block = |e: &Exact| Exact::from_fn(size, size, |i, j| e.at(rows[i], rows[j]));
-        let of_basis: Vec<Exact> = basis.iter().map(block).collect();
+        let element =
+            |r: usize| RationalMatrix { rows: size, columns: size, entries: blocks.row(r).to_vec() };
+        let elements: Vec<RationalMatrix> = (0..count).map(element).collect();
+        let block = |e: &RationalMatrix| RationalMatrix::from_fn(size, size, |i, j| e.at(rows[i], rows[j]));
+        let of_basis: Vec<RationalMatrix> = basis.iter().map(block).collect();
         let commutators =
-            |element: &Exact| of_basis.iter().flat_map(|e| element.commutator(e).entries).collect();
-        let centre = Exact::from_columns(&elements.iter().map(commutators).collect::<Vec<_>>()).kernel();
+            |element: &RationalMatrix| of_basis.iter().flat_map(|e| element.commutator(e).entries).collect();
+        let centre =
+            RationalMatrix::from_columns(&elements.iter().map(commutators).collect::<Vec<_>>()).kernel();
         // 1 and the unit, or a sum of both
         let [first, second] = centre.as_slice() else { return None };
-        let without_trace = |solution: &Vec<Fraction>| {
+        let without_trace = |solution: &Vec<Rational>| {
             let terms = elements.iter().zip(solution);
-            let element =
-                terms.fold(Exact::zero(size, size), |sum, (element, &factor)| sum.plus(element, factor));
+            let element = terms
+                .fold(RationalMatrix::zero(size, size), |sum, (element, &factor)| sum.plus(element, factor));
             let share = element.trace() / (size as i128).into();
-            element.plus(&Exact::identity(size), -share)
+            element.plus(&RationalMatrix::identity(size), -share)
         };
         let multiple = [first, second].map(without_trace).into_iter().find(|element| !element.is_zero())?;
         let root = (-multiple.times(&multiple).at(0, 0)).square_root()?;
-        let unit = Exact::zero(size, size).plus(&multiple, Fraction::one() / root);
-        if !unit.times(&unit).plus(&Exact::identity(size), Fraction::one()).is_zero() {
+        let unit = RationalMatrix::zero(size, size).plus(&multiple, Rational::one() / root);
+        if !unit.times(&unit).plus(&RationalMatrix::identity(size), Rational::one()).is_zero() {
             return None;
         }
-        let mut columns: Vec<Vec<Fraction>> = Vec::new();
+        let mut columns: Vec<Vec<Rational>> = Vec::new();
         for k in 0..size {
             let mut more = columns.clone();
-            more.extend([Exact::identity(size).column(k), unit.column(k)]);
-            if Exact::from_columns(&more).independent_columns().len() == more.len() {
+            more.extend([RationalMatrix::identity(size).column(k), unit.column(k)]);
+            if RationalMatrix::from_columns(&more).independent_columns().len() == more.len() {
                 columns = more;
             }
         }
         let place = |i: usize| rows.iter().position(|&row| row == i);
-        let matrix = Exact::from_fn(n, n, |i, j| match (place(i), place(j)) {
+        let matrix = RationalMatrix::from_fn(n, n, |i, j| match (place(i), place(j)) {
             (Some(i), Some(j)) => unit.at(i, j),
-            _ => Fraction::zero(),
+            _ => Rational::zero(),
         });
-        let basis = Exact::from_columns(&columns);
-        let inverse = basis.inverse().filter(Exact::is_known)?;
+        let basis = RationalMatrix::from_columns(&columns);
+        let inverse = basis.inverse().filter(RationalMatrix::is_exact)?;
         Some(Self { matrix, basis, inverse })
     }
 }

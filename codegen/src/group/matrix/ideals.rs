@@ -8,15 +8,16 @@
 use super::algebra::{Algebra, image};
 use super::powers::LinearMatrix;
 use crate::expr::Vector;
-use crate::group::exact::{Exact, Fraction};
+use crate::group::consecutive;
+use crate::group::exact::{Rational, RationalMatrix};
 
 /// An ideal with coordinates of its own.
 #[derive(Clone, Debug)]
 pub(super) struct Ideal {
     /// The coordinates of an element's part in it.
-    coordinates: Exact,
+    coordinates: RationalMatrix,
     /// The coordinates in the whole of its basis, as columns.
-    vectors: Exact,
+    vectors: RationalMatrix,
     /// `ad_x`, of its elements on itself.
     adjoint: LinearMatrix,
     /// `X`
@@ -26,11 +27,11 @@ pub(super) struct Ideal {
 impl Ideal {
     /// Those of an algebra: itself where power series are finite sums, or where there are no others.
     pub(super) fn all(algebra: &Algebra, terms: usize) -> Vec<Self> {
-        let whole = Exact::identity(algebra.dimension());
+        let whole = RationalMatrix::identity(algebra.dimension());
         let adjoint = algebra.adjoint();
-        let new = |vectors: Exact, coordinates: Exact| {
-            let on_itself = |matrix: &Exact| coordinates.times(matrix).times(&vectors);
-            let along = |matrices: &[Exact]| -> Vec<Exact> {
+        let new = |vectors: RationalMatrix, coordinates: RationalMatrix| {
+            let on_itself = |matrix: &RationalMatrix| coordinates.times(matrix).times(&vectors);
+            let along = |matrices: &[RationalMatrix]| -> Vec<RationalMatrix> {
                 (0..vectors.columns).map(|j| combined(matrices, &vectors.column(j))).collect()
             };
             let adjoint = along(&adjoint).iter().map(on_itself).collect();
@@ -39,17 +40,15 @@ impl Ideal {
         };
         let itself = new(whole.clone(), whole.clone());
         let parts = if itself.is_closed() { Vec::new() } else { split(&adjoint) };
-        let all: Vec<Vec<Fraction>> = parts.concat();
-        let Some(inverse) = Exact::from_columns(&all).inverse().filter(|_| parts.len() > 1) else {
+        let all: Vec<Vec<Rational>> = parts.concat();
+        let Some(inverse) = RationalMatrix::from_columns(&all).inverse().filter(|_| parts.len() > 1) else {
             return vec![itself];
         };
-        let mut from = 0;
-        let ideals = parts.iter().map(|part| {
-            let rows = from..from + part.len();
-            from = rows.end;
+        let rows = consecutive(parts.iter().map(Vec::len));
+        let ideals = parts.iter().zip(rows).map(|(part, rows)| {
             let coordinates =
-                Exact::from_fn(part.len(), inverse.columns, |i, j| inverse.at(rows.start + i, j));
-            new(Exact::from_columns(part), coordinates)
+                RationalMatrix::from_fn(part.len(), inverse.columns, |i, j| inverse.at(rows.start + i, j));
+            new(RationalMatrix::from_columns(part), coordinates)
         });
         ideals.collect()
     }
@@ -65,8 +64,8 @@ impl Ideal {
         self.adjoint.is_closed() && self.matrix.is_closed()
     }
 
-    pub(super) fn is_known(&self) -> bool {
-        self.coordinates.is_known() && self.adjoint.is_known() && self.matrix.is_known()
+    pub(super) fn is_exact(&self) -> bool {
+        self.coordinates.is_exact() && self.adjoint.is_exact() && self.matrix.is_exact()
     }
 
     /// `exp(X) v`, of the part of `x` in it.
@@ -102,29 +101,30 @@ impl Ideal {
 }
 
 /// `Σ xᵢ Aᵢ`
-fn combined(matrices: &[Exact], x: &[Fraction]) -> Exact {
-    let zero = Exact::zero(matrices[0].rows, matrices[0].columns);
+fn combined(matrices: &[RationalMatrix], x: &[Rational]) -> RationalMatrix {
+    let zero = RationalMatrix::zero(matrices[0].rows, matrices[0].columns);
     matrices.iter().zip(x).filter(|(_, x)| !x.is_zero()).fold(zero, |sum, (matrix, x)| sum.plus(matrix, *x))
 }
 
 /// Bases of ideals that make up the algebra with these `ad`, as small as eigenvalues in fractions tell them.
-fn split(adjoint: &[Exact]) -> Vec<Vec<Vec<Fraction>>> {
+fn split(adjoint: &[RationalMatrix]) -> Vec<Vec<Vec<Rational>>> {
     let d = adjoint.len();
-    let whole = || (0..d).map(|i| Exact::identity(d).column(i)).collect();
+    let whole = || (0..d).map(|i| RationalMatrix::identity(d).column(i)).collect();
     for map in centroid(adjoint) {
         let spaces = eigenspaces(&map);
-        let all: Vec<Vec<Fraction>> = spaces.concat();
-        let inverse = Exact::from_columns(&all).inverse().filter(Exact::is_known);
+        let all: Vec<Vec<Rational>> = spaces.concat();
+        let inverse = RationalMatrix::from_columns(&all).inverse().filter(RationalMatrix::is_exact);
         let Some(inverse) = inverse.filter(|_| spaces.len() > 1) else { continue };
         let mut from = 0;
         let mut ideals = Vec::new();
         for space in spaces {
-            let vectors = Exact::from_columns(&space);
-            let coordinates = Exact::from_fn(space.len(), d, |i, j| inverse.at(from + i, j));
+            let vectors = RationalMatrix::from_columns(&space);
+            let coordinates = RationalMatrix::from_fn(space.len(), d, |i, j| inverse.at(from + i, j));
             from += space.len();
-            let of = |vector: &Vec<Fraction>| coordinates.times(&combined(adjoint, vector)).times(&vectors);
-            let own: Vec<Exact> = space.iter().map(of).collect();
-            let in_the_whole = |part: Vec<Fraction>| vectors.times(&Exact::from_columns(&[part])).entries;
+            let of = |vector: &Vec<Rational>| coordinates.times(&combined(adjoint, vector)).times(&vectors);
+            let own: Vec<RationalMatrix> = space.iter().map(of).collect();
+            let in_the_whole =
+                |part: Vec<Rational>| vectors.times(&RationalMatrix::from_columns(&[part])).entries;
             ideals.extend(split(&own).into_iter().map(|ideal| ideal.into_iter().map(in_the_whole).collect()));
         }
         return ideals;
@@ -133,34 +133,34 @@ fn split(adjoint: &[Exact]) -> Vec<Vec<Vec<Fraction>>> {
 }
 
 /// A basis of the maps `φ` with `φ ad_x = ad_x φ`.
-fn centroid(adjoint: &[Exact]) -> Vec<Exact> {
+fn centroid(adjoint: &[RationalMatrix]) -> Vec<RationalMatrix> {
     let d = adjoint.len();
-    let unit = |k: usize| Exact::from_fn(d, d, |i, j| Fraction::from(i128::from(i * d + j == k)));
+    let unit = |k: usize| RationalMatrix::from_fn(d, d, |i, j| Rational::from(i128::from(i * d + j == k)));
     let all = (0..d * d).map(unit).collect();
     // of the maps that commute with those before, what commutes with this one too
-    adjoint.iter().fold(all, |maps: Vec<Exact>, ad| {
+    adjoint.iter().fold(all, |maps: Vec<RationalMatrix>, ad| {
         let columns: Vec<_> = maps.iter().map(|map| map.commutator(ad).entries).collect();
-        let kernel = Exact::from_columns(&columns).kernel();
+        let kernel = RationalMatrix::from_columns(&columns).kernel();
         kernel.iter().map(|coefficients| combined(&maps, coefficients)).collect()
     })
 }
 
 /// Bases of the generalized eigenspaces of the eigenvalues that are small whole numbers or their quotients, and of what all others make up.
-fn eigenspaces(map: &Exact) -> Vec<Vec<Vec<Fraction>>> {
+fn eigenspaces(map: &RationalMatrix) -> Vec<Vec<Vec<Rational>>> {
     const LARGEST: i128 = 4;
     let d = map.rows;
     let fractions =
-        (1..=LARGEST).flat_map(|q| (-LARGEST * q..=LARGEST * q).map(move |p| Fraction::new(p, q)));
-    let mut values: Vec<Fraction> = Vec::new();
+        (1..=LARGEST).flat_map(|q| (-LARGEST * q..=LARGEST * q).map(move |p| Rational::new(p, q)));
+    let mut values: Vec<Rational> = Vec::new();
     for value in fractions {
         if !values.contains(&value) {
             values.push(value);
         }
     }
-    let mut others = Exact::identity(d);
+    let mut others = RationalMatrix::identity(d);
     let mut spaces = Vec::new();
     for value in values {
-        let shifted = map.plus(&Exact::identity(d), -value);
+        let shifted = map.plus(&RationalMatrix::identity(d), -value);
         let mut power = shifted.clone();
         if power.kernel().is_empty() {
             continue;
@@ -171,6 +171,6 @@ fn eigenspaces(map: &Exact) -> Vec<Vec<Vec<Fraction>>> {
     }
     // Fitting's lemma: the image of these powers is the sum of the eigenspaces that were not found
     spaces.push(others.independent_columns().into_iter().map(|j| others.column(j)).collect());
-    spaces.retain(|space: &Vec<Vec<Fraction>>| !space.is_empty());
+    spaces.retain(|space: &Vec<Vec<Rational>>| !space.is_empty());
     spaces
 }

@@ -3,13 +3,13 @@
 //! With linearly independent matrices `E₁ … E_d` of exact numbers, closed under the commutator, everything that a step needs follows:
 //!
 //! * [`Algebra`]: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra, `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
-//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`Hull`], not from storage.
+//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`AssociativeEnvelope`], not from storage.
 //! * `exp x` and `dR exp_x = φ₁(ad_x)`, [ideal](Ideal) by ideal, where `X` and `ad_x` are annihilated by a polynomial `λᵃ (λ² + z)^q` with `z` quadratic
 //!   in `x`: then their power series are finite sums with Stumpff functions of `z`. Otherwise the series are summed up to the rounding of a double
 //!   within [a ball](RADIUS) about zero.
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
-//! * Most groups keep a [form](Form), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
+//! * Most groups keep a [form](InvariantForm), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
 //!   away, and one of `det g = 1`, of blocks of rows, where that does not
 //!   follow from it.
 
@@ -32,12 +32,12 @@ use std::sync::{Arc, OnceLock};
 use num_rational::Ratio;
 
 use super::calculus::transposed;
-use super::{Group, MatrixFunction, Moved, Representation, Retraction, Side};
+use super::{Group, GroupNames, MatrixFunction, Moved, Representation, Retraction, Side};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::quantity::Kind;
 use algebra::{Algebra, symbolic};
 use cayley::Cayley;
-use constraints::{Form, Hull};
+use constraints::{AssociativeEnvelope, InvariantForm};
 use determinants::Determinant;
 use ideals::Ideal;
 use powers::{FEW_TERMS, LinearMatrix};
@@ -54,15 +54,11 @@ const LARGEST_SUMMED: usize = 10;
 /// A group of matrices.
 #[derive(Clone)]
 pub struct MatrixGroup {
-    name: &'static str,
-    coordinates: &'static [&'static str],
-    axes: &'static [&'static str],
-    blocks: Vec<usize>,
-    parts: &'static [&'static str],
+    names: GroupNames,
     algebra: Algebra,
     ideals: Vec<Ideal>,
-    hull: Hull,
-    form: Option<Form>,
+    hull: AssociativeEnvelope,
+    form: Option<InvariantForm>,
     /// Those of blocks that are 1 for all elements.
     determinants: Vec<Determinant>,
     has_cayley: bool,
@@ -75,7 +71,7 @@ pub struct MatrixGroup {
 
 impl std::fmt::Debug for MatrixGroup {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("MatrixGroup").field("name", &self.name).finish_non_exhaustive()
+        f.debug_struct("MatrixGroup").field("name", &self.names.name).finish_non_exhaustive()
     }
 }
 
@@ -99,20 +95,29 @@ impl MatrixGroup {
         let size = basis.size();
         basis::bounded(basis.dimension(), size)?;
         let algebra = Algebra::new(basis.matrices.clone())?;
-        let (hull, form) = (Hull::of(&algebra.basis), Form::of(&algebra.basis));
+        let (hull, form) = (AssociativeEnvelope::of(&algebra.basis), InvariantForm::of(&algebra.basis));
         let ideals = Ideal::all(&algebra, terms);
-        let is_known =
-            hull.is_known() && form.as_ref().is_none_or(Form::is_known) && ideals.iter().all(Ideal::is_known);
-        if !is_known {
+        let is_exact = hull.is_exact()
+            && form.as_ref().is_none_or(InvariantForm::is_exact)
+            && ideals.iter().all(Ideal::is_exact);
+        if !is_exact {
             return Err(BasisError::TooLarge);
         }
-        let group = Self {
-            // names live as long as the groups that they are of, which is as long as the process
+        // names live as long as the groups that they are of, which is as long as the process
+        let names = GroupNames {
             name: name.to_owned().leak(),
+            conventions: "element: matrix from body to space coordinates; momentum and velocity: coordinates with respect to the basis",
+            configuration: "element",
+            kind: Kind::Matrix(size, size),
             coordinates: leaked((0..size * size).map(|k| entry_name(k / size, k % size))),
+            unit_coordinates: 0,
             axes: leaked(basis.axes.iter().cloned()),
-            blocks: basis.blocks.clone(),
+            blocks: basis.blocks.clone().leak(),
             parts: leaked(basis.parts.iter().cloned()),
+            components: &[],
+        };
+        let group = Self {
+            names,
             determinants: Determinant::all(&algebra.basis, &hull, form.as_ref()),
             has_cayley: algebra.has_cayley(),
             cayley: Arc::new(Cayley::new(&algebra, form.as_ref())),
@@ -209,44 +214,12 @@ fn leaked(names: impl Iterator<Item = String>) -> &'static [&'static str] {
 }
 
 impl Group for MatrixGroup {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn conventions(&self) -> &'static str {
-        "element: matrix from body to space coordinates; momentum and velocity: coordinates with respect to the basis"
-    }
-
-    fn configuration_name(&self) -> &'static str {
-        "element"
-    }
-
-    fn configuration_kind(&self) -> Kind {
-        Kind::Matrix(self.size(), self.size())
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.coordinates
-    }
-
-    fn dimension(&self) -> usize {
-        self.algebra.dimension()
-    }
-
-    fn blocks(&self) -> Vec<usize> {
-        self.blocks.clone()
-    }
-
-    fn parts(&self) -> &'static [&'static str] {
-        self.parts
+    fn names(&self) -> &GroupNames {
+        &self.names
     }
 
     fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
         self.algebra.echelon()
-    }
-
-    fn axes(&self) -> &'static [&'static str] {
-        self.axes
     }
 
     fn bracket<'a>(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
@@ -368,8 +341,8 @@ impl Group for MatrixGroup {
 
     fn basis(&self) -> Option<Basis> {
         let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
-        let (axes, parts) = (owned(self.axes), owned(self.parts));
-        Some(Basis { axes, matrices: self.algebra.basis.clone(), blocks: self.blocks.clone(), parts })
+        let (axes, parts) = (owned(self.names.axes), owned(self.names.parts));
+        Some(Basis { axes, matrices: self.algebra.basis.clone(), blocks: self.blocks(), parts })
     }
 
     fn coarse(&self) -> Option<&'static dyn Group> {

@@ -2,7 +2,7 @@
 
 use super::algebra::{combination, number};
 use crate::expr::{Expr, Matrix, Number, Vector};
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 
 /// So many powers of a matrix of Frobenius norm 3/2, over their factorials, leave out less than half an ulp of a double's sum.
 pub(in crate::group) const TERMS: usize = 20;
@@ -14,7 +14,7 @@ const MULTIPLICITY: usize = 4;
 /// `A(x) = Σ xᵢ Aᵢ`, and how its power series are summed.
 #[derive(Clone, Debug)]
 pub(super) struct LinearMatrix {
-    matrices: Vec<Exact>,
+    matrices: Vec<RationalMatrix>,
     powers: Powers,
 }
 
@@ -28,7 +28,7 @@ enum Powers {
 }
 
 impl LinearMatrix {
-    pub(super) fn new(matrices: Vec<Exact>, terms: usize) -> Self {
+    pub(super) fn new(matrices: Vec<RationalMatrix>, terms: usize) -> Self {
         let powers = Annihilator::of(&matrices).map_or(Powers::Series(terms), Powers::Closed);
         Self { matrices, powers }
     }
@@ -83,18 +83,18 @@ impl LinearMatrix {
     }
 
     /// `tr AᵢᵀA_j`
-    fn frobenius(&self) -> Exact {
+    fn frobenius(&self) -> RationalMatrix {
         let d = self.matrices.len();
-        Exact::from_fn(d, d, |i, j| self.matrices[i].transpose().times(&self.matrices[j]).trace())
+        RationalMatrix::from_fn(d, d, |i, j| self.matrices[i].transpose().times(&self.matrices[j]).trace())
     }
 
     /// Whether no number has grown too large.
-    pub(super) fn is_known(&self) -> bool {
+    pub(super) fn is_exact(&self) -> bool {
         let quadratic = match &self.powers {
-            Powers::Closed(Annihilator { quadratic: Some(quadratic), .. }) => quadratic.is_known(),
+            Powers::Closed(Annihilator { quadratic: Some(quadratic), .. }) => quadratic.is_exact(),
             _ => true,
         };
-        quadratic && self.frobenius().is_known()
+        quadratic && self.frobenius().is_exact()
     }
 }
 
@@ -106,23 +106,24 @@ struct Annihilator {
     /// `q`
     multiplicity: usize,
     /// `z = Σ z_ij xᵢ x_j`
-    quadratic: Option<Exact>,
+    quadratic: Option<RationalMatrix>,
 }
 
 impl Annihilator {
     /// Of `Σ xᵢ Eᵢ`; none if there is none of this kind. With `m` eigenvalues `±√−z`, `tr X² = −m z`.
-    fn of(matrices: &[Exact]) -> Option<Self> {
+    fn of(matrices: &[RationalMatrix]) -> Option<Self> {
         /// Points at which a polynomial that is not zero is not zero either: as good as any.
         const POINTS: [[i128; 5]; 2] = [[3, -7, 11, 2, -5], [-1, 4, 9, -13, 6]];
         let n = matrices[0].rows;
         let at = |point: &[i128; 5]| {
-            matrices.iter().enumerate().fold(Exact::zero(n, n), |sum, (i, e)| {
-                sum.plus(e, Fraction::from(point[i % 5] + 17 * (i / 5) as i128))
+            matrices.iter().enumerate().fold(RationalMatrix::zero(n, n), |sum, (i, e)| {
+                sum.plus(e, Rational::from(point[i % 5] + 17 * (i / 5) as i128))
             })
         };
         // what annihilates a vector like any other annihilates all of them
-        let vector =
-            Exact::from_fn(n, 1, |i, _| Fraction::from([2, -3, 5, 7, -11][i % 5] + 13 * (i / 5) as i128));
+        let vector = RationalMatrix::from_fn(n, 1, |i, _| {
+            Rational::from([2, -3, 5, 7, -11][i % 5] + 13 * (i / 5) as i128)
+        });
         let points = POINTS.map(|point| at(&point));
         let powers = points.each_ref().map(|x| {
             let mut powers = vec![vector.clone()];
@@ -135,8 +136,8 @@ impl Annihilator {
         let traces = points.each_ref().map(|x| x.times(x).trace());
         let is_annihilated = |&(a, m, q): &(usize, usize, usize)| {
             points.iter().zip(&traces).zip(&powers).all(|((x, trace), powers)| {
-                let z = -*trace / Fraction::from(m as i128);
-                let factor = |v: &Exact| x.times(&x.times(v)).plus(v, z);
+                let z = -*trace / Rational::from(m as i128);
+                let factor = |v: &RationalMatrix| x.times(&x.times(v)).plus(v, z);
                 (0..q).fold(powers[a].clone(), |v, _| factor(&v)).is_zero()
             })
         };
@@ -144,8 +145,9 @@ impl Annihilator {
         let mut kinds = kinds.flat_map(|(q, a)| (1..=n).map(move |m| (a, m, q)));
         let (power, m, multiplicity) = kinds.find(is_annihilated)?;
         let d = matrices.len();
-        let quadratic =
-            Exact::from_fn(d, d, |i, j| -matrices[i].times(&matrices[j]).trace() / Fraction::from(m as i128));
+        let quadratic = RationalMatrix::from_fn(d, d, |i, j| {
+            -matrices[i].times(&matrices[j]).trace() / Rational::from(m as i128)
+        });
         Some(Self { power, multiplicity, quadratic: Some(quadratic) })
     }
 
@@ -186,7 +188,7 @@ impl Annihilator {
 
     /// Whether `z` is never negative.
     fn is_elliptic(&self) -> bool {
-        self.quadratic.as_ref().is_none_or(Exact::is_positive_semidefinite)
+        self.quadratic.as_ref().is_none_or(RationalMatrix::is_positive_semidefinite)
     }
 }
 
@@ -228,7 +230,7 @@ fn reciprocal_factorial(k: u32) -> Number {
 }
 
 /// `Σ q_ij xᵢ x_j`
-fn quadratic<'a>(form: &Exact, x: &Vector<'a>) -> Expr<'a> {
+fn quadratic<'a>(form: &RationalMatrix, x: &Vector<'a>) -> Expr<'a> {
     let terms = (0..x.len()).flat_map(|i| (0..x.len()).map(move |j| (i, j)));
     let terms = terms.map(|(i, j)| (x.0[i] * x.0[j]).scale(number(form.at(i, j))));
     terms.fold(x.0[0].arena().zero(), |sum, term| sum + term)

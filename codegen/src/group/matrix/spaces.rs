@@ -2,11 +2,11 @@
 
 use super::algebra::Algebra;
 use super::basis::bounded;
-use super::constraints::Form;
+use super::constraints::InvariantForm;
 use super::powers::{FEW_TERMS, LinearMatrix, TERMS};
 use super::{Basis, RADIUS, leaked};
 use crate::expr::{Expr, Matrix, Number, Vector};
-use crate::group::exact::{Exact, Fraction};
+use crate::group::exact::{Rational, RationalMatrix};
 use crate::group::{MatrixFunction, Representation, Retraction, Translation};
 
 /// Why matrices are no representation.
@@ -27,7 +27,7 @@ pub enum LinearError {
 pub struct Linear {
     name: &'static str,
     coordinates: &'static [&'static str],
-    matrices: Vec<Exact>,
+    matrices: Vec<RationalMatrix>,
     rho: LinearMatrix,
     has_cayley: bool,
     /// Whether Cayley's map is regular everywhere.
@@ -62,8 +62,8 @@ impl Linear {
         for i in 0..matrices.len() {
             for j in 0..i {
                 let constants = algebra.structure.bracket(j, i).iter();
-                let bracket = constants.fold(Exact::zero(rho.size(), rho.size()), |sum, (k, c)| {
-                    sum.plus(&matrices[*k], Fraction::new((*c.numer()).into(), (*c.denom()).into()))
+                let bracket = constants.fold(RationalMatrix::zero(rho.size(), rho.size()), |sum, (k, c)| {
+                    sum.plus(&matrices[*k], Rational::from(*c))
                 });
                 if matrices[j].commutator(&matrices[i]) != bracket {
                     return Err(LinearError::NoRepresentation(j, i));
@@ -74,18 +74,23 @@ impl Linear {
         let both = basis.matrices.iter().zip(matrices).map(|(e, rho)| e.beside(rho)).collect();
         let has_cayley = Algebra::new(both).is_ok_and(|graph| graph.has_cayley());
         let space = Self::new("matrices", matrices.clone(), has_cayley, TERMS);
-        if space.rho.is_known() { Ok(space) } else { Err(LinearError::TooLarge) }
+        if space.rho.is_exact() { Ok(space) } else { Err(LinearError::TooLarge) }
     }
 
-    fn new(name: &'static str, matrices: Vec<Exact>, has_cayley: bool, terms: usize) -> &'static Self {
+    fn new(
+        name: &'static str,
+        matrices: Vec<RationalMatrix>,
+        has_cayley: bool,
+        terms: usize,
+    ) -> &'static Self {
         let rho = LinearMatrix::new(matrices.clone(), terms);
-        let is_definite = Form::of(&matrices).is_some_and(|form| form.is_definite);
+        let is_definite = InvariantForm::of(&matrices).is_some_and(|form| form.is_definite);
         Self::with(name, matrices, (rho, terms), has_cayley, is_definite)
     }
 
     fn with(
         name: &'static str,
-        matrices: Vec<Exact>,
+        matrices: Vec<RationalMatrix>,
         (rho, terms): (LinearMatrix, usize),
         has_cayley: bool,
         is_definite: bool,
@@ -174,8 +179,8 @@ impl Representation for Linear {
     }
 
     fn dual(&self) -> Option<&'static dyn Representation> {
-        let negative = |matrix: &Exact| {
-            Exact::zero(matrix.rows, matrix.rows).plus(&matrix.transpose(), -Fraction::one())
+        let negative = |matrix: &RationalMatrix| {
+            RationalMatrix::zero(matrix.rows, matrix.rows).plus(&matrix.transpose(), -Rational::one())
         };
         let matrices = self.matrices.iter().map(negative).collect();
         let name = match self.name.strip_prefix("dual(").and_then(|name| name.strip_suffix(')')) {

@@ -124,7 +124,7 @@ impl<'a> Element<'a> {
 
     /// A field, or what a method without arguments returns.
     pub(in crate::language) fn component(&self, name: &str, called: bool) -> Option<Value<'a>> {
-        let mut components = self.group.components().iter();
+        let mut components = self.group.names().components.iter();
         let component = components.find(|component| component.name == name && component.called == called)?;
         Some(Value::of_component((component.of)(&self.coordinates)))
     }
@@ -132,7 +132,7 @@ impl<'a> Element<'a> {
     /// Says that there is no such field, and which there are.
     pub(in crate::language) fn no_component(&self, name: &str) -> String {
         let group = self.group.name();
-        let components = || self.group.components().iter();
+        let components = || self.group.names().components.iter();
         if components().any(|component| component.called && component.name == name) {
             return format!("`{name}` is a method: write `.{name}()`");
         }

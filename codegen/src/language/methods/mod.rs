@@ -177,7 +177,7 @@ impl<'a> Lowering<'a, '_> {
         }
         let mut names: Vec<&str> = methods.iter().map(|known| known.name).collect();
         if let Value::Element(element) = receiver {
-            let components = element.group.components().iter();
+            let components = element.group.names().components.iter();
             names.extend(components.filter(|component| component.called).map(|component| component.name));
         }
         let what = receiver.describe();

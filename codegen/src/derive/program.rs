@@ -1,8 +1,7 @@
 //! From a system to its program: every function that is emitted is derived here.
 
-use crate::derivatives::Derivatives;
+use super::geometry;
 use crate::expr::{Arena, Expr, Stage, Symbol, Vector};
-use crate::geometry;
 use crate::group::{Retraction, Side};
 use crate::identifiers::plain;
 use crate::kernel::{self, Inputs};
@@ -14,9 +13,10 @@ use crate::program::{
     SystemRole, Transform,
 };
 use crate::quantity::{Kind, Role, Shape};
+use crate::scheme::Derivatives;
 use crate::scheme::Scheme;
 
-/// What is computed for a system, but for its steps, which are made with these retractions.
+/// Derives a system's program, but for its steps. Its states are displaced along these retractions.
 pub(crate) fn program<'a>(arena: &'a Arena, system: &System<'a>, retractions: &[Retraction]) -> Program {
     let functions = [energies(arena, system), inertias(arena, system), geometry(arena, system, retractions)];
     Program {
@@ -138,7 +138,7 @@ fn conventions(system: &System<'_>) -> Vec<String> {
     let mut conventions: Vec<String> = Vec::new();
     for factor in &system.group.factors {
         let group = factor.group;
-        let line = format!("Conventions of {}: {}.", group.name(), group.conventions());
+        let line = format!("Conventions of {}: {}.", group.name(), group.names().conventions);
         if !conventions.contains(&line) {
             conventions.push(line);
         }
@@ -243,7 +243,7 @@ fn spatial_momentum<'a>(system: &System<'a>) -> Vector<'a> {
     }
 }
 
-/// What shows that inertias are positive definite.
+/// The pivots, which are positive where inertias are definite.
 fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>> {
     let pivots = |(place, inertia): (usize, &InertiaField<'a>)| {
         let inputs = Inputs::default().with(Input::Parameters, system.parameter_symbols());
@@ -252,8 +252,8 @@ fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>
     system.inertias.iter().enumerate().map(pivots).collect()
 }
 
-/// The geometry of the states. They are displaced along these retractions: where there are no steps with one, any local coordinates are as
-/// good as its own.
+/// The geometry of the states. They are displaced along these retractions; along any other one by the exponential, for local coordinates are
+/// as good as others where there are no steps with the map.
 fn geometry<'a>(
     arena: &'a Arena,
     system: &System<'a>,

@@ -30,7 +30,7 @@ pub struct Names {
     pub private: TokenStream,
     /// Constants of the user's own code that stand behind the parameters.
     pub constants: Vec<TokenStream>,
-    /// What the user calls parameters, parts of the state and controls, at the user's tokens.
+    /// The user's names for parameters, parts of the state and controls, at the user's tokens.
     pub identifiers: BTreeMap<String, Ident>,
 }
 
@@ -61,7 +61,7 @@ impl Names {
         }
     }
 
-    /// What the user calls a parameter, a part of the state or a control; of an element of an array the array.
+    /// The user's name for a parameter, a part of the state or a control; of an element of an array the array.
     pub(super) fn of(&self, quantity: &Quantity) -> Ident {
         let known = self.identifiers.get(quantity.field()).cloned();
         known.unwrap_or_else(|| format_ident!("{}", quantity.field()))

@@ -156,7 +156,7 @@ impl Maps<'_> {
         }
     }
 
-    /// What all matrices make use of.
+    /// The derivative with respect to the unknown.
     fn through(&self, function: &Function<DerivativeRole>) -> TokenStream {
         let ty = self.through_type();
         let (body, columns) = (body(&self.module.values, function), arrays(&self.module.values, function));

@@ -3,8 +3,8 @@
 mod advected;
 pub(crate) mod groups;
 mod inertia;
+mod resolver;
 mod rules;
-mod subject;
 
 use std::ops::Range;
 
@@ -23,7 +23,7 @@ use crate::quantity::ScalarType;
 /// What is in error, which was reported, is left out, and [`is_sound`](Self::is_sound) says so; the expressions are there all the same, for the
 /// sake of problems in them.
 pub struct Description<'d> {
-    /// What the user calls the system.
+    /// The user's name for the system.
     pub name: String,
     /// The numbers that it is made of.
     pub scalar: ScalarType,
@@ -33,13 +33,13 @@ pub struct Description<'d> {
     pub factors: Vec<Factor>,
     /// The advected parameters, in the order declared.
     pub advected: Vec<Advected<'d>>,
-    /// What is given from outside.
+    /// The controls.
     pub controls: &'d [parse::Control],
     /// The fields marked `#[inertia]`.
     pub inertias: Vec<Inertia>,
     /// The energies.
     pub energies: &'d [(EnergyKey, syn::Expr)],
-    /// What acts on momenta beside the energy.
+    /// The forces on momenta.
     pub forces: Vec<Force<'d>>,
     /// Where momentum and velocity are taken.
     pub side: Side,
@@ -54,9 +54,9 @@ pub struct Description<'d> {
 
 /// A factor of the configuration's group; each element of an array is one.
 pub struct Factor {
-    /// What the configuration is called.
+    /// The configuration's name.
     pub name: Name,
-    /// What the momentum is called: `momentum` where there is only one group, `attitude_momentum` for a factor `attitude`.
+    /// The momentum's name: `momentum` where there is only one group, `attitude_momentum` for a factor `attitude`.
     pub momentum_name: Name,
     /// The group.
     pub group: &'static dyn Group,
@@ -78,7 +78,7 @@ pub struct Advected<'d> {
 pub struct Inertia {
     /// The field.
     pub field: usize,
-    /// What it is called: the field, or an element of it.
+    /// Its name: the field, or an element of it.
     pub name: Name,
     /// How it is given.
     pub shape: InertiaShape,
@@ -100,9 +100,9 @@ pub enum InertiaShape {
 
 /// A force.
 pub struct Force<'d> {
-    /// What it acts on; `None` if there is no such factor.
+    /// The factors that it acts on; `None` if there are none of the name.
     pub factors: Option<Factors>,
-    /// What it is.
+    /// Its value.
     pub value: &'d syn::Expr,
 }
 
@@ -144,21 +144,21 @@ pub fn resolve<'d>(
     diagnostics: &mut Diagnostics,
 ) -> Description<'d> {
     let before = diagnostics.len();
-    let subject = subject::Subject::new(attribute, item, diagnostics);
-    subject.check_energy(diagnostics);
-    let inertias = subject.inertias(diagnostics);
-    let advected = subject.advected(diagnostics);
-    subject.check_retractions(&advected, diagnostics);
-    subject.check_names(&advected, diagnostics);
-    let forces = subject.forces(diagnostics);
-    subject.check_scalars(diagnostics);
-    subject.check_units(&advected, diagnostics);
-    let unknown = subject.unknown_names(&advected);
+    let resolver = resolver::Resolver::new(attribute, item, diagnostics);
+    resolver.check_energy(diagnostics);
+    let inertias = resolver.inertias(diagnostics);
+    let advected = resolver.advected(diagnostics);
+    resolver.check_retractions(&advected, diagnostics);
+    resolver.check_names(&advected, diagnostics);
+    let forces = resolver.forces(diagnostics);
+    resolver.check_scalars(diagnostics);
+    resolver.check_units(&advected, diagnostics);
+    let unknown = resolver.unknown_names(&advected);
     Description {
         name: plain(&item.name),
         scalar: item.scalar(),
         parameters: &item.fields,
-        factors: subject.into_factors(),
+        factors: resolver.into_factors(),
         advected,
         controls: &attribute.controls,
         inertias,
@@ -172,7 +172,7 @@ pub fn resolve<'d>(
     }
 }
 
-/// What a factor's momentum is called.
+/// The name of a factor's momentum.
 fn momentum_name(factor: Option<&Ident>) -> Ident {
     match factor {
         Some(name) => format_ident!("{}_momentum", name.unraw(), span = name.span()),

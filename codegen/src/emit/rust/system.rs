@@ -152,7 +152,7 @@ fn validate(interface: &Interface, names: &Names) -> TokenStream {
     }
 }
 
-/// What is computed of a state.
+/// Evaluations at a state.
 fn evaluations(program: &Program, names: &Names) -> TokenStream {
     let Names { private, state, scalar, .. } = names;
     let interface = &program.interface;

@@ -16,7 +16,7 @@ impl System<'_> {
     }
 }
 
-/// What formulas call the part of the energy that they differentiate.
+/// The letter of the energy's part that formulas differentiate.
 fn energy(system: &System<'_>) -> &'static str {
     match &system.energy {
         Energy::Mechanical { .. } => "V",

@@ -9,11 +9,11 @@ use rustc_hash::FxHashMap;
 
 use crate::expr::{Arena, Expr, Function, Id, Node, Number, Stage, Symbol};
 
-/// A node of a plan.
+/// A node of a dag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Op(pub(super) u32);
 
-/// What a node computes.
+/// The operation of a node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Operation {
     /// A positive constant.
@@ -59,7 +59,7 @@ impl Signed {
 }
 
 /// All operations of a kernel.
-pub(super) struct Plan<'a> {
+pub(super) struct Dag<'a> {
     arena: &'a Arena,
     pub(super) operations: Vec<Operation>,
     stages: Vec<Stage>,
@@ -67,7 +67,7 @@ pub(super) struct Plan<'a> {
     known: FxHashMap<Id, Signed>,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> Dag<'a> {
     pub(super) fn new(arena: &'a Arena) -> Self {
         Self {
             arena,

@@ -82,7 +82,7 @@ fn force_type(system: &System<'_>, factor: usize, form: Option<ForceForm>, names
     }
 }
 
-/// What is particular to one of the methods.
+/// One of the methods.
 struct Method<'m> {
     doc: &'m str,
     name: &'m str,
@@ -233,7 +233,7 @@ fn momentum_parts(system: &System<'_>, expression: &syn::Expr) -> TokenStream {
     declared(system).map(of).collect()
 }
 
-/// What there is of one factor, or an array of what there is of each.
+/// Gathers the value of one factor, or an array of those of each.
 fn gathered(first: &Factor<'_>, values: Vec<TokenStream>) -> TokenStream {
     match first.name.place {
         None => values.into_iter().collect(),

@@ -53,7 +53,7 @@ pub(super) fn call(
     quote! { #name(#(#arguments),*) }
 }
 
-/// What belongs to one scheme, in a block of its own.
+/// Puts the code of one scheme into a block of its own.
 pub(super) fn block(content: &TokenStream) -> TokenStream {
     quote! {
         #[allow(unreachable_pub, unused_variables, clippy::all, clippy::pedantic)]

@@ -15,7 +15,7 @@ use crate::limits::DIMENSION;
 use crate::parse::{self, Attribute, FactorName, Item, Key};
 
 /// A description while it is resolved.
-pub(super) struct Subject<'d> {
+pub(super) struct Resolver<'d> {
     pub(super) attribute: &'d Attribute,
     pub(super) item: &'d Item,
     /// The groups of what is declared as a factor or an array of them, as far as they are known.
@@ -26,7 +26,7 @@ pub(super) struct Subject<'d> {
     pub(super) declared_factors: Vec<Range<usize>>,
 }
 
-impl<'d> Subject<'d> {
+impl<'d> Resolver<'d> {
     /// Finds the groups: of the catalogue, of a family, or of a basis of the user's own.
     pub(super) fn new(attribute: &'d Attribute, item: &'d Item, diagnostics: &mut Diagnostics) -> Self {
         let retractions = attribute.named_retractions();
@@ -73,7 +73,7 @@ impl<'d> Subject<'d> {
         readable && !self.factors.is_empty() && self.groups.iter().all(Option::is_some)
     }
 
-    /// What a declaration stands for.
+    /// The factors that a declaration stands for.
     pub(super) fn declared_as(&self, factors: &Range<usize>) -> Factors {
         match self.factors[factors.start].name.place {
             None => Factors::One(factors.start),
@@ -103,7 +103,7 @@ impl<'d> Subject<'d> {
         Err(syn::Error::new_spanned(&index.literal, message))
     }
 
-    /// What to say after a name that no factor has.
+    /// The suggestion after a name that no factor has.
     fn factor_suggestion(&self, written: &Ident) -> String {
         let known = self.factors.iter().filter(|factor| factor.name.is_first());
         let known: Vec<String> = known.map(|factor| factor.name.ident.to_string()).collect();
@@ -114,7 +114,7 @@ impl<'d> Subject<'d> {
 
 /// A factor, or each of an array of them.
 fn elements(factor: &parse::Factor, group: &'static dyn Group) -> impl Iterator<Item = Factor> {
-    let own = factor.name.clone().unwrap_or_else(|| format_ident!("{}", group.configuration_name()));
+    let own = factor.name.clone().unwrap_or_else(|| format_ident!("{}", group.names().configuration));
     let momentum = momentum_name(factor.name.as_ref());
     Name::all(&own, factor.length).into_iter().map(move |name| Factor {
         momentum_name: Name { ident: momentum.clone(), place: name.place },

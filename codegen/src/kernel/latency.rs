@@ -2,10 +2,10 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::plan::{Op, Operation, Plan};
+use super::dag::{Dag, Op, Operation};
 use crate::expr::{Function, Stage};
 
-impl Plan<'_> {
+impl Dag<'_> {
     /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that takes longest.
     /// `equation` is what the step's equation is made of.
     pub(super) fn shorten_divisions(&mut self, equation: &FxHashSet<Op>) {

@@ -4,8 +4,8 @@ use crate::program::Term;
 
 /// The term with sums that begin with an addend that is not subtracted, and products added as they are formed. `associate`: sums within
 /// sums are added together.
-pub(super) fn arranged(term: Term, associate: bool) -> Term {
-    fused(signed(term, associate))
+pub(super) fn reassociated(term: Term, associate: bool) -> Term {
+    contracted(signed(term, associate))
 }
 
 /// Sums whose first addend is not subtracted.
@@ -75,8 +75,8 @@ fn balanced(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
 }
 
 /// Products that are added in one operation to what stands before them.
-fn fused(term: Term) -> Term {
-    let addends = match term.map(fused) {
+fn contracted(term: Term) -> Term {
+    let addends = match term.map(contracted) {
         Term::Sum(addends) => addends,
         term => return term,
     };

@@ -110,7 +110,7 @@ impl Declaration {
 }
 
 /// Asks for the first definition that a system needs and that is not known; nothing if none is missing.
-pub(crate) fn ask(
+pub(crate) fn request_definition(
     attribute: &Attribute,
     known: &TokenStream,
     attribute_tokens: &TokenStream,

@@ -2,31 +2,31 @@
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use super::arrange::arranged;
+use super::dag::{Dag, Op, Operation, Signed};
+use super::hoist::{Homes, Outline};
 use super::names::{Locals, Names};
-use super::placement::{Outline, Placement};
-use super::plan::{Op, Operation, Plan, Signed};
+use super::reassociate::reassociated;
 use crate::expr::{Function, Stage};
 use crate::program::{RecordKind, Statement, Term, Value};
 
 /// Trees of more operations than this are cut by a named value: longer lines cannot be read.
 const LARGEST_TERM: usize = 12;
 
-/// What is added to a sum in one line, at most.
+/// The most addends in one line.
 const LONGEST_SUM: usize = 8;
 
 /// Writes one function.
-pub(super) struct Layout<'l, 'a> {
-    plan: &'l Plan<'a>,
-    placement: &'l Placement,
+pub(super) struct Writer<'l, 'a> {
+    dag: &'l Dag<'a>,
+    placement: &'l Homes,
     names: &'l mut Names,
     locals: Locals,
     record: Option<RecordKind>,
     /// How often each value is used.
     uses: FxHashMap<Op, u32>,
     /// Those of them that something uses whole, not as a divisor alone: `1/x` where a product divides by `x` is none.
-    used_whole: FxHashSet<Op>,
-    /// What the function stores.
+    used_undivided: FxHashSet<Op>,
+    /// The values that the function stores.
     storing: FxHashSet<Op>,
     values: FxHashMap<Op, Value>,
     /// Values without names, to be written where they are used.
@@ -40,23 +40,23 @@ pub(super) struct Body {
     pub results: Vec<Vec<Term>>,
 }
 
-impl<'l, 'a> Layout<'l, 'a> {
+impl<'l, 'a> Writer<'l, 'a> {
     /// The body of a function that stores these values.
     pub(super) fn body<R>(
-        plan: &'l Plan<'a>,
-        placement: &'l Placement,
+        dag: &'l Dag<'a>,
+        placement: &'l Homes,
         names: &'l mut Names,
         returned: &Outline<R>,
         storing: &[Op],
     ) -> Body {
         let mut layout = Self {
-            plan,
+            dag,
             placement,
             names,
             locals: Locals::default(),
             record: returned.record,
             uses: FxHashMap::default(),
-            used_whole: FxHashSet::default(),
+            used_undivided: FxHashSet::default(),
             storing: storing.iter().copied().collect(),
             values: FxHashMap::default(),
             terms: FxHashMap::default(),
@@ -81,23 +81,23 @@ impl<'l, 'a> Layout<'l, 'a> {
         for statement in std::mem::take(&mut self.statements) {
             let statement = match statement {
                 Statement::Let { value, term } => {
-                    let term = self.cut(arranged(term, associate), &mut statements);
+                    let term = self.cut(reassociated(term, associate), &mut statements);
                     Statement::Let { value, term }
                 }
                 Statement::Stumpff { values, argument } => {
-                    let argument = self.cut(arranged(argument, associate), &mut statements);
+                    let argument = self.cut(reassociated(argument, associate), &mut statements);
                     Statement::Stumpff { values, argument }
                 }
             };
             statements.push(statement);
         }
-        let mut last = |term| self.cut(arranged(term, associate), &mut statements);
+        let mut last = |term| self.cut(reassociated(term, associate), &mut statements);
         let results = results.into_iter().map(|array| array.into_iter().map(&mut last).collect());
         let results = results.collect();
         Body { statements, results }
     }
 
-    /// What is left of a sum when its beginning has lines of its own.
+    /// Cuts the beginning of a long sum into lines of its own.
     fn cut(&mut self, term: Term, statements: &mut Vec<Statement>) -> Term {
         if let Term::Negative(x) = term {
             return Term::Negative(Box::new(self.cut(*x, statements)));
@@ -125,7 +125,7 @@ impl<'l, 'a> Layout<'l, 'a> {
 
     fn count_uses(&mut self, roots: Vec<Op>) {
         // a root is used as it is, whatever else makes use of it
-        self.used_whole.extend(roots.iter().copied());
+        self.used_undivided.extend(roots.iter().copied());
         let mut pending = roots;
         let mut visited = Vec::new();
         while let Some(op) = pending.pop() {
@@ -133,30 +133,30 @@ impl<'l, 'a> Layout<'l, 'a> {
             *count += 1;
             if *count == 1 && !self.is_given(op) {
                 visited.push(op);
-                pending.extend(self.plan.operation(op).operands());
+                pending.extend(self.dag.operation(op).operands());
             }
         }
         for op in visited {
-            for operand in self.plan.operation(op).operands() {
+            for operand in self.dag.operation(op).operands() {
                 if self.denominator(op, operand).is_none() {
-                    self.used_whole.insert(operand);
+                    self.used_undivided.insert(operand);
                 }
             }
         }
     }
 
     fn is_given(&self, op: Op) -> bool {
-        self.placement.is_given(self.plan, self.record, op)
+        self.placement.is_given(self.dag, self.record, op)
     }
 
     /// `x`, if a product divides by it in the place of multiplying by its factor `1/x`. A reciprocal of its own rounds once more, and only
     /// pays where it is used again and time counts.
     fn denominator(&self, product: Op, factor: Op) -> Option<Op> {
-        match (self.plan.operation(product), self.plan.operation(factor)) {
+        match (self.dag.operation(product), self.dag.operation(factor)) {
             (Operation::Product(_), Operation::Quotient(number, x))
                 if number.is_one()
                     && !self.is_given(factor)
-                    && (self.plan.stage(product) == Stage::Parameters || self.uses[&factor] == 1) =>
+                    && (self.dag.stage(product) == Stage::Parameters || self.uses[&factor] == 1) =>
             {
                 Some(*x)
             }
@@ -176,18 +176,18 @@ impl<'l, 'a> Layout<'l, 'a> {
                 continue;
             }
             pending.push((op, true));
-            pending.extend(self.plan.operation(op).operands().into_iter().rev().map(|x| (x, false)));
+            pending.extend(self.dag.operation(op).operands().into_iter().rev().map(|x| (x, false)));
         }
     }
 
     /// Names a value whose operands are written, or leaves it to be written where it is used.
     fn finish(&mut self, op: Op) {
-        if self.plan.stumpff_argument(op).is_some() {
+        if self.dag.stumpff_argument(op).is_some() {
             return self.name_stumpff(op);
         }
-        let is_quotient = matches!(self.plan.operation(op), Operation::Quotient(..));
+        let is_quotient = matches!(self.dag.operation(op), Operation::Quotient(..));
         let term = self.write(op);
-        if is_quotient && !self.used_whole.contains(&op) {
+        if is_quotient && !self.used_undivided.contains(&op) {
             self.terms.insert(op, term);
             return;
         }
@@ -207,7 +207,7 @@ impl<'l, 'a> Layout<'l, 'a> {
 
     /// A named value or one that is written out here.
     fn term(&self, op: Op) -> Term {
-        match self.plan.operation(op) {
+        match self.dag.operation(op) {
             Operation::Number(number) => return Term::Number(*number),
             Operation::Symbol(symbol) => return Term::Value(self.names.of_plan(*symbol)),
             _ => {}
@@ -227,7 +227,7 @@ impl<'l, 'a> Layout<'l, 'a> {
         let stored = self.names.stored(op).filter(|_| self.storing.contains(&op));
         let value = match stored {
             Some(value) => value,
-            None => self.names.local(self.plan, op, &mut self.locals),
+            None => self.names.local(self.dag, op, &mut self.locals),
         };
         self.values.insert(op, value);
         value
@@ -235,8 +235,8 @@ impl<'l, 'a> Layout<'l, 'a> {
 
     /// Computes all Stumpff functions of one argument that this function owns.
     fn name_stumpff(&mut self, op: Op) {
-        let Some(argument) = self.plan.stumpff_argument(op) else { return };
-        let member = |other: Op| match self.plan.operation(other) {
+        let Some(argument) = self.dag.stumpff_argument(op) else { return };
+        let member = |other: Op| match self.dag.operation(other) {
             Operation::Function(Function::Stumpff(k), z)
                 if *z == argument && self.uses.contains_key(&other) && !self.is_given(other) =>
             {
@@ -244,7 +244,7 @@ impl<'l, 'a> Layout<'l, 'a> {
             }
             _ => None,
         };
-        let members: Vec<(usize, Op)> = self.plan.ops().filter_map(member).collect();
+        let members: Vec<(usize, Op)> = self.dag.ops().filter_map(member).collect();
         let mut values: Vec<Option<Value>> = Vec::new();
         for (k, member) in members {
             values.resize(values.len().max(k + 1), None);
@@ -257,7 +257,7 @@ impl<'l, 'a> Layout<'l, 'a> {
     /// The operation written out.
     fn write(&self, op: Op) -> Term {
         let boxed = |op: Op| Box::new(self.term(op));
-        match self.plan.operation(op) {
+        match self.dag.operation(op) {
             Operation::Number(_) | Operation::Symbol(_) => self.term(op),
             Operation::Sum(addends) => {
                 Term::Sum(addends.iter().map(|&(negative, addend)| (negative, self.term(addend))).collect())
@@ -265,7 +265,7 @@ impl<'l, 'a> Layout<'l, 'a> {
             Operation::Product(factors) => {
                 let (mut above, mut below) = (Vec::new(), Vec::new());
                 for &factor in factors {
-                    match (self.denominator(op, factor), self.plan.operation(factor)) {
+                    match (self.denominator(op, factor), self.dag.operation(factor)) {
                         (Some(x), _) => below.push(self.term(x)),
                         (None, Operation::Number(_)) => above.insert(0, self.term(factor)),
                         (None, _) => above.push(self.term(factor)),
@@ -293,7 +293,7 @@ fn product(mut factors: Vec<Term>) -> Option<Term> {
     }
 }
 
-/// What is added to something.
+/// An addend.
 enum Addend {
     /// In one operation with the multiplication.
     Product { negative: bool, a: Box<Term>, b: Box<Term> },
@@ -301,7 +301,7 @@ enum Addend {
     Other(bool, Term),
 }
 
-/// What a sum begins with, and what is added to it from left to right.
+/// Splits a sum into its beginning and the addends, from left to right.
 fn addends(term: Term) -> (Term, Vec<Addend>) {
     let (mut addends, mut start) = (Vec::new(), term);
     loop {

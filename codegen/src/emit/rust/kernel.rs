@@ -4,13 +4,14 @@ use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 use super::code::{array, arrays, body, inlined, kept, record, size, term};
+use super::docs;
 use super::names::Names;
 use super::schemes::marker;
-use super::{bytecode, docs};
+use crate::emit::bytes;
 use crate::program::{Function, FunctionRole, Input, Module, RecordKind, StepProgram, StepRole};
 use crate::scheme::Scheme;
 
-/// What the struct with a kernel's constants is called.
+/// The name of the struct with a kernel's constants.
 pub(super) fn kernel_name(names: &Names, scheme: Scheme) -> Ident {
     // at the place of the macro, not of the user's name, whose style is then not ours to answer for
     format_ident!("{}{}", names.system.to_string().trim_start_matches("r#"), scheme.name())
@@ -46,7 +47,7 @@ pub(super) fn kernel(names: &Names, step: &StepProgram) -> TokenStream {
         quote! { const HAS_FIXED_POINT_UPDATE: ::core::primitive::bool = false; }
     });
     let bounded = bounded(&step.bounded);
-    let program = bytecode::functions(module).map(|function| Literal::byte_string(&function));
+    let program = bytes::functions(module).map(|function| Literal::byte_string(&function));
 
     quote! {
         /// What depends on the parameters and the step `h` alone.
@@ -143,7 +144,7 @@ fn signature(function: &Function<StepRole>) -> TokenStream {
     }
 }
 
-/// What a function returns.
+/// The results of a function.
 fn result(module: &Module<StepRole>, function: &Function<StepRole>) -> TokenStream {
     let arrays = arrays(&module.values, function);
     match function.role {

@@ -12,7 +12,6 @@
 //! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the places, so that records are
 //! not handed on; but `evaluate` is also run by itself, and says where it finds them. `coadjoint::bytecode` runs it.
 
-use super::code::rounded;
 use crate::program::{
     Argument, Elementary, Function, Input, Module, RecordKind, Statement, StepRole, Term, Value,
 };
@@ -20,7 +19,7 @@ use crate::program::{
 /// The functions of a step that lead from one state to the next, if the solution of its equation is known.
 const ROLES: [StepRole; 4] = [StepRole::New, StepRole::Begin, StepRole::Evaluate, StepRole::Finish];
 
-/// What functions are given, in the order of their kinds.
+/// Inputs, in the order of their kinds.
 const INPUTS: [Input; 10] = [
     Input::Parameters,
     Input::StepSize,
@@ -128,7 +127,7 @@ impl Code {
         match term {
             Term::Number(number) => {
                 self.0.push(0);
-                self.0.extend(rounded(*number).to_le_bytes());
+                self.0.extend(number.as_emitted().to_le_bytes());
             }
             Term::Value(value) => {
                 self.0.push(1);

@@ -63,7 +63,7 @@ pub(super) fn free_function<R>(
     }
 }
 
-/// What an argument is called.
+/// The name of an argument.
 fn argument_name(input: Input) -> Ident {
     let name = match input {
         Input::Parameters | Input::ParameterPerturbation => "parameters",
@@ -279,7 +279,7 @@ fn constant(number: Number) -> TokenStream {
             quote! { #literal }
         }
     };
-    match fraction(number) {
+    match number.wide_fraction() {
         Some([numerator, denominator]) => {
             let (numerator, denominator) = (float(numerator), float(denominator));
             quote! { T::of(#numerator / #denominator) }
@@ -290,19 +290,4 @@ fn constant(number: Number) -> TokenStream {
         }
         None => quote! { T::of(::core::primitive::f64::NAN) },
     }
-}
-
-/// A fraction that is no double.
-fn fraction(number: Number) -> Option<[f64; 2]> {
-    let (numerator, denominator) = number.fraction()?;
-    (denominator & (denominator - 1) != 0).then_some([numerator as f64, denominator as f64])
-}
-
-/// What the compiler makes of a [`constant`].
-pub(super) fn rounded(number: Number) -> f64 {
-    if number == Number::FOUR_PI_SQUARED {
-        return core::f64::consts::TAU * core::f64::consts::TAU;
-    }
-    let value = number.to_f64();
-    fraction(number).map_or(if value.is_finite() { value } else { f64::NAN }, |[a, b]| a / b)
 }

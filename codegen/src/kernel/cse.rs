@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rustc_hash::FxHashMap;
 
-use super::plan::{Op, Operation, Plan};
+use super::dag::{Dag, Op, Operation};
 
 /// Operations of more operands than this are left as they are: the number of pairs grows with the square of it, and the catalogue's have at
 /// most some twenty.
 const LONGEST: usize = 64;
 
-impl Plan<'_> {
+impl Dag<'_> {
     /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
     pub(super) fn eliminate_common_pairs(&mut self) {
         let mut index = PairIndex::default();

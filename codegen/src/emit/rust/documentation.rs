@@ -41,7 +41,7 @@ pub(super) fn description(program: &Program, names: &Names) -> TokenStream {
     docs::lines(lines)
 }
 
-/// What the motion keeps, as a paragraph; nothing if it keeps nothing that is known.
+/// The invariants of the motion, as a paragraph; nothing if it keeps nothing that is known.
 fn invariants(interface: &Interface) -> Vec<String> {
     let Interface { casimirs, missing_casimirs, is_autonomous, controls, .. } = interface;
     let mut invariants = Vec::new();

@@ -30,19 +30,19 @@ use crate::quantity::{ScalarType, Shape};
 /// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls stage *step*.
 #[derive(Clone)]
 pub struct System<'a> {
-    /// What the user calls it.
+    /// The user's name for it.
     pub name: String,
     /// The numbers that it is made of.
     pub scalar: ScalarType,
     /// The configuration's group, with the spaces of the advected parameters.
     pub group: Product,
-    /// What belongs to each factor of the group.
+    /// The factors of the group, with their symbols.
     pub factors: Vec<Factor<'a>>,
     /// The struct's fields, each element of an array by itself.
     pub parameters: Vec<Parameter>,
     /// Constants of the user's own code that expressions name; parameters too, after the fields.
     pub constants: Vec<Constant<'a>>,
-    /// What is given from outside and held over a step.
+    /// The controls, held over a step.
     pub controls: Vec<Part<'a>>,
     /// The time.
     pub time: Expr<'a>,
@@ -52,13 +52,13 @@ pub struct System<'a> {
     pub energy: Energy<'a>,
     /// The fields marked as inertia, which a Hamiltonian or a Lagrangian uses as it likes.
     pub inertias: Vec<InertiaField<'a>>,
-    /// What the user wrote.
+    /// The user's expressions.
     pub sources: Sources,
     /// The units of state and controls, by the names of their fields.
     pub units: Vec<(String, String)>,
     /// The advected parameters as factor and place in it, in the order declared.
     advected: Vec<(usize, usize)>,
-    /// What changes the momentum beside the bracket, once it has been worked out.
+    /// The change of the momentum beside the bracket, once it has been worked out.
     kick: OnceCell<Option<Vector<'a>>>,
     /// The velocity at the state, once it has been worked out.
     velocity: OnceCell<Relation<'a>>,
@@ -66,12 +66,12 @@ pub struct System<'a> {
     casimirs: OnceCell<Casimirs<'a>>,
 }
 
-/// What belongs to one factor of the configuration's group.
+/// A factor of the configuration's group, with its symbols.
 #[derive(Clone)]
 pub struct Factor<'a> {
-    /// What the configuration is called.
+    /// The configuration's name.
     pub name: Name,
-    /// What the momentum is called.
+    /// The momentum's name.
     pub momentum_name: Name,
     /// The configuration's stored coordinates.
     pub configuration: Vector<'a>,
@@ -86,7 +86,7 @@ pub struct Factor<'a> {
 }
 
 impl<'a> Factor<'a> {
-    /// What the velocity is called in one word.
+    /// The velocity's name in one word.
     pub fn velocity_name(&self) -> String {
         self.momentum_name.with(&velocity_name(&self.momentum_name.ident))
     }
@@ -140,7 +140,7 @@ pub struct EnergySource {
 /// A force as the user wrote it.
 #[derive(Clone)]
 pub struct ForceSource {
-    /// What it acts on.
+    /// The factors that it acts on.
     pub factors: Factors,
     /// The expression.
     pub value: syn::Expr,
@@ -166,7 +166,7 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// What the components' names add to the field's.
+    /// Suffixes of the components' names.
     pub fn suffixes(&self) -> Vec<String> {
         suffixes(&self.name, &self.names)
     }
@@ -334,7 +334,7 @@ impl<'a> System<'a> {
     }
 }
 
-/// What the names of components add to that of their whole.
+/// Suffixes that components' names add to that of their whole.
 fn suffixes(whole: &Name, components: &[String]) -> Vec<String> {
     let prefix = format!("{}_", whole.plain());
     components.iter().map(|name| name.strip_prefix(&prefix).unwrap_or_default().to_owned()).collect()

@@ -8,8 +8,8 @@ use quote::{format_ident, quote};
 use super::code::size;
 use super::docs;
 use super::names::Names;
-use crate::derivatives::Derivatives;
 use crate::program::Interface;
+use crate::scheme::Derivatives;
 
 /// `impl Differentiable for HeavyTop { … }`, and the index ranges of all parts within perturbations.
 pub(super) fn tangents(interface: &Interface, names: &Names, wanted: Derivatives) -> TokenStream {

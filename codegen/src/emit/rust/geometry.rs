@@ -24,12 +24,10 @@ pub(super) fn geometry(program: &Program, names: &Names) -> TokenStream {
     let functions =
         functions.into_iter().chain(others.map(|(role, name)| function(program, private, role, name)));
     let called = |role, name: &str| call(program, names, role, name, &[]);
-    // what the program does not have is displaced along another one
-    let is_there =
-        |retraction: &Retraction| program.function(SystemRole::Displacement(*retraction)).is_some();
-    let first = Retraction::ALL.into_iter().find(is_there);
+    // what the program does not have is displaced by the exponential
     let displaced = Retraction::ALL.map(|retraction| {
-        let along = Some(retraction).filter(is_there).or(first).unwrap_or(retraction);
+        let is_there = program.function(SystemRole::Displacement(retraction)).is_some();
+        let along = if is_there { retraction } else { Retraction::Exponential };
         called(SystemRole::Displacement(along), &along.snake_name())
     });
     let maps = Retraction::ALL.map(|retraction| format_ident!("{}", retraction.name()));
