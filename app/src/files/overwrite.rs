@@ -125,13 +125,13 @@ impl OverwriteGuard {
                 false => kept.push((path, file)),
             }
         }
+        let is_free = |path: &Path| !path.exists() || self.check(path).is_ok();
         // what is killed here leaves no file whose origin is not known, and none that is said to be more than it is
-        let paths = || kept.iter().map(|(path, _)| path.as_path());
-        self.note(paths(), Status::Begun)?;
-        let may_replace: Vec<bool> = paths().map(|path| self.check(path).is_ok()).collect();
-        let places: Vec<PathBuf> = paths().map(Path::to_owned).collect();
-        for ((_, file), may_replace) in kept.into_iter().zip(may_replace) {
-            file.finish(may_replace)?;
+        self.note(kept.iter().map(|(path, _)| path.as_path()).filter(|path| is_free(path)), Status::Begun)?;
+        let mut places = Vec::new();
+        for (path, file) in kept {
+            file.finish(path.exists() && is_free(&path))?;
+            places.push(path);
         }
         self.note(places.iter().map(PathBuf::as_path), status)?;
         written.files = places.into_iter().filter(|path| !is_stdout(path)).collect();
@@ -154,10 +154,55 @@ impl OverwriteGuard {
                 Beside::Ours(found) if found.origin == self.origin => found,
                 _ => RunJson::of(self.origin.clone()),
             };
+            if status == Status::Begun && !path.exists() {
+                // what it held is no more
+                json.forget(path);
+            }
             if json.set(path, status) {
                 NewFile::with(&beside, json.text().as_bytes())?.finish(true)?;
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What came into a file's place while it was made stays, and is not said to be of the run.
+    #[test]
+    fn what_came_meanwhile_stays() {
+        let directory = tempfile::tempdir().expect("writable");
+        let path = directory.path().join("a.csv");
+        let guard = OverwriteGuard::new(FileOrigin::of_command("test"), false);
+        let planned = PlannedFile { what: "the table", path: path.clone(), written: true };
+        guard.check_all(std::slice::from_ref(&planned)).expect("nothing is there");
+        let file = NewFile::with(&path, b"ours").expect("writable");
+        std::fs::write(&path, "mine").expect("writable");
+        let refused =
+            guard.put(vec![(path.clone(), file)], Status::Complete).expect_err("another file is there");
+        let message = refused.to_string();
+        assert!(message.contains("what was to be written is in "), "{message}");
+        assert_eq!(std::fs::read(&path).expect("there"), b"mine");
+        assert!(guard.check(&path).is_err());
+        let kept = message.rsplit_once(" is in ").map(|(_, kept)| kept.to_owned()).expect("a path");
+        assert_eq!(std::fs::read(kept).expect("kept"), b"ours");
+
+        std::fs::remove_file(&path).expect("there");
+        for status in [Status::Interrupted(3), Status::Complete] {
+            let file = NewFile::with(&path, b"ours").expect("writable");
+            guard.put(vec![(path.clone(), file)], status).expect("its own place");
+        }
+        assert_eq!(std::fs::read(&path).expect("there"), b"ours");
+        // the beginning of a run does not take the place of all of it
+        let file = NewFile::with(&path, b"our").expect("writable");
+        let written = guard.put(vec![(path.clone(), file)], Status::Interrupted(3)).expect("it stays");
+        assert_eq!((written.files.len(), written.kept), (0, vec![path.clone()]));
+        // nor is a file that is gone said to be whole while another one is put there
+        std::fs::remove_file(&path).expect("there");
+        guard.note(std::iter::once(path.as_path()), Status::Begun).expect("writable");
+        let Beside::Ours(found) = RunJson::beside(&path).expect("readable").1 else { panic!("it is there") };
+        assert_eq!(found.status(&path), Some(Status::Begun));
     }
 }

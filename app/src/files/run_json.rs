@@ -413,6 +413,11 @@ impl RunJson {
         })
     }
 
+    /// Forgets a file.
+    pub(super) fn forget(&mut self, path: &Path) {
+        self.files.remove(&name(path));
+    }
+
     /// Sets how much of the run a file holds, and tells whether that is news. What is begun again is as it was.
     pub(super) fn set(&mut self, path: &Path, status: Status) -> bool {
         let steps = self.origin.0.get("steps").and_then(Value::as_u64).unwrap_or(0);
