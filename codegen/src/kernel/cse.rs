@@ -1,4 +1,5 @@
-//! Common subexpressions within sums and products: pairs of operands that occur in several of them become nodes of their own.
+//! Common subexpressions within sums and products: pairs of operands that occur in several of them become nodes of
+//! their own.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,8 +7,8 @@ use rustc_hash::FxHashMap;
 
 use super::dag::{Dag, Op, Operation};
 
-/// Operations of more operands than this are left as they are: the number of pairs grows with the square of it, and the catalogue's have at
-/// most some twenty.
+/// Operations of more operands than this are left as they are: the number of pairs grows with the square of it, and the
+/// catalogue's have at most some twenty.
 const LONGEST: usize = 64;
 
 impl Dag<'_> {
@@ -45,7 +46,8 @@ impl Dag<'_> {
 struct PairIndex {
     /// The operations a pair occurs in, `true` for those of more than two operands, which it would shorten.
     holders: FxHashMap<Pair, BTreeMap<usize, bool>>,
-    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest last.
+    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest
+    /// last.
     candidates: BTreeSet<(usize, std::cmp::Reverse<Pair>)>,
 }
 
@@ -105,7 +107,8 @@ impl Pair {
         }
     }
 
-    /// The pairs of an operation's operands with at least one that is `held`, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
+    /// The pairs of an operation's operands with at least one that is `held`, each once. A node of two operands is the
+    /// pair itself: it counts as an occurrence of it.
     fn all(operation: &Operation, held: &dyn Fn(Op) -> bool) -> Vec<Self> {
         let mut pairs: Vec<Self> = Vec::new();
         if operation.operands().len() > LONGEST {

@@ -6,8 +6,8 @@ use super::dag::{Dag, Op, Operation};
 use crate::expr::{Function, Stage};
 
 impl Dag<'_> {
-    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that takes longest.
-    /// `equation` is what the step's equation is made of.
+    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that
+    /// takes longest. `equation` is what the step's equation is made of.
     pub(super) fn shorten_divisions(&mut self, equation: &FxHashSet<Op>) {
         let reciprocals: Vec<(Op, Op)> = self
             .ops()
@@ -40,8 +40,8 @@ impl Dag<'_> {
         }
     }
 
-    /// Where the equation asks for `2 · 1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the
-    /// equation waits for the multiple.
+    /// Where the equation asks for `2 · 1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the
+    /// same, and the equation waits for the multiple.
     fn divide_multiple(&mut self, reciprocal: Op, x: Op, users: &[Op], equation: &FxHashSet<Op>) {
         let multiple =
             users.iter().filter(|op| equation.contains(op)).find_map(|&op| match self.operation(op) {
