@@ -61,9 +61,9 @@ impl Signed {
 /// All operations of a kernel.
 pub(super) struct Dag<'a> {
     arena: &'a Arena,
-    pub(super) operations: Vec<Operation>,
+    operations: Vec<Operation>,
     stages: Vec<Stage>,
-    pub(super) index: FxHashMap<Operation, Op>,
+    index: FxHashMap<Operation, Op>,
     known: FxHashMap<Id, Signed>,
 }
 
@@ -86,8 +86,19 @@ impl<'a> Dag<'a> {
         self.stages[op.0 as usize]
     }
 
-    pub(super) fn ops(&self) -> impl Iterator<Item = Op> {
+    pub(super) fn ops(&self) -> impl ExactSizeIterator<Item = Op> + use<> {
         (0..self.operations.len() as u32).map(Op)
+    }
+
+    /// The node that was made for an operation, if there is one.
+    pub(super) fn find(&self, operation: &Operation) -> Option<Op> {
+        self.index.get(operation).copied()
+    }
+
+    /// Computes a node in another way, which has to come to the same. Nodes are in no topological order then, and are
+    /// found by what they were made for.
+    pub(super) fn replace(&mut self, op: Op, operation: Operation) {
+        self.operations[op.0 as usize] = operation;
     }
 
     /// The node planned for an expression, if it has been planned.

@@ -34,9 +34,9 @@ impl Dag<'_> {
     /// `√(1/x) = √x · 1/x`: the root does not wait for the quotient.
     fn take_root_beside(&mut self, reciprocal: Op, x: Op) {
         let root = Operation::Function(Function::Sqrt, reciprocal);
-        if let Some(&root) = self.index.get(&root) {
+        if let Some(root) = self.find(&root) {
             let of_x = self.intern(Operation::Function(Function::Sqrt, x));
-            self.operations[root.0 as usize] = Operation::Product(vec![reciprocal, of_x]);
+            self.replace(root, Operation::Product(vec![reciprocal, of_x]));
         }
     }
 
@@ -55,8 +55,8 @@ impl Dag<'_> {
             });
         if let Some((multiple, number)) = multiple {
             let back = self.intern(Operation::Number(number.powi(-1)));
-            self.operations[multiple.0 as usize] = Operation::Quotient(number, x);
-            self.operations[reciprocal.0 as usize] = Operation::Product(vec![back, multiple]);
+            self.replace(multiple, Operation::Quotient(number, x));
+            self.replace(reciprocal, Operation::Product(vec![back, multiple]));
         }
     }
 }
