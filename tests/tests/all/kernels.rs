@@ -1,14 +1,14 @@
 //! Straight-line code against the expressions it was made from: factoring, sharing, staging and naming change no value.
 
-use coadjoint_codegen::scheme::Derivatives;
-use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
 use coadjoint_codegen::derive::geometry;
+use coadjoint_codegen::expr::{Arena, Expr, Stage, Symbol, Vector};
 use coadjoint_codegen::group::{Retraction, Side};
 use coadjoint_codegen::kernel::{self, Inputs};
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{Step, family, step_symbol};
 use coadjoint_codegen::model::{Energy, Relation, System};
 use coadjoint_codegen::program::{DerivativeRole, Input, Module, StepRole, SystemRole};
+use coadjoint_codegen::scheme::Derivatives;
 use coadjoint_codegen::scheme::Member;
 use coadjoint_support::interpret::Given;
 use coadjoint_support::precise::descriptions::{all_kinds, random_point, rigid_bodies};

@@ -1,12 +1,12 @@
 //! The derivative of a step in closed form against differences of the step itself, with 71 digits.
 
-use coadjoint_codegen::scheme::Derivatives;
 use coadjoint_codegen::expr::{Arena, Symbol, Vector};
 use coadjoint_codegen::group::{Group, Retraction};
 use coadjoint_codegen::method::Step;
 use coadjoint_codegen::method::linearization::{Linearization, Matrices};
 use coadjoint_codegen::method::{family, tangent_lift};
 use coadjoint_codegen::model::{Slot, System};
+use coadjoint_codegen::scheme::Derivatives;
 use coadjoint_codegen::scheme::{Member, Scheme};
 use coadjoint_support::precise::descriptions::{all_kinds, random_point};
 use coadjoint_support::precise::formula::{Formula, Point};
