@@ -44,8 +44,8 @@ impl Diagnostics {
         self.errors.push(error);
     }
 
-    /// A remark at a name. `what` is the name of a constant that says in a word or two what is the matter; `lints` are the attributes that the user set
-    /// there to allow or deny lints.
+    /// A remark at a name. `what` is the name of a constant that says in a word or two what is the matter; `lints` are
+    /// the attributes that the user set there to allow or deny lints.
     pub fn warn(&mut self, at: &Ident, what: &'static str, message: String, lints: Vec<syn::Attribute>) {
         self.warnings.push(Warning { at: at.clone(), what, message, lints });
     }
@@ -147,8 +147,9 @@ pub fn nearest<'n>(written: &str, known: &[&'n str]) -> Option<&'n str> {
         .map(|(_, name)| name)
 }
 
-/// How many letters must be inserted, deleted, replaced or swapped with their neighbour to turn one word into the other.
-fn edits(from: &str, to: &str) -> usize {
+/// How many letters must be inserted, deleted, replaced or swapped with their neighbour to turn one word into the
+/// other.
+pub(crate) fn edits(from: &str, to: &str) -> usize {
     let (from, to): (Vec<char>, Vec<char>) = (from.chars().collect(), to.chars().collect());
     let mut before: Vec<usize> = Vec::new();
     let mut last: Vec<usize> = (0..=to.len()).collect();
@@ -165,72 +166,4 @@ fn edits(from: &str, to: &str) -> usize {
         before = std::mem::replace(&mut last, row);
     }
     last[to.len()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slips_are_recognised() {
-        let known = ["gamma", "weight", "chi", "inertia"];
-        assert_eq!(nearest("gama", &known), Some("gamma"));
-        assert_eq!(nearest("wieght", &known), Some("weight"));
-        assert_eq!(nearest("Chi", &known), Some("chi"));
-        assert_eq!(nearest("advect", &["advected", "potential"]), Some("advected"));
-        assert_eq!(nearest("x", &known), None);
-        assert_eq!(nearest("mass", &known), None);
-        assert_eq!(nearest("", &known), None);
-    }
-
-    #[test]
-    fn edits_are_counted() {
-        for (from, to, count) in [
-            ("", "abc", 3),
-            ("abc", "", 3),
-            ("abc", "abc", 0),
-            ("abc", "abd", 1),
-            ("abc", "ac", 1),
-            ("ac", "abc", 1),
-            // neighbours swapped, and letters that only look so
-            ("ab", "ba", 1),
-            ("xaby", "xbay", 1),
-            ("ab", "ca", 2),
-            ("ab", "bc", 2),
-            ("abc", "cba", 2),
-        ] {
-            assert_eq!(edits(from, to), count, "{from} {to}");
-        }
-    }
-
-    #[test]
-    fn a_single_letter_is_not_a_slip_of_another() {
-        assert_eq!(nearest("a", &["b", "x"]), None);
-    }
-
-    #[test]
-    fn what_is_short_or_has_another_number_is_no_slip() {
-        let groups = ["R1", "R2", "SO2", "SO3", "SE3"];
-        for written in ["SO4", "S2", "R20", "SO33", "SL3", "SO"] {
-            assert_eq!(nearest(written, &groups), None, "{written}");
-        }
-        assert_eq!(nearest("so3", &groups), Some("SO3"));
-        assert_eq!(nearest("Vector4", &["Vector3"]), None);
-    }
-
-    #[test]
-    fn lists_read_as_sentences() {
-        assert_eq!(list(["a"]), "`a`");
-        assert_eq!(list(["a", "b", "c"]), "`a`, `b` and `c`");
-    }
-
-    #[test]
-    fn all_problems_are_kept() {
-        let mut diagnostics = Diagnostics::new();
-        diagnostics.push(quote::quote!(a), "one");
-        diagnostics.push(quote::quote!(b), "two");
-        let error = diagnostics.finish().expect_err("two problems were pushed");
-        let messages: Vec<String> = error.into_iter().map(|error| error.to_string()).collect();
-        assert_eq!(messages, ["one", "two"]);
-    }
 }

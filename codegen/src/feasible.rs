@@ -37,7 +37,8 @@ fn beyond<'n>(bound: usize, sizes: impl Iterator<Item = (&'n Ident, usize)>) -> 
     sizes.find(|&(_, sum)| sum > bound).map(|(name, _)| name)
 }
 
-/// Reports that there was too much to derive, or with numbers beyond `f64`, at the expression that most of it comes from. `None` if so.
+/// Reports that there was too much to derive, or with numbers beyond `f64`, at the expression that most of it comes
+/// from. `None` if so.
 pub(crate) fn derived(
     arena: &Arena,
     attribute: &Attribute,
@@ -63,7 +64,8 @@ pub(crate) fn derived(
     None
 }
 
-/// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity. `None` if so.
+/// Reports a Lagrangian without a velocity for each momentum, and tangent lifts without a momentum for each velocity.
+/// `None` if so.
 pub(crate) fn legendre(
     system: &System<'_>,
     attribute: &Attribute,

@@ -7,8 +7,8 @@
 //! Program ──emit──▶ tokens
 //! ```
 //!
-//! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a global,
-//! and no order of a hash map reaches the output.
+//! The output is a function of the input tokens: nothing here does input or output, reads a clock, the environment or a
+//! global, and no order of a hash map reaches the output.
 
 pub mod check;
 pub mod derive;
@@ -43,9 +43,9 @@ use parse::{Attribute, Definition, Item};
 use program::Program;
 use scheme::Scheme;
 
-/// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the user's
-/// tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that one mistake does not bring
-/// others with it.
+/// The whole of the attribute macro: what takes the place of the annotated item. Problems become compile errors at the
+/// user's tokens, beside as much of the expansion as can be made, or beside something that has all its names, so that
+/// one mistake does not bring others with it.
 pub fn lie_poisson_system(attribute: TokenStream, item: TokenStream) -> TokenStream {
     expand_with(attribute, item, Vec::new(), &TokenStream::new())
 }
@@ -146,8 +146,8 @@ fn compile<R>(
     Some(emit(program, &system, attribute, &item))
 }
 
-/// The retractions to generate steps with: those that are named, or the usual ones that the groups have. Of these a series, whose code is long,
-/// only where there is nothing else.
+/// The retractions to generate steps with: those that are named, or the usual ones that the groups have. Of these a
+/// series, whose code is long, only where there is nothing else.
 fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
     if !named.is_empty() {
         return named.to_vec();
@@ -158,7 +158,8 @@ fn retractions(system: &System<'_>, named: &[Retraction]) -> Vec<Retraction> {
     if closed.is_empty() { summed } else { closed }
 }
 
-/// The retractions that states are displaced along: the exponential, which certificates define the others by, and those of the schemes.
+/// The retractions that states are displaced along: the exponential, which certificates define the others by, and those
+/// of the schemes.
 fn displacing(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
     let of_schemes = schemes.iter().map(|(scheme, _)| scheme.retraction);
     let mut retractions: Vec<Retraction> = [Retraction::Exponential].into_iter().chain(of_schemes).collect();
@@ -167,8 +168,8 @@ fn displacing(schemes: &[(Scheme, Vec<Scheme>)]) -> Vec<Retraction> {
     retractions
 }
 
-/// The schemes to generate: the members of the family that the bare retractions stand for, and what is asked for; each map once, with all its
-/// names.
+/// The schemes to generate: the members of the family that the bare retractions stand for, and what is asked for; each
+/// map once, with all its names.
 fn schemes(system: &System<'_>, attribute: &Attribute) -> Vec<(Scheme, Vec<Scheme>)> {
     let mut rules = method::STANDARD.to_vec();
     rules.extend(&attribute.methods);

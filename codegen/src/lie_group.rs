@@ -1,7 +1,8 @@
-//! Groups of a user's own, beside the systems on them: `lie_group! { pub Shears = matrices { … } }`, and `group = Shears!`.
+//! Groups of a user's own, beside the systems on them: `lie_group! { pub Shears = matrices { … } }`, and
+//! `group = Shears!`.
 //!
-//! An attribute sees its own tokens alone. So `lie_group!` makes a macro of the group's name, which knows the definition, and a system on such a
-//! group is handed to that macro, which hands it back with the definition beside it:
+//! An attribute sees its own tokens alone. So `lie_group!` makes a macro of the group's name, which knows the
+//! definition, and a system on such a group is handed to that macro, which hands it back with the definition beside it:
 //!
 //! ```text
 //! #[lie_poisson_system(group = Shears!)] struct …

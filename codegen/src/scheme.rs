@@ -56,7 +56,8 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// Its name in generated code: `ExponentialMidpoint`, `CayleyFamily1Over4`; the retraction's alone for the member that this stands for.
+    /// Its name in generated code: `ExponentialMidpoint`, `CayleyFamily1Over4`; the retraction's alone for the member
+    /// that this stands for.
     pub fn name(self) -> String {
         let (retraction, Rule { method, member }) = (self.retraction.name(), self.rule);
         match self.rule.name() {
@@ -76,8 +77,8 @@ impl Scheme {
     }
 }
 
-/// Whether a bare retraction stands for the step of Störmer and Verlet whatever the system: what is not odd makes no symmetric step of
-/// [the first member](Member::SYMPLECTIC_EULER_A).
+/// Whether a bare retraction stands for the step of Störmer and Verlet whatever the system: what is not odd makes no
+/// symmetric step of [the first member](Member::SYMPLECTIC_EULER_A).
 pub fn stands_for_verlet(retraction: Retraction) -> bool {
     !retraction.is_odd()
 }

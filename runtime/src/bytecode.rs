@@ -2,7 +2,7 @@
 //!
 //! In twice the digits certificates hold steps against them, and since this is not the code that takes the steps, what the compiler made of
 //! that is checked too. In numbers that carry their errors the solver asks what rounding leaves of a residual. To compile each step for such
-//! numbers would take as long as to compile it once. The bytes mean what `codegen/src/emit/bytecode.rs` says.
+//! numbers would take as long as to compile it once. The bytes mean what `codegen/src/emit/bytes.rs` says.
 
 use crate::scalar::Scalar;
 

@@ -131,8 +131,8 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    /// An inertia is a scalar, the diagonal of a matrix, or a matrix, of the dimension of the factors that it is for; or, for several factors
-    /// with the same group, of the dimension of each. `n` is its own, if it has one.
+    /// An inertia is a scalar, the diagonal of a matrix, or a matrix, of the dimension of the factors that it is for;
+    /// or, for several factors with the same group, of the dimension of each. `n` is its own, if it has one.
     fn inertia_blocks(
         &self,
         field: &Field,
@@ -174,7 +174,8 @@ impl<'d> Resolver<'d> {
         None
     }
 
-    /// The elements of an array are the inertias of as many factors, in their order; `n` is the dimension of each, if it has one.
+    /// The elements of an array are the inertias of as many factors, in their order; `n` is the dimension of each, if
+    /// it has one.
     fn inertia_of_each(
         &self,
         field: &Field,
@@ -213,7 +214,8 @@ impl<'d> Resolver<'d> {
     }
 }
 
-/// How an inertia of that shape is given, and of what dimension it is: `None` for a scalar, which is of any, and for what is not square.
+/// How an inertia of that shape is given, and of what dimension it is: `None` for a scalar, which is of any, and for
+/// what is not square.
 fn inertia_shape(shape: Shape) -> (InertiaShape, Option<usize>) {
     match shape {
         Shape::Scalar => (InertiaShape::Scalar, None),

@@ -1,4 +1,5 @@
-//! From what the user wrote to what it means: names are looked up once, here, and every rule that a description breaks is reported.
+//! From what the user wrote to what it means: names are looked up once, here, and every rule that a description breaks
+//! is reported.
 
 mod advected;
 pub(crate) mod groups;
@@ -20,8 +21,8 @@ use crate::quantity::ScalarType;
 
 /// A description, resolved: parts refer to each other by index.
 ///
-/// What is in error, which was reported, is left out, and [`is_sound`](Self::is_sound) says so; the expressions are there all the same, for the
-/// sake of problems in them.
+/// What is in error, which was reported, is left out, and [`is_sound`](Self::is_sound) says so; the expressions are
+/// there all the same, for the sake of problems in them.
 pub struct Description<'d> {
     /// The user's name for the system.
     pub name: String,
@@ -82,8 +83,8 @@ pub struct Inertia {
     pub name: Name,
     /// How it is given.
     pub shape: InertiaShape,
-    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
-    /// Hamiltonian or a Lagrangian.
+    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia.
+    /// Empty beside a Hamiltonian or a Lagrangian.
     pub blocks: Vec<Vec<usize>>,
 }
 

@@ -51,7 +51,8 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    /// There are steps, on all factors and all spaces, with every retraction that is named, or with one of the usual ones.
+    /// There are steps, on all factors and all spaces, with every retraction that is named, or with one of the usual
+    /// ones.
     pub(super) fn check_retractions(&self, advected: &[Advected<'d>], diagnostics: &mut Diagnostics) {
         if !self.groups_are_known() {
             return;

@@ -1,7 +1,8 @@
-//! The geometry of a system's states: displacements in local coordinates, the Poisson structure, the energy's differential.
+//! The geometry of a system's states: displacements in local coordinates, the Poisson structure, the energy's
+//! differential.
 //!
-//! A tangent vector has, in the order of storage, `δ` for each configuration `g τ(δ)` (`τ(δ) g` for right-invariant systems) and
-//! the change of each momentum and advected parameter.
+//! A tangent vector has, in the order of storage, `δ` for each configuration `g τ(δ)` (`τ(δ) g` for right-invariant
+//! systems) and the change of each momentum and advected parameter.
 
 use crate::expr::{Arena, Stage, Vector, gradient};
 use crate::group::{Retraction, SemidirectVector, Side};
@@ -56,7 +57,8 @@ pub fn differential<'a>(system: &System<'a>) -> Vector<'a> {
     }))
 }
 
-/// The Hamiltonian vector of a covector `dh`: `g' = g ξ`, `(μ, a)' = ad*_(ξ, w) (μ, a) − (dh/dg, 0)` with `ξ = ∂h/∂μ`, `w = ∂h/∂a`.
+/// The Hamiltonian vector of a covector `dh`: `g' = g ξ`, `(μ, a)' = ad*_(ξ, w) (μ, a) − (dh/dg, 0)` with `ξ = ∂h/∂μ`,
+/// `w = ∂h/∂a`.
 pub fn hamiltonian_vector<'a>(arena: &'a Arena, system: &System<'a>, covector: &Vector<'a>) -> Vector<'a> {
     let dh = system.split_tangent(covector);
     let velocity = SemidirectVector { base: dh.momentum.clone(), spaces: dh.advected };
@@ -79,8 +81,8 @@ pub fn force<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
     })
 }
 
-/// The momenta on the other side of the configuration, constant where nothing acts on the system: in space, `Ad*_{g⁻¹} μ`, of a
-/// left-invariant one, in the body, `Ad*_g μ`, of a right-invariant one.
+/// The momenta on the other side of the configuration, constant where nothing acts on the system: in space,
+/// `Ad*_{g⁻¹} μ`, of a left-invariant one, in the body, `Ad*_g μ`, of a right-invariant one.
 pub fn conserved<'a>(system: &System<'a>) -> Vector<'a> {
     let g = system.configuration();
     match system.side {

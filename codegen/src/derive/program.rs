@@ -146,8 +146,8 @@ fn conventions(system: &System<'_>) -> Vec<String> {
     conventions
 }
 
-/// The step of one scheme, and its derivative as far as it is wanted. The arena is to be its own: what is computed, and in which order, then
-/// depends on the scheme alone.
+/// The step of one scheme, and its derivative as far as it is wanted. The arena is to be its own: what is computed, and
+/// in which order, then depends on the scheme alone.
 pub(crate) fn step<'a>(
     arena: &'a Arena,
     system: &System<'a>,
@@ -218,7 +218,8 @@ fn newton<'a>(residual: &Vector<'a>, unknown: &[Symbol]) -> Vector<'a> {
     Vector::concat([residual, &jacobian.solve(residual)])
 }
 
-/// A function of the state, which is given the controls if it needs them, and the velocity if it needs it and there is no closed form of it.
+/// A function of the state, which is given the controls if it needs them, and the velocity if it needs it and there is
+/// no closed form of it.
 fn function<'a>(
     arena: &'a Arena,
     system: &System<'a>,
@@ -252,8 +253,8 @@ fn inertias<'a>(arena: &'a Arena, system: &System<'a>) -> Vec<Module<SystemRole>
     system.inertias.iter().enumerate().map(pivots).collect()
 }
 
-/// The geometry of the states. They are displaced along these retractions; along any other one by the exponential, for local coordinates are
-/// as good as others where there are no steps with the map.
+/// The geometry of the states. They are displaced along these retractions; along any other one by the exponential, for
+/// local coordinates are as good as others where there are no steps with the map.
 fn geometry<'a>(
     arena: &'a Arena,
     system: &System<'a>,

@@ -1,4 +1,5 @@
-//! Programs of steps as bytes, for those who take a step in other numbers than it is compiled for: data cost nothing to compile.
+//! Programs of steps as bytes, for those who take a step in other numbers than it is compiled for: data cost nothing to
+//! compile.
 //!
 //! ```text
 //! function   inputs, statements, results: each a count and as many
@@ -9,8 +10,9 @@
 //!            or which of a family of functions it is
 //! ```
 //!
-//! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the places, so that records are
-//! not handed on; but `evaluate` is also run by itself, and says where it finds them. `coadjoint::bytecode` runs it.
+//! Counts and places are integers of seven bits in each byte, the low ones first. All functions of a step share the
+//! places, so that records are not handed on; but `evaluate` is also run by itself, and says where it finds them.
+//! `coadjoint::bytecode` runs it.
 
 use crate::program::{
     Argument, Elementary, Function, Input, Module, RecordKind, Statement, StepRole, Term, Value,

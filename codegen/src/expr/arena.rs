@@ -74,8 +74,9 @@ impl Arena {
         Self::default()
     }
 
-    /// An empty arena in which the sums and products that are made may have so many operands. Once they have more, the arena is exhausted:
-    /// everything made from then on is the constant 0, so that whatever goes on soon comes to its end.
+    /// An empty arena in which the sums and products that are made may have so many operands. Once they have more, the
+    /// arena is exhausted: everything made from then on is the constant 0, so that whatever goes on soon comes to its
+    /// end.
     pub fn limited(limit: usize) -> Self {
         Self { store: RefCell::default(), work: Cell::new(0), limit, finite: Cell::new(true) }
     }
@@ -291,8 +292,9 @@ impl Arena {
         }
     }
 
-    /// The nodes that some are made of, and these themselves, in the order in which a walk along the operands is done with them: operands
-    /// before what is made of them. What `skipped` admits is left out, with all that only it is made of.
+    /// The nodes that some are made of, and these themselves, in the order in which a walk along the operands is done
+    /// with them: operands before what is made of them. What `skipped` admits is left out, with all that only it is
+    /// made of.
     ///
     /// Whoever goes through a graph goes through this list: a graph may be deeper than any stack.
     pub fn post_order(&self, from: impl IntoIterator<Item = Id>, skipped: impl Fn(Id) -> bool) -> Vec<Id> {
@@ -372,8 +374,9 @@ impl Arena {
         store.rule_of.get(&id).map(|&place| Arc::clone(&store.rules[place]))
     }
 
-    /// Gives values a rule; the first one of a value stays. Constants and symbols have derivatives of their own; and what is older than an argument,
-    /// such as the argument itself where a value is the same, may be what that is made of.
+    /// Gives values a rule; the first one of a value stays. Constants and symbols have derivatives of their own; and
+    /// what is older than an argument, such as the argument itself where a value is the same, may be what that is made
+    /// of.
     pub(super) fn insert_rule(&self, rule: RuleApplied) {
         let is_whole = |&id: &Id| matches!(self.node(id), Node::Held(_));
         let is_newer = |id: &Id| rule.arguments.iter().all(|argument| argument < id);

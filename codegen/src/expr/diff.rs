@@ -46,7 +46,8 @@ impl<'a> Vector<'a> {
         self.substitute(&symbols.iter().map(|&symbol| (symbol, zero)).collect::<Vec<_>>())
     }
 
-    /// The symbols' values where this vanishes, an affine function of them with this Jacobian; none if that is singular.
+    /// The symbols' values where this vanishes, an affine function of them with this Jacobian; none if that is
+    /// singular.
     pub fn affine_root(&self, jacobian: &Matrix<'a>, symbols: &[Symbol]) -> Option<Self> {
         jacobian.try_solve(&self.at_zero(symbols)).map(|root| -&root)
     }
@@ -99,7 +100,8 @@ impl<'a> Derivative<'a> {
         self.limits.of(self.arena.expr(id))
     }
 
-    /// Walks along the operands with a stack of its own. A product's terms are made as soon as the derivative of their factor is known.
+    /// Walks along the operands with a stack of its own. A product's terms are made as soon as the derivative of their
+    /// factor is known.
     fn visit(&mut self, root: Id) -> Id {
         let zero = self.arena.zero().id;
         let mut open = vec![Visit::of(self.arena, root)];
@@ -267,9 +269,9 @@ impl Function {
 
 /// `∂expr / ∂symbol_j` for many symbols at once.
 ///
-/// The reverse mode: one sweep from the expression down to its symbols. It keeps the structure of transposed formulas — the
-/// gradient of `a · x × (x × u)` by `u` comes out as two cross products, not as a matrix — where differentiating by one symbol
-/// after the other would multiply it out.
+/// The reverse mode: one sweep from the expression down to its symbols. It keeps the structure of transposed formulas —
+/// the gradient of `a · x × (x × u)` by `u` comes out as two cross products, not as a matrix — where differentiating by
+/// one symbol after the other would multiply it out.
 pub fn gradient<'a>(expr: Expr<'a>, symbols: &[Symbol]) -> Vector<'a> {
     let arena = expr.arena;
     let mut adjoints: FxHashMap<Id, Vec<Id>> = FxHashMap::default();

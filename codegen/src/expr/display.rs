@@ -9,8 +9,8 @@ use super::expression::Expr;
 use super::node::{Id, Node, Sum};
 use super::number::Number;
 
-/// How many nodes `Display` writes of an expression before it leaves out the rest. Written as a tree, an expression can be exponentially
-/// longer than its graph; [`Formulas`] writes large ones.
+/// How many nodes `Display` writes of an expression before it leaves out the rest. Written as a tree, an expression can
+/// be exponentially longer than its graph; [`Formulas`] writes large ones.
 const DISPLAYED: usize = 1_000;
 
 /// A subexpression of less than so many leaves is repeated rather than named.
@@ -42,8 +42,8 @@ impl fmt::Display for Expr<'_> {
     }
 }
 
-/// Writes a node with `names` in the place of those that have one, and `…` after so many nodes. Without recursion, for a chain of calls can
-/// be long.
+/// Writes a node with `names` in the place of those that have one, and `…` after so many nodes. Without recursion, for
+/// a chain of calls can be long.
 fn write(
     arena: &Arena,
     id: Id,
@@ -157,7 +157,8 @@ fn addend(place: usize, coefficient: Number, pieces: &mut Vec<Piece>) {
     }
 }
 
-/// Equations as text of the length of their graph: what occurs more than once gets a line and a name of its own, `s1`, `s2`, …
+/// Equations as text of the length of their graph: what occurs more than once gets a line and a name of its own, `s1`,
+/// `s2`, …
 pub struct Formulas<'a> {
     arena: &'a Arena,
     names: FxHashMap<Id, String>,

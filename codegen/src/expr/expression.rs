@@ -112,13 +112,15 @@ impl<'a> Expr<'a> {
         self.apply(Function::Stumpff(k))
     }
 
-    /// The same value kept whole. Canonical sums and products merge with what surrounds them and move constants outward; where a
-    /// formula's own grouping is the better one (the value has a meaning, or is used in several places), this keeps it.
+    /// The same value kept whole. Canonical sums and products merge with what surrounds them and move constants
+    /// outward; where a formula's own grouping is the better one (the value has a meaning, or is used in several
+    /// places), this keeps it.
     pub fn hold(self) -> Self {
         self.arena.expr(self.arena.held(self.id))
     }
 
-    /// Gives the value a role name, which emitted code is read by. The first name stays; symbols and constants have names enough.
+    /// Gives the value a role name, which emitted code is read by. The first name stays; symbols and constants have
+    /// names enough.
     pub fn named(self, name: impl Into<String>) -> Self {
         self.arena.name(self.id, name.into());
         self

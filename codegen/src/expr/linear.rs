@@ -222,8 +222,8 @@ impl<'a> Matrix<'a> {
         Self::new(self.rows, self.columns, entries)
     }
 
-    /// The solution of `self · x = right` for at most three unknowns, by the adjugate: no pivots, one division. None if the determinant is zero
-    /// as an expression.
+    /// The solution of `self · x = right` for at most three unknowns, by the adjugate: no pivots, one division. None if
+    /// the determinant is zero as an expression.
     fn solve_small(&self, right: &Vector<'a>) -> Option<Vector<'a>> {
         let m = |i: usize, j: usize| self.at(i % self.rows, j % self.columns);
         let adjugate: Vec<Expr<'a>> = match self.rows {
@@ -240,9 +240,9 @@ impl<'a> Matrix<'a> {
         (!determinant.is_zero()).then(|| adjugate.times(right).scale(determinant.recip()))
     }
 
-    /// The solution of `self · x = right` with few operations: each set of unknowns that no equation couples with others by itself,
-    /// by the adjugate if there are at most three, by elimination if more. Neither looks for pivots: for matrices near a positive
-    /// definite one, as a step's are.
+    /// The solution of `self · x = right` with few operations: each set of unknowns that no equation couples with
+    /// others by itself, by the adjugate if there are at most three, by elimination if more. Neither looks for pivots:
+    /// for matrices near a positive definite one, as a step's are.
     pub fn solve(&self, right: &Vector<'a>) -> Vector<'a> {
         self.try_solve(right).unwrap_or_else(|| right.map(|x| x / x.arena.zero()))
     }
@@ -342,8 +342,8 @@ impl<'a> Matrix<'a> {
         Self::new(indices.len(), indices.len(), entries.collect())
     }
 
-    /// `L` (unit lower triangular) and the pivots `d` of `self = L diag(d) Lᵀ`, for a symmetric matrix, of which only the
-    /// lower triangle is read. Stable without pivoting where all `d` are positive, and the test that they are.
+    /// `L` (unit lower triangular) and the pivots `d` of `self = L diag(d) Lᵀ`, for a symmetric matrix, of which only
+    /// the lower triangle is read. Stable without pivoting where all `d` are positive, and the test that they are.
     pub fn ldl(&self) -> (Self, Vector<'a>) {
         let n = self.rows;
         let arena = self.entries[0].arena;

@@ -45,7 +45,8 @@ impl Number {
         Some(Self::Rational(Ratio::new_raw(part(*ratio.numer())?, part(*ratio.denom())?)))
     }
 
-    /// A rounded number. One that comes out whole counts as exact, so that terms which cancel and factors of one vanish.
+    /// A rounded number. One that comes out whole counts as exact, so that terms which cancel and factors of one
+    /// vanish.
     fn rounded(value: f64) -> Self {
         if value.fract() == 0.0 && value.abs() <= EXACT as f64 {
             Self::Rational(Ratio::from_integer(value as i64))
@@ -143,8 +144,8 @@ impl Number {
         if self.is_negative() { -self } else { self }
     }
 
-    /// `self / content` for the content of the sum in which `self` is a coefficient: a sign, or a magnitude that all coefficients
-    /// share. It does not divide, because rounded numbers may miss one when divided by themselves.
+    /// `self / content` for the content of the sum in which `self` is a coefficient: a sign, or a magnitude that all
+    /// coefficients share. It does not divide, because rounded numbers may miss one when divided by themselves.
     pub(super) fn without(self, content: Self) -> Self {
         if content.abs().is_one() {
             content * self

@@ -26,8 +26,8 @@ enum Form {
 }
 
 impl<'a> Expr<'a> {
-    /// As a quotient by what depends on these symbols, or by 1 if there is no such quotient in it. None if there are several, or one that is no
-    /// factor of all.
+    /// As a quotient by what depends on these symbols, or by 1 if there is no such quotient in it. None if there are
+    /// several, or one that is no factor of all.
     pub fn as_quotient(self, symbols: &[Symbol]) -> Option<Quotient<'a>> {
         let arena = self.arena;
         let mut forms: FxHashMap<Id, (Form, bool)> = FxHashMap::default();

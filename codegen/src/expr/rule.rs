@@ -1,8 +1,8 @@
 //! Vectors whose derivatives follow a rule in closed form.
 //!
-//! What an inverse is computed from is long, and its derivative by the chain rule is longer; `(A⁻¹)' = −A⁻¹ A' A⁻¹` is short.
-//! [`Vector::with_rule`] attaches such a rule to a vector; [`Derivative`](super::Derivative) uses it in place of the chain rule. The
-//! [gradient](super::gradient()) does not.
+//! What an inverse is computed from is long, and its derivative by the chain rule is longer; `(A⁻¹)' = −A⁻¹ A' A⁻¹` is
+//! short. [`Vector::with_rule`] attaches such a rule to a vector; [`Derivative`](super::Derivative) uses it in place of
+//! the chain rule. The [gradient](super::gradient()) does not.
 
 use std::sync::Arc;
 

@@ -9,9 +9,9 @@
 //!   `|xᵢ| ≤ √s`;
 //! * a product has the sum of its factors' orders, a sum the least of its terms'.
 //!
-//! A term of positive order has the limit 0. There the negative power of the root is one that
-//! [is zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function
-//! has a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other term stays as it
+//! A term of positive order has the limit 0. There the negative power of the root is one that [is
+//! zero](Function::RecipOrZero) with the root. If all terms are like this, the derivative of a continuous function has
+//! a limit where `s` vanishes, and by the mean value theorem that is its derivative there. Every other term stays as it
 //! is, and what is divided by zero in it is infinite or not a number: a derivative that does not exist is not made up.
 //!
 //! Before that, roots are taken out of denominators where algebra can do it: powers of `s` are put together, and an odd

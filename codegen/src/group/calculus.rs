@@ -3,16 +3,16 @@
 use super::{Group, Retraction, Side};
 use crate::expr::{Arena, Stage, Symbol, Vector, gradient};
 
-/// The symbols of `δ`, and the stored coordinates of `g τ(δ)`, or of `τ(δ) g` as `side` says, for differentiation at `δ = 0`, where every `τ` has the
-/// same derivative.
+/// The symbols of `δ`, and the stored coordinates of `g τ(δ)`, or of `τ(δ) g` as `side` says, for differentiation at
+/// `δ = 0`, where every `τ` has the same derivative.
 fn neighbourhood<'a>(group: &dyn Group, side: Side, g: &Vector<'a>) -> (Vec<Symbol>, Vector<'a>) {
     let delta = placeholders(g.0[0].arena(), "d", group.dimension());
     let element = group.near(side, g, &delta);
     (delta.symbols(), element)
 }
 
-/// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with `τ(δ) g` as
-/// `side` says: an element of the dual of the algebra, the same for every `τ`.
+/// The derivative `d/dδ|₀ f(g τ(δ))` of a function with gradient `df` by the stored coordinates of `g`, or with
+/// `τ(δ) g` as `side` says: an element of the dual of the algebra, the same for every `τ`.
 pub(crate) fn trivialized_gradient<'a>(
     group: &dyn Group,
     side: Side,

@@ -1,11 +1,12 @@
-//! Casimirs, found: the polynomials `C` that every Hamiltonian keeps, `Σ_i ∂C/∂m_i {m_i, m_j} = 0` for all `j`, with the Lie–Poisson bracket
-//! `{m_i, m_j} = Σ_k c_ij^k m_k`.
+//! Casimirs, found: the polynomials `C` that every Hamiltonian keeps, `Σ_i ∂C/∂m_i {m_i, m_j} = 0` for all `j`, with
+//! the Lie–Poisson bracket `{m_i, m_j} = Σ_k c_ij^k m_k`.
 //!
-//! Degree by degree, they are the common kernel of the derivations `{·, m_j}` on the polynomials of that degree: of one derivation after the
-//! other, as the kernel of the first ones is small. The number of independent ones is that of the columns of `{m_i, m_j}` less its rank at a
-//! generic point; the search ends there, or behind the largest degree. Elimination is modulo a prime; what is found has small coefficients,
-//! which are read back as fractions, and checked exactly. Where the constants of a basis are many or large, the coefficients are too: the search
-//! is in a simpler basis then, and what it finds is expanded.
+//! Degree by degree, they are the common kernel of the derivations `{·, m_j}` on the polynomials of that degree: of one
+//! derivation after the other, as the kernel of the first ones is small. The number of independent ones is that of the
+//! columns of `{m_i, m_j}` less its rank at a generic point; the search ends there, or behind the largest degree.
+//! Elimination is modulo a prime; what is found has small coefficients, which are read back as fractions, and checked
+//! exactly. Where the constants of a basis are many or large, the coefficients are too: the search is in a simpler
+//! basis then, and what it finds is expanded.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -41,8 +42,8 @@ pub struct Casimirs {
     pub missing: usize,
 }
 
-/// The Casimirs that are functions of these variables alone. These are given in blocks: a Casimir is searched for among the polynomials of
-/// one degree in each block, so that what is scaled apart stays apart.
+/// The Casimirs that are functions of these variables alone. These are given in blocks: a Casimir is searched for among
+/// the polynomials of one degree in each block, so that what is scaled apart stays apart.
 pub fn casimirs(structure: &Structure, blocks: &[Range<usize>]) -> Casimirs {
     let point = generic_point(structure.dimension());
     let all = number(structure, blocks, &point);
@@ -74,7 +75,8 @@ pub fn casimirs(structure: &Structure, blocks: &[Range<usize>]) -> Casimirs {
     Casimirs { found: found.into_iter().map(|(_, polynomial)| polynomial).collect(), missing }
 }
 
-/// The same of a semidirect algebra, whose constants are these if they are exact: in a simpler basis of the group's algebra if there is one.
+/// The same of a semidirect algebra, whose constants are these if they are exact: in a simpler basis of the group's
+/// algebra if there is one.
 pub fn casimirs_of(algebra: &Semidirect, blocks: &[Range<usize>]) -> Option<Casimirs> {
     let structure = Structure::of(algebra)?;
     let simple = algebra.group.simple_basis().and_then(|basis| Some((structure.in_basis(&basis)?, basis)));
@@ -88,7 +90,8 @@ pub fn casimirs_of(algebra: &Semidirect, blocks: &[Range<usize>]) -> Option<Casi
     Some(Casimirs { missing: all - found.len(), found })
 }
 
-/// The polynomial with a sum of the first variables instead of each of these, its row; none if coefficients grow too large.
+/// The polynomial with a sum of the first variables instead of each of these, its row; none if coefficients grow too
+/// large.
 fn expanded(polynomial: &Polynomial, rows: &[Vec<Ratio<i64>>]) -> Option<Polynomial> {
     let sum = |variable: usize| -> Vec<(usize, Rational)> {
         let Some(row) = rows.get(variable) else { return vec![(variable, Rational::one())] };
@@ -136,8 +139,8 @@ fn generic_point(dimension: usize) -> Vec<u64> {
     std::iter::successors(Some(17_u64), next).skip(3).take(dimension).collect()
 }
 
-/// How many independent functions of these variables all derivations leave alone: there are as many as variables, less the rank of the
-/// derivations at a generic point.
+/// How many independent functions of these variables all derivations leave alone: there are as many as variables, less
+/// the rank of the derivations at a generic point.
 fn number(structure: &Structure, blocks: &[Range<usize>], point: &[u64]) -> usize {
     let mut rank = Echelon::default();
     let variables = || blocks.iter().cloned().flatten();
@@ -238,8 +241,8 @@ fn modular(polynomial: Polynomial) -> Sparse<Monomial> {
     polynomial.into_iter().map(|(monomial, x)| (monomial, coefficient(x))).collect()
 }
 
-/// The polynomials in these monomials that these derivations annul and that do not follow from products, in reduced echelon form: the one with
-/// the last monomial first.
+/// The polynomials in these monomials that these derivations annul and that do not follow from products, in reduced
+/// echelon form: the one with the last monomial first.
 fn kernel(
     structure: &Structure,
     derivations: &BTreeSet<usize>,

@@ -8,8 +8,8 @@ use crate::quantity::Kind;
 
 /// A Lie group, left-trivialized: `g' = g ξ`.
 ///
-/// Elements `x`, `y` of the algebra and `m` of its dual are vectors of [`dimension`](Self::dimension) coordinates, paired by
-/// the dot product; elements `g`, `h` of the group are vectors of the stored coordinates.
+/// Elements `x`, `y` of the algebra and `m` of its dual are vectors of [`dimension`](Self::dimension) coordinates,
+/// paired by the dot product; elements `g`, `h` of the group are vectors of the stored coordinates.
 pub trait Group: AsGroup + Sync {
     /// Names, kinds and lengths.
     fn names(&self) -> &GroupNames;
@@ -36,8 +36,8 @@ pub trait Group: AsGroup + Sync {
             blocks => blocks.to_vec(),
         }
     }
-    /// The equations of motion of a left-invariant system, for generated documentation: Lie–Poisson, with the coadjoint action, unless they read
-    /// better otherwise.
+    /// The equations of motion of a left-invariant system, for generated documentation: Lie–Poisson, with the coadjoint
+    /// action, unless they read better otherwise.
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         let EquationNames { configuration, momentum, velocity, advected, energy } = names;
         let bracket = EquationTerm::kept(format!("ad*({velocity}) {momentum}"));
@@ -48,7 +48,8 @@ pub trait Group: AsGroup + Sync {
             advected: advected.iter().map(|a| format!("ad*({velocity}) {a}")).collect(),
         }
     }
-    /// The coordinates of a basis that may have simpler constants, a row for each of its elements; none if no other one is known.
+    /// The coordinates of a basis that may have simpler constants, a row for each of its elements; none if no other one
+    /// is known.
     fn simple_basis(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
         None
     }
@@ -76,7 +77,8 @@ pub trait Group: AsGroup + Sync {
             Law::Composite(map) => map.d_right_dual(self.as_group(), x, m),
         }
     }
-    /// Whether there are steps with a function: not with a map that leaves the group, or of which no closed form is known.
+    /// Whether there are steps with a function: not with a map that leaves the group, or of which no closed form is
+    /// known.
     fn has_function(&self, _f: MatrixFunction) -> bool {
         true
     }
@@ -91,7 +93,8 @@ pub trait Group: AsGroup + Sync {
     fn is_summed(&self, _retraction: Retraction) -> bool {
         false
     }
-    /// Positive, all of them, where `f` is a local diffeomorphism, one of them zero on the edge; none if that is everywhere.
+    /// Positive, all of them, where `f` is a local diffeomorphism, one of them zero on the edge; none if that is
+    /// everywhere.
     fn closed_domain<'a>(&self, f: MatrixFunction, x: &Vector<'a>) -> Vec<Expr<'a>>;
     /// The same of a retraction.
     fn domain<'a>(&self, retraction: Retraction, x: &Vector<'a>) -> Vec<Expr<'a>> {
@@ -106,7 +109,8 @@ pub trait Group: AsGroup + Sync {
     fn inverse<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
     /// `g`, which roundoff has taken an ulp or two off the group, back on it.
     fn normalize<'a>(&self, g: &Vector<'a>) -> Vector<'a>;
-    /// The defect of an element, to first order the way back to it; none where the type of what is stored has told already.
+    /// The defect of an element, to first order the way back to it; none where the type of what is stored has told
+    /// already.
     fn deviation<'a>(&self, _g: &Vector<'a>) -> Option<Vector<'a>> {
         None
     }
@@ -123,9 +127,11 @@ pub trait Group: AsGroup + Sync {
     }
     /// `Ad*_{g⁻¹} m`: a body momentum in space coordinates.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a>;
-    /// The linear spaces the group acts on, by names of their own, beside its [algebra](super::Adjoint) and what is [dual](super::Dual) to them.
+    /// The linear spaces the group acts on, by names of their own, beside its [algebra](super::Adjoint) and what is
+    /// [dual](super::Dual) to them.
     fn representations(&self) -> &[&'static dyn Representation];
-    /// What an element does to a vector in a user's expressions, as those of the type it is stored as do, if it acts on such vectors.
+    /// What an element does to a vector in a user's expressions, as those of the type it is stored as do, if it acts on
+    /// such vectors.
     fn act<'a>(&self, g: &Vector<'a>, v: &Vector<'a>) -> Option<Vector<'a>> {
         let mut spaces = self.representations().iter();
         spaces.find(|space| space.coordinates().len() == v.len())?.act(g, v)
@@ -134,7 +140,8 @@ pub trait Group: AsGroup + Sync {
     fn basis(&self) -> Option<Basis> {
         families::basis(self.name())
     }
-    /// The same up to a few terms of series that are not finite sums, if it has such: close enough for Newton's matrix, and much shorter.
+    /// The same up to a few terms of series that are not finite sums, if it has such: close enough for Newton's matrix,
+    /// and much shorter.
     fn coarse(&self) -> Option<&'static dyn Group> {
         None
     }
@@ -173,8 +180,8 @@ pub struct GroupNames {
     pub kind: Kind,
     /// Suffixes of the stored coordinates.
     pub coordinates: &'static [&'static str],
-    /// How many of the stored coordinates, from the first one on, make something of unit length: a rotation leaves them bounded, however
-    /// far it goes.
+    /// How many of the stored coordinates, from the first one on, make something of unit length: a rotation leaves them
+    /// bounded, however far it goes.
     pub unit_coordinates: usize,
     /// Suffixes of the algebra's coordinates.
     pub axes: &'static [&'static str],
@@ -182,7 +189,8 @@ pub struct GroupNames {
     pub blocks: &'static [usize],
     /// The names of the blocks, where a momentum is made of several: angular and linear.
     pub parts: &'static [&'static str],
-    /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is stored as.
+    /// What a user's expressions can take from an element: fields, and methods without arguments, of the type it is
+    /// stored as.
     pub components: &'static [Component],
 }
 

@@ -44,9 +44,9 @@ pub fn sizes(family: &str) -> Vec<String> {
 
 /// The group of a family, of this size; none if there is no such family, or none of this size.
 ///
-/// `SO(n)` rotations, `SL(n)` matrices of determinant 1, `GL(n)` all that can be inverted, `SP(2n)` symplectic ones, `SU(n)` as real matrices of
-/// `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns, `SGal(3)` Galilei's group, `SO21` or `SO(2, 1)` Lorentz's group of the
-/// plane, `Heisenberg` and `Aff(1)`.
+/// `SO(n)` rotations, `SL(n)` matrices of determinant 1, `GL(n)` all that can be inverted, `SP(2n)` symplectic ones,
+/// `SU(n)` as real matrices of `2n` rows, `SE(n)` rigid motions, `SE2(n)` a rotation with two vectors that it turns,
+/// `SGal(3)` Galilei's group, `SO21` or `SO(2, 1)` Lorentz's group of the plane, `Heisenberg` and `Aff(1)`.
 pub fn family(name: &str) -> Option<&'static MatrixGroup> {
     family_with_terms(name, TERMS)
 }
@@ -166,8 +166,8 @@ fn symplectic(n: usize) -> Vec<NamedMatrix> {
     basis
 }
 
-/// Antihermitean matrices without trace, a complex number `a + ib` as `[[a, −b], [b, a]]`: `s` symmetric imaginary, `a` antisymmetric real,
-/// `d` diagonal.
+/// Antihermitean matrices without trace, a complex number `a + ib` as `[[a, −b], [b, a]]`: `s` symmetric imaginary, `a`
+/// antisymmetric real, `d` diagonal.
 fn unitary(n: usize) -> Vec<NamedMatrix> {
     let size = 2 * n;
     let mut basis = Vec::new();

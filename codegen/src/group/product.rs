@@ -1,7 +1,8 @@
 //! The group of a system: a direct product, each factor with the spaces that it acts on.
 //!
-//! An element of the group has what each factor's has, one after the other; so has one of the algebra or of its dual, and so have the spaces.
-//! Factors do not act on each other: everything is theirs, each by itself. They meet in a system's energy and forces alone.
+//! An element of the group has what each factor's has, one after the other; so has one of the algebra or of its dual,
+//! and so have the spaces. Factors do not act on each other: everything is theirs, each by itself. They meet in a
+//! system's energy and forces alone.
 
 use std::ops::Range;
 

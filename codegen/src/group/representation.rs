@@ -49,15 +49,16 @@ pub trait Representation: Sync {
 
 /// How a retraction moves along `V` while it rotates it: `P(x) w = body_part + τ(x) rotated_part`.
 ///
-/// For the exponential `P(x) w = φ₁(ρ_x) w`; for Cayley `P(x) w = (1 − ρ_x/2)⁻¹ w = ½ (w + τ(x) w)`: half the way before the
-/// rotation, half of it after. In coordinates of the second kind all of it is after the rotation, backwards all of it before.
+/// For the exponential `P(x) w = φ₁(ρ_x) w`; for Cayley `P(x) w = (1 − ρ_x/2)⁻¹ w = ½ (w + τ(x) w)`: half the way
+/// before the rotation, half of it after. In coordinates of the second kind all of it is after the rotation, backwards
+/// all of it before.
 pub struct Translation<'a> {
     /// What `τ(x)` does not act on.
     pub body_part: Vector<'a>,
     /// The rotated part; a function of `w` alone.
     pub rotated_part: Vector<'a>,
-    /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint action
-    /// and `τ(x, w)` is the derivative of `τ` at `x` along `w`.
+    /// Whether the semidirect product, with this retraction, is the tangent group: `V` is the algebra with its adjoint
+    /// action and `τ(x, w)` is the derivative of `τ` at `x` along `w`.
     pub is_tangent_group: bool,
 }
 
@@ -68,7 +69,8 @@ pub(super) fn matrices_of(space: &dyn Representation) -> Option<Vec<RationalMatr
     })
 }
 
-/// The matrices of a map that is linear in each of its two vectors, one for each coordinate of the first; none if they are not exact.
+/// The matrices of a map that is linear in each of its two vectors, one for each coordinate of the first; none if they
+/// are not exact.
 pub(super) fn matrices_of_action(
     dimension: usize,
     n: usize,

@@ -1,6 +1,7 @@
 //! The maps from the algebra to the group that steps are made with.
 //!
-//! A retraction is a file and its row in [`Retraction::row`]: parsing, messages, displacements and schemes follow from the row.
+//! A retraction is a file and its row in [`Retraction::row`]: parsing, messages, displacements and schemes follow from
+//! the row.
 
 use super::second_kind::{ASCENDING, DESCENDING};
 use super::{Group, Representation, Translation};
@@ -21,8 +22,9 @@ pub enum Retraction {
 
 /// A retraction that is a function `f` of one matrix, with `f(−X) = f(X)⁻¹`.
 ///
-/// As `f(A X A⁻¹) = A f(X) A⁻¹`, it is `Ad`-equivariant: `τ(Ad_g x) = g τ(x) g⁻¹`. Hence `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m`, and `τ(x)`
-/// commutes with `exp x`. It is odd as well, `τ(−x) = τ(x)⁻¹`, so that `dL τ_x = dR τ_{−x}`.
+/// As `f(A X A⁻¹) = A f(X) A⁻¹`, it is `Ad`-equivariant: `τ(Ad_g x) = g τ(x) g⁻¹`. Hence
+/// `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m`, and `τ(x)` commutes with `exp x`. It is odd as well, `τ(−x) = τ(x)⁻¹`, so
+/// that `dL τ_x = dR τ_{−x}`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MatrixFunction {
     /// [`Retraction::Exponential`]

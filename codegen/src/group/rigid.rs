@@ -1,12 +1,13 @@
-//! Rigid motions: what SE(2) and SE(3) have in common, rotations and the translations that they rotate, as one group `K ⋉ V`.
+//! Rigid motions: what SE(2) and SE(3) have in common, rotations and the translations that they rotate, as one group
+//! `K ⋉ V`.
 //!
-//! Coordinates of the algebra: angular, then linear velocity, both in body coordinates; the dual likewise. Storage: the rotation's
-//! coordinates, then the translation from space origin to body origin, in space coordinates.
+//! Coordinates of the algebra: angular, then linear velocity, both in body coordinates; the dual likewise. Storage: the
+//! rotation's coordinates, then the translation from space origin to body origin, in space coordinates.
 //!
-//! * Elements `(R, p)`, `(R, p)(S, q) = (RS, p + Rq)`; algebra `(x, w)` with angular part `x` and linear part `w`, in body
-//!   coordinates: `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
-//! * `τ(x, w) = (τ(x), P(x) w)`: `P = φ₁(ρ_x)` for the exponential, `(1 − ρ_x/2)⁻¹` for Cayley. The logarithmic derivatives are
-//!   those that [`Semidirect`] derives.
+//! * Elements `(R, p)`, `(R, p)(S, q) = (RS, p + Rq)`; algebra `(x, w)` with angular part `x` and linear part `w`, in
+//!   body coordinates: `[(x, w), (y, u)] = ([x, y], ρ_x u − ρ_y w)`.
+//! * `τ(x, w) = (τ(x), P(x) w)`: `P = φ₁(ρ_x)` for the exponential, `(1 − ρ_x/2)⁻¹` for Cayley. The logarithmic
+//!   derivatives are those that [`Semidirect`] derives.
 
 use super::{
     Group, GroupNames, MatrixFunction, Representation, Retraction, Semidirect, SemidirectVector, Translation,
@@ -104,8 +105,8 @@ impl Group for Rigid {
         join(self.rotations.normalize(&r), &p)
     }
 
-    /// `Ad*_{g⁻¹} (m, a) = (K-part of m and of the moment of R a about the origin, R a)`: the moment is `−J(p, R a)`, with
-    /// `J(p, a) · y = a · ρ_y p`, from the translation that the inverse brings.
+    /// `Ad*_{g⁻¹} (m, a) = (K-part of m and of the moment of R a about the origin, R a)`: the moment is `−J(p, R a)`,
+    /// with `J(p, a) · y = a · ρ_y p`, from the translation that the inverse brings.
     fn to_space<'a>(&self, g: &Vector<'a>, m: &Vector<'a>) -> Vector<'a> {
         let (r, p) = self.parts(g);
         let m = self.split(m);

@@ -1,14 +1,16 @@
-//! Canonical coordinates of the second kind: `τ(x) = exp(x₁E₁) exp(x₂E₂) ⋯ exp(x_d E_d)`, along the axes of the algebra in their order.
-//! (B. Owren and A. Marthinsen, *Integration methods based on canonical coordinates of the second kind*, Numerische Mathematik 87, 2001.)
+//! Canonical coordinates of the second kind: `τ(x) = exp(x₁E₁) exp(x₂E₂) ⋯ exp(x_d E_d)`, along the axes of the algebra
+//! in their order. (B. Owren and A. Marthinsen, *Integration methods based on canonical coordinates of the second
+//! kind*, Numerische Mathematik 87, 2001.)
 //!
 //! For any group, from its exponential along one axis alone. With `g_i = exp(x_iE_i)` the columns of `dR τ_x` are
-//! `Ad_{g₁ ⋯ g_{i−1}} E_i`, so that one pass of `m_i = Ad*_{g_i} m_{i−1}` from `m₀ = m` has all that a step needs: the components
-//! `((dR τ_x)* m)_i = (m_{i−1})_i`, and `Ad*_{τ(x)} m = m_d` at its end.
+//! `Ad_{g₁ ⋯ g_{i−1}} E_i`, so that one pass of `m_i = Ad*_{g_i} m_{i−1}` from `m₀ = m` has all that a step needs: the
+//! components `((dR τ_x)* m)_i = (m_{i−1})_i`, and `Ad*_{τ(x)} m = m_d` at its end.
 //!
 //! The map is not odd: `τ̄(x) = τ(−x)⁻¹` has the factors in the opposite order. Nor is it `Ad`-equivariant.
 //!
-//! On a semidirect product `G ⋉ V` the space's axes come after the group's, `τ(x, w) = τ(x) exp(w)`, and backwards before them. For SE(2) and
-//! SE(3), which are such products, these are the coordinates of the second kind along all of their axes.
+//! On a semidirect product `G ⋉ V` the space's axes come after the group's, `τ(x, w) = τ(x) exp(w)`, and backwards
+//! before them. For SE(2) and SE(3), which are such products, these are the coordinates of the second kind along all of
+//! their axes.
 
 use super::{Composite, Group, MatrixFunction, Representation, Translation};
 use crate::expr::{Expr, Number, Vector};
@@ -86,7 +88,8 @@ impl Composite for SecondKind {
         group.matrix_rows().is_none()
     }
 
-    /// Turns of space about one axis after the other: where the second one is a quarter turn, the third axis lies along the first.
+    /// Turns of space about one axis after the other: where the second one is a quarter turn, the third axis lies along
+    /// the first.
     fn domain<'a>(&self, group: &dyn Group, x: &Vector<'a>) -> Vec<Expr<'a>> {
         let turns_in_space = group.names().unit_coordinates == 4;
         if !turns_in_space {

@@ -4,12 +4,13 @@
 //! group's and the representations' by differentiation.
 //!
 //! With `τ(x, w) = (τ(x), P(x) w)` the right logarithmic derivative is
-//! `dR τ_(x,w)(y, u) = (r, D_x[P(x) w] y + P(x) u − ρ_r P(x) w)`, `r = dR τ_x y`: the derivative of the translation, less what
-//! carrying it back by `τ(x, w)⁻¹` takes. With `P(x) w = f(x) + τ(x) e` the derivative of `τ(x) e` is `ρ_r τ(x) e` by the very
-//! definition of `r`, which cancels, and `D_x f(x) y − ρ_r f(x)` remains.
+//! `dR τ_(x,w)(y, u) = (r, D_x[P(x) w] y + P(x) u − ρ_r P(x) w)`, `r = dR τ_x y`: the derivative of the translation,
+//! less what carrying it back by `τ(x, w)⁻¹` takes. With `P(x) w = f(x) + τ(x) e` the derivative of `τ(x) e` is
+//! `ρ_r τ(x) e` by the very definition of `r`, which cancels, and `D_x f(x) y − ρ_r f(x)` remains.
 //!
-//! As `τ(x, w) = exp(f) τ(x) exp(e)`, so is the coadjoint action; where `τ` is equivariant, `Ad*_τ m = m + ad* (dR τ)* m` is shorter. In
-//! coordinates of the second kind the spaces' axes come after the group's: `f = 0`, `e = w`, and backwards `f = w`, `e = 0`.
+//! As `τ(x, w) = exp(f) τ(x) exp(e)`, so is the coadjoint action; where `τ` is equivariant,
+//! `Ad*_τ m = m + ad* (dR τ)* m` is shorter. In coordinates of the second kind the spaces' axes come after the group's:
+//! `f = 0`, `e = w`, and backwards `f = w`, `e = 0`.
 
 use super::calculus::transposed;
 use super::{Group, Law, Representation, Retraction, Translation, placeholders};
@@ -202,8 +203,9 @@ impl Semidirect {
 
     /// The `g*` part of `(dR τ_(x,w))* (m, a)`.
     ///
-    /// It is `(dR τ_x)* (m − Σ J(f(x), a)) + Σ ∇_x (a · f(x))`, with the momentum map `J(p, a) · y = a · ρ_y p`. On a tangent group,
-    /// whose algebra is `g` over the dual numbers `x + ε w`, each `a` gives the derivative of `(dR τ_x)* a` along `w` instead.
+    /// It is `(dR τ_x)* (m − Σ J(f(x), a)) + Σ ∇_x (a · f(x))`, with the momentum map `J(p, a) · y = a · ρ_y p`. On a
+    /// tangent group, whose algebra is `g` over the dual numbers `x + ε w`, each `a` gives the derivative of
+    /// `(dR τ_x)* a` along `w` instead.
     pub fn d_right_dual_base<'a>(
         &self,
         retraction: Retraction,

@@ -5,8 +5,8 @@ use crate::expr::Vector;
 pub use crate::quantity::Side;
 
 impl Side {
-    /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and momentum
-    /// `−μ`, so that in all that is linear in the momentum the velocity changes its sign.
+    /// `1` or `−1`: inversion `γ = g⁻¹` turns a right-invariant system into a left-invariant one with velocity `−ξ` and
+    /// momentum `−μ`, so that in all that is linear in the momentum the velocity changes its sign.
     pub fn sign(self) -> i64 {
         match self {
             Self::Left => 1,
@@ -14,8 +14,8 @@ impl Side {
         }
     }
 
-    /// What carries a momentum where `τ(x)` moves the configuration: by `Ad*` of this at [`sign`](Self::sign)` x`. As `γ τ(x)⁻¹` is
-    /// `γ τ̄(−x)`, that is `τ` itself or `τ̄`.
+    /// What carries a momentum where `τ(x)` moves the configuration: by `Ad*` of this at [`sign`](Self::sign)` x`. As
+    /// `γ τ(x)⁻¹` is `γ τ̄(−x)`, that is `τ` itself or `τ̄`.
     pub fn carrying(self, retraction: Retraction) -> Retraction {
         match self {
             Self::Left => retraction,

@@ -107,7 +107,8 @@ const NAMES: GroupNames = GroupNames {
     components: COMPONENTS,
 };
 
-/// The fields of a complex number, and nalgebra's methods for the angle, which is above −π and at most π, its cosine and sine.
+/// The fields of a complex number, and nalgebra's methods for the angle, which is above −π and at most π, its cosine
+/// and sine.
 const COMPONENTS: &[Component] = &[
     Component { name: "re", called: false, of: |g| ComponentValue::Scalar(g.0[0]) },
     Component { name: "im", called: false, of: |g| ComponentValue::Scalar(g.0[1]) },
@@ -116,7 +117,8 @@ const COMPONENTS: &[Component] = &[
     Component { name: "sin_angle", called: true, of: |g| ComponentValue::Scalar(g.0[1]) },
 ];
 
-/// The plane with the rotations acting on it, `ρ_x v = x J v`; under a group of so many dimensions whose first is the rotation.
+/// The plane with the rotations acting on it, `ρ_x v = x J v`; under a group of so many dimensions whose first is the
+/// rotation.
 pub(super) struct Plane(pub(super) usize);
 
 impl Representation for Plane {

@@ -29,8 +29,8 @@ fn cayley_norm<'a>(x: &Vector<'a>) -> Expr<'a> {
     x.squared_norm().scale(Number::ratio(1, 4)) + 1
 }
 
-/// `2/(1 + |x|²/4)`: kept whole with its 2, as the mean momentum of a step has it in multiples by the unknown's scale, and as derivatives
-/// have its square.
+/// `2/(1 + |x|²/4)`: kept whole with its 2, as the mean momentum of a step has it in multiples by the unknown's scale,
+/// and as derivatives have its square.
 fn twice_cayley_factor<'a>(x: &Vector<'a>) -> Expr<'a> {
     (cayley_norm(x).recip() * 2).hold()
 }
@@ -128,8 +128,8 @@ impl Group for SO3 {
         g - &g.scale(correction)
     }
 
-    /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to the product's:
-    /// the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
+    /// For Cayley the product with `(1, x/2)`, whose length `√(1 + z/4)` comes off together with what rounding did to
+    /// the product's: the root need not be waited for, nor for the product, whose length is that of `g` up to rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let one = x.0[0].arena().one();
         let (increment, inverse_length) = if retraction == Retraction::Cayley {
@@ -208,8 +208,8 @@ impl Representation for Space {
         Some(turned(g, v))
     }
 
-    /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the tangent group
-    /// of SO(3).
+    /// `φ₁(x̂) = 1 + c₂ x̂ + c₃ x̂²`; the vectors are the algebra itself, so that with the exponential SE(3) is the
+    /// tangent group of SO(3).
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
         let z = x.squared_norm();
         match f {

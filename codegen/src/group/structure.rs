@@ -21,8 +21,8 @@ impl Structure {
         Self { dimension, constants: pairs.map(|(i, j)| constant(i, j)).collect() }
     }
 
-    /// Of a semidirect algebra: first the group's own axes, then the spaces' coordinates. The brackets are derived from the group's bracket and
-    /// the spaces' actions; none if a constant of theirs is not exact.
+    /// Of a semidirect algebra: first the group's own axes, then the spaces' coordinates. The brackets are derived from
+    /// the group's bracket and the spaces' actions; none if a constant of theirs is not exact.
     pub fn of(algebra: &Semidirect) -> Option<Self> {
         let arena = Arena::new();
         let symbols = |name: &str, dimension: usize| {
@@ -74,7 +74,8 @@ impl Structure {
         &self.constants[i * self.dimension + j]
     }
 
-    /// The same algebra with the combinations of `E_1, …` that these rows are instead of as many; the others stay. None if numbers grow too large.
+    /// The same algebra with the combinations of `E_1, …` that these rows are instead of as many; the others stay. None
+    /// if numbers grow too large.
     pub(super) fn in_basis(&self, rows: &[Vec<Ratio<i64>>]) -> Option<Self> {
         let (d, n) = (rows.len(), self.dimension);
         let basis =

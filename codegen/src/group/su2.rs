@@ -1,10 +1,11 @@
 //! SU(2), unit quaternions: the double cover of the rotations of space, as spins see it.
 //!
-//! * Algebra: `su(2) ≅ R³`, `x` standing for the pure quaternion `x/2`, which is `−i x·σ/2`; bracket `[x, y] = x × y`, `ad*_x m = m × x`.
+//! * Algebra: `su(2) ≅ R³`, `x` standing for the pure quaternion `x/2`, which is `−i x·σ/2`; bracket `[x, y] = x × y`,
+//!   `ad*_x m = m × x`.
 //! * Storage: the unit quaternion `w, x, y, z` itself, of which `q` and `−q` are different elements; `g' = g (0, ξ)/2`.
-//! * `exp x = (c₀(z/4), c₁(z/4) x/2)` with `z = |x|²`, as for [`SO3`](super::SO3). The Cayley map is that of the quaternions, not of the
-//!   rotation matrices: with `a = x/4`, `cay x = (1 − a)⁻¹(1 + a) = (1 − |a|², 2a)/(1 + |a|²)`, and
-//!   `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
+//! * `exp x = (c₀(z/4), c₁(z/4) x/2)` with `z = |x|²`, as for [`SO3`](super::SO3). The Cayley map is that of the
+//!   quaternions, not of the rotation matrices: with `a = x/4`, `cay x = (1 − a)⁻¹(1 + a) = (1 − |a|², 2a)/(1 + |a|²)`,
+//!   and `dR cay_x y = ((1 − |a|²) y + 2 a × y + 2 (a·y) a)/(1 + |a|²)²`.
 
 use super::so3::{self, SO3};
 use super::{Basis, EquationNames, Equations, Group, GroupNames, MatrixFunction, Representation, Retraction};
@@ -101,7 +102,8 @@ impl Group for SU2 {
         SO3.act(g, v)
     }
 
-    /// As `x/2` multiplies quaternions from the left: the axes of the family of this name are others, and of another length.
+    /// As `x/2` multiplies quaternions from the left: the axes of the family of this name are others, and of another
+    /// length.
     fn basis(&self) -> Option<Basis> {
         Basis::of_action(self.axes(), self.coordinates().len(), |x, q| {
             let mut pure = vec![x.0[0].arena().zero()];

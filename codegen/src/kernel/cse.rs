@@ -1,4 +1,5 @@
-//! Common subexpressions within sums and products: pairs of operands that occur in several of them become nodes of their own.
+//! Common subexpressions within sums and products: pairs of operands that occur in several of them become nodes of
+//! their own.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,34 +7,36 @@ use rustc_hash::FxHashMap;
 
 use super::dag::{Dag, Op, Operation};
 
-/// Operations of more operands than this are left as they are: the number of pairs grows with the square of it, and the catalogue's have at
-/// most some twenty.
+/// Operations of more operands than this are left as they are: the number of pairs grows with the square of it, and the
+/// catalogue's have at most some twenty.
 const LONGEST: usize = 64;
 
 impl Dag<'_> {
     /// Makes pairs of operands that occur in several sums or products nodes of their own, the most frequent first.
     pub(super) fn eliminate_common_pairs(&mut self) {
         let mut index = PairIndex::default();
-        for (place, operation) in self.operations.iter().enumerate() {
-            index.count(place, operation, &|_| true);
+        for op in self.ops() {
+            index.count(op, self.operation(op), &|_| true);
         }
         while let Some(pair) = index.most_frequent() {
-            let before = self.operations.len();
+            let before = self.ops().len();
             let shared = match pair {
                 Pair::Factors(a, b) => self.intern(Operation::Product(vec![a, b])),
                 Pair::Addends(a, b, opposed) => self.intern(Operation::Sum(vec![(false, a), (opposed, b)])),
             };
-            if self.operations.len() > before {
-                index.count(before, &self.operations[before], &|_| true);
+            if self.ops().len() > before {
+                index.count(shared, self.operation(shared), &|_| true);
             }
             // no other pairs come or go
             let [a, b] = pair.operands();
             let changed = |op: Op| op == a || op == b || op == shared;
             for holder in index.holders(&pair) {
-                if holder != shared.0 as usize {
-                    index.forget(holder, &self.operations[holder], &changed);
-                    while pair.replace(&mut self.operations[holder], shared) {}
-                    index.count(holder, &self.operations[holder], &changed);
+                if holder != shared {
+                    let mut operation = self.operation(holder).clone();
+                    index.forget(holder, &operation, &changed);
+                    while pair.replace(&mut operation, shared) {}
+                    index.count(holder, &operation, &changed);
+                    self.replace(holder, operation);
                 }
             }
         }
@@ -44,31 +47,32 @@ impl Dag<'_> {
 #[derive(Default)]
 struct PairIndex {
     /// The operations a pair occurs in, `true` for those of more than two operands, which it would shorten.
-    holders: FxHashMap<Pair, BTreeMap<usize, bool>>,
-    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest last.
+    holders: FxHashMap<Pair, BTreeMap<Op, bool>>,
+    /// The pairs worth a node: those that occur twice and would shorten something, by how often they occur, the oldest
+    /// last.
     candidates: BTreeSet<(usize, std::cmp::Reverse<Pair>)>,
 }
 
 impl PairIndex {
     /// Takes note of the pairs of an operation that hold one of some operands.
-    fn count(&mut self, index: usize, operation: &Operation, held: &dyn Fn(Op) -> bool) {
+    fn count(&mut self, op: Op, operation: &Operation, held: &dyn Fn(Op) -> bool) {
         let long = operation.operands().len() > 2;
         for pair in Pair::all(operation, held) {
             self.change(pair, |holders| {
-                holders.insert(index, long);
+                holders.insert(op, long);
             });
         }
     }
 
-    fn forget(&mut self, index: usize, operation: &Operation, held: &dyn Fn(Op) -> bool) {
+    fn forget(&mut self, op: Op, operation: &Operation, held: &dyn Fn(Op) -> bool) {
         for pair in Pair::all(operation, held) {
             self.change(pair, |holders| {
-                holders.remove(&index);
+                holders.remove(&op);
             });
         }
     }
 
-    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut BTreeMap<usize, bool>)) {
+    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut BTreeMap<Op, bool>)) {
         let holders = self.holders.entry(pair).or_default();
         self.candidates.remove(&(holders.len(), std::cmp::Reverse(pair)));
         change(holders);
@@ -81,7 +85,7 @@ impl PairIndex {
         self.candidates.last().map(|&(_, std::cmp::Reverse(pair))| pair)
     }
 
-    fn holders(&self, pair: &Pair) -> Vec<usize> {
+    fn holders(&self, pair: &Pair) -> Vec<Op> {
         self.holders.get(pair).map(|holders| holders.keys().copied().collect()).unwrap_or_default()
     }
 }
@@ -105,7 +109,8 @@ impl Pair {
         }
     }
 
-    /// The pairs of an operation's operands with at least one that is `held`, each once. A node of two operands is the pair itself: it counts as an occurrence of it.
+    /// The pairs of an operation's operands with at least one that is `held`, each once. A node of two operands is the
+    /// pair itself: it counts as an occurrence of it.
     fn all(operation: &Operation, held: &dyn Fn(Op) -> bool) -> Vec<Self> {
         let mut pairs: Vec<Self> = Vec::new();
         if operation.operands().len() > LONGEST {

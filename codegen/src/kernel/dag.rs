@@ -1,7 +1,7 @@
 //! From canonical expressions to operations: which partial sums and products exist, and at which stage.
 //!
-//! Canonical sums and products are flat, whatever the stages of their operands. Here each is split so that what can be computed
-//! earlier is one operand of its own.
+//! Canonical sums and products are flat, whatever the stages of their operands. Here each is split so that what can be
+//! computed earlier is one operand of its own.
 
 use std::collections::BTreeMap;
 
@@ -61,9 +61,9 @@ impl Signed {
 /// All operations of a kernel.
 pub(super) struct Dag<'a> {
     arena: &'a Arena,
-    pub(super) operations: Vec<Operation>,
+    operations: Vec<Operation>,
     stages: Vec<Stage>,
-    pub(super) index: FxHashMap<Operation, Op>,
+    index: FxHashMap<Operation, Op>,
     known: FxHashMap<Id, Signed>,
 }
 
@@ -86,8 +86,19 @@ impl<'a> Dag<'a> {
         self.stages[op.0 as usize]
     }
 
-    pub(super) fn ops(&self) -> impl Iterator<Item = Op> {
+    pub(super) fn ops(&self) -> impl ExactSizeIterator<Item = Op> + use<> {
         (0..self.operations.len() as u32).map(Op)
+    }
+
+    /// The node that was made for an operation, if there is one.
+    pub(super) fn find(&self, operation: &Operation) -> Option<Op> {
+        self.index.get(operation).copied()
+    }
+
+    /// Computes a node in another way, which has to come to the same. Nodes are in no topological order then, and are
+    /// found by what they were made for.
+    pub(super) fn replace(&mut self, op: Op, operation: Operation) {
+        self.operations[op.0 as usize] = operation;
     }
 
     /// The node planned for an expression, if it has been planned.
@@ -123,8 +134,8 @@ impl<'a> Dag<'a> {
 
     /// Plans a node after all that it is made of, with a stack of its own: a graph may be deeper than any other.
     ///
-    /// An operation is planned as soon as its operands are, so that operations are numbered as they come. A node that lacks an operand is
-    /// tried again behind it; the addends that a sum has so far are kept.
+    /// An operation is planned as soon as its operands are, so that operations are numbered as they come. A node that
+    /// lacks an operand is tried again behind it; the addends that a sum has so far are kept.
     fn visit(&mut self, root: Id) -> Signed {
         let mut open: Vec<(Id, Vec<Signed>)> = vec![(root, Vec::new())];
         while let Some((id, addends)) = open.last_mut() {
@@ -197,8 +208,8 @@ impl<'a> Dag<'a> {
         Signed { negative: number.is_negative(), op: self.intern(Operation::Number(number.abs())) }
     }
 
-    /// A sum of the partial sums of each stage: earlier parts are computed earlier, and small late changes are summed before they
-    /// are added to what they change.
+    /// A sum of the partial sums of each stage: earlier parts are computed earlier, and small late changes are summed
+    /// before they are added to what they change.
     fn staged_sum(&mut self, addends: Vec<Signed>) -> Signed {
         let mut by_stage: BTreeMap<Stage, Vec<Signed>> = BTreeMap::new();
         for addend in addends {
@@ -209,7 +220,8 @@ impl<'a> Dag<'a> {
         parts.into_iter().fold(first, |earlier, part| self.sum(vec![earlier, part]))
     }
 
-    /// The sum in this order; the sign of a constant goes outside, else that of the first addend, so that `a − b` and `b − a` are one node.
+    /// The sum in this order; the sign of a constant goes outside, else that of the first addend, so that `a − b` and
+    /// `b − a` are one node.
     fn sum(&mut self, mut addends: Vec<Signed>) -> Signed {
         if let [one] = addends.as_slice() {
             return *one;
@@ -242,7 +254,8 @@ impl<'a> Dag<'a> {
                 None => return Ok(Signed { negative, op: number }),
             }
         }
-        // what comes last is multiplied by the product of all before in one product, so that any two of its factors can be shared
+        // what comes last is multiplied by the product of all before in one product, so that any two of its factors can
+        // be shared
         let mut parts = by_stage.into_values().peekable();
         let mut earlier: Option<Op> = None;
         while let Some(mut part) = parts.next() {

@@ -9,7 +9,8 @@ use crate::scheme::Derivatives;
 
 /// The derivative of a step at one point as code: of the linear maps those that are wanted.
 ///
-/// The matrices are `explicit + through · unknown`, column by column, for the product is better made by loops than written out.
+/// The matrices are `explicit + through · unknown`, column by column, for the product is better made by loops than
+/// written out.
 pub fn derivative<'a>(
     arena: &'a Arena,
     step: &Step<'a>,

@@ -1,7 +1,7 @@
 //! Pulls common factors out of sums: `x a + x b` becomes `x (a + b)`.
 //!
-//! Derivatives come out as sums of products in which whole groups of factors repeat. Factoring them shortens the sums, and the
-//! sums left in parentheses are often the same in several places, where hash-consing then shares them.
+//! Derivatives come out as sums of products in which whole groups of factors repeat. Factoring them shortens the sums,
+//! and the sums left in parentheses are often the same in several places, where hash-consing then shares them.
 
 use std::collections::BTreeSet;
 

@@ -3,8 +3,8 @@
 use crate::expr::{Expr, Matrix, Quotient, Stage, Vector};
 use crate::method::Step;
 
-/// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it is then computed once,
-/// when the stepper is built.
+/// `L⁻¹`, where the left side is linear in the unknown with coefficients that depend on parameters and step alone: it
+/// is then computed once, when the stepper is built.
 fn inverse<'a>(step: &Step<'a>) -> Option<Matrix<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();
@@ -32,10 +32,11 @@ pub(super) fn update<'a>(step: &Step<'a>, right: &Vector<'a>) -> Option<Vector<'
     Some(cleared_update(step, &inverse).unwrap_or_else(|| inverse.map(Expr::hold).times(right)))
 }
 
-/// The next iterate on the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and `d` zero where the unknown is, so that
-/// `(1 + d) L x = n`, it is `L⁻¹ n − d x`. If the derivative of the other update is `J`, its own is `(1 + d) J − d` at the solution, and `d` mostly
-/// of the second order: it contracts as strongly, and does not wait for a division, which takes as long as all else. Rows of the equation that
-/// `L` couples are to have the same denominator.
+/// The next iterate on the equation without denominators, if there are any. Where the right side is `n/(1 + d)`, and
+/// `d` zero where the unknown is, so that `(1 + d) L x = n`, it is `L⁻¹ n − d x`. If the derivative of the other update
+/// is `J`, its own is `(1 + d) J − d` at the solution, and `d` mostly of the second order: it contracts as strongly,
+/// and does not wait for a division, which takes as long as all else. Rows of the equation that `L` couples are to have
+/// the same denominator.
 fn cleared_update<'a>(step: &Step<'a>, inverse: &Matrix<'a>) -> Option<Vector<'a>> {
     let arena = step.h.arena();
     let symbols = step.unknown.symbols();

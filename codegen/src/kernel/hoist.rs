@@ -1,4 +1,5 @@
-//! Where each value is computed: in the earliest function that can, and stored in a record where later ones need it again.
+//! Where each value is computed: in the earliest function that can, and stored in a record where later ones need it
+//! again.
 
 use std::collections::BTreeSet;
 
@@ -44,8 +45,8 @@ impl Homes {
         Self { places: FxHashMap::default(), stored: BTreeSet::new() }
     }
 
-    /// Of a step: what depends on parameters, state and unknown alone is computed once they are known. `given` are the symbols that only the
-    /// beginning of a step is given.
+    /// Of a step: what depends on parameters, state and unknown alone is computed once they are known. `given` are the
+    /// symbols that only the beginning of a step is given.
     pub(super) fn of_step(dag: &Dag<'_>, functions: &[Outline<StepRole>], given: &[Symbol]) -> Self {
         let roots = |roles: &[StepRole]| -> Vec<Op> {
             let wanted = functions.iter().filter(|function| roles.contains(&function.role));
@@ -64,7 +65,8 @@ impl Homes {
         let place = |op: Op| match dag.stage(op) {
             Stage::Parameters => Home::Record(RecordKind::Constants),
             Stage::Perturbation => Home::Local,
-            // What only the next state is made of is computed there, once a step too: the solution is not to wait behind it.
+            // What only the next state is made of is computed there, once a step too: the solution is not to wait
+            // behind it.
             Stage::Step if solving.contains(&op) || is_given(op) => Home::Record(RecordKind::Step),
             Stage::Iteration if evaluating.contains(&op) => Home::Record(RecordKind::Iterate),
             // Stumpff functions of one argument are computed together

@@ -6,8 +6,8 @@ use super::dag::{Dag, Op, Operation};
 use crate::expr::{Function, Stage};
 
 impl Dag<'_> {
-    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that takes longest.
-    /// `equation` is what the step's equation is made of.
+    /// Shortens the chains of operations that wait for one another at a division `1/x`, of all operations the one that
+    /// takes longest. `equation` is what the step's equation is made of.
     pub(super) fn shorten_divisions(&mut self, equation: &FxHashSet<Op>) {
         let reciprocals: Vec<(Op, Op)> = self
             .ops()
@@ -34,14 +34,14 @@ impl Dag<'_> {
     /// `√(1/x) = √x · 1/x`: the root does not wait for the quotient.
     fn take_root_beside(&mut self, reciprocal: Op, x: Op) {
         let root = Operation::Function(Function::Sqrt, reciprocal);
-        if let Some(&root) = self.index.get(&root) {
+        if let Some(root) = self.find(&root) {
             let of_x = self.intern(Operation::Function(Function::Sqrt, x));
-            self.operations[root.0 as usize] = Operation::Product(vec![reciprocal, of_x]);
+            self.replace(root, Operation::Product(vec![reciprocal, of_x]));
         }
     }
 
-    /// Where the equation asks for `2 · 1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the same, and the
-    /// equation waits for the multiple.
+    /// Where the equation asks for `2 · 1/x`, the quotient is `2/x` and `1/x` the half of it: their digits are the
+    /// same, and the equation waits for the multiple.
     fn divide_multiple(&mut self, reciprocal: Op, x: Op, users: &[Op], equation: &FxHashSet<Op>) {
         let multiple =
             users.iter().filter(|op| equation.contains(op)).find_map(|&op| match self.operation(op) {
@@ -55,8 +55,8 @@ impl Dag<'_> {
             });
         if let Some((multiple, number)) = multiple {
             let back = self.intern(Operation::Number(number.powi(-1)));
-            self.operations[multiple.0 as usize] = Operation::Quotient(number, x);
-            self.operations[reciprocal.0 as usize] = Operation::Product(vec![back, multiple]);
+            self.replace(multiple, Operation::Quotient(number, x));
+            self.replace(reciprocal, Operation::Product(vec![back, multiple]));
         }
     }
 }

@@ -1,5 +1,5 @@
-//! From expressions to straight-line code: common factors are pulled out, what occurs twice is computed once, and every value in the earliest
-//! function that can; values that later functions need again are stored in records.
+//! From expressions to straight-line code: common factors are pulled out, what occurs twice is computed once, and every
+//! value in the earliest function that can; values that later functions need again are stored in records.
 
 mod cse;
 mod dag;
@@ -60,7 +60,8 @@ impl Inputs {
     }
 }
 
-/// The code of one step: Newton's correction for its equation, the update of the fixed-point iteration if there is one, and all the rest.
+/// The code of one step: Newton's correction for its equation, the update of the fixed-point iteration if there is one,
+/// and all the rest.
 pub fn step<'a>(arena: &'a Arena, step: &Step<'a>, inputs: Inputs) -> Module<StepRole> {
     let unknown = step.unknown.symbols();
     let numbered = |name: &str| {

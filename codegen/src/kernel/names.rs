@@ -1,5 +1,6 @@
-//! What values are called: by their role, by what they are made of if that is short, else after the values that they are computed for, so
-//! that a change of one term changes the names that it concerns and no others. A value for several has the words that they share.
+//! What values are called: by their role, by what they are made of if that is short, else after the values that they
+//! are computed for, so that a change of one term changes the names that it concerns and no others. A value for several
+//! has the words that they share.
 
 use std::rc::Rc;
 
@@ -70,7 +71,8 @@ impl Names {
         }
     }
 
-    /// Notes for which values with names the others are computed, from the outputs, which are given with what they are called.
+    /// Notes for which values with names the others are computed, from the outputs, which are given with what they are
+    /// called.
     pub(super) fn note_consumers(&mut self, dag: &Dag<'_>, outputs: impl IntoIterator<Item = (Op, String)>) {
         let mut pending: Vec<(Op, Rc<str>)> =
             outputs.into_iter().map(|(op, name)| (op, Rc::from(name))).collect();
@@ -261,8 +263,8 @@ fn is_simple(dag: &Dag<'_>, factor: Op) -> bool {
     }
 }
 
-/// What a value for two is called: by the words that their names share, but for axes; by the first name where these are less than half of it, or
-/// not what it begins with.
+/// What a value for two is called: by the words that their names share, but for axes; by the first name where these are
+/// less than half of it, or not what it begins with.
 fn shared(one: &str, other: &str) -> String {
     let others: Vec<&str> = other.split('_').collect();
     let own: Vec<&str> = one.split('_').filter(|word| word.len() > 1).collect();

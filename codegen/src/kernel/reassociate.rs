@@ -1,9 +1,10 @@
-//! The order in which sums are added, their signs, and where a product is added in one operation: the last decisions that bear on roundoff.
+//! The order in which sums are added, their signs, and where a product is added in one operation: the last decisions
+//! that bear on roundoff.
 
 use crate::program::Term;
 
-/// The term with sums that begin with an addend that is not subtracted, and products added as they are formed. `associate`: sums within
-/// sums are added together.
+/// The term with sums that begin with an addend that is not subtracted, and products added as they are formed.
+/// `associate`: sums within sums are added together.
 pub(super) fn reassociated(term: Term, associate: bool) -> Term {
     contracted(signed(term, associate))
 }
@@ -46,8 +47,9 @@ fn sum(mut addends: Vec<(bool, Term)>, associate: bool) -> Term {
     }
 }
 
-/// A sum of sums as one, in which every product can be added as it is formed. Its roundings are those of the largest addend, once for each
-/// of the others: next to an unknown that is a small change itself they make no difference, in the state that it changes they would.
+/// A sum of sums as one, in which every product can be added as it is formed. Its roundings are those of the largest
+/// addend, once for each of the others: next to an unknown that is a small change itself they make no difference, in
+/// the state that it changes they would.
 fn flat(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
     let mut flat = Vec::new();
     for (negative, addend) in addends {
@@ -62,8 +64,8 @@ fn flat(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
 /// The fewest addends of which two sums are made that do not wait for one another.
 const LONG_SUM: usize = 4;
 
-/// A constant and at least three small numbers as two sums that do not wait for one another, which costs one rounding more; fewer keep
-/// together.
+/// A constant and at least three small numbers as two sums that do not wait for one another, which costs one rounding
+/// more; fewer keep together.
 fn balanced(addends: Vec<(bool, Term)>) -> Vec<(bool, Term)> {
     let mut all = flat(addends.clone());
     if all.len() < LONG_SUM || all.iter().any(|(negative, _)| *negative) {

@@ -149,8 +149,8 @@ impl<'l, 'a> Writer<'l, 'a> {
         self.placement.is_given(self.dag, self.record, op)
     }
 
-    /// `x`, if a product divides by it in the place of multiplying by its factor `1/x`. A reciprocal of its own rounds once more, and only
-    /// pays where it is used again and time counts.
+    /// `x`, if a product divides by it in the place of multiplying by its factor `1/x`. A reciprocal of its own rounds
+    /// once more, and only pays where it is used again and time counts.
     fn denominator(&self, product: Op, factor: Op) -> Option<Op> {
         match (self.dag.operation(product), self.dag.operation(factor)) {
             (Operation::Product(_), Operation::Quotient(number, x))

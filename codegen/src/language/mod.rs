@@ -1,9 +1,9 @@
 //! The language of a user's expressions: ordinary Rust over scalars, vectors and matrices, given a symbolic meaning.
 //!
-//! The user's text is also emitted as a method of the struct, where rustc checks its types. What is said here is therefore
-//! only what rustc cannot know: which constructs have a symbolic meaning, and which are not smooth. What rustc rejects in
-//! better words, such as `2 * x` for a float `x`, is given its obvious meaning and left to rustc; nothing that rustc
-//! accepts is given another meaning than rustc's.
+//! The user's text is also emitted as a method of the struct, where rustc checks its types. What is said here is
+//! therefore only what rustc cannot know: which constructs have a symbolic meaning, and which are not smooth. What
+//! rustc rejects in better words, such as `2 * x` for a float `x`, is given its obvious meaning and left to rustc;
+//! nothing that rustc accepts is given another meaning than rustc's.
 
 mod access;
 mod block;
@@ -34,8 +34,8 @@ use crate::diagnostics::Diagnostics;
 use crate::expr::{Arena, Expr, Vector};
 use crate::group::Group;
 
-/// The symbolic meaning of an expression. All problems in it are reported; `None` if there were any, or if it uses a name
-/// that is in error itself.
+/// The symbolic meaning of an expression. All problems in it are reported; `None` if there were any, or if it uses a
+/// name that is in error itself.
 ///
 /// Constants of the user's own are recorded in the scope as they are met.
 pub fn lower<'a>(
@@ -50,7 +50,8 @@ pub fn lower<'a>(
     value.filter(|_| diagnostics.len() == before)
 }
 
-/// The symbolic meaning of an expression that must be a scalar. `what` says in messages what it is for: `the potential`.
+/// The symbolic meaning of an expression that must be a scalar. `what` says in messages what it is for:
+/// `the potential`.
 pub fn lower_scalar<'a>(
     what: &str,
     expr: &syn::Expr,

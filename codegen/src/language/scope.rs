@@ -19,8 +19,8 @@ pub struct Scope<'a> {
     pub constants: Vec<Constant<'a>>,
 }
 
-/// A constant that only the user's code knows: `std::f64::consts::PI`, `GRAVITY`. It is a parameter like any other, whose
-/// value is that of its path where the macro is used.
+/// A constant that only the user's code knows: `std::f64::consts::PI`, `GRAVITY`. It is a parameter like any other,
+/// whose value is that of its path where the macro is used.
 #[derive(Clone, Debug)]
 pub struct Constant<'a> {
     /// Its symbol in the symbolic value.
@@ -69,7 +69,8 @@ impl<'a> Scope<'a> {
         self.names.push((name.into(), None));
     }
 
-    /// Forbids names to the expressions that follow, with messages for those that use them; the first message on a name counts.
+    /// Forbids names to the expressions that follow, with messages for those that use them; the first message on a name
+    /// counts.
     pub fn forbid(&mut self, names: Vec<(String, String)>) {
         self.forbidden = names;
     }

@@ -167,7 +167,8 @@ impl<'a> Lowering<'a, '_> {
         mapped.map(|()| images)
     }
 
-    /// The sum of numbers, vectors or matrices. Of nothing it is zero where it is one of many, as in `(0..i).map(…)` for several `i`.
+    /// The sum of numbers, vectors or matrices. Of nothing it is zero where it is one of many, as in `(0..i).map(…)`
+    /// for several `i`.
     fn sum(&mut self, values: &[Value<'a>], call: &ExprMethodCall) -> Option<Value<'a>> {
         let method = &call.method;
         let Some((first, rest)) = values.split_first() else {

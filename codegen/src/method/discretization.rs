@@ -1,4 +1,5 @@
-//! The discretization map that steps are lifts of: `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))`, from an intermediate point `ḡ` to both ends of a step.
+//! The discretization map that steps are lifts of: `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))`, from an intermediate point `ḡ`
+//! to both ends of a step.
 
 use super::presolve::{Equation, Presolved};
 use super::step::{Increment, Step, step_symbol};
@@ -37,7 +38,8 @@ pub(super) fn bind<'a>(values: &mut Values<'a>, what: &Vector<'a>, value: &Vecto
     values.extend(what.symbols().into_iter().zip(value.iter()));
 }
 
-/// What configurations, velocities, advected parameters and the time are at a place on the way, so much later than the start.
+/// What configurations, velocities, advected parameters and the time are at a place on the way, so much later than the
+/// start.
 pub(super) fn values<'a>(
     system: &System<'a>,
     configuration: &Vector<'a>,
@@ -133,7 +135,8 @@ impl<'a> Discretization<'a> {
     }
 }
 
-/// Components of the state that are bounded if the unknown is: the rotations that the unknown moves, not what is known before.
+/// Components of the state that are bounded if the unknown is: the rotations that the unknown moves, not what is known
+/// before.
 fn bounded(system: &System<'_>, increments: &[Increment<'_>]) -> Vec<bool> {
     let places = system.group.places();
     let mut bounded = Vec::new();

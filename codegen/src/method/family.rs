@@ -11,26 +11,30 @@
 //! m_{k+1} = Ad*_{τ((1−s)η)} m⁺,   g_{k+1} = ḡ τ((1−s)η)
 //! ```
 //!
-//! on the dual `m = (μ, a)` of the semidirect algebra of the system's group; `s = 0` is the paper's (6.5), with forces (6.20). It is the cotangent lift of `(ḡ, v) ↦ (ḡ τ(−sv), ḡ τ((1−s)v))`, with `τ̄(x) = τ(−x)⁻¹`: the
-//! second part of `m̄`, by definition `s (dR τ_{−sη})* m⁻`, is that of `m_k`, for `dR τ̄_x = dL τ_{−x}`.
+//! on the dual `m = (μ, a)` of the semidirect algebra of the system's group; `s = 0` is the paper's (6.5), with forces
+//! (6.20). It is the cotangent lift of `(ḡ, v) ↦ (ḡ τ(−sv), ḡ τ((1−s)v))`, with `τ̄(x) = τ(−x)⁻¹`: the second part of
+//! `m̄`, by definition `s (dR τ_{−sη})* m⁻`, is that of `m_k`, for `dR τ̄_x = dL τ_{−x}`.
 //!
-//! Every member is symplectic, for a left-invariant system it keeps the Poisson bracket and all Casimirs, and its adjoint is `1 − s`, for
-//! any `τ`: `s = ½` is symmetric and of order 2, others are of order 1. But where `τ` is a [function of one
-//! matrix](crate::group::MatrixFunction), `τ̄ = τ`, and all members of a left-invariant system are their own adjoints and of order 2.
+//! Every member is symplectic, for a left-invariant system it keeps the Poisson bracket and all Casimirs, and its
+//! adjoint is `1 − s`, for any `τ`: `s = ½` is symmetric and of order 2, others are of order 1. But where `τ` is a
+//! [function of one matrix](crate::group::MatrixFunction), `τ̄ = τ`, and all members of a left-invariant system are
+//! their own adjoints and of order 2.
 //!
-//! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum `−m`: `η` changes
-//! its sign in all that is linear in `m`, increments stand on the other side of `g`, and `τ̄` carries momenta where `τ` moves `g`.
+//! A right-invariant system, `g' = ζ g`, is by `γ = g⁻¹` a left-invariant one with the velocity `−ζ` and the momentum
+//! `−m`: `η` changes its sign in all that is linear in `m`, increments stand on the other side of `g`, and `τ̄` carries
+//! momenta where `τ` moves `g`.
 //!
-//! A Lagrangian `l` has `∂h/∂g = −∂l/∂g`, `∂h/∂a = −∂l/∂a` at the velocity `η/t`, and its equation to solve is the one before that of `h`
-//! is inverted: `∂l/∂ξ(ḡ, η/t, ā) = μ̄`.
+//! A Lagrangian `l` has `∂h/∂g = −∂l/∂g`, `∂h/∂a = −∂l/∂a` at the velocity `η/t`, and its equation to solve is the one
+//! before that of `h` is inverted: `∂l/∂ξ(ḡ, η/t, ā) = μ̄`.
 //!
 //! Three facts shape what is emitted:
 //!
-//! * Where `τ` is equivariant, `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` for *any* `x`, so the update needs no rotation, reuses what the
-//!   equation computed, and keeps the Casimirs whatever residual the solver leaves.
-//! * `ā` depends on the group's part `y` of `η` alone. Where `h = ½ μ·𝕀⁻¹μ + V`, so does `v = ∂V/∂a(ā)`, and `μ̄ = 𝕀 y / t` in
-//!   forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)` remain. So it is with a Lagrangian.
-//!   A Hamiltonian has `μ̄` as a second unknown, as far as [`presolve`](super::presolve) does not find it.
+//! * Where `τ` is equivariant, `Ad*_{τ(x)} m = m + ad*_x (dR τ_x)* m` for *any* `x`, so the update needs no rotation,
+//!   reuses what the equation computed, and keeps the Casimirs whatever residual the solver leaves.
+//! * `ā` depends on the group's part `y` of `η` alone. Where `h = ½ μ·𝕀⁻¹μ + V`, so does `v = ∂V/∂a(ā)`, and
+//!   `μ̄ = 𝕀 y / t` in forces: the advected unknowns and `μ̄` are eliminated, and `dim g` equations `𝕀 y / t = μ̄(y)`
+//!   remain. So it is with a Lagrangian. A Hamiltonian has `μ̄` as a second unknown, as far as
+//!   [`presolve`](super::presolve) does not find it.
 //! * Where the right side does not depend on the unknown, the step is explicit.
 
 use super::discretization::{Discretization, Path, Values, bind, values};
@@ -127,8 +131,8 @@ impl<'a> Family<'_, 'a> {
         self.system.group.multiplied(x, &self.per_scales)
     }
 
-    /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by it again has that
-    /// factor.
+    /// The same values, kept whole as multiples by the unknown's scale: what is made of the unknown and multiplied by
+    /// it again has that factor.
     fn keep_multiple(&self, element: &SemidirectVector<'a>) -> SemidirectVector<'a> {
         let group = &self.system.group;
         group.all_multiplied(&group.all_multiplied(element, &self.scales).hold(), &self.per_scales)

@@ -6,16 +6,17 @@
 //! δx = −(∂F/∂x)⁻¹ δF,   F = left − right,
 //! ```
 //!
-//! and the next state by what this makes of it. Configurations change by elements of the algebra, `g exp(δ)`, whatever they are stored as;
-//! their part of the next state follows from the increments of the step, not from its stored coordinates, so that no normalization is
-//! differentiated:
+//! and the next state by what this makes of it. Configurations change by elements of the algebra, `g exp(δ)`, whatever
+//! they are stored as; their part of the next state follows from the increments of the step, not from its stored
+//! coordinates, so that no normalization is differentiated:
 //!
 //! ```text
 //! g τ(x):  δ' = Ad_{τ(x)⁻¹} δ + dL τ_x δx,   Ad_{τ(x)⁻¹} δ = δ − dL τ_x [x, δ] where τ is equivariant
 //! τ(x) g:  δ' = δ + Ad_{g⁻¹} dL τ_x δx
 //! ```
 //!
-//! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
+//! So does that of advected parameters, which these increments carry: `a' = Ad*_{τ(x)} a` changes by
+//! `Ad*_{τ(x)} δa + ad*_ω a'`, `ω = dL τ_x δx`.
 
 use super::step::{Increment, Step};
 use crate::expr::{Arena, Derivative, Expr, Stage, Symbol, Vector, gradient};
@@ -31,7 +32,8 @@ pub struct Linearization<'a> {
     pub solution: Vector<'a>,
     /// The perturbation of the next state, from that of the unknown and all others.
     pub partial: Vector<'a>,
-    /// The perturbation of the state in the order of storage, with an element of the algebra in the place of each configuration.
+    /// The perturbation of the state in the order of storage, with an element of the algebra in the place of each
+    /// configuration.
     pub state: Vector<'a>,
     /// The perturbation of the controls.
     pub control: Vector<'a>,
@@ -203,10 +205,11 @@ impl<'a> Linearization<'a> {
 
 /// A [`Linearization`] as matrices: `explicit + through · unknown` for each of the perturbations.
 pub struct Matrices<'a> {
-    /// The derivative of the next state with respect to the unknown, column by column; none if no matrix is wanted, or there is no unknown.
+    /// The derivative of the next state with respect to the unknown, column by column; none if no matrix is wanted, or
+    /// there is no unknown.
     pub through: Option<Vec<Vector<'a>>>,
-    /// For state, controls and parameters and each of their components: the derivatives with respect to it of the next state with the unknown as it
-    /// is, and of the unknown. None for those that are not wanted or have no components.
+    /// For state, controls and parameters and each of their components: the derivatives with respect to it of the next
+    /// state with the unknown as it is, and of the unknown. None for those that are not wanted or have no components.
     pub columns: [Option<Vec<(Vector<'a>, Vector<'a>)>>; 3],
 }
 

@@ -36,9 +36,10 @@ pub fn known() -> Vec<&'static Method> {
 }
 
 impl Scheme {
-    /// The scheme of which this one is another name for the system, if `first` is the first of its retractions. `s = 1` is `s = 0` where nothing
-    /// but momentum and advected parameters has a part in the motion, for `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`, if the retraction is odd;
-    /// and on vector spaces all retractions are the identity.
+    /// The scheme of which this one is another name for the system, if `first` is the first of its retractions. `s = 1`
+    /// is `s = 0` where nothing but momentum and advected parameters has a part in the motion, for
+    /// `(dR τ_{−η})* Ad*_{τ(η)} = (dR τ_η)*`, if the retraction is odd; and on vector spaces all retractions are the
+    /// identity.
     pub fn original(self, system: &System<'_>, first: Retraction) -> Self {
         let is_linear = system.group.is_linear();
         let retraction = if is_linear { first } else { self.retraction };

@@ -1,8 +1,8 @@
 //! Presolving: which unknowns of a step's equations need no iteration.
 //!
-//! An equation `left(x) = right(x)` whose right side does not depend on its own unknown is solved by what it says: the step is
-//! explicit in that unknown. One that is linear in it is solved by elimination, in closed form. What is found is put into the
-//! other equations, which may then be explicit, too.
+//! An equation `left(x) = right(x)` whose right side does not depend on its own unknown is solved by what it says: the
+//! step is explicit in that unknown. One that is linear in it is solved by elimination, in closed form. What is found
+//! is put into the other equations, which may then be explicit, too.
 
 use crate::expr::{Expr, Symbol, Vector};
 use crate::group::Product;

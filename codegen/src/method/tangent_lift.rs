@@ -1,7 +1,8 @@
 //! The tangent lifts (5.1), (5.3), (5.5), (5.7): the steps of the Lagrangian side.
 //!
-//! The tangent map of the discretization map `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))` takes the motion `(η, ξ'(ḡ, η))` of a point `(ḡ, η)` with
-//! the velocity `η`, times the step `t`, to the start and the end of a step. With `y = tη`, the unknown,
+//! The tangent map of the discretization map `D(ḡ, v) = (ḡ τ(−sv), ḡ τ((1−s)v))` takes the motion `(η, ξ'(ḡ, η))` of a
+//! point `(ḡ, η)` with the velocity `η`, times the step `t`, to the start and the end of a step. With `y = tη`, the
+//! unknown,
 //!
 //! ```text
 //! ḡ = g_k τ(−sy)⁻¹
@@ -9,11 +10,12 @@
 //! ξ_{k+1} = Ad_{τ((1−s)y)⁻¹} η + (1−s) t dL τ_{(1−s)y} ξ'(ḡ, η),   g_{k+1} = ḡ τ((1−s)y)
 //! ```
 //!
-//! where `τ` is equivariant with `Ad_{τ(x)⁻¹} x = x`. Explicit for `s = 0`; on Rⁿ the θ-family on TQ. Advected parameters are carried along,
-//! `ā = τ(−sy) a_k`.
+//! where `τ` is equivariant with `Ad_{τ(x)⁻¹} x = x`. Explicit for `s = 0`; on Rⁿ the θ-family on TQ. Advected
+//! parameters are carried along, `ā = τ(−sy) a_k`.
 //!
-//! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs to `μ_k`, and
-//! `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which was reported, the step makes no sense.
+//! The state has momenta, so that the [Legendre transform](crate::model::Relation) stands at both ends: `ξ_k` belongs
+//! to `μ_k`, and `μ_{k+1}` to `ξ_{k+1}`. What of it has no closed form is an unknown more; where there is none, which
+//! was reported, the step makes no sense.
 
 use super::discretization::{Discretization, Path, Values, bind, values};
 use super::names::{ValueNames, symbols};
@@ -114,7 +116,8 @@ impl<'a> Lift<'_, 'a> {
         whole.apart(group, &(0..group.factors.len()).map(|factor| vec![factor]).collect::<Vec<_>>())
     }
 
-    /// What configurations, velocities, advected parameters and the time are at a node, with this share of the step behind it.
+    /// What configurations, velocities, advected parameters and the time are at a node, with this share of the step
+    /// behind it.
     fn values(&self, node: &Node<'a>, velocity: &Vector<'a>, share: Expr<'a>) -> Values<'a> {
         let later = self.map.step * share;
         values(self.system, &node.configuration, velocity, &node.advected, later)
@@ -173,7 +176,8 @@ impl<'a> Lift<'_, 'a> {
         }
     }
 
-    /// `Ad_{τ(x)⁻¹} y` for a multiple `x` of `y` and velocities in the body, `Ad_{τ(x)} y` for those in space: `y`, where `τ` is equivariant.
+    /// `Ad_{τ(x)⁻¹} y` for a multiple `x` of `y` and velocities in the body, `Ad_{τ(x)} y` for those in space: `y`,
+    /// where `τ` is equivariant.
     fn turned(&self, x: &Vector<'a>, y: &Vector<'a>) -> Vector<'a> {
         if self.map.moving.behind.is_equivariant() {
             return y.clone();
@@ -217,8 +221,8 @@ impl<'a> Lift<'_, 'a> {
     }
 }
 
-/// `ξ'` along the motion, a function of configuration, velocity, the momentum that belongs to it, advected parameters, time and controls: by
-/// `μ' = ad*_ξ μ − T*L_g ∂h/∂g + F`, and by what a velocity is to a momentum.
+/// `ξ'` along the motion, a function of configuration, velocity, the momentum that belongs to it, advected parameters,
+/// time and controls: by `μ' = ad*_ξ μ − T*L_g ∂h/∂g + F`, and by what a velocity is to a momentum.
 fn acceleration<'a>(arena: &'a Arena, system: &System<'a>) -> Vector<'a> {
     let (group, g, xi) = (&system.group, system.configuration(), system.velocity_symbols());
     let by_advected = system.advected().map(|a| gradient(system.potential(), &a.value.symbols()));

@@ -1,4 +1,5 @@
-//! From a resolved description to a [`System`]: names get meanings, expressions are lowered, and their problems reported.
+//! From a resolved description to a [`System`]: names get meanings, expressions are lowered, and their problems
+//! reported.
 
 use std::cell::OnceCell;
 use std::ops::Range;
@@ -17,8 +18,9 @@ use crate::parse::Control;
 use crate::quantity::{Role, Shape};
 
 impl<'a> System<'a> {
-    /// The system that a description describes; problems in its expressions are reported, and what they concern is left out. `None` if the
-    /// description is not [sound](Description::is_sound): then its expressions were looked at all the same.
+    /// The system that a description describes; problems in its expressions are reported, and what they concern is left
+    /// out. `None` if the description is not [sound](Description::is_sound): then its expressions were looked at all
+    /// the same.
     pub fn build(
         arena: &'a Arena,
         description: &Description<'_>,
@@ -339,7 +341,8 @@ fn inertias<'a>(
     fields.collect()
 }
 
-/// The inertia as a matrix; of a matrix given by the user the lower triangle counts, and a scalar stands for one of `rows` rows.
+/// The inertia as a matrix; of a matrix given by the user the lower triangle counts, and a scalar stands for one of
+/// `rows` rows.
 fn inertia_matrix<'a>(shape: InertiaShape, value: &Value<'a>, rows: usize) -> Matrix<'a> {
     let scalars = value.scalars();
     match shape {

@@ -25,8 +25,9 @@ struct Block<'a> {
 }
 
 impl<'a> System<'a> {
-    /// The Casimirs of the bracket: those functions of momenta and advected parameters that the motion keeps whatever the energy's dependence
-    /// on them. Of a momentum that a force or the energy's dependence on the configuration changes none is a function.
+    /// The Casimirs of the bracket: those functions of momenta and advected parameters that the motion keeps whatever
+    /// the energy's dependence on them. Of a momentum that a force or the energy's dependence on the configuration
+    /// changes none is a function.
     pub fn casimirs(&self) -> &Casimirs<'a> {
         self.casimirs.get_or_init(|| {
             let mut all = Casimirs::default();

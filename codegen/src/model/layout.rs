@@ -6,7 +6,8 @@ use super::{Factor, System};
 use crate::expr::Vector;
 use crate::group::Place;
 
-/// A place in the order of storage: configuration and momentum of each factor, then the advected parameters in the order declared.
+/// A place in the order of storage: configuration and momentum of each factor, then the advected parameters in the
+/// order declared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// The configuration of the factor of this index.
@@ -25,8 +26,8 @@ pub enum Slot {
 /// What a vector in the order of storage is made of, each part that of the group's factors one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts<'a> {
-    /// In a state the stored coordinates of the configuration; in a tangent vector an element of the algebra, in a cotangent vector one of
-    /// its dual.
+    /// In a state the stored coordinates of the configuration; in a tangent vector an element of the algebra, in a
+    /// cotangent vector one of its dual.
     pub configuration: Vector<'a>,
     /// The momentum's part.
     pub momentum: Vector<'a>,

@@ -1,8 +1,8 @@
 //! Velocity and momentum by each other: the Legendre transform (4.6)–(4.10).
 //!
-//! An inertia says the momentum of a velocity, a Lagrangian does by `μ = ∂l/∂ξ`, a Hamiltonian says the velocity of a momentum by
-//! `ξ = ∂h/∂μ`. The other way round there is a closed form where this is linear, as it is for every quadratic energy. Elsewhere it is an
-//! equation to solve.
+//! An inertia says the momentum of a velocity, a Lagrangian does by `μ = ∂l/∂ξ`, a Hamiltonian says the velocity of a
+//! momentum by `ξ = ∂h/∂μ`. The other way round there is a closed form where this is linear, as it is for every
+//! quadratic energy. Elsewhere it is an equation to solve.
 
 use super::{Energy, System};
 use crate::expr::{Expr, Symbol, Vector, gradient};
@@ -68,12 +68,14 @@ impl<'a> System<'a> {
         })
     }
 
-    /// The velocity at the state in closed form; if there is none, its symbols, which something else has to give a value to.
+    /// The velocity at the state in closed form; if there is none, its symbols, which something else has to give a
+    /// value to.
     pub fn velocity(&self) -> Vector<'a> {
         self.velocity_relation().clone().or(self.velocity_symbols())
     }
 
-    /// The momentum that belongs to the velocity's symbols, where configuration and advected parameters are those of the state.
+    /// The momentum that belongs to the velocity's symbols, where configuration and advected parameters are those of
+    /// the state.
     pub fn momentum_relation(&self) -> Relation<'a> {
         let velocity = self.velocity_symbols();
         match &self.energy {

@@ -27,7 +27,8 @@ use crate::quantity::{ScalarType, Shape};
 
 /// A mechanical system on the cotangent bundle of a product of groups, reduced where its Hamiltonian is left-invariant.
 ///
-/// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls stage *step*.
+/// All symbols live in one arena. Symbols of parameters have stage *parameters*, those of state, time and controls
+/// stage *step*.
 #[derive(Clone)]
 pub struct System<'a> {
     /// The user's name for it.
@@ -101,7 +102,8 @@ pub struct Advected<'a> {
     pub value: Vector<'a>,
 }
 
-/// The energy, as it was described: a function of configuration, advected parameters, time, and of momentum or velocity.
+/// The energy, as it was described: a function of configuration, advected parameters, time, and of momentum or
+/// velocity.
 #[derive(Clone)]
 pub enum Energy<'a> {
     /// `½ μ·𝕀⁻¹μ + V`
@@ -179,8 +181,8 @@ pub struct InertiaField<'a> {
     pub name: Name,
     /// How it is given.
     pub shape: InertiaShape,
-    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia. Empty beside a
-    /// Hamiltonian or a Lagrangian.
+    /// The factors that it is the joint inertia of; several such groups of factors where each has this same inertia.
+    /// Empty beside a Hamiltonian or a Lagrangian.
     pub blocks: Vec<Vec<usize>>,
     /// As a matrix.
     pub matrix: Matrix<'a>,
@@ -248,8 +250,9 @@ impl<'a> System<'a> {
         SemidirectVector { base: self.momentum(), spaces: self.advected_values() }
     }
 
-    /// The Hamiltonian, with the [velocity](Self::velocity) in what of it is written in that: by Legendre's transform (4.6) of a Lagrangian
-    /// `⟨∂l/∂ξ, ξ⟩ − l`. With `𝕀 = L D Lᵀ` the kinetic energy is `½ Σ yᵢ²/dᵢ`, `y = L⁻¹ μ`: a sum of squares, without cancellation.
+    /// The Hamiltonian, with the [velocity](Self::velocity) in what of it is written in that: by Legendre's transform
+    /// (4.6) of a Lagrangian `⟨∂l/∂ξ, ξ⟩ − l`. With `𝕀 = L D Lᵀ` the kinetic energy is `½ Σ yᵢ²/dᵢ`, `y = L⁻¹ μ`: a sum
+    /// of squares, without cancellation.
     pub fn energy(&self) -> Expr<'a> {
         let (inertia, potential) = match &self.energy {
             Energy::Hamiltonian(energy) => return *energy,
@@ -272,8 +275,8 @@ impl<'a> System<'a> {
         kinetic / 2 + potential
     }
 
-    /// A function with the energy's derivatives by configuration, advected parameters and time: the potential, all of a Hamiltonian, or
-    /// `−l`, for where the momentum is kept `∂h/∂g = −∂l/∂g` (4.8).
+    /// A function with the energy's derivatives by configuration, advected parameters and time: the potential, all of a
+    /// Hamiltonian, or `−l`, for where the momentum is kept `∂h/∂g = −∂l/∂g` (4.8).
     pub fn potential(&self) -> Expr<'a> {
         match &self.energy {
             Energy::Mechanical { potential, .. } => *potential,
@@ -322,13 +325,14 @@ impl<'a> System<'a> {
         self.factors.iter().any(|factor| factor.force.is_some())
     }
 
-    /// Whether the energy is an invariant of the motion as long as the controls are the same: no force acts and the time has no part in it.
+    /// Whether the energy is an invariant of the motion as long as the controls are the same: no force acts and the
+    /// time has no part in it.
     pub fn is_autonomous(&self) -> bool {
         !self.is_forced() && !self.potential().depends_on(&self.time_symbol())
     }
 
-    /// Whether the system is left-invariant: nothing but momentum, advected parameters and controls, which are constant during a step, has a
-    /// part in its motion.
+    /// Whether the system is left-invariant: nothing but momentum, advected parameters and controls, which are constant
+    /// during a step, has a part in its motion.
     pub fn is_left_invariant(&self) -> bool {
         self.is_autonomous() && !self.potential().depends_on(&self.configuration().symbols())
     }

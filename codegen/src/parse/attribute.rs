@@ -48,7 +48,8 @@ pub struct Attribute {
     pub krate: Option<syn::Path>,
     /// What `lie_group!` says of groups that are named by their paths.
     pub definitions: Vec<Definition>,
-    /// The names of factors, advected parameters and controls whose declarations could not be read, with the keys where they are.
+    /// The names of factors, advected parameters and controls whose declarations could not be read, with the keys where
+    /// they are.
     pub unreadable: Vec<(Key, Ident)>,
     /// Whether there were problems.
     faulty: bool,
@@ -530,7 +531,8 @@ fn crate_path(input: ParseStream<'_>, diagnostics: &mut Diagnostics) -> syn::Res
     syn::Path::parse_mod_style(input).map(Some).map_err(|error| with_example(error, Key::Crate))
 }
 
-/// Entries between parentheses, of which no two have the same name; the names of those that cannot be read are added to `unreadable`.
+/// Entries between parentheses, of which no two have the same name; the names of those that cannot be read are added to
+/// `unreadable`.
 fn entries<T, N: PartialEq + ToTokens + Display>(
     input: ParseStream<'_>,
     (key, known): (&Ident, Key),

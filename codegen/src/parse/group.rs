@@ -245,7 +245,8 @@ fn sized_name(input: ParseStream<'_>, name: Ident) -> syn::Result<Ident> {
     }
 }
 
-/// Whether these numbers, one behind the other, are not those of another family: `SO(21)` is not `SO(2, 1)`, nor `SE(23)` or `SE(2, 3)` `SE2(3)`.
+/// Whether these numbers, one behind the other, are not those of another family: `SO(21)` is not `SO(2, 1)`, nor
+/// `SE(23)` or `SE(2, 3)` `SE2(3)`.
 fn is_meant(name: &Ident, digits: &[&str], written: &str) -> bool {
     if digits.len() > 1 {
         return FAMILIES.contains(&written);

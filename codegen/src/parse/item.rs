@@ -146,8 +146,8 @@ impl Item {
 const SUPPORTED: &str = "a parameter is `f64`, `f32`, or a vector or matrix of them: `Vector1<f64>` to `Vector6<f64>`, \
                          `SVector<f64, N>`, `Matrix1<f64>` to `Matrix6<f64>` or `SMatrix<f64, R, C>`; or an array of these, such as `[f64; 3]`";
 
-/// The struct without our helper attributes, for emission where no [`Item`] could be made of it, so that a mistake brings
-/// no complaints about unknown attributes with it. `None` if it is no struct.
+/// The struct without our helper attributes, for emission where no [`Item`] could be made of it, so that a mistake
+/// brings no complaints about unknown attributes with it. `None` if it is no struct.
 pub fn without_helpers(tokens: TokenStream) -> Option<ItemStruct> {
     if nesting::excess(&tokens).is_some() {
         return None;

@@ -1,7 +1,7 @@
 //! A bound on how deeply tokens may nest.
 //!
-//! syn and the lowering descend recursively. Without a bound, absurd input would overflow the compiler's stack, which no
-//! error message survives.
+//! syn and the lowering descend recursively. Without a bound, absurd input would overflow the compiler's stack, which
+//! no error message survives.
 
 use proc_macro2::{Spacing, Span, TokenStream, TokenTree};
 

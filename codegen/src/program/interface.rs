@@ -58,8 +58,8 @@ pub struct Quantity {
     pub components: Vec<String>,
     /// Its mathematical kind.
     pub kind: Kind,
-    /// Where its perturbation stands within that of all parameters, of the state, or of all controls. The perturbation of a configuration is an
-    /// element of the algebra.
+    /// Where its perturbation stands within that of all parameters, of the state, or of all controls. The perturbation
+    /// of a configuration is an element of the algebra.
     pub tangent: Range<usize>,
     /// Where it is taken; none of what has no side: parameters and controls.
     pub side: Option<Side>,

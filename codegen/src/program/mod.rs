@@ -1,7 +1,7 @@
 //! What is computed for a system, in no language: functions of arrays and records, made of straight-line code.
 //!
-//! Everything is decided here but spelling: which values have names, what is stored between functions, how sums associate, where a product
-//! is added in one operation. An emitter gives words to it.
+//! Everything is decided here but spelling: which values have names, what is stored between functions, how sums
+//! associate, where a product is added in one operation. An emitter gives words to it.
 
 mod interface;
 mod operations;

@@ -3,7 +3,8 @@
 use super::{Function, Statement, Term};
 use crate::expr::Function as Elementary;
 
-/// How many operations of each kind some code takes. A product that is added in one operation counts as a multiplication and an addition.
+/// How many operations of each kind some code takes. A product that is added in one operation counts as a
+/// multiplication and an addition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Operations {
     /// Additions and subtractions.

@@ -42,8 +42,8 @@ pub enum StepRole {
     Evaluate,
     /// The solution `d` of `(∂residual/∂x) d = residual`.
     Correction,
-    /// The solution `x` of `left(x) = right`, or of that equation without denominators. There where the left side is linear with constant
-    /// coefficients.
+    /// The solution `x` of `left(x) = right`, or of that equation without denominators. There where the left side is
+    /// linear with constant coefficients.
     FixedPointUpdate,
     /// The distances to the edges of the retraction's domain, positive within. There where it has an edge.
     Domain,
@@ -62,8 +62,8 @@ pub enum DerivativeRole {
     Adjoint,
     /// The columns of the derivative of the next state with respect to the unknown, an array each.
     Through,
-    /// For each component of the state, the derivatives with respect to it of the next state with the unknown as it is, and of the unknown;
-    /// two arrays each.
+    /// For each component of the state, the derivatives with respect to it of the next state with the unknown as it is,
+    /// and of the unknown; two arrays each.
     WrtState,
     /// The same with respect to the controls.
     WrtControl,
@@ -78,12 +78,13 @@ pub enum SystemRole {
     Energy,
     /// The velocity that belongs to the momentum.
     Velocity,
-    /// What vanishes at the velocity that belongs to the momentum, and Newton's correction of a velocity. There where it has no closed form.
+    /// What vanishes at the velocity that belongs to the momentum, and Newton's correction of a velocity. There where
+    /// it has no closed form.
     VelocityNewton,
     /// The momentum that belongs to a velocity.
     Momentum,
-    /// What vanishes at the momentum that belongs to a velocity, and Newton's correction of the state's momentum. There where it has no closed
-    /// form.
+    /// What vanishes at the momentum that belongs to a velocity, and Newton's correction of the state's momentum. There
+    /// where it has no closed form.
     MomentumNewton,
     /// The Casimirs.
     Casimirs,

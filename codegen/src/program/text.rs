@@ -1,5 +1,5 @@
-//! Modules as text: the intermediate representation that people read and snapshots guard. Wherever a product is added to something, that is
-//! one operation.
+//! Modules as text: the intermediate representation that people read and snapshots guard. Wherever a product is added
+//! to something, that is one operation.
 
 use std::fmt;
 

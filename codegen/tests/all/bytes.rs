@@ -1,4 +1,4 @@
-//! Reads a step's functions as bytes, and runs them in doubles: as `codegen/src/emit/bytecode.rs` says what they mean.
+//! Reads a step's functions as bytes, and runs them in doubles: as `codegen/src/emit/bytes.rs` says what they mean.
 
 use coadjoint_codegen::expr::Function;
 

@@ -11,8 +11,8 @@ pub(super) fn size(length: usize) -> Literal {
     Literal::usize_unsuffixed(length)
 }
 
-/// For what a step is made of. It is always inlined, so that it is compiled for the processor that its caller is compiled for; but not where it is
-/// compiled for debugging, which would take half as long again.
+/// For what a step is made of. It is always inlined, so that it is compiled for the processor that its caller is
+/// compiled for; but not where it is compiled for debugging, which would take half as long again.
 pub(super) fn inlined() -> TokenStream {
     quote! { #[cfg_attr(not(debug_assertions), inline(always))] }
 }
@@ -27,7 +27,8 @@ const RESERVED: &[&str] = &[
     "virtual",
 ];
 
-/// A value's identifier, of the kernel's own making. Reserved words get an underscore more, and so does what would then be called alike.
+/// A value's identifier, of the kernel's own making. Reserved words get an underscore more, and so does what would then
+/// be called alike.
 fn ident(module: &Values, value: Value) -> Ident {
     let name = module.name(value);
     let is_reserved = RESERVED.contains(&name.trim_end_matches('_'));
@@ -94,8 +95,9 @@ pub(super) fn body<R>(module: &Values, function: &Function<R>) -> TokenStream {
     quote! { #(#unpacked)* #(#statements)* }
 }
 
-/// More statements than a function may have for each to declare its variable: every `let` is a scope within the one before, and rustc goes into
-/// scopes by recursion when it writes debug information. Ten thousand are too many for its stack.
+/// More statements than a function may have for each to declare its variable: every `let` is a scope within the one
+/// before, and rustc goes into scopes by recursion when it writes debug information. Ten thousand are too many for its
+/// stack.
 const MANY: usize = 1_500;
 /// So many are then declared by one `let`.
 const TOGETHER: usize = 250;
@@ -116,7 +118,8 @@ fn declared_together(module: &Values, lines: &[Statement]) -> TokenStream {
     quote! { let (#(#names,)*); #(#statements)* }
 }
 
-/// `let [_, momentum_x, ..] = *state;`, `let [weight_half_h, ..] = self.0;`, `let h = step;` with the names that are used.
+/// `let [_, momentum_x, ..] = *state;`, `let [weight_half_h, ..] = self.0;`, `let h = step;` with the names that are
+/// used.
 fn unpacked(module: &Values, argument: &Argument) -> TokenStream {
     let Argument { input, values } = argument;
     let Some(last) = values.iter().rposition(Option::is_some) else { return quote! {} };

@@ -90,7 +90,8 @@ struct Method<'m> {
     value: &'m syn::Expr,
     /// Its type.
     result: TokenStream,
-    /// Whether it has a meaning; one that has none was reported and is not shown to rustc, but what calls the method finds it.
+    /// Whether it has a meaning; one that has none was reported and is not shown to rustc, but what calls the method
+    /// finds it.
     has_meaning: bool,
     /// Whether it may use velocities.
     has_velocity: bool,

@@ -21,8 +21,8 @@ pub(super) fn function(
     quote! { #doc #function }
 }
 
-/// A call of the free function of a role in a method of the system: what it is given are the variables of their names, `state`, `time`, `control`,
-/// `by`; those here are other ones.
+/// A call of the free function of a role in a method of the system: what it is given are the variables of their names,
+/// `state`, `time`, `control`, `by`; those here are other ones.
 pub(super) fn call(
     program: &Program,
     names: &Names,

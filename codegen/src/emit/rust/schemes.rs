@@ -23,8 +23,8 @@ fn fraction(Member { numerator, denominator }: Member) -> TokenStream {
     quote! { #numerator, #denominator }
 }
 
-/// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for. `impl Retracted<Cayley> for HeavyTop { … }` for each
-/// retraction that there is.
+/// `impl Schemes for HeavyTop { … }`: shows a visitor the type of the step that is asked for.
+/// `impl Retracted<Cayley> for HeavyTop { … }` for each retraction that there is.
 pub(super) fn schemes(names: &Names, steps: &[StepProgram]) -> TokenStream {
     let Names { system, private, coadjoint, .. } = names;
     let named = |step: &StepProgram| [vec![step.scheme], step.aliases.clone()].concat();

@@ -8,8 +8,9 @@ use syn::parse_quote;
 use crate::diagnostics::Diagnostics;
 use crate::parse::{Attribute, Key, without_helpers};
 
-/// The struct, of a type that has the first of the errors as an argument, and aliases of a type that does not exist under all other names that
-/// users write: rustc takes what is done with such types without further complaint. An item that is no plain struct is left as it is.
+/// The struct, of a type that has the first of the errors as an argument, and aliases of a type that does not exist
+/// under all other names that users write: rustc takes what is done with such types without further complaint. An item
+/// that is no plain struct is left as it is.
 pub(crate) fn stand_in(item: TokenStream, attribute: &Attribute, diagnostics: Diagnostics) -> TokenStream {
     let mut errors = diagnostics.into_compile_errors();
     let mut item = match without_helpers(item.clone()) {

@@ -136,8 +136,8 @@ fn record(
     }
 }
 
-/// Serde's traits for a struct of parts, by a macro of the runtime that knows whether its feature `serde` is on: what is generated is a
-/// function of the description alone.
+/// Serde's traits for a struct of parts, by a macro of the runtime that knows whether its feature `serde` is on: what
+/// is generated is a function of the description alone.
 fn serialization(name: &Ident, parts: &[Quantity], names: &Names) -> TokenStream {
     let Names { coadjoint, private, .. } = names;
     let fields = fields(parts).into_iter().map(|field| {

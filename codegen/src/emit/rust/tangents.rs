@@ -1,4 +1,5 @@
-//! What perturbations of a system's state, controls and parameters are: their types, and where their parts stand in them.
+//! What perturbations of a system's state, controls and parameters are: their types, and where their parts stand in
+//! them.
 
 use std::collections::BTreeSet;
 

@@ -57,8 +57,8 @@ impl Algebra {
         self.basis[0].rows
     }
 
-    /// The coordinates of the basis in reduced echelon form, which is the same whatever basis the algebra is given by: of most algebras its
-    /// matrices have few entries. None if numbers grow too large.
+    /// The coordinates of the basis in reduced echelon form, which is the same whatever basis the algebra is given by:
+    /// of most algebras its matrices have few entries. None if numbers grow too large.
     pub(super) fn echelon(&self) -> Option<Vec<Vec<Ratio<i64>>>> {
         let inverse = &self.readout.inverse;
         (0..inverse.columns).map(|k| inverse.column(k).iter().map(Rational::ratio).collect()).collect()

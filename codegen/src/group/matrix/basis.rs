@@ -91,8 +91,8 @@ impl Basis {
         }
     }
 
-    /// Of a semidirect product `G ⋉ (V₁ ⊕ …)` with spaces on which `G` acts, each with a name: `[[ρ(X), v], [0, 0]]` for each kind of space, with `X`
-    /// beside it where no kind tells all of `X`.
+    /// Of a semidirect product `G ⋉ (V₁ ⊕ …)` with spaces on which `G` acts, each with a name: `[[ρ(X), v], [0, 0]]`
+    /// for each kind of space, with `X` beside it where no kind tells all of `X`.
     ///
     /// # Errors
     /// [`BasisError::TooLarge`]

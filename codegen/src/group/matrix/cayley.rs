@@ -1,14 +1,15 @@
 //! The Cayley map of a group of matrices.
 //!
-//! With `R = (1 − X/2)⁻¹` and `S = (1 + X/2)⁻¹` it is `cay x = 2R − 1`, and `dR cay_x y = R Y S`. Both inverses are long, but their derivatives are
-//! not, `R' = ½ R X' R`: hence of `m̄ = (dR cay_x)* m`, which is `m̄_j = ⟨W, R E_j S⟩` with a matrix `W` that stands for `m`,
+//! With `R = (1 − X/2)⁻¹` and `S = (1 + X/2)⁻¹` it is `cay x = 2R − 1`, and `dR cay_x y = R Y S`. Both inverses are
+//! long, but their derivatives are not, `R' = ½ R X' R`: hence of `m̄ = (dR cay_x)* m`, which is `m̄_j = ⟨W, R E_j S⟩`
+//! with a matrix `W` that stands for `m`,
 //!
 //! ```text
 //! m̄'_j = ⟨W', R E_j S⟩ + ½ ⟨M, X' R E_j − E_j S X'⟩,   M = Rᵀ W Sᵀ
 //! ```
 //!
-//! Where the group is all that keeps a form `J`, the two terms with `X'` are the same, for `σ(Z) = J Zᵀ J⁻¹` is −1 on the algebra and there alone and
-//! takes products and `R` to `S` backwards; and `M` is the matrix that stands for `m̄`.
+//! Where the group is all that keeps a form `J`, the two terms with `X'` are the same, for `σ(Z) = J Zᵀ J⁻¹` is −1 on
+//! the algebra and there alone and takes products and `R` to `S` backwards; and `M` is the matrix that stands for `m̄`.
 
 use std::sync::Arc;
 

@@ -1,11 +1,12 @@
-//! What all elements of a group of matrices have in common: linear relations between their entries, and forms that they keep.
+//! What all elements of a group of matrices have in common: linear relations between their entries, and forms that they
+//! keep.
 
 use super::algebra::number;
 use crate::expr::{Matrix, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
 
-/// The affine space of matrices `1 + A`, with the algebra `A` that is spanned by all products of the basis: elements of the group lie in it, so
-/// that some of their entries tell all others.
+/// The affine space of matrices `1 + A`, with the algebra `A` that is spanned by all products of the basis: elements of
+/// the group lie in it, so that some of their entries tell all others.
 #[derive(Clone, Debug)]
 pub(super) struct AssociativeEnvelope {
     /// The entries that tell all, each with what it adds to every entry.

@@ -1,4 +1,5 @@
-//! Determinants of blocks of rows, real or complex, that are 1 for all elements of a group: of blocks that are found easily, not of all.
+//! Determinants of blocks of rows, real or complex, that are 1 for all elements of a group: of blocks that are found
+//! easily, not of all.
 
 use super::algebra::symbolic;
 use super::constraints::{AssociativeEnvelope, InvariantForm};
@@ -12,7 +13,8 @@ const LARGEST: usize = 6;
 #[derive(Clone, Debug)]
 pub(super) struct Determinant {
     rows: Vec<usize>,
-    /// `J` with `J² = −1` that commutes with all elements on these rows, if there is one: the determinant is that of half as many complex rows.
+    /// `J` with `J² = −1` that commutes with all elements on these rows, if there is one: the determinant is that of
+    /// half as many complex rows.
     imaginary_unit: Option<ImaginaryUnit>,
     /// Whether the form lets its modulus change, and its phase.
     has_free_modulus: bool,
@@ -29,7 +31,8 @@ struct ImaginaryUnit {
 }
 
 impl Determinant {
-    /// Of each set of rows that the others do not act on, or that do not act on the others; rows of a form and rows without one are apart.
+    /// Of each set of rows that the others do not act on, or that do not act on the others; rows of a form and rows
+    /// without one are apart.
     pub(super) fn all(
         basis: &[RationalMatrix],
         hull: &AssociativeEnvelope,
@@ -130,8 +133,8 @@ impl Determinant {
 }
 
 impl ImaginaryUnit {
-    /// The one that commutes with these rows of all matrices of a basis and is zero elsewhere, if elements of the group may be multiplied by it;
-    /// none if there is none, or more. Multiples of 1 on these rows are in the hull.
+    /// The one that commutes with these rows of all matrices of a basis and is zero elsewhere, if elements of the group
+    /// may be multiplied by it; none if there is none, or more. Multiples of 1 on these rows are in the hull.
     fn of(rows: &[usize], basis: &[RationalMatrix], hull: &AssociativeEnvelope) -> Option<Self> {
         let (n, size) = (basis[0].rows, rows.len());
         let mut blocks = RationalMatrix::from_fn(hull.rows.len(), size * size, |r, k| {
@@ -185,7 +188,8 @@ impl ImaginaryUnit {
     }
 }
 
-/// The determinant of rows and columns of complex numbers, `a + ib` as the first column of `[[a, −b], [b, a]]`: real and imaginary part.
+/// The determinant of rows and columns of complex numbers, `a + ib` as the first column of `[[a, −b], [b, a]]`: real
+/// and imaginary part.
 fn complex_determinant<'a>(matrix: &Matrix<'a>, rows: &[usize], columns: &[usize]) -> (Expr<'a>, Expr<'a>) {
     let arena = matrix.entries[0].arena();
     let Some((&row, others)) = rows.split_first() else { return (arena.one(), arena.zero()) };

@@ -1,7 +1,9 @@
-//! Ideals: `g = g₁ ⊕ … ⊕ g_k` with `[g_i, g_j] = 0`, where the exponential and its logarithmic derivative are those of the parts.
+//! Ideals: `g = g₁ ⊕ … ⊕ g_k` with `[g_i, g_j] = 0`, where the exponential and its logarithmic derivative are those of
+//! the parts.
 //!
-//! The elements of `g_i` and `g_j` commute, so that `exp x = exp x₁ ⋯ exp x_k`, and `dR exp_x = φ₁(ad_x)` acts on each ideal by itself. SO(4) has no
-//! polynomial of the kind that [`LinearMatrix`] knows, but its two ideals have, each that of SO(3).
+//! The elements of `g_i` and `g_j` commute, so that `exp x = exp x₁ ⋯ exp x_k`, and `dR exp_x = φ₁(ad_x)` acts on each
+//! ideal by itself. SO(4) has no polynomial of the kind that [`LinearMatrix`] knows, but its two ideals have, each that
+//! of SO(3).
 //!
 //! A linear map that commutes with all `ad_x`, an element of the centroid, has ideals as its generalized eigenspaces.
 
@@ -145,7 +147,8 @@ fn centroid(adjoint: &[RationalMatrix]) -> Vec<RationalMatrix> {
     })
 }
 
-/// Bases of the generalized eigenspaces of the eigenvalues that are small whole numbers or their quotients, and of what all others make up.
+/// Bases of the generalized eigenspaces of the eigenvalues that are small whole numbers or their quotients, and of what
+/// all others make up.
 fn eigenspaces(map: &RationalMatrix) -> Vec<Vec<Vec<Rational>>> {
     const LARGEST: i128 = 4;
     let d = map.rows;

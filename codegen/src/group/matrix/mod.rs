@@ -1,16 +1,19 @@
 //! Groups of matrices, from a basis of their algebra alone.
 //!
-//! With linearly independent matrices `E₁ … E_d` of exact numbers, closed under the commutator, everything that a step needs follows:
+//! With linearly independent matrices `E₁ … E_d` of exact numbers, closed under the commutator, everything that a step
+//! needs follows:
 //!
-//! * [`Algebra`]: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra, `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
-//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the [`AssociativeEnvelope`], not from storage.
-//! * `exp x` and `dR exp_x = φ₁(ad_x)`, [ideal](Ideal) by ideal, where `X` and `ad_x` are annihilated by a polynomial `λᵃ (λ² + z)^q` with `z` quadratic
-//!   in `x`: then their power series are finite sums with Stumpff functions of `z`. Otherwise the series are summed up to the rounding of a double
-//!   within [a ball](RADIUS) about zero.
+//! * [`Algebra`]: `x` stands for `X = Σ xᵢ Eᵢ`; `[E_i, E_j] = Σ c_ij^k E_k` by exact linear algebra,
+//!   `(ad*_x m)_j = Σ c_ij^k xᵢ m_k`.
+//! * Storage: the matrix `g` by rows; `g' = g X`. What all elements have in common is taken from the
+//!   [`AssociativeEnvelope`], not from storage.
+//! * `exp x` and `dR exp_x = φ₁(ad_x)`, [ideal](Ideal) by ideal, where `X` and `ad_x` are annihilated by a polynomial
+//!   `λᵃ (λ² + z)^q` with `z` quadratic in `x`: then their power series are finite sums with Stumpff functions of `z`.
+//!   Otherwise the series are summed up to the rounding of a double within [a ball](RADIUS) about zero.
 //! * `cay x = 2 (1 − X/2)⁻¹ − 1`, `dR cay_x y = (1 − X/2)⁻¹ Y (1 + X/2)⁻¹`, which stays on the group if and only if
 //!   `E_i E_j E_k + E_k E_j E_i` is in the algebra for all `i`, `j`, `k`.
-//! * Most groups keep a [form](InvariantForm), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of that equation takes an error of rounding
-//!   away, and one of `det g = 1`, of blocks of rows, where that does not
+//! * Most groups keep a [form](InvariantForm), `g J gᵀ = J`. Where `J` is regular `g⁻¹ = J gᵀ J⁻¹`; one Newton step of
+//!   that equation takes an error of rounding away, and one of `det g = 1`, of blocks of rows, where that does not
 //!   follow from it.
 
 mod algebra;
@@ -44,7 +47,8 @@ use powers::{FEW_TERMS, LinearMatrix};
 
 /// Where series of powers are summed: `|ad_x|² + |X|²` is at most the square of this, `3/2`.
 const RADIUS: (i128, i128) = (3, 2);
-/// The largest dimension of an algebra: what is found of it takes seconds then, and its steps are thousands of operations.
+/// The largest dimension of an algebra: what is found of it takes seconds then, and its steps are thousands of
+/// operations.
 pub const LARGEST_BASIS: usize = 16;
 /// The most rows of a matrix.
 const LARGEST_MATRIX: usize = 12;
@@ -181,7 +185,8 @@ impl MatrixGroup {
         }
     }
 
-    /// `g` with this share of one Newton step of `g J gᵀ = J` on what `J` acts on, and of `det g = 1` where no form says so.
+    /// `g` with this share of one Newton step of `g J gᵀ = J` on what `J` acts on, and of `det g = 1` where no form
+    /// says so.
     fn normalized<'a>(&self, g: &Vector<'a>, share: Expr<'a>) -> Vector<'a> {
         let (arena, matrix) = (share.arena(), self.hull.matrix(g));
         let mut next = matrix.clone();
@@ -308,8 +313,9 @@ impl Group for MatrixGroup {
         self.normalized(g, g.0[0].arena().one())
     }
 
-    /// What does not move is not normalized either. Products of its entries are off by their rounding, so that each step would make another
-    /// element of it: `|x|²/(|x|² + ε)` is 0 at rest, and 1 where it moves by more than rounding.
+    /// What does not move is not normalized either. Products of its entries are off by their rounding, so that each
+    /// step would make another element of it: `|x|²/(|x|² + ε)` is 0 at rest, and 1 where it moves by more than
+    /// rounding.
     fn moved<'a>(&self, side: Side, retraction: Retraction, g: &Vector<'a>, x: &Vector<'a>) -> Moved<'a> {
         let increment = self.retract(retraction, x).hold();
         let moved = side.compose(self, g, &increment).hold();

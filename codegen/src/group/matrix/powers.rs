@@ -4,9 +4,11 @@ use super::algebra::{combination, number};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
 
-/// So many powers of a matrix of Frobenius norm 3/2, over their factorials, leave out less than half an ulp of a double's sum.
+/// So many powers of a matrix of Frobenius norm 3/2, over their factorials, leave out less than half an ulp of a
+/// double's sum.
 pub(in crate::group) const TERMS: usize = 20;
-/// So many are enough for Newton's matrix: what they leave out is less than a part in a thousand at the edge, and 1e-9 for a tenth of a turn.
+/// So many are enough for Newton's matrix: what they leave out is less than a part in a thousand at the edge, and 1e-9
+/// for a tenth of a turn.
 pub(super) const FEW_TERMS: usize = 6;
 /// The highest power of `λ² + z` in a polynomial that is looked for.
 const MULTIPLICITY: usize = 4;
@@ -98,7 +100,8 @@ impl LinearMatrix {
     }
 }
 
-/// A polynomial `λᵃ (λ² + z)^q`, or `λᵃ` where there is no `z`, that annihilates a matrix linear in `x`; `z` is quadratic in `x`.
+/// A polynomial `λᵃ (λ² + z)^q`, or `λᵃ` where there is no `z`, that annihilates a matrix linear in `x`; `z` is
+/// quadratic in `x`.
 #[derive(Clone, Debug)]
 struct Annihilator {
     /// `a`
@@ -171,7 +174,8 @@ impl Annihilator {
             power = map(&power);
         }
         let Some(z) = self.argument(x) else { return sum };
-        // A^{k+2j} = Aᵏ (N − z)ʲ with N = A² + z, of which the q-th power is zero on Aᵏ: Taylor's series of the Stumpff function
+        // A^{k+2j} = Aᵏ (N − z)ʲ with N = A² + z, of which the q-th power is zero on Aᵏ: Taylor's series of the Stumpff
+        // function
         for k in [self.power as u32 + shift, self.power as u32 + shift + 1] {
             let next = map(&power);
             let mut term = power;

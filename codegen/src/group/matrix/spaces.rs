@@ -1,4 +1,5 @@
-//! Spaces of columns on which matrices act: the standard one of a group of matrices, and those that are given by matrices.
+//! Spaces of columns on which matrices act: the standard one of a group of matrices, and those that are given by
+//! matrices.
 
 use super::algebra::Algebra;
 use super::basis::bounded;
@@ -21,8 +22,8 @@ pub enum LinearError {
 
 /// Columns with `ρ_x v = (Σ xᵢ ρᵢ) v`, for matrices `ρᵢ` that belong to the axes of the algebra.
 ///
-/// A retraction acts on them as the same function of `ρ_x`: `ρ(exp x) = exp ρ_x` always, `ρ(cay x) = cay ρ_x` where Cayley's map stays on the group of
-/// the matrices `diag(Eᵢ, ρᵢ)`.
+/// A retraction acts on them as the same function of `ρ_x`: `ρ(exp x) = exp ρ_x` always, `ρ(cay x) = cay ρ_x` where
+/// Cayley's map stays on the group of the matrices `diag(Eᵢ, ρᵢ)`.
 #[derive(Clone, Debug)]
 pub struct Linear {
     name: &'static str,

@@ -186,8 +186,8 @@ fn determinant<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     Some(Value::Scalar(matrix.determinant()))
 }
 
-/// The inverse by cofactors, as nalgebra computes it: the adjugate over the determinant. Where the determinant is zero, the entries are not
-/// finite.
+/// The inverse by cofactors, as nalgebra computes it: the adjugate over the determinant. Where the determinant is zero,
+/// the entries are not finite.
 fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     let matrix = square(call)?;
     let n = matrix.rows;
@@ -203,8 +203,8 @@ fn try_inverse<'a>(call: &mut Call<'_, 'a>) -> Option<Value<'a>> {
     Some(Value::Optional(Box::new(Value::of_matrix(adjugate.scale(determinant.recip())))))
 }
 
-/// The determinant of what is left of a matrix without a row and a column, with the sign that belongs to their place. Smaller minors that
-/// several cofactors have in common are one expression.
+/// The determinant of what is left of a matrix without a row and a column, with the sign that belongs to their place.
+/// Smaller minors that several cofactors have in common are one expression.
 fn cofactor<'a>(matrix: &Matrix<'a>, row: usize, column: usize) -> Expr<'a> {
     let kept = |without: usize| (0..matrix.rows).filter(|&k| k != without).collect::<Vec<_>>();
     let minor = matrix.minor(&kept(row), &kept(column));
