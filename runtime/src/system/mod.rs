@@ -48,6 +48,23 @@ pub struct Quantity {
     pub doc: &'static str,
 }
 
+/// A quantity with this perturbation, of a unit that is empty where none is known: called by generated code, which is then shorter.
+#[doc(hidden)]
+#[allow(clippy::too_many_arguments, reason = "a record without the names of its fields")]
+pub const fn quantity(
+    name: &'static str,
+    role: Role,
+    kind: Kind,
+    components: &'static [&'static str],
+    start: usize,
+    end: usize,
+    unit: &'static str,
+    doc: &'static str,
+) -> Quantity {
+    let unit = if unit.is_empty() { None } else { Some(unit) };
+    Quantity { name, role, kind, components, tangent: (start, end), unit, doc }
+}
+
 impl Quantity {
     /// The range of its perturbation within those of all quantities beside it.
     pub fn tangent(&self) -> core::ops::Range<usize> {

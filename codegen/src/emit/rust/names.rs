@@ -107,7 +107,7 @@ fn identifiers(source: &System<'_>) -> BTreeMap<String, Ident> {
     parameters.chain(parts).chain(controls).map(|ident| (plain(&ident), ident)).collect()
 }
 
-/// `Quantity { name: "gamma", role: Role::Advected, kind: Kind::Vector(3), components: &["x", "y", "z"], … }`
+/// `quantity("gamma", Role::Advected, Kind::Vector(3), &["x", "y", "z"], 6, 9, "", "…")`
 pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
     let private = &names.private;
     let Quantity { name, role, components, kind, tangent, unit, doc, .. } = quantity;
@@ -130,20 +130,11 @@ pub(super) fn quantity(names: &Names, quantity: &Quantity) -> TokenStream {
     };
     let tangent = [tangent.start, tangent.end].map(size);
     let [start, end] = &tangent;
-    let unit = match unit {
-        Some(unit) => quote! { ::core::option::Option::Some(#unit) },
-        None => quote! { ::core::option::Option::None },
-    };
+    let unit = unit.as_deref().unwrap_or("");
     quote! {
-        #private::Quantity {
-            name: #name,
-            role: #private::Role::#role,
-            kind: #private::Kind::#kind,
-            components: &[#(#components),*],
-            tangent: (#start, #end),
-            unit: #unit,
-            doc: #doc,
-        }
+        #private::quantity(
+            #name, #private::Role::#role, #private::Kind::#kind, &[#(#components),*], #start, #end, #unit, #doc
+        )
     }
 }
 
