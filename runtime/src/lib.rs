@@ -210,7 +210,7 @@ pub mod __private {
     pub use crate::solve::step::OneStep;
     pub use crate::system::{
         Control, Generated, Geometry, Isolated, Kind, NoControl, Quantity, Retracted, Role, Schemes, Side,
-        State, Stored, System, Visitor,
+        State, Stored, System, Visitor, quantity,
     };
     pub use coadjoint_macros::lie_poisson_system_with;
     pub use nalgebra;

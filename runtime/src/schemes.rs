@@ -168,13 +168,13 @@ impl Scheme {
             Self::Step(map, Rule::Member(numerator, denominator)) => {
                 // its adjoint is `1 − s` with any retraction; that `s` and `1 − s` are one map, where momentum and advected parameters alone
                 // have a part in the motion, follows from the retraction's being a function of one matrix
-                let is_middle = 2 * u64::from(numerator) == denominator.into();
+                let is_middle = 2 * u64::from(numerator) == u64::from(denominator);
                 let symmetric = is_middle || system.invariant && map.is_matrix_function();
                 let order = if symmetric { 2 } else { 1 };
                 Properties { order, symmetric, poisson: !system.forced, casimirs: ConservedCasimirs::All }
             }
             Self::Step(_, Rule::TangentLift(numerator, denominator)) => {
-                let symmetric = 2 * u64::from(numerator) == denominator.into();
+                let symmetric = 2 * u64::from(numerator) == u64::from(denominator);
                 let order = if symmetric { 2 } else { 1 };
                 Properties { order, symmetric, poisson: false, casimirs: ConservedCasimirs::Advected }
             }

@@ -540,7 +540,7 @@ fn the_catalogue() {
     let subjects: Vec<Subject> = CATALOGUE
         .entries()
         .iter()
-        .filter(|entry| only.as_ref().is_none_or(|only| only == entry.name))
+        .filter(|entry| only.as_ref().is_none_or(|only| *only == entry.name))
         .map(|entry| Subject {
             name: entry.name.to_owned(),
             // its type is not that of ensembles
