@@ -390,7 +390,7 @@ mod tests {
             .starting_at(5.0)
             .each(|tick| {
                 seen.push((tick.index, tick.time, tick.report.is_some()));
-                first.get_or_insert_with(|| *tick.state);
+                first.get_or_insert(*tick.state);
             })
             .steps(1000)
             .expect("solvable");

@@ -28,13 +28,19 @@ pub(crate) struct RunArguments {
         long,
         value_name = "FILE",
         conflicts_with_all = [
-            "system", "config", "retraction", "method", "order", "set", "step", "duration", "every", "format", "plot", "scan"
+            "system", "config", "retraction", "method", "order", "set", "step", "duration", "every",
+            "watch_every_step", "format", "plot", "scan"
         ]
     )]
     pub(crate) again: Option<PathBuf>,
-    /// Write the state after every N-th step [default: 1]
+    /// Look at the state after every N-th step, and write it [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
+    /// Follow errors at every step, whatever is written; pictures and pages do
+    ///
+    /// An error's peak may be as short as one step. A look takes several times as long as a step.
+    #[arg(long)]
+    pub(crate) watch_every_step: bool,
     /// The format of the trajectory [default: csv]
     ///
     /// What made it stands beside it, in a file that ends in `.run.json`.
@@ -62,7 +68,7 @@ pub(crate) struct RunArguments {
     #[arg(
         long,
         value_name = "NAME=VALUES",
-        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every"]
+        conflicts_with_all = ["plot", "html", "checkpoint", "format", "every", "watch_every_step"]
     )]
     pub(crate) scan: Vec<String>,
     #[command(flatten)]
@@ -150,6 +156,7 @@ fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
+        watch: arguments.watch_every_step || arguments.plot || arguments.html.is_some(),
         format: None,
         plot: arguments.plot,
         html: arguments.html.clone(),
@@ -218,6 +225,7 @@ pub(crate) fn view(
         open: *open,
         again: None,
         every: None,
+        watch_every_step: true,
         format: None,
         plot: false,
         checkpoint: None,

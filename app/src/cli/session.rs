@@ -36,6 +36,8 @@ pub struct Plan {
     pub job: Job,
     /// Steps between two rows.
     pub every: u64,
+    /// Whether every step is looked at, whatever is written.
+    pub watch: bool,
     /// The format of the trajectory; none writes none.
     pub format: Option<Format>,
     /// Whether to draw the run.
@@ -55,7 +57,9 @@ pub struct Plan {
 impl Plan {
     /// Describes what makes the files of the run.
     pub fn provenance(&self, entry: &Entry) -> Provenance {
-        Provenance::of_run(entry, &self.setup, &self.job, self.every)
+        // where every step is written, every step is looked at
+        let watch = self.watch && self.every != 1;
+        Provenance { watch, ..Provenance::of_run(entry, &self.setup, &self.job, self.every) }
     }
 
     /// Names a file of the run.
@@ -265,9 +269,14 @@ impl<'e> Session<'e> {
         // a resumed run has recorded its first sample before
         let mut is_new = from.is_none();
         let mut failure = None;
-        // `every` thins what is written and nothing else: an error's peak may be as short as one step, so every step is
-        // recorded
-        let next = |index: u64| index + 1;
+        // an error's peak may be as short as one step, but to look at a step takes several times as long as the step
+        let interval = if self.plan.watch { 1 } else { self.plan.every };
+        let next = |index: u64| {
+            [interval, INTERVAL]
+                .map(|interval| (index / interval + 1).saturating_mul(interval))
+                .into_iter()
+                .fold(u64::MAX, u64::min)
+        };
         let simulated = simulate(entry, &setup, &job, from.as_ref(), &next, &mut |sample| {
             let is_due = sample.index.is_multiple_of(INTERVAL);
             if is_due {
@@ -440,6 +449,7 @@ mod tests {
             setup,
             job,
             every: 1,
+            watch: true,
             format: None,
             plot: true,
             html: None,

@@ -54,6 +54,9 @@ pub struct Provenance {
     pub steps: u64,
     /// Steps between two rows.
     pub every: u64,
+    /// Whether errors are followed at every step between them.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub watch: bool,
     /// The differences between members of an ensemble.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ensemble: Option<Members>,
@@ -103,6 +106,7 @@ impl Provenance {
             step: job.step,
             steps: job.steps,
             every,
+            watch: false,
             ensemble: None,
             scan: Vec::new(),
             assignments: if *setup == entry.example { Vec::new() } else { assignments(entry, setup) },
@@ -141,6 +145,9 @@ impl Provenance {
         }
         self.scan.iter().for_each(|scan| option("scan", scan));
         self.assignments.iter().for_each(|assignment| option("set", assignment));
+        if self.watch {
+            command += " --watch-every-step";
+        }
         command
     }
 

@@ -83,6 +83,7 @@ impl Asked {
             system: self.0.name.clone(),
             setup: self.0.example.clone(),
             job,
+            watch: true,
             every: 1,
             format: None,
             plot: false,

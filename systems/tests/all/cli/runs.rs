@@ -75,7 +75,25 @@ fn run_writes_a_table_of_the_motion() {
     assert_ne!(rows[4][5..8], rows[0][5..8], "it moves");
 }
 
-/// What is found of a run does not depend on how much of it is written.
+/// Without a picture, errors are those of the steps that are looked at, unless all are asked for; and a run is made again as it was.
+#[test]
+fn every_thins_what_is_looked_at() {
+    let error = |more: &[&str]| {
+        let scratch = Scratch::new(&format!("looked-at-{}", more.len()));
+        let run = ["run", "planar_pendulum", "--step", "0.01", "--duration", "60", "--format", "json"];
+        scratch.prints(&[&run[..], more].concat());
+        let file = "out/planar_pendulum-exponential.json";
+        let json: Value = serde_json::from_str(&scratch.read(file)).expect("JSON");
+        scratch.prints(&["run", "--again", file, "--out", "again"]);
+        assert!(scratch.read(file) == scratch.read("again/planar_pendulum-exponential.json"), "{more:?}");
+        json["invariants"].clone()
+    };
+    let all = error(&[]);
+    assert_eq!(error(&["--every", "500", "--watch-every-step"]), all);
+    assert_ne!(error(&["--every", "500"]), all);
+}
+
+/// What is found of a run that is drawn does not depend on how much of it is written.
 #[test]
 fn every_thins_what_is_written_and_nothing_else() {
     let found = |every: u64| {

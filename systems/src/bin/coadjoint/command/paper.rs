@@ -66,6 +66,7 @@ pub(crate) fn paper(
             setup: setup.clone(),
             job,
             every: EVERY,
+            watch: true,
             format: Some(Format::Csv),
             plot: false,
             html: None,
