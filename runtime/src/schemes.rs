@@ -38,7 +38,7 @@ pub enum Scheme {
     StormerVerlet(Map),
     /// A symmetric [composition](crate::composition) of steps with another scheme.
     Composed(CoefficientSet, Box<Scheme>),
-    /// [`RightLift`]
+    /// [`RightLift`]; steppers whose types are erased take the steps of the scheme that it lifts, which are the same map.
     RightLift(Box<Scheme>),
 }
 

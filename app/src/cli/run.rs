@@ -36,9 +36,9 @@ pub(crate) struct RunArguments {
     /// Look at the state after every N-th step, and write it [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) every: Option<u64>,
-    /// Follow errors at every step, whatever is written; pictures and pages do
+    /// Look at every step, whatever is written of them
     ///
-    /// An error's peak may be as short as one step. A look takes several times as long as a step.
+    /// An error's peak may be as short as one step; a look takes several times as long.
     #[arg(long)]
     pub(crate) watch_every_step: bool,
     /// The format of the trajectory [default: csv]
@@ -156,7 +156,7 @@ fn planned(motion: &Motion<'_>, arguments: &RunArguments) -> Plan {
         setup: motion.setup.clone(),
         job: motion.job,
         every: 1,
-        watch: arguments.watch_every_step || arguments.plot || arguments.html.is_some(),
+        watch: arguments.watch_every_step,
         format: None,
         plot: arguments.plot,
         html: arguments.html.clone(),

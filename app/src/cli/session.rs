@@ -199,6 +199,8 @@ impl<'e> Session<'e> {
     /// # Errors
     /// If that is not so, or a file cannot be written.
     pub fn begin(entry: &'e Entry, plan: Plan, checkpoint: Option<&Path>) -> Result<Self, Error> {
+        // before there is a file that a signal could leave behind
+        interrupt::listen();
         let (files, guard) = claimed(entry, &plan, checkpoint)?;
         let Job { step, steps, .. } = plan.job;
         let recorders = Recorders {
@@ -232,6 +234,7 @@ impl<'e> Session<'e> {
     /// # Errors
     /// If it is in use, is not what was written, or a file of the run cannot be written.
     pub fn resume(catalogue: &'e Catalogue, path: &Path) -> Result<Self, Error> {
+        interrupt::listen();
         let (store, saved) = CheckpointStore::open::<Saved>(path)?;
         let entry = saved.entry(catalogue, path)?;
         let Saved { plan, recorders, checkpoint: from, .. } = saved;
@@ -261,7 +264,6 @@ impl<'e> Session<'e> {
 
     /// Takes the steps and records them, with a word on the progress now and then. Ctrl-C ends it.
     pub(crate) fn simulate(&mut self, progress: &mut dyn FnMut(u64)) -> Result<RunReport, Error> {
-        interrupt::listen();
         let (entry, from) = (self.entry, self.from.take());
         let (setup, job) = (self.plan.setup.clone(), self.plan.job);
         let pause = Duration::try_from_secs_f64(self.plan.pause).unwrap_or_default();

@@ -75,17 +75,19 @@ fn run_writes_a_table_of_the_motion() {
     assert_ne!(rows[4][5..8], rows[0][5..8], "it moves");
 }
 
-/// Without a picture, errors are those of the steps that are looked at, unless all are asked for; and a run is made again as it was.
+/// Errors are those of the steps that are looked at, unless all are asked for; and a run is made again as it was.
 #[test]
 fn every_thins_what_is_looked_at() {
     let error = |more: &[&str]| {
         let scratch = Scratch::new(&format!("looked-at-{}", more.len()));
         let run = ["run", "planar_pendulum", "--step", "0.01", "--duration", "60", "--format", "json"];
         scratch.prints(&[&run[..], more].concat());
-        let file = "out/planar_pendulum-exponential.json";
-        let json: Value = serde_json::from_str(&scratch.read(file)).expect("JSON");
-        scratch.prints(&["run", "--again", file, "--out", "again"]);
-        assert!(scratch.read(file) == scratch.read("again/planar_pendulum-exponential.json"), "{more:?}");
+        let (name, text) =
+            ("planar_pendulum-exponential.json", scratch.read("out/planar_pendulum-exponential.json"));
+        let json: Value = serde_json::from_str(&text).expect("JSON");
+        let file = scratch.path(&format!("out/{name}"));
+        scratch.prints(&["run", "--again", &file.to_string_lossy(), "--out", "again"]);
+        assert!(text == scratch.read(&format!("again/{name}")), "{more:?}");
         json["invariants"].clone()
     };
     let all = error(&[]);
@@ -93,13 +95,23 @@ fn every_thins_what_is_looked_at() {
     assert_ne!(error(&["--every", "500"]), all);
 }
 
-/// What is found of a run that is drawn does not depend on how much of it is written.
+/// What is found of a run whose every step is looked at does not depend on how much of it is written.
 #[test]
 fn every_thins_what_is_written_and_nothing_else() {
     let found = |every: u64| {
         let scratch = Scratch::new(&format!("every-{every}"));
         let (number, rows) = (every.to_string(), 6000 / every as usize + 1);
-        let run = ["run", "planar_pendulum", "--step", "0.01", "--duration", "60", "--every", &number];
+        let run = [
+            "run",
+            "planar_pendulum",
+            "--step",
+            "0.01",
+            "--duration",
+            "60",
+            "--watch-every-step",
+            "--every",
+            &number,
+        ];
         let printed =
             scratch.prints(&[&run[..], &["--plot", "--html", "view.html", "--format", "json"]].concat());
         let told: Vec<String> = printed
