@@ -14,9 +14,6 @@ use crate::scalar::{Batch, Components, Scalar, Work};
 ///
 /// Slices have the lengths of the system's arrays.
 pub trait Method<T: Batch>: Send + Sync {
-    /// Returns another one that remembers the same.
-    fn duplicate(&self) -> Box<dyn Method<T>>;
-
     /// Takes other parameters and another step of numbers side by side; what is remembered of earlier steps stays.
     fn rebuild(&mut self, parameters: &[T], step: T);
 
@@ -101,13 +98,7 @@ impl<M: method::Method> Work for Step<'_, M> {
 }
 
 // with an empty array of its home, so that the compiler puts it there: see `OutOfLine`
-impl<M: method::Method + 'static, const BATCHES: bool> Method<M::Scalar>
-    for ([M::CallSite; 0], Flat<M, BATCHES>)
-{
-    fn duplicate(&self) -> Box<dyn Method<M::Scalar>> {
-        Box::new(([], Flat::<M, BATCHES>(self.1.0.clone())))
-    }
-
+impl<M: method::Method, const BATCHES: bool> Method<M::Scalar> for ([M::CallSite; 0], Flat<M, BATCHES>) {
     fn rebuild(&mut self, parameters: &[M::Scalar], step: M::Scalar) {
         if const { M::Scalar::LANES == 1 } {
             // where there is one member, none takes another's place

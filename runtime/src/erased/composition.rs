@@ -90,14 +90,6 @@ impl<T: Batch> Composition<T> {
 }
 
 impl<T: Batch> Method<T> for Composition<T> {
-    fn duplicate(&self) -> Box<dyn Method<T>> {
-        let stages = self
-            .stages
-            .iter()
-            .map(|Stage { method, gamma }| Stage { method: method.duplicate(), gamma: *gamma });
-        Box::new(Self { stages: stages.collect(), between: self.between.clone(), ..*self })
-    }
-
     fn rebuild(&mut self, parameters: &[T], step: T) {
         self.step = step;
         for stage in &mut self.stages {

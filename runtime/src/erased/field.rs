@@ -1,7 +1,6 @@
 //! The motion as a vector field on lists of stored numbers, and steps along it that were not generated: those of methods that know nothing
 //! of groups, to compare with.
 
-use std::boxed::Box;
 use std::sync::Arc;
 use std::vec::Vec;
 
@@ -72,7 +71,6 @@ fn along(
 pub(super) type StepFn = dyn Fn(&dyn System, &At<'_>, &mut [f64]) -> Result<u32, StepError> + Send + Sync;
 
 /// A step that was not generated.
-#[derive(Clone)]
 pub(super) struct ByFunction {
     pub(super) system: Arc<dyn System>,
     pub(super) step: f64,
@@ -80,10 +78,6 @@ pub(super) struct ByFunction {
 }
 
 impl Method<f64> for ByFunction {
-    fn duplicate(&self) -> Box<dyn Method<f64>> {
-        Box::new(self.clone())
-    }
-
     // there is but one member
     fn rebuild(&mut self, _: &[f64], _: f64) {}
 

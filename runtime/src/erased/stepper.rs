@@ -2,7 +2,7 @@
 
 use core::fmt;
 use std::boxed::Box;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::vec::Vec;
 
 use thiserror::Error;
@@ -20,13 +20,13 @@ use crate::stepper::report::{RunError, RunReport};
 use crate::stepper::{StepReport, Stepping, check_deviation, check_step, trajectory};
 
 /// Takes steps of one size through the motion of one system, with one scheme: [`Stepper`](crate::Stepper) with its types erased.
-#[derive(Clone)]
 pub struct Stepper {
     system: Arc<dyn System>,
     /// None of a method of one's own.
     scheme: Option<Scheme>,
     make: Arc<MakeMethod>,
-    method: AnyMethod,
+    /// Behind a lock that is held by a snapshot alone: what is shown of it could be replaced.
+    method: Mutex<Box<dyn Method<f64>>>,
     step: f64,
     /// The time before the steps counted by `taken`.
     start: f64,
@@ -43,15 +43,6 @@ pub struct Stepper {
 
 /// Makes what takes the steps of a system of this size; none if they were not generated.
 type MakeMethod = dyn Fn(&Arc<dyn System>, f64) -> Option<Box<dyn Method<f64>>> + Send + Sync;
-
-/// What takes the steps.
-struct AnyMethod(Box<dyn Method<f64>>);
-
-impl Clone for AnyMethod {
-    fn clone(&self) -> Self {
-        Self(self.0.duplicate())
-    }
-}
 
 /// A stepper that cannot be built.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -88,7 +79,7 @@ impl Stepper {
     /// ```
     /// use coadjoint::erased::{self, At, System};
     /// use coadjoint::prelude::*;
-    /// use std::sync::Arc;
+    /// use std::sync::{Arc, Mutex, PoisonError};
     ///
     /// #[lie_poisson_system(group = SO3)]
     /// struct Body {
@@ -145,7 +136,7 @@ impl Stepper {
         step: f64,
     ) -> Self {
         let left = std::vec![0.0; length(system.description().state)];
-        let (method, next) = (AnyMethod(method), left.clone());
+        let (method, next) = (Mutex::new(method), left.clone());
         let (start, taken, before, has_left) = (0.0, 0, 0, false);
         Self { system, scheme: None, make, method, step, start, taken, before, has_left, left, next }
     }
@@ -166,7 +157,7 @@ impl Stepper {
     /// If the step is zero or not finite; the stepper is then as before.
     pub fn set_step_size(&mut self, step: f64) -> Result<(), ParameterError> {
         check_step(step)?;
-        self.method = AnyMethod((self.make)(&self.system, step).ok_or(ParameterError::Step { step })?);
+        self.method = Mutex::new((self.make)(&self.system, step).ok_or(ParameterError::Step { step })?);
         (self.start, self.before, self.taken) = (self.time(), self.steps_taken(), 0);
         (self.step, self.has_left) = (step, false);
         Ok(())
@@ -184,7 +175,7 @@ impl Stepper {
         let system = self.system.with_parameters(parameters);
         system.validate()?;
         let step = self.step;
-        self.method = AnyMethod((self.make)(&system, step).ok_or(ParameterError::Step { step })?);
+        self.method = Mutex::new((self.make)(&system, step).ok_or(ParameterError::Step { step })?);
         (self.system, self.has_left) = (system, false);
         Ok(())
     }
@@ -221,10 +212,11 @@ impl Stepper {
 
     /// What is carried from one step to the next: see [`Stepper::snapshot`](crate::Stepper::snapshot).
     pub fn snapshot(&self) -> Vec<f64> {
-        // what is shown could be replaced, so that a copy is shown
-        let Self { start, taken, before, .. } = *self;
-        let mut copy = self.clone();
-        snapshot::written(start, [taken, before], &mut |visit| copy.show(visit))
+        let (mut has_left, mut left) = (self.has_left, self.left.clone());
+        let mut method = self.method.lock().unwrap_or_else(PoisonError::into_inner);
+        snapshot::written(self.start, [self.taken, self.before], &mut |visit| {
+            show(&mut has_left, &mut left, &mut **method, visit);
+        })
     }
 
     /// Takes back what [`snapshot`](Self::snapshot) gave, of a stepper for the same system, scheme and step.
@@ -232,7 +224,10 @@ impl Stepper {
     /// # Errors
     /// If it has not as many numbers as the memory of this stepper.
     pub fn restore(&mut self, memory: &[f64]) -> Result<(), ParameterError> {
-        (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| self.show(visit))?;
+        let method = self.method.get_mut().unwrap_or_else(PoisonError::into_inner);
+        (self.start, [self.taken, self.before]) = snapshot::read(memory, &mut |visit| {
+            show(&mut self.has_left, &mut self.left, &mut **method, visit);
+        })?;
         self.has_left &= self.start.is_finite();
         Ok(())
     }
@@ -258,7 +253,7 @@ impl Stepper {
     /// ```
     /// use coadjoint::erased;
     /// use coadjoint::prelude::*;
-    /// use std::sync::Arc;
+    /// use std::sync::{Arc, Mutex, PoisonError};
     ///
     /// #[lie_poisson_system(group = SO3, derivatives)]
     /// struct Body {
@@ -301,7 +296,7 @@ impl Stepper {
     /// Takes a step from a state from elsewhere.
     fn start(&mut self, state: &[f64], control: &[f64]) -> Result<StepReport, StepError> {
         let time = self.time();
-        let outcome = self.method.0.advance(state, &mut self.next, time, control, false);
+        let outcome = method(&mut self.method).advance(state, &mut self.next, time, control, false);
         self.arrive(outcome)
     }
 
@@ -309,7 +304,7 @@ impl Stepper {
     #[inline]
     fn follow(&mut self, control: &[f64]) -> Result<StepReport, StepError> {
         let time = self.time();
-        let outcome = self.method.0.advance(&self.left, &mut self.next, time, control, true);
+        let outcome = method(&mut self.method).advance(&self.left, &mut self.next, time, control, true);
         self.arrive(outcome)
     }
 
@@ -335,7 +330,7 @@ impl Stepper {
         let outcome = loop {
             if known && batches {
                 let (clock, most) = (self.clock(), count - report.steps);
-                let advanced = self.method.0.advance_n(&mut self.left, clock, control, most);
+                let advanced = method(&mut self.method).advance_n(&mut self.left, clock, control, most);
                 batches = advanced.steps > 0;
                 self.taken += advanced.steps;
                 report.add(&RunReport {
@@ -378,13 +373,22 @@ impl Stepper {
     }
 }
 
-impl Stepper {
-    /// Shows all numbers that are carried, besides the time: in the order in which the typed stepper does.
-    fn show(&mut self, visit: &mut dyn FnMut(&mut [f64])) {
-        visit_flag(&mut self.has_left, visit);
-        visit(&mut self.left);
-        self.method.0.memory(visit);
-    }
+/// What takes the steps.
+#[inline]
+fn method(method: &mut Mutex<Box<dyn Method<f64>>>) -> &mut dyn Method<f64> {
+    &mut **method.get_mut().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Shows all numbers that are carried, besides the time: in the order in which the typed stepper does.
+fn show(
+    has_left: &mut bool,
+    left: &mut [f64],
+    method: &mut dyn Method<f64>,
+    visit: &mut dyn FnMut(&mut [f64]),
+) {
+    visit_flag(has_left, visit);
+    visit(left);
+    method.memory(visit);
 }
 
 impl Stepping for Stepper {
