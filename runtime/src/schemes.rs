@@ -259,11 +259,24 @@ impl FromStr for Scheme {
     type Err = ParseSchemeError;
 
     fn from_str(text: &str) -> Result<Self, ParseSchemeError> {
-        parsed(text.trim()).ok_or_else(|| ParseSchemeError { text: text.to_string() })
+        parsed(text.trim(), MOST_STEPS).ok_or_else(|| ParseSchemeError { text: text.to_string() })
     }
 }
 
-fn parsed(text: &str) -> Option<Scheme> {
+/// How many steps a text may compose to one: compositions of compositions multiply, and nobody waits for more.
+const MOST_STEPS: usize = 10_000;
+
+/// The greatest common divisor.
+const fn gcd(mut a: u32, mut b: u32) -> u32 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// The scheme that a text names, if it is composed of so many steps at most. Each composition divides their number, and nothing is lifted twice:
+/// texts are not followed for ever.
+fn parsed(text: &str, most: usize) -> Option<Scheme> {
     let (name, inner) = match text.split_once('<') {
         Some((name, rest)) => (name.trim(), rest.strip_suffix('>')?.trim()),
         None => (text, ""),
@@ -286,7 +299,7 @@ fn parsed(text: &str) -> Option<Scheme> {
             if arguments.next().is_some() || d == 0 || n > d {
                 return None;
             }
-            let common = (1..=d).rev().find(|k| n % k == 0 && d % k == 0)?;
+            let common = gcd(n, d);
             let rule = if name == "Family" { Rule::Member } else { Rule::TangentLift };
             Some(Scheme::Step(map, rule(n / common, d / common)))
         }
@@ -296,9 +309,14 @@ fn parsed(text: &str) -> Option<Scheme> {
         "RightLift" if inner.is_empty() => {
             Some(Scheme::RightLift(Box::new(Scheme::member(Map::Exponential, 0, 1))))
         }
-        "RightLift" => Some(Scheme::RightLift(Box::new(parsed(inner)?))),
+        "RightLift" if !inner.contains("RightLift") => {
+            Some(Scheme::RightLift(Box::new(parsed(inner, most)?)))
+        }
         _ => match CoefficientSet::named().into_iter().find(|(order, _)| *order == name) {
-            Some((_, set)) => Some(Scheme::Composed(set, Box::new(parsed(inner)?))),
+            Some((_, set)) => {
+                let most = most / set.gamma.len();
+                (most > 0).then(|| parsed(inner, most))?.map(|base| Scheme::Composed(set, Box::new(base)))
+            }
             None if inner.is_empty() && !text.contains('<') => retraction(name).map(Scheme::Standard),
             None => None,
         },
@@ -369,6 +387,9 @@ mod tests {
         assert_eq!("RightLift".parse(), Ok(RightLift::<SymplecticEulerA>::scheme()));
         assert_eq!("Family<Cayley, 2, 4>".parse(), Ok(Midpoint::<Cayley>::scheme()));
         assert_eq!("Family<Cayley, 0, 7>".parse(), Ok(SymplecticEulerA::<Cayley>::scheme()));
+        // a prime, and no time for it
+        let prime = "Family<Cayley, 1, 4294967291>".parse();
+        assert_eq!(prime, Ok(Family::<Cayley, 1, 4_294_967_291>::scheme()));
     }
 
     #[test]
@@ -388,6 +409,9 @@ mod tests {
             "Family<Cayley, 1, 2, 3>",
             "Family<Cayley, 1, 99999999999>",
             "Midpoint<Cayley>>",
+            "RightLift<RightLift<Cayley>>",
+            // a step of 35⁶ others
+            "Order10<Order10<Order10<Order10<Order10<Order10<Cayley>>>>>>",
         ];
         for text in wrong {
             let error = text.parse::<Scheme>().expect_err(text);

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use std::vec::Vec;
 
-use super::system::{At, Geometry, System};
+use super::system::{At, Geometry, System, length};
 use crate::error::StepError;
 use crate::flat::Method;
 use crate::method::{Clock, Counted, StepsReport};
@@ -20,7 +20,8 @@ const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 /// The derivative of the stored numbers along the motion.
 pub(super) fn vector_field(system: &dyn Geometry, state: &[f64], time: f64, control: &[f64]) -> Vec<f64> {
     let motion = system.motion(state, time, control);
-    let mut rates = std::vec![0.0; state.len()];
+    // of a state with fewer numbers the rest is zero
+    let mut rates = std::vec![0.0; length(system.description().state)];
     for (quantity, stored) in Quantity::with_ranges(system.description().state) {
         let rates = &mut rates[stored.clone()];
         if quantity.role != Role::Configuration {

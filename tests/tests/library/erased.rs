@@ -511,6 +511,12 @@ fn states_of_other_systems_are_refused() {
     }
     assert_eq!(error.to_string(), "the state must have 10 numbers: it is of another system");
     assert_eq!(stepper.steps_taken(), 0);
+    // functions of a state fill it up, or cut it off
+    for length in [0, 3, numbers.len() + 2] {
+        let mut wrong = numbers.clone();
+        wrong.resize(length, 0.0);
+        assert_eq!(erased(&system).vector_field(&wrong, 0.0, &[]).len(), numbers.len());
+    }
     // a control is filled up with zeros, or cut off
     let mut right = numbers.clone();
     assert!(stepper.step(&mut right, &[0.3]).is_ok());
