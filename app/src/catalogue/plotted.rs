@@ -11,7 +11,7 @@ use coadjoint::system::Kind;
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{DMatrix, Matrix3, Rotation3, UnitQuaternion};
 
-use super::quantities::{laid_out, matrix_order, rotation, tangent_places};
+use super::quantities::{matrix_order, rotation, tangent_places};
 
 /// So many entries of a matrix can be told apart in a plot.
 const ENTRIES: usize = 6;
@@ -88,7 +88,7 @@ impl PlottedQuantities {
         let state = system.description().state;
         let (mut quantities, mut matrices, mut rotations) = (Vec::new(), Vec::new(), Vec::new());
         for ((index, (quantity, slots)), (_, tangent)) in
-            laid_out(state).enumerate().zip(tangent_places(state))
+            Quantity::with_ranges(state).enumerate().zip(tangent_places(state))
         {
             let own = PlottedQuantity::of(quantity, slots.clone());
             let turning = match matrix_order(quantity).zip(state.get(index + 1)) {

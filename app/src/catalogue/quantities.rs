@@ -9,11 +9,6 @@ pub fn component_name(quantity: &Quantity, component: &str) -> String {
     if component.is_empty() { quantity.name.to_owned() } else { format!("{}_{component}", quantity.name) }
 }
 
-/// Pairs each quantity with its place in the flat list.
-pub(crate) fn laid_out(quantities: &[Quantity]) -> impl Iterator<Item = (&Quantity, Range<usize>)> {
-    Quantity::with_ranges(quantities)
-}
-
 /// Lists roles and places of quantities in tangent vectors.
 pub(crate) fn tangent_places(quantities: &[Quantity]) -> impl Iterator<Item = (Role, Range<usize>)> + '_ {
     quantities.iter().map(|quantity| (quantity.role, quantity.tangent()))

@@ -9,7 +9,6 @@ use serde_json::json;
 
 use super::console::OutputMode;
 use crate::catalogue::casimir::symbols;
-use crate::catalogue::quantities::laid_out;
 use crate::catalogue::{Catalogue, Entry};
 use crate::error::Error;
 use crate::setup::{Method, Order, Retraction};
@@ -139,7 +138,7 @@ fn assignments(quantities: &[Quantity], state: &[f64]) -> String {
         let rounded = |x: &f64| ((x * 1e3).round() / 1e3 + 0.0).to_string();
         format!("{}={}", quantity.name, state[slots].iter().map(rounded).collect::<Vec<_>>().join(","))
     };
-    laid_out(quantities).map(quantity).collect::<Vec<_>>().join(" ")
+    Quantity::with_ranges(quantities).map(quantity).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 use super::console::{Console, OutputMode};
 use super::interrupt;
 use super::motion::{Motion, MotionArguments, SchemeArguments, check_scheme, job};
-use crate::catalogue::quantities::laid_out;
 use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Catalogue, Entry, component_name};
 use crate::error::{Error, RunError, SetupError};
@@ -212,7 +211,7 @@ fn moved(
 fn observables(entry: &Entry, asked: &[String]) -> Result<Vec<(String, Observable)>, SetupError> {
     let mut all = vec![("energy".to_owned(), Observable::Energy)];
     let mut momenta = Vec::new();
-    for (quantity, slots) in laid_out(entry.description.state) {
+    for (quantity, slots) in Quantity::with_ranges(entry.description.state) {
         let Quantity { role, components, .. } = quantity;
         for (component, slot) in components.iter().zip(slots) {
             let observable = (component_name(quantity, component), Observable::State(slot));

@@ -8,7 +8,6 @@ use serde_json::{Value, json};
 
 use super::console::OutputMode;
 use super::program;
-use crate::catalogue::quantities::laid_out;
 use crate::catalogue::{Catalogue, Entry, casimir};
 use crate::error::Error;
 use crate::setup::{Method, Retraction};
@@ -93,7 +92,7 @@ fn quantities(
     if !all.is_empty() {
         writeln!(words, "\n{title}")?;
     }
-    for (quantity, slots) in laid_out(all) {
+    for (quantity, slots) in Quantity::with_ranges(all) {
         let list = |values: &[f64]| values.iter().map(|x| exact(*x)).collect::<Vec<_>>().join(",");
         let value = values.map_or(String::new(), |values| format!("={}", list(&values[slots])));
         let unit = entry.unit(quantity.name);
@@ -148,7 +147,7 @@ fn object(entry: &Entry) -> Value {
                 "about": quantity.doc, "example": values.map(|values| &values[slots]),
             })
         };
-        laid_out(all).map(quantity).collect::<Vec<_>>()
+        Quantity::with_ranges(all).map(quantity).collect::<Vec<_>>()
     };
     let conserved = |(name, unit): (&str, &str)| json!({ "name": name, "unit": unit });
     json!({

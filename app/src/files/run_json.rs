@@ -13,7 +13,6 @@ use serde_json::{Map, Value, json};
 
 use super::path::{followed, is_special, is_stdout};
 use crate::catalogue::Entry;
-use crate::catalogue::quantities::laid_out;
 use crate::error::{FileError, SetupError};
 use crate::setup::{Classical, Job, Method, Order, Retraction, Setup, assignments};
 use crate::simulate::simulate;
@@ -239,7 +238,7 @@ fn object(value: Value) -> Map<String, Value> {
 }
 
 pub(crate) fn by_name(quantities: &[Quantity], values: &[impl Serialize]) -> Map<String, Value> {
-    let named = laid_out(quantities).map(|(quantity, slots)| {
+    let named = Quantity::with_ranges(quantities).map(|(quantity, slots)| {
         let value = match &values[slots] {
             [scalar] => json!(scalar),
             components => json!(components),

@@ -1,10 +1,10 @@
 //! The page of a run: its system's scene at each sample, curves, and what made it.
 
-use coadjoint::system::Role;
+use coadjoint::system::{Quantity, Role};
 
 use super::format::{Detail, DetailValue, FORMAT, Page, Plot, Run, Scale, Series, Space};
 use crate::catalogue::plotted::PlottedQuantity;
-use crate::catalogue::quantities::{laid_out, rotation};
+use crate::catalogue::quantities::rotation;
 use crate::catalogue::{ControlLaw, Entry, casimir};
 use crate::record::{PageRecorder, PageSamples};
 use crate::scene::{self, Frames, rounded};
@@ -53,7 +53,7 @@ fn details(entry: &Entry, heading: &PageHeading<'_>) -> Vec<Detail> {
     let detail =
         |name: &str, value, unit: &str| Detail { name: name.to_owned(), value, unit: unit.to_owned() };
     let mut details = Vec::new();
-    for (quantity, slots) in laid_out(entry.description.parameters) {
+    for (quantity, slots) in Quantity::with_ranges(entry.description.parameters) {
         let value = match heading.parameters.get(slots).unwrap_or_default() {
             [one] => DetailValue::Number(*one),
             several => DetailValue::Numbers(several.to_vec()),

@@ -1,10 +1,10 @@
 //! The bodies and arrows of a scene, at each sample of a run.
 
 use coadjoint::prelude::*;
+use coadjoint::system::Quantity;
 
 use super::{Arrow, Body, Frame, Scene, Source, Vector};
 use crate::catalogue::plotted::PlottedQuantity;
-use crate::catalogue::quantities::laid_out;
 use crate::catalogue::{ControlLaw, Entry};
 use crate::record::RecordedSample;
 use serde::{Deserialize, Serialize};
@@ -84,8 +84,8 @@ impl<'a> Frames<'a> {
 
     /// Points a control of one number along a direction.
     fn along(&self, name: &str, direction: &[f64; 3]) -> Option<Track> {
-        let (_, slots) =
-            laid_out(self.entry.description.controls).find(|(quantity, _)| quantity.name == name)?;
+        let (_, slots) = Quantity::with_ranges(self.entry.description.controls)
+            .find(|(quantity, _)| quantity.name == name)?;
         let at = |controls: &Vec<f64>| {
             let size = controls.get(slots.start)?;
             Some(direction.map(|x| rounded(x * size)).to_vec())

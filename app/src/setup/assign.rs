@@ -1,13 +1,12 @@
 //! `--set name=value`: parameters, the initial state and controls, by the names of their quantities or single
 //! components.
 
-use coadjoint::system::Role;
+use coadjoint::system::{Quantity, Role};
 
 use super::names::{Names, Part, count, named, numbers};
 use super::rotation::normalize;
 use super::transport::moved;
 use super::{Setup, check};
-use crate::catalogue::quantities::laid_out;
 use crate::catalogue::{Entry, component_name};
 use crate::error::{RunError, SetupError};
 
@@ -108,7 +107,7 @@ impl<'e> Changes<'e> {
 /// Turns what is advected and was not given along with configurations that were.
 fn turn_along(entry: &Entry, setup: &mut Setup, given: &[bool]) -> Vec<String> {
     let mut notes = Vec::new();
-    let quantities = || laid_out(entry.description.state);
+    let quantities = || Quantity::with_ranges(entry.description.state);
     let is_given = |slots: &std::ops::Range<usize>| given[slots.clone()].contains(&true);
     let turned: Vec<&str> = quantities()
         .filter(|(quantity, slots)| {
@@ -157,7 +156,7 @@ fn other_casimirs(entry: &Entry, setup: &Setup) -> Vec<String> {
     let system = entry.system(&setup.parameters);
     let values = |state: &[f64]| system.casimirs(state);
     let mut other_momentum = setup.state.clone();
-    for (quantity, slots) in laid_out(entry.description.state) {
+    for (quantity, slots) in Quantity::with_ranges(entry.description.state) {
         if quantity.role == Role::Momentum {
             other_momentum[slots].iter_mut().enumerate().for_each(|(i, x)| *x += 1.0 + 0.25 * i as f64);
         }
@@ -182,11 +181,11 @@ pub(crate) fn assignments(entry: &Entry, setup: &Setup) -> Vec<String> {
     for (quantities, values) in
         [(description.parameters, &setup.parameters), (description.state, &setup.state)]
     {
-        let all = laid_out(quantities);
+        let all = Quantity::with_ranges(quantities);
         assignments
             .extend(all.map(|(quantity, slots)| format!("{}={}", quantity.name, numbers(&values[slots]))));
     }
-    for (quantity, slots) in laid_out(description.controls) {
+    for (quantity, slots) in Quantity::with_ranges(description.controls) {
         for (component, held) in quantity.components.iter().zip(&setup.controls[slots]) {
             assignments.extend(held.map(|held| format!("{}={held:?}", component_name(quantity, component))));
         }

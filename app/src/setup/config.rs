@@ -1,5 +1,6 @@
 //! Runs described in a TOML file: `coadjoint init` writes one, `coadjoint run --config` reads it.
 
+use coadjoint::system::Quantity;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{self, Read};
@@ -10,7 +11,6 @@ use toml::{Table, Value};
 
 use super::{Changes, Format, Method, Names, Order, Retraction};
 use crate::catalogue::Entry;
-use crate::catalogue::quantities::laid_out;
 use crate::error::{Error, FileError, SetupError};
 
 /// The content of a configuration file; what is missing has its default.
@@ -175,7 +175,7 @@ fn write_example(text: &mut String, entry: &Entry) -> std::fmt::Result {
             continue;
         }
         writeln!(text, "\n[{section}]")?;
-        for (quantity, slots) in laid_out(quantities) {
+        for (quantity, slots) in Quantity::with_ranges(quantities) {
             if !quantity.doc.is_empty() {
                 writeln!(text, "# {}", quantity.doc)?;
             }
@@ -201,7 +201,7 @@ fn write_controls(text: &mut String, entry: &Entry) -> std::fmt::Result {
     if !entry.description.controls.is_empty() {
         writeln!(text, "\n# [controls] # to be held in place of what the system's own law chooses")?;
     }
-    for (quantity, slots) in laid_out(entry.description.controls) {
+    for (quantity, slots) in Quantity::with_ranges(entry.description.controls) {
         let zeros = vec!["0.0"; slots.len()].join(", ");
         match quantity.components {
             [""] => writeln!(text, "# {} = {zeros}", quantity.name)?,

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use coadjoint::system::Quantity;
 
-use crate::catalogue::quantities::laid_out;
 use crate::catalogue::suggest::did_you_mean;
 use crate::catalogue::{Entry, component_name};
 use crate::error::SetupError;
@@ -71,7 +70,7 @@ impl Name {
         let mut whole = Vec::new();
         let mut single = Vec::new();
         for (part, quantities) in parts(entry).into_iter().filter(|(part, _)| which.include(*part)) {
-            for (quantity, slots) in laid_out(quantities) {
+            for (quantity, slots) in Quantity::with_ranges(quantities) {
                 // a number in a list of one has a component's name too, as in tables
                 if quantity.components != [""] {
                     single.extend(quantity.components.iter().zip(slots.clone()).map(|(component, slot)| {

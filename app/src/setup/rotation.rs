@@ -2,8 +2,9 @@
 
 use super::Setup;
 use crate::catalogue::Entry;
-use crate::catalogue::quantities::{laid_out, rotation};
+use crate::catalogue::quantities::rotation;
 use crate::error::SetupError;
+use coadjoint::system::Quantity;
 
 /// Brings unit quaternions and unit complex numbers to length 1; returns notes for the user.
 ///
@@ -11,7 +12,7 @@ use crate::error::SetupError;
 /// If a rotation is zero.
 pub(super) fn normalize(entry: &Entry, setup: &mut Setup) -> Result<Vec<String>, SetupError> {
     let mut notes = Vec::new();
-    for (quantity, slots) in laid_out(entry.description.state) {
+    for (quantity, slots) in Quantity::with_ranges(entry.description.state) {
         let Some((count, unit)) = rotation(quantity) else { continue };
         let components = &mut setup.state[slots.start..slots.start + count];
         // scaled by the largest component, so that no square overflows or vanishes

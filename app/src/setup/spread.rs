@@ -6,7 +6,7 @@ use super::Setup;
 use super::names::{Name, Names, Part, count, named, numbers};
 use super::random::Random;
 use super::transport::{displace, places};
-use crate::catalogue::quantities::{laid_out, matrix_order, rotation};
+use crate::catalogue::quantities::{matrix_order, rotation};
 use crate::catalogue::{Entry, component_name};
 use crate::error::SetupError;
 
@@ -164,7 +164,7 @@ impl Variation {
             (entry.description.state, &self.state, true),
         ];
         for (quantities, widths, of_state) in parts {
-            for (quantity, place) in laid_out(quantities) {
+            for (quantity, place) in Quantity::with_ranges(quantities) {
                 for (component, slot) in quantity.components.iter().zip(place) {
                     // what mirrors another number is the same
                     let is_second = !of_state && self.mirrored.iter().any(|(_, second)| *second == slot);
@@ -262,7 +262,7 @@ fn turn(entry: &Entry, quantity: &Quantity, width: f64, unit: &'static str) -> O
 /// The entries of square matrices that are symmetric in the setup, each with its mirror image.
 fn mirrored(entry: &Entry, setup: &Setup) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
-    for (quantity, slots) in laid_out(entry.description.parameters) {
+    for (quantity, slots) in Quantity::with_ranges(entry.description.parameters) {
         let n = slots.len().isqrt();
         // `xx` and so on: else it is a vector
         let is_matrix = quantity.components.iter().all(|component| component.chars().count() == 2);
@@ -290,8 +290,8 @@ fn width(entry: &Entry, target: &Name, value: &str) -> Result<Width, SetupError>
     }
     let turns = rotation(target.quantity).filter(|_| target.part == Part::State);
     if let Some((stored, _)) = turns {
-        let whole =
-            laid_out(entry.description.state).find(|(quantity, _)| quantity.name == target.quantity.name);
+        let whole = Quantity::with_ranges(entry.description.state)
+            .find(|(quantity, _)| quantity.name == target.quantity.name);
         let start = whole.map_or(0, |(_, slots)| slots.start);
         if target.is_whole() {
             let form = format!("a rotation spreads by an angle: write `{name}=5deg` or `{name}=0.1rad`");

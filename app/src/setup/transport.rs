@@ -10,7 +10,7 @@ use coadjoint::erased::{self, Map};
 use coadjoint::system::{Quantity, Role};
 use nalgebra::{Complex, DMatrix, DVector, Quaternion, UnitQuaternion};
 
-use crate::catalogue::quantities::{laid_out, rotation, tangent_places};
+use crate::catalogue::quantities::{rotation, tangent_places};
 
 /// A quantity of the state: where its numbers are, and where those of its tangent vectors.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub(super) struct Place {
 /// All quantities of a state.
 pub(super) fn places(state: &'static [Quantity]) -> Vec<Place> {
     let of_tangents = tangent_places(state).map(|(_, tangent)| tangent);
-    laid_out(state)
+    Quantity::with_ranges(state)
         .zip(of_tangents)
         .map(|((quantity, slots), tangent)| Place { quantity, slots, tangent })
         .collect()
