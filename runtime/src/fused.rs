@@ -4,8 +4,8 @@ use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::method::{Advanced, Clock, Failure, Method, Outcome, StepsReport};
-use crate::scalar::simd::lanes::Processor;
-use crate::scalar::{Batch, Components, LongWork, Scalar, Work};
+use crate::scalar::simd::lanes::{Portable, Processor};
+use crate::scalar::{Batch, Components, LongWork, On, Scalar, Work};
 use crate::system::{Discretized, System};
 
 /// The scheme `M` with products and sums rounded once, for speed.
@@ -80,10 +80,10 @@ fn unwrapped<T: Batch, W: Components<FusedScalar<T>>, C: Components<T>>(componen
     unwrapped
 }
 
-/// Does the work where the instructions are: numbers side by side are there already.
+/// Does the work where the instructions are: wide registers are there already.
 #[inline(always)]
 fn inside<T: Batch, W: Work>(work: W) -> W::Result {
-    if const { T::LANES == 1 } { T::dispatch_fused(work) } else { work.done() }
+    if const { T::HAS_FMA } { work.done() } else { T::dispatch_fused(work) }
 }
 
 struct Step<'a, B: Method, C> {
@@ -343,6 +343,10 @@ impl<T: Batch> Batch for FusedScalar<T> {
     }
     #[inline(always)]
     fn dispatch_wide<W: LongWork>(work: W) -> W::Result {
-        T::dispatch_wide(work)
+        if const { T::LANES == 1 } {
+            T::dispatch_wide(work)
+        } else {
+            Self::dispatch(On::<Portable, W>::new(work))
+        }
     }
 }

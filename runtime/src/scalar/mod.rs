@@ -181,6 +181,8 @@ pub trait Batch: Scalar + sealed::Sealed {
     const PAIRS: bool = false;
     /// Whether [`mul_add`](Scalar::mul_add) is [`fma`](Self::fma).
     const IS_FUSED: bool = FUSED;
+    /// Whether what computes with these numbers is compiled for a processor with an instruction for [`fma`](Self::fma) already.
+    const HAS_FMA: bool = false;
     /// `self · a + b`, rounded once.
     fn fma(self, a: Self, b: Self) -> Self;
     /// Does the work in a function of its own, compiled for what these numbers need of the processor: for what comes rarely, and for what

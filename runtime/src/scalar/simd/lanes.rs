@@ -338,10 +338,20 @@ impl<X: Real, const N: usize, P: Processor> Batch for Lanes<X, N, P> {
         }
         Self(numbers, P::Alignment::default())
     }
+    const HAS_FMA: bool = P::FUSES;
     three_operands! { fma if Self::NATIVE && P::FUSES }
     #[inline(always)]
     fn dispatch<W: Work>(work: W) -> W::Result {
         P::dispatch(work)
+    }
+    #[cfg(all(feature = "std", target_arch = "x86_64"))]
+    #[inline(always)]
+    fn dispatch_fused<W: Work>(work: W) -> W::Result {
+        if const { P::FUSES } {
+            P::dispatch(work)
+        } else {
+            crate::scalar::simd::processor::dispatch_fused(work)
+        }
     }
 }
 
