@@ -93,9 +93,12 @@ impl<'a> Trial<'a> {
     /// The solution to which a path leads along which the residual at the first approximation is taken away, part by
     /// part.
     pub fn continued(&mut self) -> Option<Solved> {
-        PARTS.into_iter().find_map(|parts| {
-            let end = self.path(parts)?;
-            self.solved(end)
+        PARTS.into_iter().find_map(|count| {
+            let end = self.path(count)?;
+            let solved = self.solved(end.clone())?;
+            let [before, after] = [&end, &solved.unknown].map(|unknown| parts(unknown, 0));
+            let by: Vec<f64> = after.iter().zip(&before).map(|(after, before)| after - before).collect();
+            (stride(self.equation.blocks(), &by, &before, &after) <= STRIDE).then_some(solved)
         })
     }
 
@@ -239,13 +242,7 @@ impl<'a> Trial<'a> {
                 let here = parts(&unknown, 0);
                 let [_, correction] = self.equation.correction(&here, Some(&residual));
                 unknown = plus(&unknown, -1.0, &correction);
-                let (before, after) = (sums(blocks, &here), sums(blocks, &parts(&unknown, 0)));
-                let moves = sums(blocks, &correction)
-                    .iter()
-                    .zip(before.iter().zip(after))
-                    .fold(0.0_f64, |moves, (by, (before, after))| {
-                        moves.max(by / before.max(after).max(LEAST))
-                    });
+                let moves = stride(blocks, &correction, &here, &parts(&unknown, 0));
                 let strides = is_first && part > 1 && moves > STRIDE;
                 if strides || !(moves < last || moves <= ON_THE_WAY) {
                     return None;
@@ -263,6 +260,15 @@ impl<'a> Trial<'a> {
 /// `x + factor · by`
 fn plus(x: &[Wide], factor: f64, by: &[f64]) -> Vec<Wide> {
     x.iter().zip(by).map(|(x, by)| *x + Wide::exactly(*by) * Wide::of(factor)).collect()
+}
+
+/// How far a correction leads, relative to the larger one of the unknowns before and after it, in the block where that is most.
+fn stride(blocks: &[usize], by: &[f64], before: &[f64], after: &[f64]) -> f64 {
+    let sizes = sums(blocks, before).into_iter().zip(sums(blocks, after));
+    sums(blocks, by)
+        .iter()
+        .zip(sizes)
+        .fold(0.0_f64, |most, (by, (before, after))| most.max(by / before.max(after).max(LEAST)))
 }
 
 /// The sums of magnitudes in blocks of these lengths.

@@ -38,6 +38,13 @@ impl<T: Real> Bounded<T> {
         Self { value, error: brought + T::of(0.5) * value.abs() }
     }
 
+    /// What is certain of the magnitude: to divide by it. Where that is nothing, a bound to first order would say nothing.
+    #[inline]
+    fn certain(self) -> T {
+        let certain = self.value.abs() - T::of(T::EPSILON) * self.error;
+        if certain > T::of(0.0) { certain } else { T::of(0.0) }
+    }
+
     /// The value of a function with this derivative here.
     #[inline]
     fn function(self, value: T, derivative: T) -> Self {
@@ -76,7 +83,9 @@ impl<T: Real> Div for Bounded<T> {
     #[inline]
     fn div(self, other: Self) -> Self {
         let value = self.value / other.value;
-        Self::rounded(value, (self.error + value.abs() * other.error) / other.value.abs())
+        let brought = self.error + value.abs() * other.error;
+        let brought = if brought > T::of(0.0) { brought / other.certain() } else { brought };
+        Self::rounded(value, brought)
     }
 }
 
@@ -114,7 +123,7 @@ impl<T: Real> Scalar for Bounded<T> {
     }
     #[inline]
     fn ln(self) -> Self {
-        self.function(self.value.ln(), T::of(1.0) / self.value)
+        self.function(self.value.ln(), T::of(1.0) / self.certain())
     }
     #[inline]
     fn sin(self) -> Self {

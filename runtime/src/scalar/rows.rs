@@ -8,7 +8,7 @@ use crate::scalar::{Batch, Components};
 
 /// Components that are kept, and so many numbers after them: with one, three doubles fill a register of four.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
+#[repr(C, align(32))]
 pub(crate) struct Row<T, U, const SPARE: usize> {
     pub(crate) components: U,
     spare: [T; SPARE],

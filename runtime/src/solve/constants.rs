@@ -23,6 +23,9 @@ pub(super) const HARDLY: f64 = 0.025;
 /// But it is no less and no more than this, in units. Less would be rounding; where it is more, what is evaluated before the last iteration is not what
 /// belongs to the solution. The last one is for all iterations but the first, which contract by more than the angle of a step in some planes.
 pub(super) const TOLERANCE: [f64; 3] = [8.0, 128.0, 16.0];
+/// Where terms cancel, what rounding leaves of them is more, next to the unknown, and so is the second of these: by this share of the bound on what
+/// rounding leaves, in units of the unknown, and no more than this factor.
+pub(super) const TERMS: [f64; 2] = [0.25, 8.0];
 /// The largest rate of contraction of which `c / rate²` is as much as the last of these.
 pub(super) const QUICK: f64 = 0.04;
 /// Changes up to here are rounding, in units.
@@ -50,8 +53,14 @@ pub(super) const DAMPED: u32 = 40;
 pub(super) const SHORTEST: f64 = 1e-3;
 /// In how many parts a step is continued from its first approximation, if it takes more; one is Newton's method as it is.
 pub(super) const PARTS: [u32; 4] = [1, 4, 16, 64];
-/// Evaluations of such a step, and of each part.
+/// The same where nothing else leads to a solution, to see whether Newton's method and the path agree.
+pub(super) const MANY_PARTS: [u32; 4] = [4, 16, 64, 256];
+/// Evaluations of Newton's method then, at most.
+pub(super) const WANDERING: u32 = 60;
+/// Evaluations of the last part, or of the whole, and of each other part.
 pub(super) const EVALUATIONS: [u32; 2] = [12, 8];
+/// How far the last part of a path leads, relative to the unknown, at most.
+pub(super) const STRIDE: f64 = 0.25;
 /// What is left of a correction relative to the unknown where the next part may begin.
 pub(super) const ON_THE_WAY: f64 = 1e-3;
 /// Solutions that differ by more than this, relative to their size, and by more than so many times what rounding leaves of them, are two.

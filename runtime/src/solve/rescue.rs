@@ -1,6 +1,8 @@
 //! What is done for a step that neither iterations nor Newton's method solve: a lane at a time, from nothing that is remembered.
 
-use super::constants::{APART, DAMPED, EVALUATIONS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST};
+use super::constants::{
+    APART, DAMPED, EVALUATIONS, MANY_PARTS, ON_THE_WAY, PARTS, ROUNDINGS, SHORTEST, STRIDE, WANDERING,
+};
 use crate::error::StepError;
 use crate::kernel::{Equation, Evaluation, finite};
 use crate::scalar::blocks::{is_below, less, plus, relative};
@@ -34,14 +36,24 @@ impl<T: Batch, U: Components<T>> Work for Rescue<'_, T, U> {
             return Ok(*solution);
         }
         // on the way from the first approximation, whose solution it is, to the equation
-        let Some(continued) = PARTS.iter().find_map(|parts| self.continued(*parts)) else { return damped };
-        match damped {
-            Ok(Rescued { unknown, .. }) if !self.is_same(&unknown, &continued.unknown) => {
-                Err(StepError::SeveralSolutions)
+        match (damped, PARTS.iter().find_map(|parts| self.continued(*parts, Newton::Contracting))) {
+            (Ok(Rescued { unknown, .. }), Some(continued)) if !self.is_same(&unknown, &continued.unknown) => {
+                self.agreed().ok_or(StepError::SeveralSolutions)
             }
-            _ => Ok(continued),
+            (_, Some(continued)) => Ok(continued),
+            (Err(error), None) => self.agreed().ok_or(error),
+            (damped, None) => damped,
         }
     }
+}
+
+/// How far Newton's method goes.
+#[derive(Clone, Copy, PartialEq)]
+enum Newton {
+    /// As long as corrections become smaller.
+    Contracting,
+    /// Wherever corrections lead.
+    Wandering,
 }
 
 impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
@@ -107,25 +119,26 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
         (Err(StepError::NoConvergence { iterations: DAMPED, residual: left }), false)
     }
 
+    /// The solution to which Newton's method and a path in many parts both lead, wherever corrections lead between.
+    fn agreed(&self) -> Option<Rescued<T, U>> {
+        let direct = self.newton(*self.start, 0, Newton::Wandering)?;
+        let continued = MANY_PARTS.iter().find_map(|parts| self.continued(*parts, Newton::Wandering))?;
+        self.is_same(&direct.unknown, &continued.unknown).then_some(direct)
+    }
+
     /// The solution by continuation: of equations whose residuals at the first approximation are ever smaller parts of what it is there.
-    fn continued(&self, parts: u32) -> Option<Rescued<T, U>> {
+    fn continued(&self, parts: u32, last: Newton) -> Option<Rescued<T, U>> {
         let Evaluation { residual: first, .. } = self.equation.corrected(self.start, None);
         let (mut unknown, mut evaluations) = (*self.start, 1);
-        for part in 1..=parts {
+        for part in 1..parts {
             let left = 1.0 - f64::from(part) / f64::from(parts);
             let mut last = f64::INFINITY;
             loop {
-                let Evaluation { residual, iterate: whole, .. } = self.equation.corrected(&unknown, None);
-                evaluations += 1;
-                if let (true, Some(residual)) = (part == parts, self.solved(&residual, &unknown)) {
-                    return Some(Rescued { unknown, residual, evaluations });
-                }
-                let correction = if part == parts {
-                    whole
-                } else {
-                    self.equation.corrected(&unknown, Some(&plus(&residual, T::of(-left), &first))).iterate
-                };
+                let Evaluation { residual, .. } = self.equation.corrected(&unknown, None);
+                let residual = plus(&residual, T::of(-left), &first);
+                let correction = self.equation.corrected(&unknown, Some(&residual)).iterate;
                 let moves = self.size(relative::<T, _>(self.blocks, &correction, &unknown));
+                evaluations += 1;
                 // nor is it on its way where corrections do not become smaller
                 if !(moves < last || moves <= ON_THE_WAY)
                     || evaluations > EVALUATIONS[0] + EVALUATIONS[1] * parts
@@ -134,10 +147,38 @@ impl<T: Batch, U: Components<T>> Rescue<'_, T, U> {
                 }
                 unknown = less(&unknown, &correction);
                 last = moves;
-                if part < parts && moves <= ON_THE_WAY {
+                if moves <= ON_THE_WAY {
                     break;
                 }
             }
+        }
+        self.newton(unknown, evaluations, last)
+    }
+
+    /// The solution to which Newton's method leads from there, after so many evaluations.
+    fn newton(&self, from: U, before: u32, way: Newton) -> Option<Rescued<T, U>> {
+        let mut unknown = from;
+        let most = if way == Newton::Wandering { WANDERING } else { EVALUATIONS[0] + EVALUATIONS[1] };
+        let mut last = f64::INFINITY;
+        for evaluations in 1..=most {
+            let Evaluation { residual, iterate: correction, .. } = self.equation.corrected(&unknown, None);
+            if let Some(residual) = self.solved(&residual, &unknown) {
+                // what leads farther than a part of a path does may have come to another one
+                let far = self.size(relative::<T, _>(self.blocks, &less(&unknown, &from), &unknown));
+                let is_on_path = before == 0 || far <= STRIDE;
+                return is_on_path.then_some(Rescued {
+                    unknown,
+                    residual,
+                    evaluations: before + evaluations,
+                });
+            }
+            let moves = self.size(relative::<T, _>(self.blocks, &correction, &unknown));
+            let contracts = moves < last || moves <= ON_THE_WAY;
+            if !(contracts || way == Newton::Wandering && moves.is_finite()) {
+                return None;
+            }
+            unknown = less(&unknown, &correction);
+            last = moves;
         }
         None
     }
