@@ -35,7 +35,7 @@ pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, o
 pub use matrix::{Basis, BasisError, LARGEST_BASIS, Linear, LinearError, MatrixGroup, NamedMatrix};
 pub(crate) use product::consecutive;
 pub use product::{Place, Product};
-pub use representation::{Adjoint, Dual, Representation, Translation};
+pub use representation::{Adjoint, Dual, Representation, SpaceNames, Translation};
 pub(crate) use retraction::{Composite, Law};
 pub use retraction::{MatrixFunction, Retraction};
 pub use rigid::Rigid;

@@ -7,7 +7,7 @@
 
 use super::{
     Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
-    Representation, Translation,
+    Representation, SpaceNames, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -122,16 +122,8 @@ const COMPONENTS: &[Component] = &[
 pub(super) struct Plane(pub(super) usize);
 
 impl Representation for Plane {
-    fn name(&self) -> &'static str {
-        "R2"
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        &["x", "y"]
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.0
+    fn names(&self) -> SpaceNames {
+        SpaceNames { name: "R2", coordinates: &["x", "y"], algebra_dimension: self.0 }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -143,15 +135,10 @@ impl Representation for Plane {
         let x = x.0[0];
         let squared = x * x;
         match f {
-            MatrixFunction::Exponential => Translation {
-                body_part: complex(squared.stumpff(1), x * squared.stumpff(2), w),
-                rotated_part: Vector::zeros(x.arena(), 2),
-                is_tangent_group: false,
-            },
-            MatrixFunction::Cayley => {
-                let half = w.map(|component| component / 2);
-                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
+            MatrixFunction::Exponential => {
+                Translation::before(complex(squared.stumpff(1), x * squared.stumpff(2), w))
             }
+            MatrixFunction::Cayley => Translation::halves(w),
         }
     }
 

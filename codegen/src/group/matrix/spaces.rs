@@ -8,7 +8,7 @@ use super::powers::{FEW_TERMS, LinearMatrix, TERMS};
 use super::{Basis, RADIUS, leaked};
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::group::exact::{Rational, RationalMatrix};
-use crate::group::{MatrixFunction, Representation, Retraction, Translation};
+use crate::group::{MatrixFunction, Representation, Retraction, SpaceNames, Translation};
 
 /// Why matrices are no representation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -118,16 +118,9 @@ impl Linear {
 }
 
 impl Representation for Linear {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-
-    fn coordinates(&self) -> &'static [&'static str] {
-        self.coordinates
-    }
-
-    fn algebra_dimension(&self) -> usize {
-        self.matrices.len()
+    fn names(&self) -> SpaceNames {
+        let (name, coordinates) = (self.name, self.coordinates);
+        SpaceNames { name, coordinates, algebra_dimension: self.matrices.len() }
     }
 
     fn act_infinitesimally<'a>(&self, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
@@ -137,15 +130,8 @@ impl Representation for Linear {
     /// `φ₁(ρ_x) w`; for the Cayley map half the way before the rest, half of it after.
     fn translation<'a>(&self, f: MatrixFunction, x: &Vector<'a>, w: &Vector<'a>) -> Translation<'a> {
         match f {
-            MatrixFunction::Exponential => Translation {
-                body_part: self.rho.series(x, 1, w),
-                rotated_part: Vector::zeros(x.0[0].arena(), w.len()),
-                is_tangent_group: false,
-            },
-            MatrixFunction::Cayley => {
-                let half = w.map(|component| component / 2);
-                Translation { body_part: half.clone(), rotated_part: half, is_tangent_group: false }
-            }
+            MatrixFunction::Exponential => Translation::before(self.rho.series(x, 1, w)),
+            MatrixFunction::Cayley => Translation::halves(w),
         }
     }
 
