@@ -24,11 +24,8 @@ mod so3;
 mod structure;
 mod su2;
 
-pub(crate) use calculus::{
-    carried_back, d_left, d_right, placeholders, stored_perturbation, to_body, trivialized_gradient,
-};
 pub use definition::{
-    AsGroup, Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, Moved,
+    AsGroup, Component, ComponentValue, EquationNames, Equations, Group, GroupNames, Moved,
 };
 pub use euclidean::R;
 pub use families::{FAMILIES, LARGEST, family, family_meant, family_with_terms, one_word, sizes};

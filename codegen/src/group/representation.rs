@@ -1,6 +1,6 @@
 //! Linear spaces that groups act on.
 
-use super::calculus::{placeholders, to_body, transposed};
+use super::calculus::{placeholders, transposed};
 use super::exact::{Rational, RationalMatrix};
 use super::{Group, MatrixFunction, Retraction};
 use crate::expr::{Arena, Expr, Vector};
@@ -125,7 +125,7 @@ pub(super) fn matrices_of_action(
     };
     let matrix = |axis: usize| {
         let entries: Option<Vec<Rational>> = (0..n * n).map(|k| entry(axis, k)).collect();
-        Some(RationalMatrix { rows: n, columns: n, entries: entries? })
+        Some(RationalMatrix::new(n, n, entries?))
     };
     (0..x.len()).map(matrix).collect()
 }
@@ -158,7 +158,7 @@ impl Representation for Adjoint {
 
     /// `Ad_{τ(x)} v`
     fn transport<'a>(&self, f: MatrixFunction, x: &Vector<'a>, v: &Vector<'a>) -> Vector<'a> {
-        to_body(self.0, &self.0.closed_form(f, &-x), v)
+        self.0.to_body(&self.0.closed_form(f, &-x), v)
     }
 
     fn has(&self, retraction: Retraction) -> bool {

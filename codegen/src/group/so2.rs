@@ -6,8 +6,8 @@
 //!   `dR exp = 1`, `dR cay_x = 1/(1 + x²/4)`.
 
 use super::{
-    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
-    Representation, SpaceNames, Translation,
+    Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Representation,
+    SpaceNames, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -33,10 +33,10 @@ impl Group for SO2 {
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         let EquationNames { configuration, velocity, advected, energy, .. } = names;
-        let by_energy = |a: &&str| EquationTerm::by_energy(format!("{a} × ∂{energy}/∂{a}"));
         Equations {
             configuration: format!("{configuration} i {velocity}"),
-            momentum: advected.iter().map(by_energy).collect(),
+            bracket: None,
+            by_energy: advected.iter().map(|a| format!("{a} × ∂{energy}/∂{a}")).collect(),
             advected: advected.iter().map(|a| format!("−{velocity} J {a}")).collect(),
         }
     }

@@ -8,8 +8,8 @@
 //! * The logarithmic derivatives of both satisfy `(dR τ_x)ᵀ = dR τ_{−x}`.
 
 use super::{
-    Component, ComponentValue, EquationNames, EquationTerm, Equations, Group, GroupNames, MatrixFunction,
-    Moved, Representation, Retraction, Side, SpaceNames, Translation,
+    Component, ComponentValue, EquationNames, Equations, Group, GroupNames, MatrixFunction, Moved,
+    Representation, Retraction, Side, SpaceNames, Translation,
 };
 use crate::expr::{Expr, Number, Vector};
 use crate::quantity::Kind;
@@ -52,11 +52,10 @@ impl Group for SO3 {
 
     fn equations(&self, names: &EquationNames<'_>) -> Equations {
         let EquationNames { configuration, momentum, velocity, advected, energy } = names;
-        let bracket = EquationTerm::kept(format!("{momentum} × {velocity}"));
-        let by_energy = advected.iter().map(|a| EquationTerm::by_energy(format!("{a} × ∂{energy}/∂{a}")));
         Equations {
             configuration: format!("{configuration} hat({velocity})"),
-            momentum: std::iter::once(bracket).chain(by_energy).collect(),
+            bracket: Some(format!("{momentum} × {velocity}")),
+            by_energy: advected.iter().map(|a| format!("{a} × ∂{energy}/∂{a}")).collect(),
             advected: advected.iter().map(|a| format!("{a} × {velocity}")).collect(),
         }
     }

@@ -78,11 +78,10 @@ impl Structure {
         for i in 0..n {
             for j in 0..n {
                 let mut bracket = RationalMatrix::zero(1, n);
-                for &(a, x) in &vectors[i] {
-                    for &(b, y) in &vectors[j] {
-                        for &(k, constant) in self.bracket(a, b) {
-                            bracket.entries[k] = bracket.entries[k] + x * y * constant.into();
-                        }
+                let pairs = vectors[i].iter().flat_map(|x| vectors[j].iter().map(move |y| (x, y)));
+                for (&(a, x), &(b, y)) in pairs {
+                    for &(k, constant) in self.bracket(a, b) {
+                        bracket.entries[k] = bracket.entries[k] + x * y * constant.into();
                     }
                 }
                 for (k, constant) in filled(bracket.times(&inverse).row(0)) {

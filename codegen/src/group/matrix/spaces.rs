@@ -55,17 +55,14 @@ impl Linear {
     /// # Errors
     /// If they are no representation, or if numbers grow too large.
     pub fn given(basis: &Basis, rho: &Basis) -> Result<&'static Self, LinearError> {
-        if bounded(basis.dimension(), rho.size()).is_err() {
-            return Err(LinearError::TooLarge);
-        }
+        bounded(basis.dimension(), rho.size()).map_err(|_| LinearError::TooLarge)?;
         let algebra = Algebra::new(basis.matrices.clone()).map_err(|_| LinearError::TooLarge)?;
         let matrices = &rho.matrices;
         for i in 0..matrices.len() {
             for j in 0..i {
+                let zero = RationalMatrix::zero(rho.size(), rho.size());
                 let constants = algebra.structure.bracket(j, i).iter();
-                let bracket = constants.fold(RationalMatrix::zero(rho.size(), rho.size()), |sum, (k, c)| {
-                    sum.plus(&matrices[*k], Rational::from(*c))
-                });
+                let bracket = constants.fold(zero, |sum, (k, c)| sum.plus(&matrices[*k], Rational::from(*c)));
                 if matrices[j].commutator(&matrices[i]) != bracket {
                     return Err(LinearError::NoRepresentation(j, i));
                 }
@@ -166,9 +163,7 @@ impl Representation for Linear {
     }
 
     fn dual(&self) -> Option<&'static dyn Representation> {
-        let negative = |matrix: &RationalMatrix| {
-            RationalMatrix::zero(matrix.rows, matrix.rows).plus(&matrix.transpose(), -Rational::one())
-        };
+        let negative = |matrix: &RationalMatrix| matrix.transpose().scaled(-Rational::one());
         let matrices = self.matrices.iter().map(negative).collect();
         let name = match self.name.strip_prefix("dual(").and_then(|name| name.strip_suffix(')')) {
             Some(name) => name,
